@@ -176,9 +176,9 @@ class Dask:
                 f"the Dask scheduler {self.address!r} has no worker; start some with 'dask worker {self.address}' and "
                 "repeat the command: what is stored is not done again"
             ) from None
-        seen = client.get_versions(packages=SAME[1:])
-        here, wrong = _versions(seen["client"]), []
-        for worker, each in sorted(seen["workers"].items()):
+        versions = client.get_versions(packages=SAME[1:])
+        here, wrong = _versions(versions["client"]), []
+        for worker, each in sorted(versions["workers"].items()):
             other = [
                 f"{name} {has} instead of {here[name]}" for name, has in _versions(each).items() if has != here[name]
             ]

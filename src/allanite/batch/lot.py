@@ -118,20 +118,20 @@ def outliers(values: FloatArray) -> list[int]:
     """
     from scipy import stats
 
-    n, left, found, removed = values.size, np.arange(values.size), 0, list[int]()
+    n, kept, last, removed = values.size, np.arange(values.size), 0, list[int]()
     for i in range(1, (1 if n < 15 else n // 5) + 1):
-        rest = values[left]
+        rest = values[kept]
         spread = float(rest.std(ddof=1))
         if not spread > 0:
             break
         at = int(np.argmax(np.abs(rest - rest.mean())))
         size = abs(float(rest[at] - rest.mean())) / spread
         t = float(stats.t.isf(FALSE_ALARM / (2 * (n - i + 1)), n - i - 1))
-        removed.append(int(left[at]))
-        left = np.delete(left, at)
+        removed.append(int(kept[at]))
+        kept = np.delete(kept, at)
         if size > t * (n - i) / math.sqrt((n - i - 1 + t * t) * (n - i + 1)):
-            found = i
-    return removed[:found]
+            last = i
+    return removed[:last]
 
 
 TREND = 6

@@ -54,21 +54,21 @@ def several(named: Sequence[PathLike]) -> bool:
 
 def expand(named: Sequence[PathLike], besides: Iterable[str | None] = ()) -> Sources:
     """The files that are meant by these names, in the order in which they were named."""
-    left = {os.path.realpath(path) for path in besides if path is not None}
-    found: dict[str, str] = {}
+    outputs = {os.path.realpath(path) for path in besides if path is not None}
+    files_by_path: dict[str, str] = {}
     notes: list[str] = []
     for name in [os.fspath(path) for path in named]:
         files: Sequence[str] = [name]
         if os.path.isdir(name) and not is_recording(name):
-            files = _in_folder(name, left, notes)
+            files = _in_folder(name, outputs, notes)
         elif name != STDIN and _is_pattern(name):
             every = [file for file in sorted(glob.glob(name, recursive=True)) if is_recording(file)]
-            files = [file for file in every if os.path.realpath(file) not in left]
+            files = [file for file in every if os.path.realpath(file) not in outputs]
             if not files:
                 raise DataError(f"no file matches {name!r}; check the folder, and the pattern")
         for file in files:
-            found.setdefault(file if file == STDIN else os.path.realpath(file), file)
-    return Sources(tuple(found.values()), tuple(notes))
+            files_by_path.setdefault(file if file == STDIN else os.path.realpath(file), file)
+    return Sources(tuple(files_by_path.values()), tuple(notes))
 
 
 def _in_folder(folder: str, left: set[str], notes: list[str]) -> Sequence[str]:
@@ -95,8 +95,8 @@ def _is_pattern(name: str) -> bool:
 def manifest_of(source: PathLike, besides: Iterable[str | None] = ()) -> Sources:
     """The files of a batch, in the order of their names."""
     if several([source]):
-        found = expand([source], besides)
-        return Sources(tuple(sorted(found.files)), found.notes)
+        sources = expand([source], besides)
+        return Sources(tuple(sorted(sources.files)), sources.notes)
     path = Path(source)
     try:
         lines = path.read_text("utf-8-sig").splitlines()

@@ -146,8 +146,8 @@ class Store:
                 f"another run writes its results to {name}; wait until it has ended, or give another folder"
             )
         with file:
-            for left in (*self.folder.glob(DRAFTS), *(self.folder / PARTS).glob(DRAFTS)):
-                left.unlink()
+            for draft in (*self.folder.glob(DRAFTS), *(self.folder / PARTS).glob(DRAFTS)):
+                draft.unlink()
             yield
 
     def put_files(self, rows: list[Plain], choices: Plain) -> None:

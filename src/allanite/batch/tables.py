@@ -80,8 +80,8 @@ def put_tables(store: Store, files: Iterable[FileStatus]) -> Iterator[FileStatus
             group = ordered[i : i + AT_ONCE]
             parts = [store.get(file.key) if file.status == DONE else {} for file in group]
             for name, (_, rows_of) in TABLES.items():
-                found = zip(group, parts, strict=True)
-                rows = [row for file, part in found if "study" in part for row in rows_of(file.file, part["study"])]
+                results = zip(group, parts, strict=True)
+                rows = [row for file, part in results if "study" in part for row in rows_of(file.file, part["study"])]
                 if rows:
                     writers[name].write_table(as_table(rows, writers[name].schema))
             for file, part in zip(group, parts, strict=True):  # a stored result may be an error

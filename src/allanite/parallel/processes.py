@@ -96,19 +96,19 @@ def spread(function: Callable[[Item], Result], items: Sequence[Item], threads: i
     [1, 2, 3]
     """
     results: dict[int, Result] = {}
-    left = iter(range(len(items)))  # of which each is given once: a step of it is not divided between threads
+    indices = iter(range(len(items)))  # of which each is given once: a step of it is not divided between threads
 
     def work() -> None:
         try:
-            for i in left:
+            for i in indices:
                 results[i] = function(items[i])
         finally:
-            deque(left, maxlen=0)  # nobody goes on after an error
+            deque(indices, maxlen=0)  # nobody goes on after an error
 
     try:
         done, _ = wait([later(work) for _ in range(min(threads, len(items)))])
     finally:
-        deque(left, maxlen=0)
+        deque(indices, maxlen=0)
     for future in done:
         future.result()
     return [results[i] for i in range(len(items))]

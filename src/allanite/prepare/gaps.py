@@ -94,11 +94,11 @@ def joined(record: Record) -> tuple[FloatArray, Gaps, IntArray | None]:
             return y, whole(y.size), None
     elif complete(values):
         return np.asarray(np.diff(values), dtype=np.float64), whole(values.size - 1), None
-    there = np.flatnonzero(np.isfinite(values))
+    remaining = np.flatnonzero(np.isfinite(values))
     if record.kind == "angle":
         # a short gap is one long step, a long one is cut out: where quantization dominates, small rate noise can be
         # determined only from a continuous angle
-        spans, steps = np.diff(there), np.diff(values[there])
+        spans, steps = np.diff(remaining), np.diff(values[remaining])
         long = spans > 1
         shut = long & _short(steps, spans)
         # the rate during the gap is subtracted, except for one interval; over whole blocks no angle is open
@@ -112,8 +112,8 @@ def joined(record: Record) -> tuple[FloatArray, Gaps, IntArray | None]:
         at = np.concatenate((index[opened] + 1, index[shut]))
         lost = np.concatenate((spans[opened], spans[shut] - 1))
         flag = np.concatenate((np.zeros(int(opened.sum()), dtype=np.bool_), np.ones(int(shut.sum()), dtype=np.bool_)))
-        return steps[kept], Gaps(int(kept.sum()), at, lost, flag), (there[:-1] + (spans - 1) // 2)[kept]
-    return np.asarray(values[there] - record.constant, dtype=np.float64), gaps_between(there), there
+        return steps[kept], Gaps(int(kept.sum()), at, lost, flag), (remaining[:-1] + (spans - 1) // 2)[kept]
+    return np.asarray(values[remaining] - record.constant, dtype=np.float64), gaps_between(remaining), remaining
 
 
 def gaps_between(left: IntArray) -> Gaps:
@@ -128,12 +128,12 @@ def known_rates(record: Record) -> FloatArray:
     values = record.values
     if record.kind != "angle":
         return np.asarray(values, dtype=np.float64)
-    there = np.flatnonzero(np.isfinite(values))
-    spans = np.diff(there)
-    steps = np.diff(values[there])
+    remaining = np.flatnonzero(np.isfinite(values))
+    spans = np.diff(remaining)
+    steps = np.diff(values[remaining])
     known = (spans == 1) | _short(steps, spans)
     rates = np.full(record.size, np.nan)
-    rates[there[0] : there[-1]] = np.repeat(np.where(known, steps / spans, np.nan), spans)
+    rates[remaining[0] : remaining[-1]] = np.repeat(np.where(known, steps / spans, np.nan), spans)
     return rates
 
 
@@ -167,24 +167,24 @@ def refusal(record: Record) -> str:
     if complete(record.values):
         return ""
     gaps = joined(record)[1]
-    left, pieces = gaps.size, gaps.at.size + 1
-    lost = say("{lost} of {size} samples are missing", lost=record.size - left, size=record.size)
+    count, pieces = gaps.size, gaps.at.size + 1
+    lost = say("{lost} of {size} samples are missing", lost=record.size - count, size=record.size)
     reasons = (
-        (left < SHORTEST, say("{left} remain, {too_few}", left=left, too_few=FEW)),
+        (count < SHORTEST, say("{left} remain, {too_few}", left=count, too_few=FEW)),
         (
-            left < LEAST * record.size,
+            count < LEAST * record.size,
             say(
                 "less than a tenth remains, too little to determine slow noise; choose a window ({choice})",
                 choice=windowing(),
             ),
         ),
         (
-            left - pieces < NEIGHBOURS * left,
+            count - pieces < NEIGHBOURS * count,
             say(
                 "of {left} that remain, {followed} are followed by the next one: isolated samples cannot separate "
                 "rate noise from angle noise; choose a window ({choice}), or {apart}",
-                left=left,
-                followed=left - pieces,
+                left=count,
+                followed=count - pieces,
                 choice=windowing(),
                 apart=spelled(
                     say("read by themselves the channels that have samples in the same rows (--channels)"),

@@ -102,10 +102,10 @@ def excluded(pieces: Iterable[Piece], kinds: Sequence[str], spans: Sequence[tupl
         for values, kind in zip(columns, kinds, strict=True):
             cuts = [(max(first + KINDS[kind][1] - place, 0), last - place) for first, last in spans]
             inside = [(low, high) for low, high in cuts if low < min(high, len(values))]
-            left = np.array(values, dtype=np.float64) if inside else values
+            samples = np.array(values, dtype=np.float64) if inside else values
             for low, high in inside:
-                left[low:high] = np.nan
-            kept.append(left)
+                samples[low:high] = np.nan
+            kept.append(samples)
         yield place, kept
 
 
@@ -113,9 +113,9 @@ def window(pieces: Iterable[Piece], first: int, end: int | None) -> Iterator[Pie
     """The samples from `first` on, up to before `end`, whose places count from there."""
     for place, columns in pieces:
         low, high = max(first - place, 0), None if end is None else max(end - place, 0)
-        left = [values[low:high] for values in columns]
-        if any(map(len, left)):
-            yield place + low - first, left
+        inside = [values[low:high] for values in columns]
+        if any(map(len, inside)):
+            yield place + low - first, inside
 
 
 BLOCK = 1 << 20
@@ -168,22 +168,22 @@ class Inspector:
         `alone` says that it is the whole record. Outliers that are marked, or kept, have no places.
         """
         known = self.choice == "keep" or np.isfinite(block.values).sum() < FEWEST
-        found = Outliers(NONE, 0.0) if known else outliers(block, None if alone else self.size)
-        kept = marked(block, found) if self.choice == "mark" else block
+        spikes = Outliers(NONE, 0.0) if known else outliers(block, None if alone else self.size)
+        kept = marked(block, spikes) if self.choice == "mark" else block
         self.like = self.like or block
-        many, before = found.at.size, self.outliers
+        many, before = spikes.at.size, self.outliers
         if many:
-            first, last = block.cut + found.at[[0, -1]] / block.rate
+            first, last = block.cut + spikes.at[[0, -1]] / block.rate
             self.place = (self.place[0] if before.at.size else float(first), float(last + 1 / block.rate))
         self.outliers = Outliers(
-            np.broadcast_to(np.int64(0), before.at.size + many), max(before.limit, found.limit),
-            max(before.largest, found.largest), before.heavy + found.heavy,
+            np.broadcast_to(np.int64(0), before.at.size + many), max(before.limit, spikes.limit),
+            max(before.largest, spikes.largest), before.heavy + spikes.heavy,
         )  # fmt: skip
         if alone:
             self.only = kept
         else:
             self._look(kept)
-        return kept, NONE if self.choice else found.at
+        return kept, NONE if self.choice else spikes.at
 
     def quality(self, rate: float, size: int) -> Quality:
         """All findings, at the sampling rate and length of the whole."""
@@ -227,9 +227,9 @@ class Inspector:
         if block.out_of_range:
             self._keep(Finding("range", block.out_of_range, fatal=True), every=True)
             return
-        left, low, high, ends, run = looked(np.ascontiguousarray(block.steps, dtype=np.float64))
-        self.lost += block.size - left
-        if left < FEWEST:
+        finite, low, high, ends, run = looked(np.ascontiguousarray(block.steps, dtype=np.float64))
+        self.lost += block.size - finite
+        if finite < FEWEST:
             return
         self.filled += 1
         self.extent = (min(self.extent[0], low), max(self.extent[1], high))
@@ -244,9 +244,9 @@ class Inspector:
             loud = busy(view)
             self.loud += int(loud.sum()) if in_motion(loud) else 0
             self.seconds += loud.size
-            for one in inspect(view.record).findings:
-                if one.name not in OWN:
-                    self._keep(replace(one, fatal=False), every=False)
+            for finding in inspect(view.record).findings:
+                if finding.name not in OWN:
+                    self._keep(replace(finding, fatal=False), every=False)
 
     def _keep(self, one: Finding | None, *, every: bool) -> None:
         if one is not None:

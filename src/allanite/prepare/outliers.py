@@ -89,8 +89,8 @@ def outliers(record: Record, among: int | None = None) -> Outliers:
 
 def _found(record: Record, among: int | None) -> Outliers:
     steps = record.steps
-    there = None if complete(steps) else np.flatnonzero(np.isfinite(steps))
-    y = np.ascontiguousarray(steps if there is None else steps[there], dtype=np.float64)
+    known = None if complete(steps) else np.flatnonzero(np.isfinite(steps))
+    y = np.ascontiguousarray(steps if known is None else steps[known], dtype=np.float64)
     nothing = np.empty(0, np.int64)
     if y.size < 64:
         return Outliers(nothing, FEWEST)
@@ -104,7 +104,7 @@ def _found(record: Record, among: int | None) -> Outliers:
     if heavy or at.size > MOST * y.size:
         return Outliers(nothing, limit, heavy=int(at.size))
     at.sort()
-    return Outliers(at if there is None else there[at], limit, float(size.max(initial=0.0)))
+    return Outliers(at if known is None else known[at], limit, float(size.max(initial=0.0)))
 
 
 def marked(record: Record, found: Outliers) -> Record:
@@ -118,10 +118,10 @@ def marked(record: Record, found: Outliers) -> Record:
     what = say("{outliers}: marked as missing", outliers=found.words(record))
     if record.kind == "angle" and not found.at.size % 2 and record.values.dtype.kind == "f":
         # if all outliers are pairs of steps that cancel, the points between them are wrong
-        there, back = found.at[::2], found.at[1::2]
+        up, back = found.at[::2], found.at[1::2]
         steps = np.diff(record.values)
-        size = np.maximum(np.abs(steps[there]), np.abs(steps[back]))
-        if ((back == there + 1) & (np.abs(steps[there] + steps[back]) < 0.5 * size)).all():
+        size = np.maximum(np.abs(steps[up]), np.abs(steps[back]))
+        if ((back == up + 1) & (np.abs(steps[up] + steps[back]) < 0.5 * size)).all():
             values = record.values.copy()
             values[back] = np.nan
             return record.with_values(values, what, start=record.start)

@@ -148,11 +148,11 @@ def filled(view: View) -> tuple[float, float]:
     count = np.count_nonzero(inside)
     if not view.fast or step > FINE * view.fast or not count:
         return 0.0, 0.0
-    found = np.zeros(2)
+    counts = np.zeros(2)
     for part in parts:
         repeated, midway = apart(part) < step / 2, np.abs(view.bends[part]) < max(step / 2, least)
-        found += [np.count_nonzero(which & inside[part]) for which in (repeated, midway & ~repeated)]
-    held, between = (share if share > FILLED else 0.0 for share in (found / count).tolist())
+        counts += [np.count_nonzero(which & inside[part]) for which in (repeated, midway & ~repeated)]
+    held, between = (share if share > FILLED else 0.0 for share in (counts / count).tolist())
     return held, between
 
 

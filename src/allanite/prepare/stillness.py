@@ -26,12 +26,12 @@ def of_one_body(records: Sequence[Record | Header], qualities: Sequence[Quality]
     all of them.
     """
     carried = [i for i, record in enumerate(records) if record.signal.inertial]
-    found = list(qualities)
+    told = list(qualities)
     if len(carried) < 2:
-        return tuple(found)
+        return tuple(told)
     changes = [(records[i].name, change) for i in carried if (change := _named("level", qualities[i]))]
     for i, quality in zip(carried, _moved(carried, records, qualities), strict=True):
-        found[i] = quality
+        told[i] = quality
         if changes and not (_named("level", qualities[i]) or qualities[i].refusal):
             (name, first), *others = changes
             what = say("on the same body, {channel}: {level}", channel=name or say("another channel"), level=first.what)
@@ -40,8 +40,8 @@ def of_one_body(records: Sequence[Record | Header], qualities: Sequence[Quality]
                 what = join("; ", (what, say("so does that of {channels}", channels=names)))
             why = say("a disturbance of one axis may also affect the others")
             also = Finding("body level", what, why, first.remedy, first.place)
-            found[i] = Quality((*quality.findings, also))
-    return tuple(found)
+            told[i] = Quality((*quality.findings, also))
+    return tuple(told)
 
 
 def _named(name: str, quality: Quality) -> Finding | None:
@@ -151,10 +151,10 @@ def still_words(records: Sequence[Record | Header]) -> str:
     samples = [record for record in records if isinstance(record, Record)]
     if len(samples) < len(records) or len({(record.size, record.rate) for record in samples}) > 1:
         return ""
-    found = still_stretch(samples)
-    if found is None:
+    stretch = still_stretch(samples)
+    if stretch is None:
         return say("no stretch of it is static: record again with the sensor at rest")
-    start, end = found
+    start, end = stretch
     return say("the longest static stretch: {selection}", selection=between(start, end))
 
 
@@ -172,8 +172,8 @@ def _still(records: Sequence[Record], start: int, end: int) -> tuple[float, floa
     if end - start < SHORTEST:
         return None
     parts = trim(Recording(tuple(records)), start / first.rate, end / first.rate).records
-    there = np.logical_and.reduce([np.isfinite(part.steps) for part in parts])
-    if there.sum() < SHORTEST:
+    known = np.logical_and.reduce([np.isfinite(part.steps) for part in parts])
+    if known.sum() < SHORTEST:
         return None
     still = np.ones(end - start, dtype=np.bool_)
     for view in map(View, parts):
@@ -183,19 +183,19 @@ def _still(records: Sequence[Record], start: int, end: int) -> tuple[float, floa
             which, size = _unequal(view)[0], view.bends.size // PARTS
         inside = np.flatnonzero(np.repeat(which, size))
         still[inside if view.left is None else view.left[inside]] = False
-    if still.all() and there.mean() < THERE:
-        low, high = max(stretches(~there).tolist(), key=lambda hole: hole[1] - hole[0])
+    if still.all() and known.mean() < THERE:
+        low, high = max(stretches(~known).tolist(), key=lambda hole: hole[1] - hole[0])
         still[low:high] = False
     if still.all():
         return _seconds(first, start), _seconds(first, end)
-    runs = sorted(stretches(still).tolist(), key=lambda run: -int(there[run[0] : run[1]].sum()))
+    runs = sorted(stretches(still).tolist(), key=lambda run: -int(known[run[0] : run[1]].sum()))
     longest: tuple[float, float] | None = None
     for low, high in runs[:TRIED]:
         seconds = math.ceil(_seconds(first, start + low)), math.floor(_seconds(first, start + high))
         begin, stop = (max(round((whole - first.cut) * first.rate), 0) for whole in seconds)
         if longest is None or (stop - begin) / first.rate > longest[1] - longest[0]:
-            found = _still(records, begin, stop)
-            longest = max(filter(None, (longest, found)), key=lambda each: each[1] - each[0], default=None)
+            stretch = _still(records, begin, stop)
+            longest = max(filter(None, (longest, stretch)), key=lambda each: each[1] - each[0], default=None)
     return longest
 
 

@@ -75,11 +75,11 @@ def mark_motion(records: Sequence[Record]) -> tuple[Record, ...]:
 
 def motion(records: Sequence[Record]) -> BoolArray:
     """The intervals that `mark_motion` leaves out, shape (size,)."""
-    left = [record for record in records if record.signal.inertial]
-    moved = np.zeros(max((record.size for record in left), default=0), dtype=np.bool_)
+    carried = [record for record in records if record.signal.inertial]
+    moved = np.zeros(max((record.size for record in carried), default=0), dtype=np.bool_)
     for _ in range(PASSES):
         before = int(moved.sum())
-        for record in left:
+        for record in carried:
             moved[: record.size] |= _moving(_still(record, moved) if before else record)
         if int(moved.sum()) == before:
             break
@@ -154,8 +154,8 @@ def block_means(record: Record, m: int) -> Record:
     if not isinstance(m, (int, np.integer)) or not 1 <= m <= record.size // 2:
         raise UsageError(f"blocks must have between 1 and {record.size // 2} samples, not {given(m)}")
     kept = means(record.values, record.kind, int(m))
-    left = record.size - (len(kept) - KINDS[record.kind][1]) * m
-    return replace(record, values=kept, rate=record.rate / m, history=(*record.history, blocks_words(int(m), left)))
+    rest = record.size - (len(kept) - KINDS[record.kind][1]) * m
+    return replace(record, values=kept, rate=record.rate / m, history=(*record.history, blocks_words(int(m), rest)))
 
 
 def blocks_words(m: int, left: int) -> str:

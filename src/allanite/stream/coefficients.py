@@ -141,8 +141,10 @@ def search_in(
     demand_band(band)
     if stream.size < SHORTEST:
         raise DataError(say("{count} samples are {too_few}", count=stream.size, too_few=FEW))
-    seen = spectrum_of(stream, detrend=deterministic(symbols))
-    return pending_of(seen, (stream.like.name, stream.like.signal), symbols, band, masks=masks, rival=terms == "auto")
+    spectrum = spectrum_of(stream, detrend=deterministic(symbols))
+    return pending_of(
+        spectrum, (stream.like.name, stream.like.signal), symbols, band, masks=masks, rival=terms == "auto"
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,15 +173,15 @@ class Ladder:
         """Variance of the coefficients of the segments, shape (bins,)."""
         from scipy.linalg import toeplitz
 
-        found = mean.copy()
+        upper = mean.copy()
         for k in np.unique(self.level[self.low :]):
             own, factor = coarser(term, 1 << int(k))
             here = self.level == k
             here[: self.low] = False
             rows = _rows(int(k))
             C = toeplitz(second_difference(own, rows.shape[1]) / 2)
-            found[here] = factor * ((rows @ C) * rows).sum(axis=1)[self.index[here]]
-        return found
+            upper[here] = factor * ((rows @ C) * rows).sum(axis=1)[self.index[here]]
+        return upper
 
 
 def _rows(level: int) -> FloatArray:
@@ -206,11 +208,11 @@ def spectrum_of(stream: "Accumulator", *, detrend: bool) -> BinnedSpectrum:
     cells = stream.sums.cells
     width, full = cells.size, np.flatnonzero(cells.count >= FULL * cells.size)
     y = cells.total[full] / cells.count[full] * width**0.5
-    left = full - full[0]
-    slope = less_slope(y, left) if detrend else 0.0
-    gaps, n = gaps_between(left), y.size
+    places = full - full[0]
+    slope = less_slope(y, places) if detrend else 0.0
+    gaps, n = gaps_between(places), y.size
     wide = float(width) ** 1.5
-    ramp = transformed(left) if gaps.at.size else ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n)
+    ramp = transformed(places) if gaps.at.size else ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n)
     edges, upper = edges_of(n), _upper(stream, n * width, slope / wide)
     if upper.first.size:
         edges = np.append(edges[edges < upper.first[0]], upper.first[0])
@@ -230,7 +232,7 @@ def spectrum_of(stream: "Accumulator", *, detrend: bool) -> BinnedSpectrum:
         power=np.maximum(power, ROUNDING * float(power.mean())), peak=np.append(peak, none),
         peak_at=np.append(peak_at, upper.first).astype(np.int64),
         even=np.append(even, none), odd=np.append(odd, none), ramp=ramp * wide, slope=slope / wide, gaps=whole,
-        unit_factor=stream.like.rate_factor, times=(left + 0.5) * width, pieces=ladder,
+        unit_factor=stream.like.rate_factor, times=(places + 0.5) * width, pieces=ladder,
     )  # fmt: skip
 
 
@@ -250,7 +252,7 @@ def _upper(stream: "Accumulator", n: int, slope: float) -> Upper:
     """The powers of the segments of a stream of n samples, without the part of a ramp of `slope` per sample."""
     from allanite.kernels.ladder import BAND, UPPER
 
-    state, found = stream.sums.state, []
+    state, bins = stream.sums.state, []
     for k in reversed(range(int(stream.sums.cells.size).bit_length() - 2)):
         rows, many = _rows(k), int(state.segments[k])
         hop, base = rows.shape[1] // 2, UPPER + BAND * (k - 1) if k else 0
@@ -258,7 +260,7 @@ def _upper(stream: "Accumulator", n: int, slope: float) -> Upper:
         drift = (slope * 2.0 ** (1.5 * k) * (rows @ np.arange(2.0 * hop))) ** 2
         for j in range(len(rows) if many else 0):
             power = state.powers[base + j] / many / 2.0**k - drift[j]
-            found.append((edges[j], edges[j + 1] - edges[j], max(power, 0.0), k, j, many))
-    table = np.array(found, dtype=np.float64).reshape(-1, 6).T
+            bins.append((edges[j], edges[j + 1] - edges[j], max(power, 0.0), k, j, many))
+    table = np.array(bins, dtype=np.float64).reshape(-1, 6).T
     first, count, level, index = (table[i].astype(np.int64) for i in (0, 1, 3, 4))
     return Upper(first, count, table[2], level, index, table[5])

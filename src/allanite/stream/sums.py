@@ -107,11 +107,11 @@ def folded(hop: int) -> FloatArray:
     raw = _window(hop) * _cosines(hop)
     mean = raw.mean(axis=1)
     length = np.sqrt(((raw - mean[:, None]) ** 2).sum(axis=1))
-    found = np.zeros((1 + len(raw), 2 * hop))
-    found[0] = _window(hop)
-    found[1:, :hop] = np.cos(np.pi / hop * k * j) / length[:, None]
-    found[1:, hop] = -mean / length
-    return found
+    weights = np.zeros((1 + len(raw), 2 * hop))
+    weights[0] = _window(hop)
+    weights[1:, :hop] = np.cos(np.pi / hop * k * j) / length[:, None]
+    weights[1:, hop] = -mean / length
+    return weights
 
 
 def _window(hop: int) -> FloatArray:

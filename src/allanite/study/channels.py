@@ -87,8 +87,8 @@ def whole_recording(
     if isinstance(source, Record | Recording):
         return source if isinstance(source, Recording) else Recording((source,))
     if not isinstance(source, str | os.PathLike | FrameLike):
-        found = as_source(source, "analyze", cast(Sampling, recipe.to_dict(READING)))
-        return found if isinstance(found, Recording) else Recording((found,))
+        samples = as_source(source, "analyze", cast(Sampling, recipe.to_dict(READING)))
+        return samples if isinstance(samples, Recording) else Recording((samples,))
     tell = progress or (lambda what, fraction: None)
     tell("reading", 0.0)
     options = recipe.to_dict(READING) | {"along": tuple(along) or None, "otherwise": otherwise}
@@ -154,20 +154,20 @@ def each_channel(  # noqa: PLR0913 - each has a default but those that make the 
 
     imported(progress)
     with one_thread():
-        seen = _on_bodies(shared(inspected, channels, count=count, known=every))
+        checked = _on_bodies(shared(inspected, channels, count=count, known=every))
         if together:
-            seen = identified(
-                seen, together, fatal,
+            checked = identified(
+                checked, together, fatal,
                 lambda begin, able: shared(
                     begin, able, count=count, known=every, begun=lambda i: tells(able[i].name, i, 0.0, searching)
                 ),
             )  # fmt: skip
         results = shared(
-            lambda one: _result(one, work, refused, fatal), seen, count=count, known=every,
-            begun=lambda i: tells(seen[i].name, i, searching, 1.0),
+            lambda one: _result(one, work, refused, fatal), checked, count=count, known=every,
+            begun=lambda i: tells(checked[i].name, i, searching, 1.0),
         )  # fmt: skip
     if demand:
-        _demand_result(seen, results)
+        _demand_result(checked, results)
     tell("done", 1.0)
     return tuple(results)
 
@@ -179,7 +179,7 @@ def identified(
     each: Callable[[Callable[[Inspected], Started | None], Sequence[Inspected]], Sequence[Started | None]],
 ) -> Sequence[Inspected]:
     """The channels with an identification to be finished, begun in `each` of them: they may have a filter in common."""
-    able = [i for i, seen in enumerate(channels) if not (fatal or any(q.refusal for q in seen.qualities))]
+    able = [i for i, channel in enumerate(channels) if not (fatal or any(q.refusal for q in channel.qualities))]
     if len(able) < 2:
         return channels
 
@@ -191,17 +191,17 @@ def identified(
 
     known = {i: s for i, s in zip(able, each(started, [channels[i] for i in able]), strict=True) if s is not None}
     finish = dict(zip(known, finished(list(known.values())), strict=True))
-    return [replace(seen, finish=finish.get(i)) for i, seen in enumerate(channels)]
+    return [replace(channel, finish=finish.get(i)) for i, channel in enumerate(channels)]
 
 
 def _on_bodies(channels: Sequence[Inspected]) -> Sequence[Inspected]:
     """The channels with the findings of the others of the same recording, since these are mounted on one body."""
-    count = {len(seen.records) for seen in channels}
+    count = {len(channel.records) for channel in channels}
     if len(channels) < 2 or len(count) > 1:
         return channels
     bodies = (([s.records[k] for s in channels], [s.qualities[k] for s in channels]) for k in range(count.pop()))
     told = zip(*(of_one_body(records, qualities) for records, qualities in bodies), strict=True)
-    return [replace(seen, qualities=qualities) for seen, qualities in zip(channels, told, strict=True)]
+    return [replace(channel, qualities=qualities) for channel, qualities in zip(channels, told, strict=True)]
 
 
 def _result(
@@ -260,10 +260,10 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
         if reader is not None and keeping is not None:
             read, findings, notes, provenance = passed(reader, recipe, keeping, progress)
             fatal = Quality(findings).refusal
-            seen = identified(read, begin, fatal, lambda f, items: list(map(f, items))) if begin else read
-            results = tuple(_result(one, work, refused, fatal) for one in seen)
+            channels = identified(read, begin, fatal, lambda f, items: list(map(f, items))) if begin else read
+            results = tuple(_result(channel, work, refused, fatal) for channel in channels)
             if demand:
-                _demand_result(seen, results)
+                _demand_result(channels, results)
             if progress is not None:
                 progress("done", 1.0)
             return kind(results, recipe, findings, (*notes, *in_parts_too), provenance)
@@ -332,5 +332,7 @@ def _demand_result(channels: Sequence[Inspected], results: Sequence[Any]) -> Non
         for channel, result in zip(channels, results, strict=True):
             reasons.setdefault(result.refusal, []).append(channel.name or "the record")
         each = (say("{channels}: {reason}", channels=", ".join(which), reason=why) for why, which in reasons.items())
-        fatal = (finding.name for one in channels for q in one.qualities for finding in q.findings if finding.fatal)
+        fatal = (
+            finding.name for channel in channels for q in channel.qualities for finding in q.findings if finding.fatal
+        )
         raise DataError(join("; ", each), code=next(fatal, ""))

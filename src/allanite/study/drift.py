@@ -16,12 +16,13 @@ OPTIONS = {"start": "from"}
 
 def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -> tuple[Finding, ...]:
     """A finding for each additional column that the drift of some channels follows."""
-    found = []
+    findings = []
     for other in recording.others:
-        shares = {name: seen.share for name in names if (seen := follows(recording[name], other)) and seen.clear}
+        by_name = ((name, follows(recording[name], other)) for name in names)
+        shares = {name: following.share for name, following in by_name if following and following.clear}
         if shares:
             largest = max(shares.values())
-            found.append(
+            findings.append(
                 Finding(
                     "drift",
                     say(
@@ -34,7 +35,7 @@ def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -
                     say("remove it: {command}", command=compensation(recording.source, recipe, other.name)),
                 )
             )
-    return tuple(found)
+    return tuple(findings)
 
 
 def compensation(source: str, recipe: Recipe, column: str) -> str:

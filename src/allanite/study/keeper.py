@@ -179,9 +179,9 @@ def chosen(curve: Curve, taus: Taus, m: tuple[int, ...] | None = None) -> Curve:
         at = np.flatnonzero(some)
     else:
         factors = m if m is not None else tuple(round(tau * curve.rate) for tau in map(float, taus))
-        for one in factors:
-            if one not in curve.m:
-                raise UsageError(_not_there(one, curve.m, ""))
+        for factor in factors:
+            if factor not in curve.m:
+                raise UsageError(_not_there(factor, curve.m, ""))
         at = np.flatnonzero(np.isin(curve.m, factors))
     parts = {name: getattr(curve, name)[at] for name in ("m", "tau", "variance", "count", "factor")}
     return replace(curve, **parts, law=None if curve.law is None else Some(curve.law, at))
@@ -206,9 +206,9 @@ def demand_grid(taus: Taus, m: tuple[int, ...] | None, rate: float) -> None:
         return
     q, level = grid()
     known = np.unique(q << level)
-    for one in m or ():
-        if one not in known:
-            raise UsageError(_not_there(one, known, ""))
+    for factor in m or ():
+        if factor not in known:
+            raise UsageError(_not_there(factor, known, ""))
     for tau in () if m is not None else map(float, taus):
         factor = round(tau * rate)
         if factor not in known or abs(factor / rate - tau) > NEAR * tau:

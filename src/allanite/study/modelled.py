@@ -52,10 +52,10 @@ class NoiseSettings(NoiseChoices, Value):
     def given(self) -> Model | None:
         """The given model, or that of the sensor or of the data sheet; None if there is none of them."""
         makers = ((self.model, Model), (self.sensor, typical), (self.datasheet, lambda text: claimed(text)[0]))
-        found = [(text, make) for text, make in makers if text is not None]
-        if len(found) > 1:
+        given = [(text, make) for text, make in makers if text is not None]
+        if len(given) > 1:
             raise UsageError(f"the noise is given twice: use only one of {ways()}")
-        return found[0][1](found[0][0]) if found else None
+        return given[0][1](given[0][0]) if given else None
 
     def instead_of(self, source: object) -> Model | None:
         """The given model; None if there is a `source` in its place."""
@@ -113,10 +113,10 @@ class StateSpaceSettings(StateSpaceChoices, NoiseSettings):
         """The turn-on bias in the unit `si`."""
         if self.turn_on is None:
             return 0.0
-        found = split_quantities(self.turn_on.split())
-        if len(found) != 1 or not found[0][1]:
+        quantities = split_quantities(self.turn_on.split())
+        if len(quantities) != 1 or not quantities[0][1]:
             raise UsageError(f"a bias has the form '3 deg/h', not {self.turn_on!r}")
-        return convert(*found[0], si)
+        return convert(*quantities[0], si)
 
 
 Use = PlanSettings | SelfCheckSettings | StateSpaceSettings
@@ -191,10 +191,10 @@ class Modelled(Value):
         """The value written by `to_dict`, whose type is that of the result; the record has no samples."""
         if not isinstance(data, dict):
             raise unfit(data, "a table")
-        found = read_fields(cls, data, "record", "noise", "result")
+        stored = read_fields(cls, data, "record", "noise", "result")
         record = read_key(data, "record", Header | None)
         result = read_plain(data, dict(stored_fields(cls))["result"]) if "type" in data else None
-        return cls(**found, record=record, noise=noise_from(data), result=result)
+        return cls(**stored, record=record, noise=noise_from(data), result=result)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -230,8 +230,8 @@ class SelfChecks(ModelJob):
     def exceeded(self) -> list[str]:
         """Which limits of the settings are significantly exceeded, in sentences."""
         limits = self.settings.limits if isinstance(self.settings, SelfCheckSettings) else {}
-        found = [(c.name, c.result) for c in self.channels if isinstance(c.result, SelfCheck)]
-        return [f"{name} {what}".strip() for name, check in found for what in check.exceeded(**limits)]
+        checks = [(c.name, c.result) for c in self.channels if isinstance(c.result, SelfCheck)]
+        return [f"{name} {what}".strip() for name, check in checks for what in check.exceeded(**limits)]
 
 
 class StateSpaces(ModelJob):

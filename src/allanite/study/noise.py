@@ -30,20 +30,20 @@ REQUESTED = (("GM2",),)
 
 def graded(noise: Noise, record: Record) -> Noise:
     """The noise, with coefficients marked as not valid if the record, or its curve, contradicts them."""
-    left = noise.residuals
-    if left is None:
+    residuals = noise.residuals
+    if residuals is None:
         return noise
-    fit, noise = replace(noise.fit, checked=left.grade), replace(noise, leftover=Stored(left))
+    fit, noise = replace(noise.fit, checked=residuals.grade), replace(noise, leftover=Stored(residuals))
     if noise.validity == UNEXPLAINED:
         return replace(noise, fit=fit.invalid(REJECTED))
-    seen = measured(fit, record)
-    for symbol, reason in (contradictions(fit, seen) | not_rounding(fit, record)).items():
+    curve = measured(fit, record)
+    for symbol, reason in (contradictions(fit, curve) | not_rounding(fit, record)).items():
         fit = fit.invalid(reason, (symbol,))
-    if any(finding.name == "correlation" for finding in left.findings):
+    if any(finding.name == "correlation" for finding in residuals.findings):
         angle = [e.symbol for e in fit if e.claimed and TERMS[e.symbol].edge]
         fit = fit.invalid(say("the residuals are not white: the noise rises with frequency in another way"), angle)
-    if any(finding.name == "heavy tails" for finding in left.findings):
-        fit = widened(fit, math.sqrt(1 + left["kurtosis"].value / 2))
+    if any(finding.name == "heavy tails" for finding in residuals.findings):
+        fit = widened(fit, math.sqrt(1 + residuals["kurtosis"].value / 2))
     return replace(noise, fit=_valid_until(fit, measured(fit, record)))
 
 
@@ -177,12 +177,12 @@ def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
                 say("they are fitted on request only: a control loop, a second relaxation process, or vibration"),
                 say("ask for them ({option})", option=spelled(f"--terms {named}", f"terms={named!r}")),
             )
-            left = noise.residuals
+            residuals = noise.residuals
             noise = replace(noise, fit=replace(noise.fit, findings=(finding, *noise.fit.findings)))
             return (
                 noise
-                if left is None
-                else replace(noise, leftover=Stored(replace(left, findings=(finding, *left.findings))))
+                if residuals is None
+                else replace(noise, leftover=Stored(replace(residuals, findings=(finding, *residuals.findings))))
             )
     return noise
 

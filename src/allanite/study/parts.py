@@ -95,23 +95,23 @@ class Preparation:
     def blocks(self, parts: Iterable[tuple[int, list[NDArray[Any]]]]) -> Iterator[inspector.Piece]:
         """Blocks of the window, by their place in it."""
         first, end = self.span
-        found = inspector.placed(parts)
+        pieces = inspector.placed(parts)
         if self.m > 1:
-            found = inspector.averaged(found, self.kinds, self.m, inspector.BLOCK)
+            pieces = inspector.averaged(pieces, self.kinds, self.m, inspector.BLOCK)
         if self.spans:
             cuts = window.excluded_samples("", np.inf, self.rate, self.spans)
-            found = inspector.excluded(found, self.kinds, cuts)
+            pieces = inspector.excluded(pieces, self.kinds, cuts)
         if first or end is not None:
-            found = inspector.window(found, first, None if end is None else end + self.points)
-        return inspector.blocks(found, inspector.BLOCK, self.points)
+            pieces = inspector.window(pieces, first, None if end is None else end + self.points)
+        return inspector.blocks(pieces, inspector.BLOCK, self.points)
 
     def records(self, place: int, columns: Sequence[NDArray[Any]], size: int) -> tuple[Record, ...]:
         """A block of so many samples as records."""
         first, end = self.span
-        left = size if end is None else min(size, end - first - place)
+        rest = size if end is None else min(size, end - first - place)
         each = []
         for head, values in zip(self.heads, columns, strict=True):
-            kept = values[: left + KINDS[head.kind][1]]
+            kept = values[: rest + KINDS[head.kind][1]]
             kind = "increment" if head.kind == "count" and kept.dtype.kind == "f" else head.kind
             each.append(replace(head, values=kept, rate=self.rate, kind=kind, start=None, history=(),
                                 cut=(first + place) / self.rate))  # fmt: skip
@@ -180,10 +180,10 @@ def passed(
     beat = reader.clock.beat()
     rate, rows = beat.rate / ready.m, reader.clock.size
     done = (*reader.clock.history, *ready.history(rate, rows // ready.m))
-    seen = [channel.inspected(rate, beat.start, done, ready) for channel in channels]
-    records = [channel.inspector.only or one.first for channel, one in zip(channels, seen, strict=True)]
-    told = of_one_body(records, [one.quality for one in seen])
-    made = [replace(one, qualities=(quality,)) for one, quality in zip(seen, told, strict=True)]
+    inspected = [channel.inspected(rate, beat.start, done, ready) for channel in channels]
+    records = [channel.inspector.only or whole.first for channel, whole in zip(channels, inspected, strict=True)]
+    told = of_one_body(records, [channel.quality for channel in inspected])
+    made = [replace(channel, qualities=(quality,)) for channel, quality in zip(inspected, told, strict=True)]
     notes = (*reader.sense.notes(beat), *_notes(reader))
     return made, whole_findings(reader), notes, provenance_of() | {"source": reader.name, "sha256": digest.result()}
 

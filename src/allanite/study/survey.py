@@ -129,8 +129,8 @@ class Densities(DensityChoices, Value):
     def measure(self, record: Record, fit: Fit | None) -> Iterator[Result]:
         """One spectrum, or its deviation."""
         bins = self.bins if self.deviation is None else None
-        found = spectrum(record, self._row(), sides=self.sides, bins=bins or None)
-        yield found if self.deviation is None else deviation_of_spectrum(found, self.deviation)
+        density = spectrum(record, self._row(), sides=self.sides, bins=bins or None)
+        yield density if self.deviation is None else deviation_of_spectrum(density, self.deviation)
 
     def keeping(self, head: Record, size: int) -> Keeper:
         """What keeps the samples of a record that is read in parts, if the estimator needs no more than sums."""
@@ -145,8 +145,8 @@ class Densities(DensityChoices, Value):
     def kept(self, seen: Inspected, keeper: Keeper, fit: Fit | None) -> tuple[Result, ...]:
         """One spectrum, or its deviation, from what was kept."""
         bins = self.bins if self.deviation is None else None
-        found = of_raw(keeper.raw(), seen.first, self._row().title, sides=self.sides, bins=bins or None)
-        return (found if self.deviation is None else deviation_of_spectrum(found, self.deviation),)
+        density = of_raw(keeper.raw(), seen.first, self._row().title, sides=self.sides, bins=bins or None)
+        return (density if self.deviation is None else deviation_of_spectrum(density, self.deviation),)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -264,10 +264,10 @@ def side_by_side(surveys: Sequence[Survey], files: Sequence[str]) -> Survey:
     pairs = list(zip(told_apart(files), surveys, strict=True))
     return replace(
         surveys[0],
-        channels=tuple(_of_file(name, channel, len(one.channels)) for name, one in pairs for channel in one),
-        findings=tuple(replace(f, what=join(": ", (name, f.what))) for name, one in pairs for f in one.findings),
-        notes=tuple(dict.fromkeys(note for one in surveys for note in one.notes)),
-        provenance=joined([one.provenance for one in surveys]),
+        channels=tuple(_of_file(name, channel, len(study.channels)) for name, study in pairs for channel in study),
+        findings=tuple(replace(f, what=join(": ", (name, f.what))) for name, study in pairs for f in study.findings),
+        notes=tuple(dict.fromkeys(note for study in surveys for note in study.notes)),
+        provenance=joined([study.provenance for study in surveys]),
     )
 
 
@@ -327,5 +327,5 @@ def expected_of_models(
 ) -> Expectation | Expectations:
     """The expected curves of each model, or of what the settings give; the rest is that of `expected_curves`."""
     each = [replace(settings, model=model) for model in models] or [settings]
-    found = tuple(expected_curves(source, one, wanted, recipe) for one in each)
-    return found[0] if len(found) == 1 else Expectations(found)
+    expectations = tuple(expected_curves(source, model_settings, wanted, recipe) for model_settings in each)
+    return expectations[0] if len(expectations) == 1 else Expectations(expectations)

@@ -241,15 +241,15 @@ class Watch:
 
     def _new(self, channel: str, findings: Sequence[Finding]) -> Iterator[str]:
         """Sentences about findings that begin after those that were said."""
-        for one in findings:
-            if one.name not in AT_ONCE:
+        for finding in findings:
+            if finding.name not in AT_ONCE:
                 continue
-            begin, end = one.place or (0.0, 0.0)
-            if begin >= self._said.get((channel, one.name), -math.inf):
-                yield join(": ", (channel, str(one))) if channel else str(one)
-            elif end <= self._said[channel, one.name]:
+            begin, end = finding.place or (0.0, 0.0)
+            if begin >= self._said.get((channel, finding.name), -math.inf):
+                yield join(": ", (channel, str(finding))) if channel else str(finding)
+            elif end <= self._said[channel, finding.name]:
                 continue
-            self._said[channel, one.name] = end or math.inf
+            self._said[channel, finding.name] = end or math.inf
 
     def _again(self, feed: Feed) -> Generator[str, None, Feed | None]:
         """Wait until the source is back; the time without it is a gap. None if the watch ends before."""
