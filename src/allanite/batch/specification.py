@@ -263,10 +263,8 @@ def judge(channel: str, limit: Limit, seen: Seen) -> Judgement:
             return Judgement(channel, limit, NOT_SHOWN, None, seen.reason)
         text = say(
             "{reason}, below {limit:.3g} {unit}",
-            reason=seen.reason or say("not identified"),
-            limit=seen.upper / limit.factor,
-            unit=unit,
-        )
+            reason=seen.reason or say("not identified"), limit=seen.upper / limit.factor, unit=unit,
+        )  # fmt: skip
         return Judgement(channel, limit, PASS if seen.upper <= most else NOT_SHOWN, seen.upper, text)
     known = math.isfinite(seen.low) and math.isfinite(seen.high)
     near = known and seen.low <= most <= seen.high

@@ -183,14 +183,12 @@ def refusal(record: Record) -> str:
             say(
                 "of {left} that remain, {followed} are followed by the next one: isolated samples cannot separate "
                 "rate noise from angle noise; choose a window ({choice}), or {apart}",
-                left=count,
-                followed=count - pieces,
-                choice=windowing(),
+                left=count, followed=count - pieces, choice=windowing(),
                 apart=spelled(
                     say("read by themselves the channels that have samples in the same rows (--channels)"),
                     say("make a record of these samples alone, at their rate: values[::2]"),
                 ),
             ),
         ),
-    )
+    )  # fmt: skip
     return next((join("; ", (lost, reason)) for holds, reason in reasons if holds), "")

@@ -37,10 +37,8 @@ def stuck(view: View) -> Finding | None:
         "stuck",
         say(
             "the output is stuck in {places}, the first from {first:.6g} s to {last:.6g} s; {lost} samples in all",
-            places=say_count(len(bad), "{count} place", "{count} places"),
-            first=view.seconds(first),
-            last=view.seconds(last),
-            lost=lost,
+            places=say_count(len(bad), "{count} place", "{count} places"), first=view.seconds(first),
+            last=view.seconds(last), lost=lost,
         ),
         say("repeated values of a sensor or logger make the noise look smaller"),
         say(
@@ -48,7 +46,7 @@ def stuck(view: View) -> Finding | None:
             choice=longest_without(((view.seconds(a), view.seconds(b + 1)) for a, b in bad.tolist()), view.ends),
         ),
         (view.seconds(first), view.seconds(last)),
-    )
+    )  # fmt: skip
 
 
 class Clipping(NamedTuple):
@@ -111,11 +109,10 @@ def clipped(view: View) -> Finding | None:
                    factor=limits.factor)  # fmt: skip
     return Finding(
         "clipped",
-        join(", ", (*sides, where)),
-        lost,
+        join(", ", (*sides, where)), lost,
         say("use a larger range, or a window without it ({choice})", choice=windowing()),
         (view.seconds(limits.first), view.seconds(limits.last + 1)),
-    )
+    )  # fmt: skip
 
 
 def quantized(view: View) -> Finding | None:
@@ -174,8 +171,7 @@ def outlying(record: Record, found: Outliers, size: int) -> Finding | None:
         say("each of them adds to curves and spectra at all short averaging times"),
         say(
             "exclude them there, too ({option}), or choose a window without them ({choice})",
-            option=spelled("--outliers mark", "prepare.mark_outliers"),
-            choice=windowing(),
+            option=spelled("--outliers mark", "prepare.mark_outliers"), choice=windowing(),
         ),
         (cut + float(found.at[0]) / rate, cut + float(found.at[-1] + 1) / rate),
-    )
+    )  # fmt: skip

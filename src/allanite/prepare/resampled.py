@@ -54,10 +54,8 @@ def _held(view: View) -> Finding | None:
         return None
     what = say(
         "every {usual:.4g}th sample repeats the previous one: a sensor with {rate:.5g} Hz sampled at {sampled:.6g} Hz",
-        usual=view.rate / (view.rate - rate),
-        rate=rate,
-        sampled=view.rate,
-    )
+        usual=view.rate / (view.rate - rate), rate=rate, sampled=view.rate,
+    )  # fmt: skip
     return Finding("resampled", what, CONSEQUENCE, REMEDY)
 
 
@@ -103,10 +101,8 @@ def _interpolated(view: View) -> Finding | None:
     what = say(
         "the power of the fast noise is modulated at {beat:.5g} Hz by {share}: the samples were "
         "interpolated, from {rate:.6g} Hz or another rate that differs by a multiple of {beat:.5g} Hz",
-        beat=beat,
-        share=percent(depth),
-        rate=view.rate - beat,
-    )
+        beat=beat, share=percent(depth), rate=view.rate - beat,
+    )  # fmt: skip
     return Finding("resampled", what, CONSEQUENCE, REMEDY)
 
 

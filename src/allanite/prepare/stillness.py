@@ -58,17 +58,15 @@ def _moved(carried: list[int], records: Sequence[Record | Header], qualities: Se
     cure = still_words([records[i] for i in carried]) or motions[worst].remedy
     option = spelled("--channels", "channels=...")
     told = replace(
-        motions[worst],
-        name="body moved",
+        motions[worst], name="body moved",
         what=say(
             "the body moved: {channel} {motion}",
-            channel=records[worst].name or say("a channel"),
-            motion=motions[worst].what,
+            channel=records[worst].name or say("a channel"), motion=motions[worst].what,
         ),
         remedy=say(
             "{remedy}; leave out channels that are not part of this body ({option})", remedy=cure, option=option
         ),
-    )
+    )  # fmt: skip
     result = []
     for i in carried:
         own = [replace(f, remedy=cure) if f.name == "moving" else f for f in qualities[i].findings]
@@ -116,15 +114,12 @@ def moving(view: View) -> Finding | None:
         "moving",
         say(
             "moves from {first:.4g} s (RMS over {times:g} times that of the quietest tenth in {share} of the blocks)",
-            first=view.seconds(first),
-            times=MOVING,
-            share=percent(float(loud.mean())),
+            first=view.seconds(first), times=MOVING, share=percent(float(loud.mean())),
         ),
-        AT_REST,
-        still_words([view.record]),
+        AT_REST, still_words([view.record]),
         (view.seconds(first), view.seconds((loud.size - int(loud[::-1].argmax())) * view.span)),
         fatal=bool(loud.mean() > TOO_BUSY),
-    )
+    )  # fmt: skip
 
 
 def busy(view: View) -> BoolArray:
@@ -217,14 +212,12 @@ def level(view: View) -> Finding | None:
         say(
             "the noise level changes by a factor of {ratio:.3g} between parts; it differs from {start:.4g} s "
             "to {end:.4g} s",
-            ratio=math.sqrt(ratio.max() / ratio.min()),
-            start=first,
-            end=last,
+            ratio=math.sqrt(ratio.max() / ratio.min()), start=first, end=last,
         ),
         NEITHER,
         say("analyze the parts separately ({choice})", choice=longest_without(parts, view.ends)),
         (first, last),
-    )
+    )  # fmt: skip
 
 
 def _unequal(view: View) -> tuple[BoolArray, FloatArray]:
@@ -333,9 +326,7 @@ def slope(view: View) -> Finding | None:
         "slope",
         say(
             "slope near {slope:.1f} at {tau:.3g} s, {before:+.1f} before: no five-term model has such a curve",
-            slope=slopes[last],
-            tau=tau,
-            before=before[last],
+            slope=slopes[last], tau=tau, before=before[last],
         ),
         say("N is not meaningful here"),
         say(
@@ -343,4 +334,4 @@ def slope(view: View) -> Finding | None:
             option=spelled("--quiet-window", "prepare.quiet_window"),
         ),
         (0.0, record.duration),
-    )
+    )  # fmt: skip

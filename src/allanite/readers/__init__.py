@@ -109,19 +109,10 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     names = (channel_names(channels), channel_names(along))
     unit = None if unit is None else stated_unit(unit)
     options = Options(
-        rate,
-        unit,
-        kind,
-        scale,
+        rate, unit, kind, scale,
         *names,
-        time,
-        dtype,
-        columns,
-        offset,
-        channel_names(sincos),
-        otherwise=tuple(otherwise),
-        progress=progress,
-    )
+        time, dtype, columns, offset, channel_names(sincos), otherwise=tuple(otherwise), progress=progress,
+    )  # fmt: skip
     if not isinstance(path, (str, os.PathLike)) and hasattr(path, "columns"):
         return read_frame(path, options)
     with landed(path) as (file, member, name):

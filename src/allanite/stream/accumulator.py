@@ -142,14 +142,11 @@ class Accumulator:
         """
         values = np.ascontiguousarray(chunk)
         if values.ndim != 1 or values.dtype.kind not in "fiu":
-            raise DataError(
-                say(
-                    "a chunk is a row of real numbers, shape (n,), not {dtype} of shape {shape}; push every channel "
-                    "to an Accumulator of its own",
-                    dtype=values.dtype,
-                    shape=values.shape,
-                )
-            )
+            raise DataError(say(
+                "a chunk is a row of real numbers, shape (n,), not {dtype} of shape {shape}; push every channel "
+                "to an Accumulator of its own",
+                dtype=values.dtype, shape=values.shape,
+            ))  # fmt: skip
         values = values.astype(np.float64, copy=False)
         if self.like.kind == "angle" and values.size:
             begun = self.stop > self.start or math.isfinite(self.last)

@@ -62,13 +62,10 @@ def curve_of(stream: "Accumulator", noise: ModelLike | Fit | None) -> Curve:
     row, like, state = stream.row, stream.like, stream.sums.state
     which = np.flatnonzero(state.counts)
     if not which.size:
-        raise DataError(
-            say(
-                "{size} samples without a gap are too few for {statistic}; wait for more",
-                size=stream.size,
-                statistic=row.name,
-            )
-        )
+        raise DataError(say(
+            "{size} samples without a gap are too few for {statistic}; wait for more",
+            size=stream.size, statistic=row.name,
+        ))  # fmt: skip
     q, level = (values[which] for values in grid())
     m, count = q << level, state.counts[which]
     mean = state.sums[which] / count / (row.norm(m) * m.astype(np.float64) ** 2)
@@ -77,21 +74,12 @@ def curve_of(stream: "Accumulator", noise: ModelLike | Fit | None) -> Curve:
     if noise is not None:
         law = LaterLaw(Remembered(partial(supposed, noise)), partial(law_of, row, q, level, (count, like.rate)))
     return Curve(
-        statistic=row.name,
-        m=m,
-        tau=np.asarray(m * row.tau_factor / like.rate, dtype=np.float64),
-        variance=mean * (m * row.tau_factor) ** (2.0 * row.power) * unit**2,
-        count=count,
-        factor=np.ones(m.size),
-        unit=like.signal.si[row.power],
-        rate=like.rate,
-        size=stream.stop - stream.start,
-        name=like.name,
+        statistic=row.name, m=m, tau=np.asarray(m * row.tau_factor / like.rate, dtype=np.float64),
+        variance=mean * (m * row.tau_factor) ** (2.0 * row.power) * unit**2, count=count, factor=np.ones(m.size),
+        unit=like.signal.si[row.power], rate=like.rate, size=stream.stop - stream.start, name=like.name,
         history=(say("stream: windows of m = q 2^k, q = 8 .. 15, start every 2^k samples (stride)"),),
-        noise=None if noise is None else model_of(noise),
-        law=law,
-        supposes=law.words if law else None,
-    )
+        noise=None if noise is None else model_of(noise), law=law, supposes=law.words if law else None,
+    )  # fmt: skip
 
 
 def law_of(

@@ -22,19 +22,15 @@ def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -
         shares = {name: following.share for name, following in by_name if following and following.clear}
         if shares:
             largest = max(shares.values())
-            findings.append(
-                Finding(
-                    "drift",
-                    say(
-                        "the drift of {channels} follows {column}, up to {share} of the variance of block means",
-                        channels=", ".join(shares),
-                        column=other.name,
-                        share=percent(largest),
-                    ),
-                    say("B, K and R partly represent the sensitivity to it"),
-                    say("remove it: {command}", command=compensation(recording.source, recipe, other.name)),
-                )
-            )
+            findings.append(Finding(
+                "drift",
+                say(
+                    "the drift of {channels} follows {column}, up to {share} of the variance of block means",
+                    channels=", ".join(shares), column=other.name, share=percent(largest),
+                ),
+                say("B, K and R partly represent the sensitivity to it"),
+                say("remove it: {command}", command=compensation(recording.source, recipe, other.name)),
+            ))  # fmt: skip
     return tuple(findings)
 
 

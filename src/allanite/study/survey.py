@@ -72,18 +72,10 @@ class Deviations(DeviationChoices, Value):
         noise: Supposing | None = (None if single else fit) or ("auto" if self.fitted or single else None)
         for name in self.statistic:
             curve = deviation(
-                record,
-                name,
-                taus=self.taus,
-                m=self.m,
-                noise=noise,
-                bias=self.bias if self._biases(name) else None,
-                join=self.join,
-                divisor=self.divisor,
-                edf=self.edf,
-                power_law=self.power_law,
+                record, name, taus=self.taus, m=self.m, noise=noise, bias=self.bias if self._biases(name) else None,
+                join=self.join, divisor=self.divisor, edf=self.edf, power_law=self.power_law,
                 threads=max(self.threads, how_many()),
-            )
+            )  # fmt: skip
             yield curve if self.intervals else replace(curve, law=None, supposes=None)
 
     def keeping(self, head: Record, size: int) -> Keeper:

@@ -172,10 +172,8 @@ def test_heavy_libraries_are_imported_by_none_but_their_readers(tmp_path):
     code = "import sys, allanite; allanite.read(sys.argv[1]); print([m for m in sys.argv[2:] if m in sys.modules])"
     run = subprocess.run(
         [sys.executable, "-c", code, str(tmp_path / "a.npz"), "h5py", "pyarrow", "scipy.io", "rdata"],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
     assert run.stdout.strip() == "[]"
 
 

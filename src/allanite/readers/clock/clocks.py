@@ -120,10 +120,8 @@ def _by_name(columns: list[FileColumn]) -> tuple[FileColumn | None, str]:
     )
     return best[3], say(
         "{column} is used as the clock, of {count} candidates in the file: {candidates}",
-        column=best[3].label,
-        count=len(clocks),
-        candidates=candidates,
-    )
+        column=best[3].label, count=len(clocks), candidates=candidates,
+    )  # fmt: skip
 
 
 def _said(column: FileColumn) -> str:
@@ -208,8 +206,6 @@ def counted_grid(column: FileColumn | None, interval: float) -> SampleGrid | Non
     if column is None or where is None:
         return None
     return SampleGrid(
-        interval,
-        None,
-        where,
+        interval, None, where,
         (lost_samples(where, interval, say("according to the counter {column}", column=column.label)),),
-    )
+    )  # fmt: skip

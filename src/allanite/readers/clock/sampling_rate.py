@@ -128,21 +128,16 @@ def settled(seen: Stamped, grid: SampleGrid, lost: int) -> Beat:
     """The beat of time stamps by their grid, on which so many samples are missing."""
     given, label = seen.given, seen.column.label
     if grid.trouble and not given:
-        raise DataError(
-            say(
-                "{trouble}; {advice}, or {option} for another column",
-                trouble=grid.trouble,
-                advice=_rows(),
-                option=spelled("--time COLUMN", "time=..."),
-            )
-        )
+        raise DataError(say(
+            "{trouble}; {advice}, or {option} for another column",
+            trouble=grid.trouble, advice=_rows(), option=spelled("--time COLUMN", "time=..."),
+        ))  # fmt: skip
     if grid.trouble:
         return Beat(
             float(given or 0),
             notes=(*seen.first, say("{trouble}; the rows are assumed to be evenly spaced", trouble=grid.trouble)),
-            grid=grid,
-            contradictions=seen.against,
-        )
+            grid=grid, contradictions=seen.against,
+        )  # fmt: skip
     measured = 1 / grid.interval
     if seen.rate and _apart(seen.rate, measured, REFUSED):
         raise UsageError(
@@ -150,8 +145,7 @@ def settled(seen: Stamped, grid: SampleGrid, lost: int) -> Beat:
                 "the rate given, {rate} Hz, contradicts the time stamps of {column}, {measured} Hz{guessed}: omit it, "
                 "or ignore the time stamps with {option}",
                 rate=_shown(seen.rate), column=label, measured=_shown(measured),
-                guessed=f" ({seen.guessed})" if seen.guessed else "",
-                option=spelled("--time none", "time='none'"),
+                guessed=f" ({seen.guessed})" if seen.guessed else "", option=spelled("--time none", "time='none'"),
             ),
             choice="time", cure=("", "--time none"),
         )  # fmt: skip
@@ -191,11 +185,10 @@ def _contradiction(rate: float, other: float, source: str, told: Sequence[str] =
         rate=_shown(rate), source=source, other=_shown(other), apart=apart,
     )  # fmt: skip
     return Finding(
-        say("given rate"),
-        join(", ", (used, *told)),
+        say("given rate"), join(", ", (used, *told)),
         say("if the other is right, averaging times are wrong by that ratio, and coefficients by a power of it"),
         say("find out which is right, and give it with {option}", option=spelled("--rate HZ", "rate=...")),
-    )
+    )  # fmt: skip
 
 
 def _unstamped(sources: ClockSources, given: float | None, notes: tuple[str, ...]) -> Beat:

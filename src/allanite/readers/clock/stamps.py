@@ -210,10 +210,8 @@ def _in_ticks(stamps: Stamps) -> SampleGrid:
     if changes.size < 3:
         what = say(
             "the time stamps of {column} change {count} times in {size} rows",
-            column=label,
-            count=changes.size,
-            size=elapsed.size,
-        )
+            column=label, count=changes.size, size=elapsed.size,
+        )  # fmt: skip
         return SampleGrid(
             findings=(finding("coarse time stamps", what),), trouble=say("{what}: too coarse for the rate", what=what)
         )
@@ -224,11 +222,9 @@ def _in_ticks(stamps: Stamps) -> SampleGrid:
             "coarse time stamps",
             say(
                 "time stamps with a resolution of {length} in {column}, {each} rows per step",
-                length=duration(stamps.resolution),
-                column=label,
-                each=each,
+                length=duration(stamps.resolution), column=label, each=each,
             ),
-        )
+        )  # fmt: skip
     else:
         coarse = finding(
             "bursty time stamps",
@@ -250,20 +246,16 @@ def _with_losses(stamps: Stamps, interval: float, places: Places, found: tuple[F
     if gaps.min() < 1:
         what = say(
             "up to row {row} of the data there are more rows than the time stamps of {column} allow",
-            row=int(np.argmin(gaps)) + 2,
-            column=stamps.label,
-        )
+            row=int(np.argmin(gaps)) + 2, column=stamps.label,
+        )  # fmt: skip
         return SampleGrid(findings=(*found, finding("duplicate time stamps", what)), trouble=what)
     lost, row = int(places[-1]) + 1 - places.size, int(np.argmax(gaps))
     if lost > MOST_LOST * places[-1]:
         what = say(
             "the time stamps of {column} jump by {step:.6g} s before row {row} of the data, and {share:.4g} % "
             "of all samples would be missing: the clock was set, or the logger was stopped",
-            column=stamps.label,
-            step=stamps.steps[row],
-            row=row + 2,
-            share=100 * lost / int(places[-1]),
-        )
+            column=stamps.label, step=stamps.steps[row], row=row + 2, share=100 * lost / int(places[-1]),
+        )  # fmt: skip
         closed = finding(
             "missing samples", what, consequence=say("the rows are assumed to be evenly spaced, the jump is ignored")
         )

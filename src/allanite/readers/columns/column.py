@@ -41,13 +41,10 @@ class FileColumn:
     def demand_numbers(self) -> None:
         """Refuse a column of text."""
         if self.text:
-            raise DataError(
-                say(
-                    "{column} holds text ({text!r}) instead of numbers; select another column",
-                    column=self.label,
-                    text=self.text,
-                )
-            )
+            raise DataError(say(
+                "{column} holds text ({text!r}) instead of numbers; select another column",
+                column=self.label, text=self.text,
+            ))  # fmt: skip
 
 
 def headed(values: NDArray[Any], position: int, header: str, *, unit: str = "", text: str = "") -> FileColumn:

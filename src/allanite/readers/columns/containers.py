@@ -137,13 +137,11 @@ def _single(by_key: list[list[Stream]]) -> Stream:
     """The stream that keys name; refused if they name several."""
     named = list(dict.fromkeys(_one_of(candidates) for candidates in by_key if candidates))
     if len(named) > 1:
-        raise UsageError(
-            say(
-                "the channels belong to {number} tables of the file, each with its own clock ({names}); analyze one "
-                "after the other",
-                number=len(named), names=_listed(named),
-            )
-        )  # fmt: skip
+        raise UsageError(say(
+            "the channels belong to {number} tables of the file, each with its own clock ({names}); analyze one "
+            "after the other",
+            number=len(named), names=_listed(named),
+        ))  # fmt: skip
     return named[0]
 
 
@@ -180,13 +178,11 @@ def _one_of(streams: Sequence[Stream]) -> Stream:
     """The only one of these; refused if there are several."""
     if len(streams) == 1:
         return streams[0]
-    raise UsageError(
-        say(
-            "the file contains {number} tables that may be meant, each with its own clock ({names}); select one with "
-            "{option}",
-            number=len(streams), names=_listed(streams), option=_option(streams[0].name),
-        )
-    )  # fmt: skip
+    raise UsageError(say(
+        "the file contains {number} tables that may be meant, each with its own clock ({names}); select one with "
+        "{option}",
+        number=len(streams), names=_listed(streams), option=_option(streams[0].name),
+    ))  # fmt: skip
 
 
 def _option(name: str) -> str:

@@ -115,12 +115,10 @@ def find(data: bytes) -> Layout:
     """The layout of a text; refused if there are no rows of numbers near the beginning, or more names than columns."""
     lines = numbered_lines(data)
     if not lines:
-        raise DataError(
-            say(
-                "the first line is longer than {size} bytes; expected one row per sample, each on its own line",
-                size=HEAD,
-            )
-        )
+        raise DataError(say(
+            "the first line is longer than {size} bytes; expected one row per sample, each on its own line",
+            size=HEAD,
+        ))  # fmt: skip
     delimiter, decimal = _style_of([text for _, _, text in lines if text])
     marks = marks_of(delimiter)
     # a line with a word is not one of numbers
@@ -137,10 +135,9 @@ def find(data: bytes) -> Layout:
         notes = (
             say(
                 "line {line} with the numbers {names}.. is used as column names",
-                line=rows[first - 1].line,
-                names=", ".join(names[:3]),
+                line=rows[first - 1].line, names=", ".join(names[:3]),
             ),
-        )
+        )  # fmt: skip
     if decimal == ",":
         notes = (*notes, say("the decimal sign is a comma"))
     rate, places = preamble.nominal((line for line in rated if line[0] < rows[first].line), decimal)
@@ -289,14 +286,10 @@ def _names(row: list[str], width: int, delimiter: str) -> tuple[str, ...] | None
     while len(row) > width and not row[-1]:
         row = row[:-1]
     if len(row) > width:
-        raise DataError(
-            say(
-                "the header names {count} columns ({names}..) but the rows below have {width}",
-                count=len(row),
-                names=", ".join(row[:8]),
-                width=width,
-            )
-        )
+        raise DataError(say(
+            "the header names {count} columns ({names}..) but the rows below have {width}",
+            count=len(row), names=", ".join(row[:8]), width=width,
+        ))  # fmt: skip
     return tuple(row + [""] * (width - len(row))) if len(row) > 1 or width == 1 else None
 
 

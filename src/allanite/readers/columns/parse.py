@@ -247,26 +247,17 @@ def _blame(body: bytes | memoryview, layout: Layout, otherwise: str) -> NoReturn
             continue
         where = say("line {line}", line=layout.line + i)
         if len(row) != layout.width:
-            raise DataError(
-                say(
-                    "{where} has {count} columns instead of {width}: {line!r}",
-                    where=where,
-                    count=len(row),
-                    width=layout.width,
-                    line=line[:60],
-                )
-            )
+            raise DataError(say(
+                "{where} has {count} columns instead of {width}: {line!r}",
+                where=where, count=len(row), width=layout.width, line=line[:60],
+            ))  # fmt: skip
         for place, cell in enumerate(row):
             if place not in layout.text and not is_number(cell, layout.decimal) and cell.lower() not in MISSING:
                 name = layout.names[place] or say("column {position}", position=place + 1)
-                raise DataError(
-                    say(
-                        "{where}, column {name!r}: {cell!r} is not a number; correct or remove the line",
-                        where=where,
-                        name=name,
-                        cell=cell[:40],
-                    )
-                )
+                raise DataError(say(
+                    "{where}, column {name!r}: {cell!r} is not a number; correct or remove the line",
+                    where=where, name=name, cell=cell[:40],
+                ))  # fmt: skip
     raise DataError(say("the rows of numbers cannot be read: {reason}", reason=otherwise.splitlines()[0][:200]))
 
 

@@ -79,16 +79,11 @@ def _loud(size: FloatArray, sine: Record, name: str) -> tuple[IntArray, list[Fin
     wrong = known & ~(np.abs(size - usual) <= FAINT * usual)
     count = int(wrong.sum())
     if usual == 0 or count > FEW * known.sum():
-        raise DataError(
-            say(
-                "{name} are not the sine and cosine of an angle: their amplitude is {least:.4g} to {most:.4g} with a "
-                "median of {usual:.4g}; name the sine first and subtract offsets of the converter",
-                name=name,
-                least=float(size[known].min()),
-                most=float(size[known].max()),
-                usual=usual,
-            )
-        )
+        raise DataError(say(
+            "{name} are not the sine and cosine of an angle: their amplitude is {least:.4g} to {most:.4g} with a "
+            "median of {usual:.4g}; name the sine first and subtract offsets of the converter",
+            name=name, least=float(size[known].min()), most=float(size[known].max()), usual=usual,
+        ))  # fmt: skip
     loud = np.flatnonzero(known & ~wrong)
     if not count:
         return loud, []
@@ -96,9 +91,8 @@ def _loud(size: FloatArray, sine: Record, name: str) -> tuple[IntArray, list[Fin
         count,
         "{name}: {count} sample without the amplitude of sine and cosine, the first at {start:.6g} s",
         "{name}: {count} samples without the amplitude of sine and cosine, the first at {start:.6g} s",
-        name=name,
-        start=int(wrong.argmax()) / sine.rate,
-    )
+        name=name, start=int(wrong.argmax()) / sine.rate,
+    )  # fmt: skip
     return loud, [Finding("amplitude", what, say("they are treated as missing"))]
 
 
@@ -107,32 +101,23 @@ def _unwrapped(wrapped: FloatArray, there: IntArray, rate: float, name: str) -> 
     steps, apart = np.remainder(np.diff(wrapped) + np.pi, 2 * np.pi) - np.pi, np.diff(there)
     fast = np.flatnonzero((apart == 1) & (np.abs(steps) > LARGEST_STEP))
     if fast.size:
-        raise DataError(
-            say(
-                "{name}: the angle turns by {step:.3g} deg from {start:.6g} s to the next sample ({count} such steps); "
-                "beyond 90 deg turns cannot be counted with certainty: sample faster, or name the sine first",
-                name=name,
-                step=math.degrees(abs(steps[fast[0]])),
-                start=there[fast[0]] / rate,
-                count=fast.size,
-            )
-        )
+        raise DataError(say(
+            "{name}: the angle turns by {step:.3g} deg from {start:.6g} s to the next sample ({count} such steps); "
+            "beyond 90 deg turns cannot be counted with certainty: sample faster, or name the sine first",
+            name=name, step=math.degrees(abs(steps[fast[0]])), start=there[fast[0]] / rate, count=fast.size,
+        ))  # fmt: skip
     # the fastest rotation in rad per sample, as a mean over a few steps
     near = steps[apart == 1]
     means = near if near.size < MEANS else np.convolve(near, np.full(MEANS, 1 / MEANS), mode="valid")
     speed = float(np.abs(means).max(initial=0.0))
     wide = np.flatnonzero((apart > 1) & (np.maximum(speed * apart, np.abs(steps)) > LARGEST_STEP))
     if wide.size:
-        raise DataError(
-            say(
-                "{name}: the angle may have turned by more than 90 deg while samples are missing, from {start:.6g} s "
-                "to {end:.6g} s, so that its turns cannot be counted; read the parts before and after as files of "
-                "their own",
-                name=name,
-                start=there[wide[0]] / rate,
-                end=there[wide[0] + 1] / rate,
-            )
-        )
+        raise DataError(say(
+            "{name}: the angle may have turned by more than 90 deg while samples are missing, from {start:.6g} s "
+            "to {end:.6g} s, so that its turns cannot be counted; read the parts before and after as files of "
+            "their own",
+            name=name, start=there[wide[0]] / rate, end=there[wide[0] + 1] / rate,
+        ))  # fmt: skip
     return np.concatenate((wrapped[:1], wrapped[0] + np.cumsum(steps)))
 
 
@@ -149,9 +134,8 @@ def _errors(angle: FloatArray, size: FloatArray, name: str) -> tuple[list[Findin
         return [], say(
             "{note}; it covers {reach:.3g} deg, too little to check offsets and gains: a difference of the gains of "
             "1 % changes its scale by up to 1 %, an offset adds to it",
-            note=read,
-            reach=min(reach, 360.0),
-        )
+            note=read, reach=min(reach, 360.0),
+        )  # fmt: skip
     waves = np.stack([np.ones_like(turn), *(f(k * turn) for k in (1, 2) for f in (np.cos, np.sin))], axis=1)
     mean, *rest = np.linalg.lstsq(waves, size, rcond=None)[0]
     cos1, sin1, cos2, sin2 = np.array(rest) / mean
@@ -167,7 +151,6 @@ def _errors(angle: FloatArray, size: FloatArray, name: str) -> tuple[list[Findin
     )  # fmt: skip
     effect = say(
         "errors of the angle of up to {once:.3g} arcsec once and {twice:.3g} arcsec twice per turn",
-        once=once,
-        twice=twice,
-    )
+        once=once, twice=twice,
+    )  # fmt: skip
     return [Finding("imbalance", what, effect, say("correct sine and cosine before they are recorded"))], read

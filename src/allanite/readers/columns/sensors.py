@@ -81,11 +81,9 @@ def apart(columns: list[FileColumn], by: Turns) -> tuple[list[list[FileColumn]],
     return groups, (
         say(
             "the rows belong to {count} sensors according to {column}: {sizes}",
-            count=len(by.ids),
-            column=label,
-            sizes=sizes,
+            count=len(by.ids), column=label, sizes=sizes,
         ),
-    )
+    )  # fmt: skip
 
 
 def between(columns: list[FileColumn]) -> tuple[list[FileColumn], tuple[str, ...]]:

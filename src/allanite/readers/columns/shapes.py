@@ -104,9 +104,8 @@ def _joined(data: bytes) -> tuple[bytes, tuple[str, ...]]:
     names = [mark.join(kept[:first])] if first == period else kept[:first]
     note = say(
         "{count} lines of {sizes} numbers are used as one row per sample",
-        count=period,
-        sizes=", ".join(map(str, numeric[:period])),
-    )
+        count=period, sizes=", ".join(map(str, numeric[:period])),
+    )  # fmt: skip
     return "\n".join([*above, *names, *rows, ""]).encode(), (note,)
 
 

@@ -168,13 +168,10 @@ def _record(signal: channels.SignalColumn, beat: clock.Beat, stated: float | Non
     start, history = stated if beat.start is None else beat.start, signal.column.history
     # a float this large becomes another integer without an error
     if signal.kind == "count" and values.dtype.kind == "f" and np.any(np.abs(values) >= 2.0**63):
-        raise DataError(
-            say(
-                "{column} contains counts beyond the range of 64-bit integers; use {option}",
-                column=signal.column.label,
-                option=spelled("--kind increment", "kind=increment"),
-            )
-        )
+        raise DataError(say(
+            "{column} contains counts beyond the range of 64-bit integers; use {option}",
+            column=signal.column.label, option=spelled("--kind increment", "kind=increment"),
+        ))  # fmt: skip
     put, kind = beat.grid.put(values), signal.kind
     if beat.grid.lost and kind == "count":  # a gap is not an integer: the same numbers, as increments
         kind = "increment"
@@ -188,22 +185,16 @@ def _demand_rows(columns: list[FileColumn]) -> None:
         which = join(
             ", ", (say("{column} has {length}", column=label, length=length) for label, length in lengths.items())
         )
-        raise DataError(
-            say(
-                "the columns have different lengths ({which}); select columns of one length with {option}",
-                which=which,
-                option=spelled("--channels", "channels=..."),
-            )
-        )
+        raise DataError(say(
+            "the columns have different lengths ({which}); select columns of one length with {option}",
+            which=which, option=spelled("--channels", "channels=..."),
+        ))  # fmt: skip
     for label, length in lengths.items():
         if length < 2:
-            raise DataError(
-                say(
-                    "{column} contains {length} numbers; a record needs thousands, one row per sample",
-                    column=label,
-                    length=length,
-                )
-            )
+            raise DataError(say(
+                "{column} contains {length} numbers; a record needs thousands, one row per sample",
+                column=label, length=length,
+            ))  # fmt: skip
 
 
 def described(recording: Recording, headers: Sequence[str]) -> str:
@@ -251,12 +242,10 @@ def restored(table: FileTable, text: str | bytes) -> FileTable:
             # JSON text may contain 1.0 as an integer
             values = column.values if channel["integers"] else column.values.astype(np.float64)
             scale, history = None if scale is None else _positive(scale), channel["history"]
-            columns.append(
-                replace(
-                    column, values=values, name=str(channel["name"]), unit=unit, kind=kind, scale=scale,
-                    history=tuple(join("", [str(step)]) for step in history),
-                )
-            )  # fmt: skip
+            columns.append(replace(
+                column, values=values, name=str(channel["name"]), unit=unit, kind=kind, scale=scale,
+                history=tuple(join("", [str(step)]) for step in history),
+            ))  # fmt: skip
         start = None if description["start"] is None else float(description["start"])
         return replace(
             table, columns=tuple(columns), rate=_positive(description["rate"]), rate_source=SOURCE, start=start

@@ -61,8 +61,6 @@ def read(path: str, options: Options) -> Recording:
     ]
     where = say("the interval of {interval:g} ms in the second header row", interval=interval)
     return FileTable(
-        tuple(columns),
-        1000 / interval,
-        where,
+        tuple(columns), 1000 / interval, where,
         (say("local gravity in the header: {gravity:g} m/s^2", gravity=gravity), *notes),
-    ).recording(options)
+    ).recording(options)  # fmt: skip

@@ -186,11 +186,10 @@ def _dated(values: list[parse.Parsed], names: list[str]) -> tuple[list[parse.Par
                 (
                     say(
                         "columns {first} and {second} are used as date and time of day",
-                        first=first + 1,
-                        second=second + 1,
+                        first=first + 1, second=second + 1,
                     ),
                 ),
-            )
+            )  # fmt: skip
     return values, names, ()
 
 

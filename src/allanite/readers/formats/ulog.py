@@ -126,15 +126,11 @@ def _integrated(
     own = {name: made for name, made in columns.items() if name.startswith(signal.stem)}
     notes = []
     if abs(share - 1) > _WHOLE:
-        notes.append(
-            say(
-                "{stem} covers {over:.4g} ms of the {step:.4g} ms between messages: what the sensor did in the rest of "
-                "the time is not in the log",
-                stem=signal.stem,
-                over=usual / 1e3,
-                step=step / 1e3,
-            )
-        )
+        notes.append(say(
+            "{stem} covers {over:.4g} ms of the {step:.4g} ms between messages: what the sensor did in the rest of "
+            "the time is not in the log",
+            stem=signal.stem, over=usual / 1e3, step=step / 1e3,
+        ))  # fmt: skip
     if not signal.increment:
         return own, notes
     if not notes:

@@ -94,13 +94,10 @@ def worded(what: str = "the file") -> Iterator[None]:
 def demand_start(head: bytes, starts: tuple[bytes, ...], what: str) -> None:
     """Refuse a file whose first bytes are none of `starts`, which files of a format begin with."""
     if not head.startswith(starts):
-        raise DataError(
-            say(
-                "the file does not begin like {what} (it begins with {head!r}); check that it is complete",
-                what=what,
-                head=head[:8],
-            )
-        )
+        raise DataError(say(
+            "the file does not begin like {what} (it begins with {head!r}); check that it is complete",
+            what=what, head=head[:8],
+        ))  # fmt: skip
 
 
 Progress = Callable[[float], None]
@@ -172,16 +169,11 @@ class Process:
                 "-P",
                 str(WORKER),
                 form,
-                str(Path(path).absolute()),
-                str(most(path)),
-                json.dumps(names or {}),
-                str(size_of(path)),
+                str(Path(path).absolute()), str(most(path)), json.dumps(names or {}), str(size_of(path)),
             ],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=self._errors,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors,
             env=os.environ | dict.fromkeys(("TMPDIR", "TEMP", "TMP"), self._folder.name),
-        )
+        )  # fmt: skip
 
     def __enter__(self) -> "Process":
         try:
