@@ -93,13 +93,7 @@ def slope_of(at: FloatArray, value: FloatArray) -> tuple[float, float, float]:
 
 
 def detectable(count: int) -> float:
-    """Distance of one of several values from the mean of the others, in their standard deviations, of an outlier.
-
-    Examples
-    --------
-    >>> [round(detectable(count)) for count in (4, 6, 10)]
-    [10, 5, 4]
-    """
+    """Distance of one of several values from the mean of the others, in their standard deviations, of an outlier."""
     from scipy import stats
 
     return float(stats.t.isf(FALSE_ALARM / (2 * count), count - 2)) * math.sqrt(count / (count - 1))

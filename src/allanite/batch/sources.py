@@ -40,13 +40,7 @@ class Sources:
 
 
 def several(named: Sequence[PathLike]) -> bool:
-    """Whether these names ask for many units: more than one, a folder that is not a ROS bag, or a pattern.
-
-    Examples
-    --------
-    >>> several(["gyro.csv"]), several(["-"]), several(["a.csv", "b.csv"]), several(["units/*.csv"])
-    (False, False, True, True)
-    """
+    """Whether these names ask for many units: more than one, a folder that is not a ROS bag, or a pattern."""
     return len(named) != 1 or (
         not is_recording(named[0]) and (os.path.isdir(named[0]) or _is_pattern(os.fspath(named[0])))
     )

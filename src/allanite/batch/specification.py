@@ -246,17 +246,7 @@ def judge_study(study: Study, specification: Specification) -> tuple[Judgement, 
 
 
 def judge(channel: str, limit: Limit, seen: Seen) -> Judgement:
-    """Hold what is known of a coefficient against its limit; see `Specification` for the rule.
-
-    Examples
-    --------
-    >>> limit = Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).limits[0]
-    >>> unit = limit.factor
-    >>> judge("gz", limit, Seen(1.9 * unit, 1.7 * unit, 2.1 * unit))
-    <Judgement 'gz': B pass, 1.9 deg/h (1.7 .. 2.1), the interval contains the limit>
-    >>> judge("gz", limit, Seen(upper=3 * unit))
-    <Judgement 'gz': B not shown, not identified, below 3 deg/h>
-    """
+    """Hold what is known of a coefficient against its limit; see `Specification` for the rule."""
     most, unit = limit.maximum, limit.unit
     if seen.value is None:
         if seen.upper is None:

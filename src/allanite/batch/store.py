@@ -191,16 +191,7 @@ def _digest(row: Mapping[str, Any]) -> bytes:
 
 
 def dumps(data: Any) -> str:
-    """Plain data as JSON in which phrases keep how they were made, so that a result is shown in any language.
-
-    Examples
-    --------
-    >>> from allanite.phrases.phrase import say
-    >>> dumps({"what": say("at {f:g} Hz", f=2.5), "name": "gx"})
-    '{"name": "gx", "what": {"say": ["at {f:g} Hz"], "with": {"f": 2.5}}}'
-    >>> loads(_)["what"]
-    'at 2.5 Hz'
-    """
+    """Plain data as JSON in which phrases keep how they were made, so that a result is shown in any language."""
     return json.dumps(_taken_apart(data), sort_keys=True)
 
 

@@ -67,10 +67,8 @@ def put_files(store: Store, files: Iterable[FileStatus], choices: Plain) -> None
 
 
 def put_tables(store: Store, files: Iterable[FileStatus]) -> Iterator[FileStatus]:
-    """Write the other tables in the order of the files, and yield the files with what their results say of them.
-
-    Each result is read once, and a few are held at a time.
-    """
+    """Write the other tables in the order of the files, and yield the files with what their results say of them."""
+    # Each result is read once, and a few are held at a time.
     with ExitStack() as stack:
         writers = {
             name: stack.enter_context(store.writer(name, schema_of(columns))) for name, (columns, _) in TABLES.items()

@@ -125,13 +125,7 @@ PAPERS: tuple[str, ...] = tuple(
 
 
 def paper(name: str) -> Paper:
-    """The paper of this name.
-
-    Examples
-    --------
-    >>> paper("003").title
-    'rate of a laser gyro in two minutes'
-    """
+    """The paper of this name."""
     demand_name("paper", name, PAPERS)
     return read_paper(name, _FOLDER.joinpath(f"{name}.toml").read_text("utf-8"))
 

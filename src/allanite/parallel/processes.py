@@ -31,13 +31,7 @@ _END: Any = object()
 
 
 def later(function: Callable[[], Result]) -> Future[Result]:
-    """The result of a function that another thread calls now, in the context of this one.
-
-    Examples
-    --------
-    >>> later(lambda: 3).result()
-    3
-    """
+    """The result of a function that another thread calls now, in the context of this one."""
     future: Future[Result] = Future()
     context = copy_context()
 
@@ -52,13 +46,7 @@ def later(function: Callable[[], Result]) -> Future[Result]:
 
 
 def ahead(source: Iterator[Item]) -> Iterator[Item]:
-    """The items of an iterator, which is asked for the next ones while the last one is used.
-
-    Examples
-    --------
-    >>> list(ahead(iter(range(5))))
-    [0, 1, 2, 3, 4]
-    """
+    """The items of an iterator, which is asked for the next ones while the last one is used."""
     context = copy_context()
     waiting: deque[Future[Any]] = deque()
 
@@ -85,16 +73,9 @@ def ahead(source: Iterator[Item]) -> Iterator[Item]:
 
 
 def spread(function: Callable[[Item], Result], items: Sequence[Item], threads: int) -> list[Result]:
-    """``[function(item) for item in items]``, by so many threads, each item by who takes it first.
-
-    Waiting for a thread is interrupted at once, a compiled loop is not: this thread only waits, also for a single
-    other one. What others compute is left to end with the program, and none takes another item.
-
-    Examples
-    --------
-    >>> spread(abs, [-1, 2, -3], 2)
-    [1, 2, 3]
-    """
+    """``[function(item) for item in items]``, by so many threads, each item by who takes it first."""
+    # Waiting for a thread is interrupted at once, a compiled loop is not: this thread only waits, also for a single
+    # other one. What others compute is left to end with the program, and none takes another item.
     results: dict[int, Result] = {}
     indices = iter(range(len(items)))  # of which each is given once: a step of it is not divided between threads
 

@@ -169,13 +169,7 @@ def made(work: Work[Result]) -> Result:
 
 
 def done(*works: Work[Any]) -> Iterator[Any]:
-    """What each work makes, after the tasks of all of them were shared.
-
-    Examples
-    --------
-    >>> list(done(Work.one(list), Work([int, float], sum).then(str)))
-    [[], '0.0']
-    """
+    """What each work makes, after the tasks of all of them were shared."""
     tasks = [task for work in works for task in work.tasks]
     results = iter(shared(lambda task: task(), tasks, count=how_many(len(tasks))))
     for work in works:

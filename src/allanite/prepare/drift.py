@@ -39,13 +39,11 @@ class Following(NamedTuple):
 
 
 def follows(record: Record, other: Record) -> Following | None:
-    """How much of the drift of a record follows another channel with the same sample times.
-
-    Block means are transformed by the cosine transform, in which the coefficients of white noise, flicker and random
-    walk of the rate are independent. The likelihood of these three with a linear trend is compared with that of the
-    same three with a linear trend and the other channel. Two independent random walks often appear correlated, but not
-    in this test, whose null hypothesis includes a random walk.
-    """
+    """How much of the drift of a record follows another channel with the same sample times."""
+    # Block means are transformed by the cosine transform, in which the coefficients of white noise, flicker and random
+    # walk of the rate are independent. The likelihood of these three with a linear trend is compared with that of the
+    # same three with a linear trend and the other channel. Two independent random walks often appear correlated, but
+    # not in this test, whose null hypothesis includes a random walk.
     blocks = min(BLOCKS, record.size // FEWEST)
     if blocks < FEWEST or record.size != other.size:
         return None

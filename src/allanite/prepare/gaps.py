@@ -151,15 +151,7 @@ def _short(steps: FloatArray, spans: IntArray) -> BoolArray:
 
 
 def refusal(record: Record) -> str:
-    """Why no noise can be identified from this record or its remaining samples; empty if it can.
-
-    Examples
-    --------
-    >>> y = np.full(1000, np.nan)
-    >>> y[:150] = np.arange(150) % 7
-    >>> refusal(Record(y, rate=1.0, unit="deg/s"))
-    '850 of 1000 samples are missing; 150 remain, too few for noise coefficients (at least 200)'
-    """
+    """Why no noise can be identified from this record or its remaining samples; empty if it can."""
     if record.size < SHORTEST:
         return say("{count} samples are {too_few}", count=record.size, too_few=FEW)
     if record.out_of_range:

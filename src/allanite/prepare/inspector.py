@@ -37,17 +37,9 @@ def placed(pieces: Iterable[tuple[int, list[NDArray[Any]]]]) -> Iterator[Piece]:
 
 
 def blocks(pieces: Iterable[Piece], size: int, points: int = 0) -> Iterator[Piece]:
-    """Blocks of `size` samples, which begin at its multiples however the record was cut; missing samples are NaN.
-
-    With `points`, 1, a block ends with the first sample of the next one, from which the last step is taken. The last
-    block ends with the record; where all samples of a block are missing, there is none.
-
-    Examples
-    --------
-    >>> pieces = [(0, [np.arange(3)]), (5, [np.arange(5, 9)])]
-    >>> [(place, column.tolist()) for place, (column,) in blocks(pieces, 4)]
-    [(0, [0.0, 1.0, 2.0, nan]), (4, [nan, 5.0, 6.0, 7.0]), (8, [8])]
-    """
+    """Blocks of `size` samples, which begin at its multiples however the record was cut; missing samples are NaN."""
+    # With `points`, 1, a block ends with the first sample of the next one, from which the last step is taken. The last
+    # block ends with the record; where all samples of a block are missing, there is none.
     begin, parts, full = 0, list[Piece](), size + points
     for first, some in pieces:
         place, columns = first, some
@@ -134,13 +126,7 @@ NONE = np.empty(0, np.int64)
 
 
 def all_checks(number: int) -> bool:
-    """Whether all checks are made of a block: the first eight, then four of every octave.
-
-    Examples
-    --------
-    >>> [number for number in range(40) if all_checks(number)]
-    [0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32]
-    """
+    """Whether all checks are made of a block: the first eight, then four of every octave."""
     return number < 8 or number % (1 << (number.bit_length() - 3)) == 0
 
 

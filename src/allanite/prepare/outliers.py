@@ -65,21 +65,12 @@ _known: WeakKeyDictionary[Record, Outliers] = WeakKeyDictionary()
 
 
 def outliers(record: Record, among: int | None = None) -> Outliers:
-    """Samples (for an angle: steps) far from the median of the 31 around them.
-
-    The limit is 5 standard deviations, or in a long record the value that one clean record in a thousand exceeds. The
-    standard deviation is 1.4826 times the median absolute residual, and at least the typical step between neighbours
-    that differ, so that coarse samples are not outliers. The search is repeated without the outliers found, because
-    dense spikes widen the scale. If too many samples lie just below the limit, the noise has heavy tails, and there are
-    no outliers. Of a record that is only a part of another one, `among` is the number of samples of that.
-
-    Examples
-    --------
-    >>> y = np.random.default_rng(1).standard_normal(1000)
-    >>> y[[300, 500]] += 50.0
-    >>> outliers(Record(y, rate=10.0, unit="deg/s")).at.tolist()
-    [300, 500]
-    """
+    """Samples (for an angle: steps) far from the median of the 31 around them."""
+    # The limit is 5 standard deviations, or in a long record the value that one clean record in a thousand exceeds. The
+    # standard deviation is 1.4826 times the median absolute residual, and at least the typical step between neighbours
+    # that differ, so that coarse samples are not outliers. The search is repeated without the outliers found, because
+    # dense spikes widen the scale. If too many samples lie just below the limit, the noise has heavy tails, and there
+    # are no outliers. Of a record that is only a part of another one, `among` is the number of samples of that.
     if among is not None:
         return _found(record, among)
     if record not in _known:
@@ -108,11 +99,9 @@ def _found(record: Record, among: int | None) -> Outliers:
 
 
 def marked(record: Record, found: Outliers) -> Record:
-    """The record with outliers replaced by NaN; counts become increments.
-
-    An angle that is wrong at single points (up and down again) loses these points; one that jumps is converted to its
-    steps.
-    """
+    """The record with outliers replaced by NaN; counts become increments."""
+    # An angle that is wrong at single points (up and down again) loses these points; one that jumps is converted to its
+    # steps.
     if not found.at.size:
         return record
     what = say("{outliers}: marked as missing", outliers=found.words(record))

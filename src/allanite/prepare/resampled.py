@@ -37,12 +37,10 @@ REMEDY = say("analyze the original output of the sensor, at its own rate")
 
 
 def resampled(view: View) -> Finding | None:
-    """A sensor whose output was held or interpolated at another rate.
-
-    Hold: samples repeat periodically. Linear interpolation: the power of the fast noise depends on the position
-    of the new sample between two original ones and is modulated at the difference of the rates. Single pulses that are
-    counted repeat with a pattern of their own.
-    """
+    """A sensor whose output was held or interpolated at another rate."""
+    # Hold: samples repeat periodically. Linear interpolation: the power of the fast noise depends on the position of
+    # the new sample between two original ones and is modulated at the difference of the rates. Single pulses that are
+    # counted repeat with a pattern of their own.
     if view.pulses:
         return None
     return _held(view) or _interpolated(view) or _filled(view)
@@ -127,10 +125,8 @@ def _filled(view: View) -> Finding | None:
 
 
 def filled(view: View) -> tuple[float, float]:
-    """Shares of the samples that repeat the one before, and that lie midway between their neighbours.
-
-    Only of finely resolved samples, of which hardly any do so by chance.
-    """
+    """Shares of the samples that repeat the one before, and that lie midway between their neighbours."""
+    # Only of finely resolved samples, of which hardly any do so by chance.
     y, least = view.steps, 1e-9 * view.fast
     before, here = y[:-2], y[1:-1]
     parts = [slice(first, first + PART) for first in range(0, here.size, PART)]

@@ -53,11 +53,9 @@ class Rounding:
 
     @property
     def sparse(self) -> bool:
-        """The same for steps of a rounded angle.
-
-        White noise of sigma steps before the rounding leaves errors with a lag-one correlation of
-        exp(-2 pi^2 sigma^2); above 0.2 steps (0.45) there are more than three codes among 256 samples.
-        """
+        """The same for steps of a rounded angle."""
+        # White noise of sigma steps before the rounding leaves errors with a lag-one correlation of exp(-2 pi^2
+        # sigma^2); above 0.2 steps (0.45) there are more than three codes among 256 samples.
         return self.undithered or (self.coarse and self.nearby <= 3)
 
     @property

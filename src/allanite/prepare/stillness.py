@@ -19,12 +19,10 @@ from .window import trim
 
 
 def of_one_body(records: Sequence[Record | Header], qualities: Sequence[Quality]) -> tuple[Quality, ...]:
-    """The findings of each channel of a recording, together with those of the other channels of the same body.
-
-    Motion in one inertial channel is reported for every other one, and if it refuses one channel, it refuses all. A
-    changing noise level is reported for the others, too, but refuses none. The static stretch suggested is common to
-    all of them.
-    """
+    """The findings of each channel of a recording, together with those of the other channels of the same body."""
+    # Motion in one inertial channel is reported for every other one, and if it refuses one channel, it refuses all. A
+    # changing noise level is reported for the others, too, but refuses none. The static stretch suggested is common to
+    # all of them.
     carried = [i for i, record in enumerate(records) if record.signal.inertial]
     told = list(qualities)
     if len(carried) < 2:
@@ -154,11 +152,9 @@ def still_words(records: Sequence[Record | Header]) -> str:
 
 
 def still_stretch(records: Sequence[Record]) -> tuple[float, float] | None:
-    """A stretch in which none of these records, which have common sample times, moves or changes its noise level.
-
-    Both tests, and that samples are there, are repeated on the runs in which they hold, because each has another
-    quietest tenth and other parts. The longest, in whole seconds of the recording; None if too little remains.
-    """
+    """A stretch in which none of these records, which have common sample times, moves or changes its noise level."""
+    # Both tests, and that samples are there, are repeated on the runs in which they hold, because each has another
+    # quietest tenth and other parts. The longest, in whole seconds of the recording; None if too little remains.
     return _still(records, 0, records[0].size)
 
 
@@ -299,10 +295,8 @@ def _periodogram(view: View) -> tuple[FloatArray, FloatArray, int]:
 
 
 def slope(view: View) -> Finding | None:
-    """A curve whose slope becomes steeper with averaging time, which sums of power laws never do.
-
-    Slopes over two octaves, at averaging times with at least a hundred windows.
-    """
+    """A curve whose slope becomes steeper with averaging time, which sums of power laws never do."""
+    # Slopes over two octaves, at averaging times with at least a hundred windows.
     record = view.record
     # between gaps only: the longest windows lie within the longest stretch
     size = int(np.diff(np.concatenate(([0], view.joints, [view.steps.size]))).max())

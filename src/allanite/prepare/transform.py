@@ -87,10 +87,8 @@ def motion(records: Sequence[Record]) -> BoolArray:
 
 
 def _moving(record: Record) -> BoolArray:
-    """Intervals of a record that lie in moving blocks, shape (size,); of a single one, too.
-
-    A block is no moving one where only few of its samples, at most 2 % or one, are outliers.
-    """
+    """Intervals of a record that lie in moving blocks, shape (size,); of a single one, too."""
+    # A block is no moving one where only few of its samples, at most 2 % or one, are outliers.
     moved = np.zeros(record.size, dtype=np.bool_)
     view = View(record)
     if record.out_of_range or view.steps.size < SHORTEST:
@@ -170,14 +168,7 @@ NEAR = 0.01
 
 
 def averaged(recording: Recording, time: float) -> Recording:
-    """The recording with means over `time` seconds for samples (of increments and counts: sums).
-
-    Examples
-    --------
-    >>> recording = Recording((Record([1.0, 3.0, 2.0, 6.0], rate=2.0, unit="deg/h"),))
-    >>> averaged(recording, 1.0)[0].values.tolist()
-    [2.0, 4.0]
-    """
+    """The recording with means over `time` seconds for samples (of increments and counts: sums)."""
     m = samples_in(time, recording.records[0].rate)
     return of_each(recording, lambda record: block_means(record, m))
 

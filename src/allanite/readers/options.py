@@ -114,13 +114,7 @@ class Options:
 
 
 def stated_unit(unit: Any) -> str:
-    """A unit, or several by sensor or channel, as one text; a mapping becomes ``"gyro=deg/s,accel=g"``.
-
-    Examples
-    --------
-    >>> stated_unit("deg/s"), stated_unit({"gyro": "deg/s", "ax": "g"})
-    ('deg/s', 'gyro=deg/s,ax=g')
-    """
+    """A unit, or several by sensor or channel, as one text; a mapping becomes ``"gyro=deg/s,accel=g"``."""
     if not isinstance(unit, Mapping):
         text = _demand_text(unit, "unit", "'deg/s' or 'gyro=deg/s,accel=g'").strip()
         return text if "=" in text else latin(text)
@@ -135,13 +129,7 @@ def stated_unit(unit: Any) -> str:
 
 
 def parts_of(unit: str) -> tuple[tuple[str, str], ...]:
-    """The units by sensor or column; empty if there is one for all.
-
-    Examples
-    --------
-    >>> parts_of("gyro=deg/s, ax=g"), parts_of("deg/s")
-    ((('gyro', 'deg/s'), ('ax', 'g')), ())
-    """
+    """The units by sensor or column; empty if there is one for all."""
     if "=" not in unit:
         return ()
     pairs = [tuple(word.strip() for word in part.partition("=")[::2]) for part in unit.split(",")]

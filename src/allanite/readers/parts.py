@@ -50,13 +50,7 @@ _UNITS = {"": 1, "k": 10**3, "m": 10**6, "g": 10**9, "t": 10**12}
 
 
 def size_in_words(size: float) -> str:
-    """A number of bytes with its unit, to three digits.
-
-    Examples
-    --------
-    >>> size_in_words(72e9), size_in_words(1500)
-    ('72 GB', '1.5 kB')
-    """
+    """A number of bytes with its unit, to three digits."""
     for unit, worth in (("TB", 1e12), ("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
         if size >= worth:
             return f"{size / worth:.3g} {unit}"
@@ -64,13 +58,7 @@ def size_in_words(size: float) -> str:
 
 
 def bytes_of(text: str) -> int:
-    """A size such as ``"1GB"`` or ``"500 MB"``.
-
-    Examples
-    --------
-    >>> bytes_of("1GB"), bytes_of("1.5 MB")
-    (1000000000, 1500000)
-    """
+    """A size such as ``"1GB"`` or ``"500 MB"``."""
     match = _SIZE.fullmatch(text)
     size = int(float(match[1]) * _UNITS[match[2].lower()]) if match else 0
     if not size:
@@ -234,11 +222,9 @@ def opened(path: Any, memory: str | None, choices: Mapping[str, Any]) -> Iterato
 
 
 def demand_memory(path: Any, memory: str | None, choices: Mapping[str, Any]) -> None:
-    """Refuse a file whose record takes more memory than is there, or than is given.
-
-    Parameters are those of `opened`. How many samples a file holds is known for formats that are read in parts, and
-    otherwise estimated by its size.
-    """
+    """Refuse a file whose record takes more memory than is there, or than is given."""
+    # Parameters are those of `opened`. How many samples a file holds is known for formats that are read in parts, and
+    # otherwise estimated by its size.
     from .sandbox.source import STDIN, checked, named, size_of
 
     if not isinstance(path, (str, os.PathLike)) or path == STDIN:

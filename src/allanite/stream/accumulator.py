@@ -22,13 +22,7 @@ WAITING = 320
 
 
 def streamable() -> tuple[str, ...]:
-    """Statistics that can be computed of a stream: means of squared second or third differences at every sample.
-
-    Examples
-    --------
-    >>> streamable()
-    ('oadev', 'mdev', 'tdev', 'ohdev', 'haar')
-    """
+    """Statistics that can be computed of a stream: means of squared second or third differences at every sample."""
     return tuple(name for name, row in STATISTICS.items() if row.overlapped and row.differences in TAIL)
 
 

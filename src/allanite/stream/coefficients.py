@@ -121,10 +121,8 @@ FULL = 0.5
 def search_in(
     stream: "Accumulator", terms: str = "auto", *, band: Band = "auto", masks: Sequence[tuple[float, float]] = ()
 ) -> Pending:
-    """Search for the noise of a stream; `terms`, `band` and `masks` are those of `identify`.
-
-    Sinusoids are not looked for, and outliers not excluded: both need the samples.
-    """
+    """Search for the noise of a stream; `terms`, `band` and `masks` are those of `identify`."""
+    # Sinusoids are not looked for, and outliers not excluded: both need the samples.
     symbols = symbols_of(terms)
     demand_band(band)
     if stream.size < SHORTEST:
@@ -179,10 +177,8 @@ def _rows(level: int) -> FloatArray:
 
 
 def coarser(term: NoiseTerm, width: int) -> tuple[NoiseTerm, float]:
-    """A term of unit coefficient for sums over `width` samples, and what its powers there are to be multiplied with.
-
-    The sums are divided by the root of the width, so that white noise keeps its variance.
-    """
+    """A term of unit coefficient for sums over `width` samples, and what its powers there are to be multiplied with."""
+    # The sums are divided by the root of the width, so that white noise keeps its variance.
     row = term.shaped(term.shape, 1 / width) if term.shaped else term
     return row, float(width) ** (1 - 2 * term.power)
 

@@ -80,16 +80,8 @@ class Cells:
 
 @cache
 def basis(hop: int) -> FloatArray:
-    """Rows k = hop / 8 .. hop - 1 at the frequencies (k + 1/2) / (2 hop) per sample, shape (rows, 2 hop).
-
-    Each is freed from its mean and has the length 1: a constant, or a slow noise of any size, is not seen.
-
-    Examples
-    --------
-    >>> found = basis(16)
-    >>> found.shape, bool(np.allclose(found.sum(axis=1), 0)), bool(np.allclose((found**2).sum(axis=1), 1))
-    ((14, 32), True, True)
-    """
+    """Rows k = hop / 8 .. hop - 1 at the frequencies (k + 1/2) / (2 hop) per sample, shape (rows, 2 hop)."""
+    # Each is freed from its mean and has the length 1: a constant, or a slow noise of any size, is not seen.
     rows = _window(hop) * _cosines(hop)
     rows = rows - rows.mean(axis=1, keepdims=True)
     return np.asarray(rows / np.sqrt((rows**2).sum(axis=1, keepdims=True)))
@@ -97,12 +89,10 @@ def basis(hop: int) -> FloatArray:
 
 @cache
 def folded(hop: int) -> FloatArray:
-    """The window, and the basis as weights of the folded samples and of their sum.
-
-    A segment (a, b, c, d) in quarters, times the window, is folded to (-c' - d, a - b'), a prime for reversed order: of
-    that the rows are those of a DCT-IV, and what frees them from their mean is a weight of the sum of the segment.
-    Shape (1 + rows, 2 hop), where a row has hop + 1 weights.
-    """
+    """The window, and the basis as weights of the folded samples and of their sum."""
+    # A segment (a, b, c, d) in quarters, times the window, is folded to (-c' - d, a - b'), a prime for reversed order:
+    # of that the rows are those of a DCT-IV, and what frees them from their mean is a weight of the sum of the segment.
+    # Shape (1 + rows, 2 hop), where a row has hop + 1 weights.
     k, j = np.arange(hop // 8, hop)[:, None] + 0.5, np.arange(hop) + 0.5
     raw = _window(hop) * _cosines(hop)
     mean = raw.mean(axis=1)
@@ -212,10 +202,8 @@ class Sums:
         return True
 
     def _lead(self, state: "State", value: float) -> None:
-        """Put a value before the next sample: the sum of the angle has one point more than the angle.
-
-        That sample is missing, or before the record. No difference depends on the value.
-        """
+        """Put a value before the next sample: the sum of the angle has one point more than the angle."""
+        # That sample is missing, or before the record. No difference depends on the value.
         from allanite.kernels.streamed import push
 
         if self.row.summed:

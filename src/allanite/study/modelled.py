@@ -276,14 +276,7 @@ KINDS: dict[type[NoiseSettings], tuple[type[ModelJob], Callable[..., Result]]] =
 def run_model_job(
     source: Source | None, settings: Use, recipe: Recipe | None = None, *, progress: Progress | None = None
 ) -> ModelJob:
-    """What follows from the noise of each channel of a recording, or from the model that the settings give.
-
-    Examples
-    --------
-    >>> found = run_model_job(None, PlanSettings(sensor="fog"), Recipe(rate=100.0))
-    >>> type(found).__name__, found[0].name, found[0].result.names
-    ('RecordingPlans', 'fog', ('Q', 'N', 'B', 'K', 'R'))
-    """
+    """What follows from the noise of each channel of a recording, or from the model that the settings give."""
     recipe, given = recipe or Recipe(), settings.instead_of(source)
     job, make = KINDS[type(settings)]
     rng = np.random.default_rng(settings.seed if isinstance(settings, SelfCheckSettings) else None)

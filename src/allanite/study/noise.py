@@ -61,11 +61,9 @@ def _valid_until(fit: Fit, seen: MeasuredCurve) -> Fit:
 
 
 def widened(fit: Fit, factor: float) -> Fit:
-    """The fit with wider limits of the fast noise.
-
-    The mean square of n independent residuals with an excess kurtosis k has the variance (2 + k) / n instead of 2 / n;
-    of slow noise, an average of many of them, the tails are no longer heavy.
-    """
+    """The fit with wider limits of the fast noise."""
+    # The mean square of n independent residuals with an excess kurtosis k has the variance (2 + k) / n instead of 2 /
+    # n; of slow noise, an average of many of them, the tails are no longer heavy.
     each = [
         replace(e, limits=limits, profile=limits, standard_error=e.standard_error and factor * e.standard_error)
         if e.claimed and e.value is not None and e.limits and TERMS[e.symbol].slope <= WHITE
@@ -145,10 +143,8 @@ def _judged(fit: Fit, record: Record, recipe: Recipe, *, moved: bool) -> Noise:
 
 
 def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
-    """The noise that the automatic terms do not describe, with the finding which terms do, if more of them do.
-
-    Those that explain a record beside all automatic terms must do so without the absent ones, as they are then named.
-    """
+    """The noise that the automatic terms do not describe, with the finding which terms do, if more of them do."""
+    # Those that explain a record beside all automatic terms must do so without the absent ones, as they are then named.
     kept = [e.symbol for e in noise.fit if e.claimed and not e.shape] if noise.fit.valid else []
     rest = without_lines(record if recipe.outliers == "keep" else marked(record, outliers(record)), noise.fit)
     for more in REQUESTED:
@@ -195,10 +191,8 @@ def _broadens(shape: Sequence[float], line: float) -> bool:
 
 
 def noise_in(seen: Inspected, recipe: Recipe) -> Noise:
-    """The noise of a channel, in memory or read in parts; parameters and exceptions are those of `noise_of`.
-
-    Of a record that is read in parts the curve alone judges the coefficients, so that the model has a reservation.
-    """
+    """The noise of a channel, in memory or read in parts; parameters and exceptions are those of `noise_of`."""
+    # Of a record that is read in parts the curve alone judges the coefficients, so that the model has a reservation.
     fit = (seen.finish or begun_in(seen, recipe).fit)()
     if seen.keeper is None:
         return _judged(fit, seen.record, recipe, moved=seen.quality.moved)

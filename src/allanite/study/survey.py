@@ -218,16 +218,7 @@ def survey(
     *,
     progress: Progress | None = None,
 ) -> Survey:
-    """Compute curves, spectra or surfaces of every channel of a recording.
-
-    Examples
-    --------
-    >>> from allanite import N, simulate
-    >>> record = simulate(N(0.1, "deg/sqrt(h)"), 4000, 10.0, rng=np.random.default_rng(1), name="z")
-    >>> found = survey(record, Deviations(("adev", "oadev"), intervals=False))
-    >>> [(value.name, value.statistic) for value in found.values]
-    [('z', 'adev'), ('z', 'oadev')]
-    """
+    """Compute curves, spectra or surfaces of every channel of a recording."""
     recipe = recipe or Recipe()
 
     def work(seen: Inspected) -> Measured:
@@ -283,14 +274,7 @@ class TheorySettings(LengthChoices, NoiseSettings):
 def expected_curves(
     source: Source | None, settings: TheorySettings, wanted: Deviations, recipe: Recipe | None = None
 ) -> Expectation:
-    """The expected curves of a model that is given instead of a recording.
-
-    Examples
-    --------
-    >>> found = expected_curves(None, TheorySettings(sensor="fog"), Deviations(("oadev", "ohdev")))
-    >>> [curve.statistic for curve in found.curves]
-    ['oadev', 'ohdev']
-    """
+    """The expected curves of a model that is given instead of a recording."""
     recipe, model = recipe or Recipe(), settings.instead_of(source)
     if model is None:
         end = settings.duration or (settings.samples or 0) / (recipe.rate or math.inf)

@@ -273,13 +273,7 @@ class Watch:
 
 
 def lasting(seconds: float) -> str:
-    """A length of time with its unit, to two digits.
-
-    Examples
-    --------
-    >>> lasting(5.3), lasting(840.0), lasting(7200.0)
-    ('5.3 s', '14 min', '2 h')
-    """
+    """A length of time with its unit, to two digits."""
     for size, unit in ((3600.0, "h"), (60.0, "min")):
         if seconds >= 2 * size:
             return f"{float(f'{seconds / size:.2g}'):g} {unit}"

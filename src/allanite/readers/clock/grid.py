@@ -77,13 +77,7 @@ ONE_AFTER_THE_OTHER = SampleGrid()
 
 
 def resolution(steps: FloatArray) -> float:
-    """The largest typical step of which all steps are multiples; 0 if there is none.
-
-    Examples
-    --------
-    >>> resolution(np.array([0.002, 0.003, 0.0, 0.002])), resolution(np.ones(3) / 7)
-    (0.001, 0.0)
-    """
+    """The largest typical step of which all steps are multiples; 0 if there is none."""
     ends = steps[steps > 0][:10_000]
     for step in RESOLUTIONS if ends.size else ():
         multiples = ends / step
@@ -107,10 +101,8 @@ class Pace(NamedTuple):
 
 
 def pace(elapsed: FloatArray, rows: Places, slack: float) -> Pace:
-    """The grid of increasing time stamps in s, shape (n,), of rows with these numbers.
-
-    Deviations of up to `slack` intervals are not gaps.
-    """
+    """The grid of increasing time stamps in s, shape (n,), of rows with these numbers."""
+    # Deviations of up to `slack` intervals are not gaps.
     middle = slice(max(0, rows.size // 2 - PART), rows.size // 2 + PART)
     near, where = elapsed[middle], rows[middle]
     steps = np.diff(near) / np.diff(where)

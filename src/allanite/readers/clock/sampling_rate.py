@@ -61,10 +61,8 @@ class Stamped(NamedTuple):
 
 
 def beat(sources: ClockSources, rate: float | None, repeated: Callable[[], NDArray[np.bool_]]) -> Beat:
-    """The sampling rate, and the grid of the rows: from the user's `rate`, otherwise from `sources`.
-
-    `repeated` marks rows with the same samples as the row before, shape (n - 1,).
-    """
+    """The sampling rate, and the grid of the rows: from the user's `rate`, otherwise from `sources`."""
+    # `repeated` marks rows with the same samples as the row before, shape (n - 1,).
     clock = stamped(sources, rate)
     if isinstance(clock, Beat):
         return clock

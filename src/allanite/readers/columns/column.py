@@ -48,15 +48,7 @@ class FileColumn:
 
 
 def headed(values: NDArray[Any], position: int, header: str, *, unit: str = "", text: str = "") -> FileColumn:
-    """A column with the name, and unless given the unit, from its header.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> column = headed(np.array([1.0, 2.0]), 1, "gx [deg/s]")
-    >>> column.name, column.unit, column.label
-    ('gx', 'deg/s', "column 'gx [deg/s]'")
-    """
+    """A column with the name, and unless given the unit, from its header."""
     name, stated = headers.split(header)
     if unit:
         unit = unit.strip("[](){} ")

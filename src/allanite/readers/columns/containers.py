@@ -60,22 +60,14 @@ def mean_rate(count: int, span: float) -> float | None:
 
 
 def any_inertial(names: Iterable[str], units: Iterable[str] = repeat("")) -> bool:
-    """Whether one of these headers, which hold the units unless these are given, is that of an inertial sensor.
-
-    Examples
-    --------
-    >>> any_inertial(["time [s]", "gx [deg/s]"]), any_inertial(["gyro_x"]), any_inertial(["time [s]", "T [degC]"])
-    (True, True, False)
-    """
+    """Whether one of these headers, which hold the units unless these are given, is that of an inertial sensor."""
     pairs = ((name, unit) if unit else headers.split(name) for name, unit in zip(names, units, strict=False))
     return any(headers.inertial(unit) or headers.sensor_by_name(name) for name, unit in pairs)
 
 
 def stream_recording(streams: Sequence[Stream], options: Options, notes: Sequence[str] = ()) -> Recording:
-    """The channels of the stream that ``options.channels`` names, or else of the only one with inertial signals.
-
-    A key names a stream, a column as ``stream/column``, or a column that only one stream has.
-    """
+    """The channels of the stream that ``options.channels`` names, or else of the only one with inertial signals."""
+    # A key names a stream, a column as ``stream/column``, or a column that only one stream has.
     _, table, narrowed = arranged_stream(streams, options, notes)
     return table.recording(narrowed)
 
@@ -278,10 +270,8 @@ def _nearest(dataset: Dataset, homes: Iterable[str]) -> str | None:
 def arranged_datasets(
     datasets: Sequence[Dataset], options: Options, notes: Sequence[str] = (), text: str = ""
 ) -> tuple[FileTable, Options, Family]:
-    """The table of the datasets that belong together, the options for it, and these datasets.
-
-    `text` is the output of `table.described`, if present.
-    """
+    """The table of the datasets that belong together, the options for it, and these datasets."""
+    # `text` is the output of `table.described`, if present.
     series = [dataset for dataset in datasets if dataset.is_series]
     if not series:
         none = say("the file contains no array of samples, with one row per sample")

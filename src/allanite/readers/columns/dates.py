@@ -26,25 +26,15 @@ Values = NDArray[Any]
 
 
 def pattern_of(word: str) -> str:
-    """The pattern that a word matches; empty if it is not a date or time.
-
-    Examples
-    --------
-    >>> bool(pattern_of("2018-04-25")), bool(pattern_of("15:20:24.125")), bool(pattern_of("25.4.2018 3:20 pm"))
-    (True, True, True)
-    >>> pattern_of("1.25"), pattern_of("GYRO")
-    ('', '')
-    """
+    """The pattern that a word matches; empty if it is not a date or time."""
     word = word.strip()
     return next((p for p in PATTERNS if re.fullmatch(p, word)), "") if len(word) <= LONGEST else ""
 
 
 def parsed(words: Any, pattern: str, label: str, first: int = 0, american: bool | None = None) -> Values:
-    """A column of words that match one pattern, from row `first` of the data on; NaT where a cell is empty.
-
-    ``datetime64[ns]`` for dates with time, ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day. Whether
-    the month and the day are in the other order than in the pattern is seen in the words, unless it is given.
-    """
+    """A column of words that match one pattern, from row `first` of the data on; NaT where a cell is empty."""
+    # ``datetime64[ns]`` for dates with time, ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day. Whether
+    # the month and the day are in the other order than in the pattern is seen in the words, unless it is given.
     import pyarrow as pa
     import pyarrow.compute as pc
 
@@ -106,13 +96,7 @@ def _days(year: Values, month: Values, day: Values, label: str, american: bool |
 
 
 def continued(stamps: Values, last: Values) -> Values:
-    """Nanoseconds since the first midnight that continue others, as if `past_midnight` had seen all of them at once.
-
-    Examples
-    --------
-    >>> continued(np.array([1, 2]) * 3600 * 10**9, np.array([95]) * 3600 * 10**9) // (3600 * 10**9)
-    array([97, 98])
-    """
+    """Nanoseconds since the first midnight that continue others, as if `past_midnight` had seen all of them at once."""
     if not last.size or np.isnan(last[-1]):
         return stamps
     days, time = divmod(int(last[-1]), DAY)
@@ -120,13 +104,6 @@ def continued(stamps: Values, last: Values) -> Values:
 
 
 def past_midnight(time: Values) -> Values:
-    """Nanoseconds since the first midnight from times of day that restart at midnight.
-
-    Examples
-    --------
-    >>> hours = np.array([22, 23, 0, 1], dtype="timedelta64[h]").astype("timedelta64[ns]")
-    >>> past_midnight(hours) // (3600 * 10**9)
-    array([22, 23, 24, 25])
-    """
+    """Nanoseconds since the first midnight from times of day that restart at midnight."""
     stamps = time.astype(np.int64)
     return np.asarray(stamps + DAY * np.cumsum(np.diff(stamps, prepend=stamps[:1]) < -DAY // 2))

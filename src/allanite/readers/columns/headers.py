@@ -76,13 +76,7 @@ _FULL_WIDTH = str.maketrans("（）［］：，／　", "()[]:,/ ")
 
 
 def split(header: str) -> tuple[str, str]:
-    """The name and the unit in a header; the unit is empty if there is none.
-
-    Examples
-    --------
-    >>> split("gx [deg/s]"), split("acc_x_mps2"), split("gyro_rad[0]")
-    (('gx', 'deg/s'), ('acc_x_mps2', 'm/s^2'), ('gyro_rad[0]', 'rad'))
-    """
+    """The name and the unit in a header; the unit is empty if there is none."""
     header = header.translate(_FULL_WIDTH).strip()
     if len(header) > LONGEST:
         return header, ""
@@ -157,18 +151,9 @@ def clock_unit(name: str) -> str:
 
 
 def is_other(name: str, unit: str = "") -> bool:
-    """Whether a name is that of something other than an inertial signal: a temperature, a counter, a compass.
-
-    A unit of an inertial sensor overrides it, as in ``yaw [deg/s]``, except for the compass, whose G is the gauss, for
-    temperatures, and for the length of a vector.
-
-    Examples
-    --------
-    >>> is_other("Temp1"), is_other("yaw", "deg/s"), is_other("yaw_rate"), is_other("mag_x", "G")
-    (True, False, False, True)
-    >>> is_other("gyro_device_id"), is_other("gyro_integral_dt"), is_other("gyro_counts_x")
-    (True, True, False)
-    """
+    """Whether a name is that of something other than an inertial signal: a temperature, a counter, a compass."""
+    # A unit of an inertial sensor overrides it, as in ``yaw [deg/s]``, except for the compass, whose G is the gauss,
+    # for temperatures, and for the length of a vector.
     bare = _bare(name)
     if _TEMPERATURE.search(bare) or _LENGTH.match(bare) or (identifies(name) and not inertial(unit)):
         return True
@@ -180,13 +165,7 @@ def is_other(name: str, unit: str = "") -> bool:
 
 
 def is_driver(name: str, unit: str = "") -> bool:
-    """Whether a name or unit is that of a possible influence on a sensor: a temperature, a pressure, a supply.
-
-    Examples
-    --------
-    >>> is_driver("Temp1"), is_driver("baro", "hPa"), is_driver("seq"), is_driver("yaw", "deg")
-    (True, True, False, False)
-    """
+    """Whether a name or unit is that of a possible influence on a sensor: a temperature, a pressure, a supply."""
     signal = signal_of(unit)
     if signal is not None:
         return signal.name in ("temperature", "voltage", "current", "pressure")
@@ -195,13 +174,7 @@ def is_driver(name: str, unit: str = "") -> bool:
 
 
 def identifies(name: str) -> bool:
-    """Whether a name is that of an identifier, a state or a count, not of samples.
-
-    Examples
-    --------
-    >>> identifies("header.frame_id"), identifies("deltaAngleDt"), identifies("accel_clip_count"), identifies("gyro_x")
-    (True, True, True, False)
-    """
+    """Whether a name is that of an identifier, a state or a count, not of samples."""
     return bool(_IDENTIFIER.search(_bare(re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name))))
 
 

@@ -38,13 +38,7 @@ class Row:
 
 
 def is_number(cell: str, decimal: str = ".") -> bool:
-    """Whether a cell is a number.
-
-    Examples
-    --------
-    >>> is_number("-1.5e-3"), is_number("1,5", ","), is_number("1_000"), is_number("0x10")
-    (True, True, False, False)
-    """
+    """Whether a cell is a number."""
     return bool(_NUMBER.fullmatch(cell if decimal == "." else cell.replace(decimal, ".", 1)))
 
 

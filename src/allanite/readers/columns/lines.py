@@ -54,10 +54,8 @@ class TextLines:
     name: str
 
     def blocks(self) -> Iterator[tuple[bytes, bool]]:
-        """Blocks of whole lines, and whether it is the last one, which ends as the file does.
-
-        The first one has at least `FIRST` bytes, and the last one more than a line, if the file has.
-        """
+        """Blocks of whole lines, and whether it is the last one, which ends as the file does."""
+        # The first one has at least `FIRST` bytes, and the last one more than a line, if the file has.
         held, least, dollar = b"", FIRST, False
         for lines in encoding.whole_lines(self._plain()):
             dollar = dollar or (not held and least == FIRST and lines.lstrip().startswith(b"$"))

@@ -53,14 +53,11 @@ class Forms:
 def columns(
     data: bytes, layout: Layout, forms: Forms | None = None, *, last: bool = True
 ) -> tuple[list[Parsed], tuple[str, ...]]:
-    """The columns of the rows from ``layout.offset`` on, and notes on what was skipped.
-
-    With `forms` of the rows above, the text is a part of one, perhaps the `last`.
-
-    A column is float64 or int64 of shape (n,), NaN where a cell is empty; ``datetime64[ns]`` for dates with time,
-    ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day; `Tags` for a few words, the first entry for many;
-    None if it is empty. Anything else is refused, with its line.
-    """
+    """The columns of the rows from ``layout.offset`` on, and notes on what was skipped."""
+    # With `forms` of the rows above, the text is a part of one, perhaps the `last`.
+    # A column is float64 or int64 of shape (n,), NaN where a cell is empty; ``datetime64[ns]`` for dates with time,
+    # ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day; `Tags` for a few words, the first entry for
+    # many; None if it is empty. Anything else is refused, with its line.
     body, notes = clean_rows(data, layout, last=last)
     many = {} if forms else _of_many_words(body, layout)
     table = _table(body, layout, forms, many)
@@ -105,10 +102,8 @@ def count(body: bytes | memoryview) -> int:
 
 
 def clean_rows(data: bytes, layout: Layout, *, last: bool = True) -> tuple[bytes | memoryview, tuple[str, ...]]:
-    """The rows as they are parsed, and notes on what was left out at the end of the `last`.
-
-    They have no comments, and single blanks between cells; line numbers are preserved.
-    """
+    """The rows as they are parsed, and notes on what was left out at the end of the `last`."""
+    # They have no comments, and single blanks between cells; line numbers are preserved.
     marks = marks_of(layout.delimiter)
     body: bytes | memoryview = memoryview(data)[layout.offset :]
     # most files have no comments among the numbers: a search is much cheaper than the substitution

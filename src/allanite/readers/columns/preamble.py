@@ -37,15 +37,7 @@ class StatedRate(NamedTuple):
 
 
 def statement(line: int, text: str, decimal: str = ".") -> StatedRate | None:
-    """The sampling rate that a line states; None if it states none.
-
-    Examples
-    --------
-    >>> statement(1, "// Update Rate: 100.0Hz").rate, statement(2, "Sample interval: 0.01 s").rate
-    (100.0, 100.0)
-    >>> statement(3, "FS = 250 dps"), statement(4, "rate: 115200 baud")
-    (None, None)
-    """
+    """The sampling rate that a line states; None if it states none."""
     stated = _STATED.search(text) if len(text) <= headers.LONGEST else None
     if stated is None or (stated["fraction"] or "").startswith(",") > (decimal == ","):
         return None

@@ -47,16 +47,7 @@ def with_angles(recording: Recording, pairs: int, kind: str) -> Recording:
 
 
 def angle_of(sine: Record, cosine: Record, kind: str = "value") -> tuple[Record, list[Finding], str]:
-    """The unwrapped angle in rad, findings about sine and cosine, and what could be checked.
-
-    Examples
-    --------
-    >>> true = np.linspace(0.0, 20.0, 201)
-    >>> sine, cosine = (Record(3 * f(true), rate=10.0, unit="V", name=f.__name__) for f in (np.sin, np.cos))
-    >>> angle, findings, _ = angle_of(sine, cosine)
-    >>> bool(np.allclose(angle.values, true)), angle.unit, findings
-    (True, 'rad', [])
-    """
+    """The unwrapped angle in rad, findings about sine and cosine, and what could be checked."""
     s, c = (np.asarray(record.values, dtype=np.float64) for record in (sine, cosine))
     name = f"angle {sine.name} {cosine.name}"
     size = np.hypot(s, c)
@@ -122,10 +113,8 @@ def _unwrapped(wrapped: FloatArray, there: IntArray, rate: float, name: str) -> 
 
 
 def _errors(angle: FloatArray, size: FloatArray, name: str) -> tuple[list[Finding], str]:
-    """The angle errors by offsets, unequal gains and a phase that is not 90 deg, from the amplitude over a turn.
-
-    To first order they change the amplitude as much as the angle: offsets once per turn, the others twice.
-    """
+    """The angle errors by offsets, unequal gains and a phase that is not 90 deg, from the amplitude over a turn."""
+    # To first order they change the amplitude as much as the angle: offsets once per turn, the others twice.
     read = say("{name}: sine and cosine are used as an angle in rad", name=name)
     turn = np.remainder(angle, 2 * np.pi)
     sectors = np.unique((turn * (SECTORS / (2 * np.pi))).astype(np.int64)).size

@@ -30,11 +30,9 @@ class Turns(NamedTuple):
 
 
 def turns(columns: list[FileColumn], tags: dict[int, Tags]) -> Turns | None:
-    """The column that distinguishes the rows of several sensors; None if all rows belong to one.
-
-    A column of a few words is one if they change often; a column of numbers
-    if its header says so, or if they repeat in the same order, which samples do not.
-    """
+    """The column that distinguishes the rows of several sensors; None if all rows belong to one."""
+    # A column of a few words is one if they change often; a column of numbers if its header says so, or if they repeat
+    # in the same order, which samples do not.
     for place, column in enumerate(columns):
         named = bool(_ID.search(column.header.lower()))
         if place in tags:
@@ -129,11 +127,9 @@ def _constant(column: FileColumn) -> bool:
 
 
 def wanted(groups: list[list[FileColumn]], keys: tuple[str, ...] | None) -> list[FileColumn]:
-    """The columns of the sensors selected by the user; of all sensors if they have the same number of rows.
-
-    By default, if the sensors have different numbers of rows, those with inertial
-    names are kept if their numbers agree; otherwise all, which the table then refuses.
-    """
+    """The columns of the sensors selected by the user; of all sensors if they have the same number of rows."""
+    # By default, if the sensors have different numbers of rows, those with inertial names are kept if their numbers
+    # agree; otherwise all, which the table then refuses.
     if keys is not None:
         asked = {key.strip().lower() for key in keys}
         chosen = [g for g in groups if any(asked & {c.name.lower(), c.header.lower(), str(c.position)} for c in g)]

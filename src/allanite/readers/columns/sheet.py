@@ -16,14 +16,7 @@ from .column import FileColumn, lookup, unique
 
 @dataclass(frozen=True, eq=False)
 class FileSheet:
-    """The columns of a file, its path, its sha256, and the assumptions.
-
-    Examples
-    --------
-    >>> sheet = FileSheet((FileColumn(np.array([0.0, 180.0]), 1, "h", "deg"),))
-    >>> sheet.values("h", "rad").round(3).tolist()
-    [0.0, 3.142]
-    """
+    """The columns of a file, its path, its sha256, and the assumptions."""
 
     columns: tuple[FileColumn, ...]
     source: str = ""
@@ -31,11 +24,9 @@ class FileSheet:
     notes: tuple[str, ...] = ()
 
     def values(self, key: str, unit: str, *, given: str | None = None) -> FloatArray:
-        """The column `key` (name, header, or position from 1) in `unit`, float64 of shape (n,); empty cells are NaN.
-
-        `given` is the unit of the column and overrides its header. A missing column or unknown unit raises
-        `UsageError`, another quantity `UnitError`, text `DataError`.
-        """
+        """The column `key` (name, header, or position from 1) in `unit`, float64 of shape (n,); empty cells are NaN."""
+        # `given` is the unit of the column and overrides its header. A missing column or unknown unit raises
+        # `UsageError`, another quantity `UnitError`, text `DataError`.
         column = lookup(self.columns, key)
         column.demand_numbers()
         stated = given or column.unit

@@ -129,10 +129,8 @@ def _topic(item: Mapping[str, Any]) -> _Topic:
 
 
 def _stream(topic: _Topic, names: Sequence[str], path: str, process: Process | None = None) -> Stream:
-    """The stream of a topic, with its type in the name if messages of several types have the same topic.
-
-    Without a process its table is that of the first messages.
-    """
+    """The stream of a topic, with its type in the name if messages of several types have the same topic."""
+    # Without a process its table is that of the first messages.
 
     def load() -> FileTable:
         if process is None:

@@ -57,10 +57,8 @@ def parts(path: str, options: Options) -> Parts | None:
 
 
 def streamed(chunks: lines.Chunks, options: Options) -> Parts | None:
-    """The rows of a text whose bytes are read like this; None if its lines are not the rows of one sensor.
-
-    It is read once to count the rows, to see its encoding and the order of its dates.
-    """
+    """The rows of a text whose bytes are read like this; None if its lines are not the rows of one sensor."""
+    # It is read once to count the rows, to see its encoding and the order of its dates.
     text = lines.TextLines(chunks, *encoding.encoding_of(chunks))
     first, whole = next(text.blocks(), (b"", True))
     if shapes.straightened(first)[1]:

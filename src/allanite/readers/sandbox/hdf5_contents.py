@@ -111,10 +111,8 @@ def _fields(kind: Any) -> list[list[Any]]:
 
 
 def _offset(dataset: Any) -> int | None:
-    """Offset of the numbers of a dataset in the file, if they are stored contiguously and as NumPy has them.
-
-    Integers of fewer bits than their width, and floats of another layout, have the width of a type of NumPy as well.
-    """
+    """Offset of the numbers of a dataset in the file, if they are stored contiguously and as NumPy has them."""
+    # Integers of fewer bits than their width, and floats of another layout, have the width of a type of NumPy as well.
     whole = dataset.size * dataset.dtype.itemsize
     if dataset.chunks or dataset.dtype.names or dataset.compression or dataset.id.get_storage_size() != whole:
         return None

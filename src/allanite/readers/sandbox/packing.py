@@ -86,11 +86,9 @@ ZIP = Packing(re.compile(rb"PK\x03\x04"), ".zip", zipfile.ZipFile)
 
 @contextmanager
 def unpacked(path: str, member: str, judge: Judge, *, only_by_suffix: bool = False) -> Iterator[str]:
-    """The path of the unpacked file; `path` itself if it is not packed, or a format of its own.
-
-    `member` names a file in an archive (empty: the only one that `judge` finds readable, by first bytes and
-    suffix). With `only_by_suffix`, a file that merely begins like a packed one is left unchanged, as raw numbers may.
-    """
+    """The path of the unpacked file; `path` itself if it is not packed, or a format of its own."""
+    # `member` names a file in an archive (empty: the only one that `judge` finds readable, by first bytes and suffix).
+    # With `only_by_suffix`, a file that merely begins like a packed one is left unchanged, as raw numbers may.
     with ExitStack() as stack:
         for _ in range(DEPTH):
             packing = packing_of(path, judge, only_by_suffix)
