@@ -62,12 +62,10 @@ def described(error: BaseException) -> str:
 
 @dataclass(frozen=True)
 class Processes:
-    """Several processes of this machine, one item each at a time.
+    """Several processes of this machine, one item each at a time."""
 
-    A process that is killed is replaced. Its item is tried once more, and then reported as failed; other items are not
-    affected. The processes import the main module anew: a script that uses them needs ``if __name__ == "__main__":``.
-    """
-
+    # A process that is killed is replaced. Its item is tried once more, and then reported as failed; other items are
+    # not affected. The processes import the main module anew: a script that uses them needs if __name__ == "__main__":
     workers: int  # number of processes, at least 1
 
     def __post_init__(self) -> None:
@@ -122,11 +120,9 @@ SAME = ("python", "allanite", "numpy", "scipy", "numba")
 
 @dataclass(frozen=True)
 class Dask:
-    """The workers of a Dask scheduler, which see the files by the same paths and have the same version of allanite.
+    """The workers of a Dask scheduler, which see the files by the same paths and have the same version of allanite."""
 
-    Another worker takes over from one that is lost; a file that has cost several workers is reported as failed.
-    """
-
+    # another worker takes over from one that is lost; a file that has cost several workers is reported as failed
     address: str  # of the scheduler: ``tcp://10.0.0.5:8786``
 
     def run(self, task: Task, items: Sequence[Plain]) -> Iterator[Done]:

@@ -29,13 +29,11 @@ FORM = "a manifest has a path in each line, or is a CSV file with a column 'file
 
 @dataclass(frozen=True)
 class Sources:
-    """Files, what was left out of folders, in `notes`, and what a manifest says of each.
-
-    `facts` are the columns of the manifest: text, but a number for `TEMPERATURE` and a time (UTC) for `DATE`.
-    """
+    """Files, what was left out of folders, in `notes`, and what a manifest says of each."""
 
     files: tuple[str, ...]
     notes: tuple[str, ...] = ()
+    # columns of the manifest: text, but a number for `TEMPERATURE` and a time (UTC) for `DATE`
     facts: dict[str, dict[str, Any]] = field(default_factory=dict)
 
 

@@ -50,10 +50,7 @@ def identity(file: str, choices: Plain) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class Store:
-    """A folder of results.
-
-    Each part is written under another name, flushed to the disk and renamed: it is there as a whole or not at all.
-    """
+    """A folder of results; a part is there as a whole or not at all: it is written under another name and renamed."""
 
     folder: Path
 

@@ -109,34 +109,15 @@ class Coefficient(Value):
 
 @dataclass(frozen=True, repr=False)
 class Across(Coefficient):
-    """One coefficient of one channel over all units, SI.
+    """One coefficient of one channel over all units, SI; "minimum" is the minimum of the Allan deviation."""
 
-    Attributes
-    ----------
-    channel, symbol, signal
-        Whose it is; "minimum" is the minimum of the Allan deviation.
-    units : int
-        Units with a valid result for it, identified or not.
-    identified : int
-        Units with a value; the numbers that follow are theirs.
-    mean, deviation : float
-        Mean of the values, and their standard deviation from unit to unit; NaN of a single one. It contains the
-        statistical error of each value.
-    worst : float
-        The value of the largest size.
-    file : str
-        The unit it belongs to.
-    below : float or None
-        The largest upper limit of the units in which the term was not identified.
-    """
-
-    units: int
-    identified: int
+    units: int  # with a valid result for it, identified or not
+    identified: int  # units with a value; the numbers that follow are theirs
     mean: float
-    deviation: float
-    worst: float
-    file: str
-    below: float | None = None
+    deviation: float  # from unit to unit, with the statistical error of each value in it; NaN of a single one
+    worst: float  # the value of the largest size
+    file: str  # the unit it belongs to
+    below: float | None = None  # the largest upper limit of the units in which the term was not identified
 
     def row(self) -> list[Any]:
         """Channel, term, numbers of units, mean, spread, worst and its file, upper limit, unit: of data sheets."""

@@ -115,10 +115,7 @@ class EndedError(Exception):
 
 
 class Process:
-    """Another process and this end of its pipe.
-
-    It ends when nobody holds this end any more, however this process ended.
-    """
+    """Another process, and this end of its pipe: it ends when nobody holds that any more, however this one ended."""
 
     def __init__(
         self, context: Any, work: Callable[..., None], *arguments: Any, others: Sequence["Process"] = ()

@@ -35,15 +35,12 @@ NEIGHBOURS = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Gaps:
-    """The gaps among `size` remaining samples: `at` is the first sample after each, `lost` the number missing.
-
-    `shut` marks gaps during which an angle was accumulated: the sample there is the increment over lost + 1 intervals.
-    """
+    """The gaps among `size` remaining samples: `at` is the first sample after each, `lost` the number missing."""
 
     size: int
     at: IntArray
     lost: IntArray
-    shut: BoolArray
+    shut: BoolArray  # an angle was accumulated: the sample there is the increment over lost + 1 intervals
 
     def first(self, size: int) -> "Gaps":
         """The gaps among the first samples."""

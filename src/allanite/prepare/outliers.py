@@ -38,16 +38,12 @@ samples of a heavy-tailed noise, lie between this share and the limit.
 
 @dataclass(frozen=True, eq=False)
 class Outliers:
-    """The outliers `at` some of the intervals of a record, ascending: samples far from the running median.
-
-    `limit` is the detection limit and `largest` the largest deviation, in standard deviations; `heavy` counts
-    the samples beyond the limit that are not outliers because the noise has heavy tails.
-    """
+    """The outliers `at` some of the intervals of a record, ascending: samples far from the running median."""
 
     at: IntArray
-    limit: float
+    limit: float  # of detection, and the largest deviation, in standard deviations
     largest: float = 0.0
-    heavy: int = 0
+    heavy: int = 0  # samples beyond the limit that are not outliers because the noise has heavy tails
 
     def words(self, record: Record) -> str:
         """``3 outliers beyond 5.6 standard deviations, the first at 12.34 s, the largest 31``."""

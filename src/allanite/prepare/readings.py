@@ -50,17 +50,14 @@ def stuck(view: View) -> Finding | None:
 
 
 class Clipping(NamedTuple):
-    """How many samples are equal to the smallest and to the largest value, the first and last of them, and of how many.
-
-    `even` tells whether every eighth of the record has some: noise reaches the limits, not a drift.
-    """
+    """How many samples are equal to the smallest and to the largest value, the first and last of them, of how many."""
 
     low: int
     high: int
     first: int
     last: int
     size: int
-    even: bool
+    even: bool  # every eighth of the record has some: noise reaches the limits, not a drift
 
     @property
     def factor(self) -> float:

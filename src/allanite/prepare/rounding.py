@@ -30,16 +30,12 @@ FEW_CODES = 16
 
 @dataclass(frozen=True)
 class Rounding:
-    """How a series is rounded: `codes` distinct values (in a sample of a long series), which are multiples of `step`.
-
-    The step is 0 if there is no grid. `nearby` is the typical number of values among
-    256 neighbours; `noise` the standard deviation of the fast noise, in steps, infinite if there is no step.
-    """
+    """How a series is rounded: `codes` distinct values (in a sample of a long one), which are multiples of `step`."""
 
     codes: int
-    step: float
-    nearby: float
-    noise: float
+    step: float  # 0 if there is no grid
+    nearby: float  # typical number of values among 256 neighbours
+    noise: float  # standard deviation of the fast noise, in steps, infinite if there is no step
 
     @property
     def coarse(self) -> bool:

@@ -37,15 +37,13 @@ ROOM = 1 << 22
 
 @dataclass(frozen=True)
 class Tap:
-    """An open source.
+    """An open source."""
 
-    ``take(seconds)`` waits so long at most and returns what came, b"" if nothing did; OSError where the source is gone,
-    as a device is that was unplugged. What comes `live` is lost if nobody takes it.
-    """
-
+    # waits so many seconds at most and returns what came, b"" if nothing did; OSError where the source is gone, as a
+    # device is that was unplugged
     take: Callable[[float], bytes]
     close: Callable[[], None]
-    live: bool = True
+    live: bool = True  # what comes is lost if nobody takes it
 
 
 class Feed:
@@ -185,20 +183,11 @@ TAIL = 1 << 16
 
 
 class Spool:
-    """A text file of the lines that came; a line that is not complete waits for the rest of it.
+    """A text file of the lines that came; a line that is not complete waits for the rest of it."""
 
-    With `sent`, the lines are those of a port, where bytes get lost: what comes before the first two rows of one
-    length is kept as headings only where it is no torn row, and a later line with another number of fields, or words
-    where the others have numbers, is a row of missing samples.
-
-    Attributes
-    ----------
-    source_name : str
-        What messages and results call it.
-    rows, came : int
-        Lines since the first row, and bytes that came.
-    """
-
+    # with `sent`, the lines are those of a port, where bytes get lost: what comes before the first two rows of one
+    # length is kept as headings only where it is no torn row, and a later line with another number of fields, or words
+    # where the others have numbers, is a row of missing samples; messages and results call it by `source_name`
     def __init__(self, source_name: str, path: str | None = None, *, sent: bool = True) -> None:
         self.source_name, self.sent = source_name, sent
         suffix = os.path.splitext(source_name)[1].lower() if os.path.isfile(source_name) else ".txt"
@@ -216,7 +205,7 @@ class Spool:
         self._model: list[bool] = []
         self._between: bytes | None = None
         self._last: deque[bytes] = deque(maxlen=TAIL)
-        self.rows = self.came = 0
+        self.rows = self.came = 0  # lines since the first row, and bytes
 
     def __fspath__(self) -> str:
         return self.path

@@ -37,17 +37,12 @@ class FrameLike(Protocol):
 
 @dataclass(frozen=True)
 class Options:
-    """What the user states about a file, as in `allanite.readers.read`; None takes it from the file.
-
-    A `scale` such as ``"0.01deg/s"`` becomes a number and a unit. A `unit` such as ``"gyro=deg/s,accel=g"`` becomes
-    `units`, by the name of a sensor or the key of a column. `progress` is called with the share, 0 to 1, of the file
-    that has been read.
-    """
+    """What the user states about a file, as in `allanite.readers.read`; None takes it from the file."""
 
     rate: float | None = None
     unit: str | None = None
     kind: str | None = None
-    scale: float | str | None = None
+    scale: float | str | None = None  # such as "0.01deg/s" becomes a number and a unit
     channels: tuple[str, ...] | None = None
     along: tuple[str, ...] | None = None
     time: str | None = None
@@ -56,7 +51,8 @@ class Options:
     offset: int | None = None
     sincos: tuple[str, ...] | None = None
     otherwise: tuple[str, ...] = ()
-    units: tuple[tuple[str, str], ...] = ()
+    units: tuple[tuple[str, str], ...] = ()  # of "gyro=deg/s,accel=g", by the name of a sensor or the key of a column
+    # called with the share, 0 to 1, of the file that has been read
     progress: Callable[[float], None] | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:

@@ -129,17 +129,14 @@ CHARACTERS = 10
 
 @dataclass(frozen=True, eq=False)
 class PartsReader:
-    """A file that is read in parts; `pieces` reads it from the beginning, once, and the rest is known after that.
-
-    `heads` are records of the first samples, whose rate is not yet that of the whole.
-    """
+    """A file that is read in parts; `pieces` reads it from the beginning, once, and the rest is known after that."""
 
     name: str
     file: str
     parts: Parts
     sense: Sense
     clock: Clock
-    heads: tuple[Record, ...]
+    heads: tuple[Record, ...]  # of the first samples, whose rate is not yet that of the whole
     need: int
     limit: int
 

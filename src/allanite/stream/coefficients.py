@@ -100,12 +100,10 @@ def law_of(
 
 @dataclass(frozen=True, eq=False)
 class StrideLaw(Portable):
-    """The laws of the levels one after the other.
+    """The laws of the levels one after the other."""
 
-    Windows that start every 2^k samples, of an angle that is taken there only, are the windows at every sample of a
-    record with 2^k times the sample interval, for which everything is known exactly.
-    """
-
+    # windows that start every 2^k samples, of an angle that is taken there only, are the windows at every sample of a
+    # record with 2^k times the sample interval, for which everything is known exactly
     parts: tuple[Law, ...]
 
     def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -135,15 +133,12 @@ def search_in(
 
 @dataclass(frozen=True, eq=False)
 class Ladder:
-    """How the bins of a stream are read: `low` of them from cells of `width` samples, the others from segments.
-
-    `level`, `index` and `told`, shape (bins,), are the level of a bin, its coefficient, and how many there are.
-    """
+    """How the bins of a stream are read: `low` of them from cells of `width` samples, the others from segments."""
 
     low: int
     width: int
     cells: Gaps
-    level: IntArray
+    level: IntArray  # of a bin, its coefficient, and how many there are; shape (bins,)
     index: IntArray
     told: FloatArray
     even: float = 1.0

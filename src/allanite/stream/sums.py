@@ -29,11 +29,9 @@ MOST = 512
 
 @dataclass
 class Cells:
-    """Sums over `size` samples each, and how many of these there were; the first one begins at sample `first` * size.
+    """Sums over `size` samples each, and how many of these there were; the first begins at sample `first` * size."""
 
-    Gaps leave cells with few samples or none, and the rest is not affected. A cell counts to 2^31, the whole to 10^12.
-    """
-
+    # gaps leave cells with few samples or none; a cell counts to 2^31, the whole to 10^12
     size: int = 1
     first: int = 0
     total: FloatArray = field(default_factory=lambda: np.zeros(MOST))
@@ -121,12 +119,7 @@ BLOCK = 1 << 16
 
 
 class Sums:
-    """The sums of the differences of a statistic over samples `begins` .. `stop` of a stream.
-
-    Samples are added less the first of them, `constant`, of which the sums do not depend. `size` is their number
-    without missing ones; `cells` are the sums over longer times that the coefficients need. `led` says whether a point
-    stands before the first sample, with which differences of the running sum of the angle begin.
-    """
+    """The sums of the differences of a statistic over samples `begins` .. `stop` of a stream."""
 
     def __init__(self, row: Statistic, start: int) -> None:
         from allanite.kernels.ladder import HOP
@@ -134,11 +127,11 @@ class Sums:
         self.row = row
         self.state = self._empty()
         self.shape = row.differences, folded(HOP)
-        self.cells = Cells()
+        self.cells = Cells()  # sums over longer times that the coefficients need
         self.start = self.begins = self.stop = start
-        self.size = 0
-        self.constant = 0.0
-        self.led = False
+        self.size = 0  # number of samples without missing ones
+        self.constant = 0.0  # the first sample, which is taken off all: the sums do not depend on it
+        self.led = False  # a point before the first sample, with which differences of the running sum begin
 
     @property
     def nbytes(self) -> int:

@@ -139,14 +139,11 @@ class Supposed:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Modelled(Value):
-    """What follows from the noise of one channel, or the reason (`refusal`) why there is no result.
-
-    `record`, `quality` and `noise` are None for a given model.
-    """
+    """What follows from the noise of one channel, or the reason (`refusal`) why there is no result."""
 
     name: str
     rate: float
-    record: Record | Header | None = None
+    record: Record | Header | None = None  # as quality and noise: None for a given model
     quality: Quality | None = None
     noise: Noise | None = None
     result: Result | None = None

@@ -97,11 +97,7 @@ class Deviations(DeviationChoices, Value):
 @described
 @dataclass(frozen=True, repr=False)
 class Densities(DensityChoices, Value):
-    """A power spectral density; `fit` also identifies the noise and draws its terms.
-
-    With `deviation`, the name of a statistic, the deviation that the density amounts to instead. The other attributes
-    are those of `spectrum` and its methods.
-    """
+    """A power spectral density, or the deviation that it amounts to; attributes as for `spectrum` and its methods."""
 
     def __post_init__(self) -> None:
         side_factor(self.sides)

@@ -35,17 +35,14 @@ _WRAPS = (8, 16, 32, 31)
 
 @dataclass(frozen=True, eq=False)
 class ClockSources:
-    """Sources of the sampling rate: time stamps and their unit, a counter of samples, a rate stated in the file.
-
-    `stated` is a nominal rate from lines of text, which applies only where there are no time stamps.
-    """
+    """Sources of the sampling rate: time stamps and their unit, a counter of samples, a rate stated in the file."""
 
     stamps: FileColumn | None = None
     unit: str = ""
     counter: FileColumn | None = None
     rate: float | None = None
     source: str = ""
-    stated: float | None = None
+    stated: float | None = None  # a nominal rate from lines of text, only for where there are no time stamps
     stated_source: str = ""
     notes: tuple[str, ...] = ()
 

@@ -28,25 +28,13 @@ AHEAD = (16, 1024, 1024, 1024)
 
 @dataclass(frozen=True, eq=False)
 class SampleGrid:
-    """An even grid of sampling times.
+    """An even grid of sampling times."""
 
-    `interval` is the time in s between the first and the last time stamp over the number of intervals, missing ones
-    included. `rows` are the rows kept, in order of time (None: all, in the order of the file), `places` their positions
-    on the grid (None: consecutive). `findings` describe defects of the time stamps, `trouble` why they give no rate
-    (empty: they do).
-
-    Examples
-    --------
-    >>> grid = SampleGrid(0.01, places=np.array([0, 1, 3]))
-    >>> grid.lost, grid.put(np.array([5.0, 6.0, 7.0]))
-    (1, array([ 5.,  6., nan,  7.]))
-    """
-
-    interval: float = 0.0
-    rows: Places | None = None
-    places: Places | None = None
-    findings: tuple[Finding, ...] = ()
-    trouble: str = ""
+    interval: float = 0.0  # s, between the first and the last time stamp over the intervals, missing ones included
+    rows: Places | None = None  # those kept, in order of time; None: all, in the order of the file
+    places: Places | None = None  # of the rows on the grid; None: consecutive
+    findings: tuple[Finding, ...] = ()  # defects of the time stamps
+    trouble: str = ""  # why they give no rate; empty if they do
 
     @property
     def lost(self) -> int:

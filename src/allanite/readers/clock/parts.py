@@ -30,12 +30,9 @@ Piece = tuple[int, list[NDArray[Any]]]
 
 @dataclass
 class Clock:
-    """Places the rows of successive parts on one grid; `beat` is what the whole says at the end.
+    """Places the rows of successive parts on one grid; `beat` is what the whole says at the end."""
 
-    `head` are the time stamps of the first rows, or the beat where there are none.
-    """
-
-    head: Stamped | Beat
+    head: Stamped | Beat  # the time stamps of the first rows, or the beat where there are none
     interval: float = 0.0
     rows: int = 0
     place: int = 0

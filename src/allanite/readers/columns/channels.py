@@ -37,15 +37,12 @@ class SignalColumn(NamedTuple):
 
 
 class Left(NamedTuple):
-    """A column that cannot be used: the reason, and what to pass to use it (empty: it is not a signal).
-
-    `open`: what it lacks is a unit.
-    """
+    """A column that cannot be used: the reason, and what to pass to use it (empty: it is not a signal)."""
 
     column: FileColumn
     why: str
     ask: str = ""
-    open: bool = False
+    open: bool = False  # what it lacks is a unit
 
 
 @dataclass(frozen=True)

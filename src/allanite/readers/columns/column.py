@@ -15,23 +15,18 @@ from . import headers
 
 @dataclass(frozen=True, eq=False)
 class FileColumn:
-    """One column of a file.
+    """One column of a file."""
 
-    `values`, shape (n,), are float64 or int64, empty for text; `position` is the position in the file, counted from 1.
-    `name`, `unit`, `kind` and `scale` are stated in the file, empty or None if they are not, and `header` is the
-    unchanged header; `text` is the first entry of a column of text (empty for numbers), `history` the processing of the
-    samples before they were written.
-    """
-
-    values: NDArray[Any]
-    position: int
+    values: NDArray[Any]  # float64 or int64 of shape (n,), empty for text
+    position: int  # in the file, counted from 1
+    # what the file states, empty or None if it does not
     name: str = ""
     unit: str = ""
     kind: str = ""
     scale: float | None = None
-    header: str = ""
-    text: str = ""
-    history: tuple[str, ...] = ()
+    header: str = ""  # unchanged
+    text: str = ""  # the first entry of a column of text, empty for numbers
+    history: tuple[str, ...] = ()  # processing of the samples before they were written
 
     @property
     def label(self) -> str:

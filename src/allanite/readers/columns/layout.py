@@ -82,22 +82,17 @@ _BLANK_HEADER = re.compile(r"\S{1,99}?(?: ?\[[^\]]{0,99}\]| ?\([^)]{0,99}\))|\S+
 
 @dataclass(frozen=True)
 class Layout:
-    """The layout of a text file.
-
-    `names` and `units` have one entry per column (empty if the file has none), `text` the positions of columns
-    of words, `offset` and `line` (from 1) the start of the first row of numbers, `notes` what was skipped. `nominal` is
-    the sampling rate in Hz that the lines above state, None if they state none, with its place.
-    """
+    """The layout of a text file."""
 
     delimiter: str
     decimal: str
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # names and units have one entry per column, empty if the file has none
     units: tuple[str, ...]
-    text: frozenset[int]
-    offset: int
+    text: frozenset[int]  # positions of columns of words
+    offset: int  # of the first row of numbers, as is its line from 1
     line: int
-    notes: tuple[str, ...] = ()
-    nominal: tuple[float | None, str] = (None, "")
+    notes: tuple[str, ...] = ()  # what was skipped
+    nominal: tuple[float | None, str] = (None, "")  # sampling rate, Hz, that the lines above state, with its place
 
     @property
     def width(self) -> int:

@@ -90,16 +90,13 @@ class TextLines:
 
 @dataclass(frozen=True)
 class Rows:
-    """Rows of numbers of one type after `offset` bytes; `shape` is (rows,) or (rows, columns).
-
-    With `bycolumn` the columns are stored one after the other. A structured type has a column for each number.
-    """
+    """Rows of numbers of one type after `offset` bytes; a structured type has a column for each number."""
 
     path: str
     dtype: np.dtype[Any]
     offset: int
-    shape: tuple[int, ...]
-    bycolumn: bool = False
+    shape: tuple[int, ...]  # (rows,) or (rows, columns)
+    bycolumn: bool = False  # the columns are stored one after the other
 
     def blocks(self, wanted: Sequence[int], rows: int) -> Iterator[list[NDArray[Any]]]:
         """Columns of so many rows at a time."""
@@ -150,13 +147,9 @@ Blocks = Callable[[Sequence[int], int], Iterator[list[NDArray[Any]]]]
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """A file that can be read in parts.
+    """A file that can be read in parts."""
 
-    `head` is the table of its first rows, `rows` their number in the whole file, `blocks` reads columns of `head` from
-    the beginning, and `options` are those of the head, which a container may have narrowed.
-    """
-
-    head: FileTable
-    rows: int
-    blocks: Blocks
-    options: Options
+    head: FileTable  # of its first rows
+    rows: int  # in the whole file
+    blocks: Blocks  # reads columns of the head from the beginning
+    options: Options  # those of the head, which a container may have narrowed

@@ -38,16 +38,12 @@ Parsed = Values | Tags | str | None
 
 @dataclass
 class Forms:
-    """What the first rows show of the columns of words, by position, so that later rows are read alike.
+    """What the first rows show of the columns of words, by position, so that later rows are read alike."""
 
-    `types` are those of pyarrow, `patterns` those of dates (empty for other words), `american` the dates whose month
-    and day are in the other order. `rows` is the number of rows so far.
-    """
-
-    types: dict[int, Any] = field(default_factory=dict)
-    patterns: dict[int, str] = field(default_factory=dict)
-    american: set[int] = field(default_factory=set)
-    rows: int = 0
+    types: dict[int, Any] = field(default_factory=dict)  # those of pyarrow
+    patterns: dict[int, str] = field(default_factory=dict)  # of dates, empty for other words
+    american: set[int] = field(default_factory=set)  # the dates whose month and day are in the other order
+    rows: int = 0  # so far
 
 
 def columns(

@@ -39,19 +39,14 @@ SOURCE = say("the description in the file")
 
 @dataclass(frozen=True, eq=False)
 class FileTable:
-    """The columns of a file in its order, what the file states about them, and the assumptions so far.
-
-    `rate` in Hz and `start`, the time of the first sample in s, are None if the file does not state them;
-    `rate_source` is the place where it states the rate. `nominal` is one that applies only without time stamps, in Hz,
-    with its place.
-    """
+    """The columns of a file in its order, what the file states about them, and the assumptions so far."""
 
     columns: tuple[FileColumn, ...]
-    rate: float | None = None
-    rate_source: str = ""
+    rate: float | None = None  # Hz; None if the file does not state it
+    rate_source: str = ""  # the place where it does
     notes: tuple[str, ...] = field(default=())
-    start: float | None = None
-    nominal: tuple[float | None, str] = (None, "")
+    start: float | None = None  # time of the first sample, s
+    nominal: tuple[float | None, str] = (None, "")  # a rate, Hz, that applies only without time stamps, and its place
 
     def recording(self, options: Options) -> Recording:
         """The channels as records with common sample times."""

@@ -89,21 +89,17 @@ def _demand_bag(path: str) -> None:
 
 @dataclass(frozen=True)
 class _Topic:
-    """A topic: type, number of messages, seconds between the first and the last, and names and units of its columns.
-
-    `dtype` is the type of a row, `unread` are the fields that are not read, `beside` the files of definitions used, and
-    `why` says why there are no columns.
-    """
+    """A topic: type, number of messages, seconds between the first and the last, and names and units of its columns."""
 
     name: str
     type: str
     count: int
     span: float
-    dtype: np.dtype[Any]
+    dtype: np.dtype[Any]  # of a row
     units: dict[str, str]
-    unread: tuple[str, ...]
-    beside: tuple[str, ...]
-    why: str
+    unread: tuple[str, ...]  # fields
+    beside: tuple[str, ...]  # files of definitions used
+    why: str  # there are no columns
 
     @property
     def fits(self) -> int:

@@ -31,16 +31,13 @@ Rows = NDArray[Any]
 
 @dataclass(frozen=True)
 class _Signal:
-    """Fields of a topic that are a sensor's: their common stem, endings, unit, and the field of the integration time.
-
-    With `increment` they are integrals over that time, otherwise means over it.
-    """
+    """Fields of a topic that are a sensor's: common stem, endings, unit, and the field of the integration time."""
 
     stem: str
     ends: tuple[str, ...]
     unit: str
     over: str = ""
-    increment: bool = False
+    increment: bool = False  # they are integrals over that time, otherwise means over it
 
 
 _TOPICS: Mapping[str, tuple[_Signal, ...]] = {

@@ -44,11 +44,9 @@ class Packing(NamedTuple):
 
 
 class _Streams:
-    """Reads a file of one or several packed streams, and nothing else behind them, as bz2 and lzma do not.
+    """Reads a file of one or several packed streams, and nothing else behind them, as bz2 and lzma do not."""
 
-    `begun` makes the decoder of a stream; `between` may stand between streams.
-    """
-
+    # `begun` makes the decoder of a stream; `between` may stand between streams
     def __init__(self, file: IO[bytes], begun: Callable[[], Any], between: bytes = b"") -> None:
         self._file, self._begun, self._between = file, begun, between
         self._decoder = begun()

@@ -114,15 +114,12 @@ SHARE = "share"
 
 
 class Library(NamedTuple):
-    """What opens a format: the package, the extra that installs it, advice for a file that it cannot open, and speed.
-
-    The speed is that of opening a file, in bytes per second at least, on a slow disk.
-    """
+    """What opens a format: the package, the extra that installs it, and advice for a file that it cannot open."""
 
     package: str
     extra: str
     remedy: str
-    speed: float = SPEED
+    speed: float = SPEED  # of opening a file, bytes per second at least, on a slow disk
 
 
 LIBRARIES = {
