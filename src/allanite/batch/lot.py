@@ -100,16 +100,9 @@ def detectable(count: int) -> float:
 
 
 def outliers(values: FloatArray) -> list[int]:
-    """Places of the values that are outliers of a normal sample, by Rosner's generalized extreme studentized deviate.
-
-    One is looked for in fewer than 15 values, for which the test is exact, and at most a fifth of them in more. With a
-    probability of `FALSE_ALARM` one is found where there is none.
-
-    Examples
-    --------
-    >>> outliers(np.array([0.1, -0.2, 0.3, 0.0, -0.1, 0.2, 9.0]))
-    [6]
-    """
+    """Places of the outliers of a normal sample, by Rosner's generalized extreme studentized deviate."""
+    # One is looked for in fewer than 15 values, for which the test is exact, and at most a fifth of them in more. With a
+    # probability of `FALSE_ALARM` one is found where there is none.
     from scipy import stats
 
     n, kept, last, removed = values.size, np.arange(values.size), 0, list[int]()
@@ -167,17 +160,9 @@ class Lot(Value):
 
 
 class Spool:
-    """A temporary file of studies, read again one at a time: of a lot of thousands, only one is in memory.
+    """A temporary file of studies, read again one at a time: of a lot of thousands, only one is in memory."""
 
-    Only this process writes and reads it; it has no name and is gone when nothing refers to it.
-
-    Examples
-    --------
-    >>> from allanite import Recipe
-    >>> load = Spool().put(Study((), Recipe(), (), (), {}))
-    >>> len(load().channels)
-    0
-    """
+    # only this process writes and reads it; it has no name and is gone when nothing refers to it
 
     def __init__(self) -> None:
         self._file = tempfile.TemporaryFile(prefix="allanite-")  # noqa: SIM115 - closed with the spool

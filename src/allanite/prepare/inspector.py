@@ -131,11 +131,9 @@ def all_checks(number: int) -> bool:
 
 
 class Inspector:
-    """Looks at a channel block by block.
+    """Looks at a channel block by block; a record that is one block is inspected as it is in memory."""
 
-    A record that is one block is inspected as it is in memory. In a longer one extremes, stuck values and outliers are
-    looked for in every block, everything else in some of them.
-    """
+    # In a longer one extremes, stuck values and outliers are looked for in every block, everything else in some.
 
     def __init__(self, size: int, choice: str | None) -> None:
         self.size, self.choice = size, choice
@@ -149,10 +147,8 @@ class Inspector:
         self.levels: list[tuple[float, float, int]] = []
 
     def look(self, block: Record, *, alone: bool) -> tuple[Record, IntArray]:
-        """Look at a block, whose `cut` is its place: the block without outliers if these are marked, and their places.
-
-        `alone` says that it is the whole record. Outliers that are marked, or kept, have no places.
-        """
+        """Look at a block, whose `cut` is its place: the block without marked outliers, and the places of outliers."""
+        # `alone` says that it is the whole record. Outliers that are marked, or kept, have no places.
         known = self.choice == "keep" or np.isfinite(block.values).sum() < FEWEST
         spikes = Outliers(NONE, 0.0) if known else outliers(block, None if alone else self.size)
         kept = marked(block, spikes) if self.choice == "mark" else block

@@ -28,13 +28,7 @@ FEWEST = 10
 
 @np.errstate(all="ignore")  # of stamps that no clock counts
 def mended(stamps: NDArray[Any], known: int = 0) -> tuple[NDArray[Any], Places]:
-    """The stamps with damaged ones set by their neighbours, and the rows of these, from 0; the `known` first are sound.
-
-    Examples
-    --------
-    >>> mended(np.array([10, 20, 30, 40, 5, 60, 70, 80, 90, 100]))
-    (array([ 10,  20,  30,  40,  50,  60,  70,  80,  90, 100]), array([4]))
-    """
+    """The stamps with damaged ones set by their neighbours, and the rows of these; the `known` first are sound."""
     size, none = len(stamps), np.zeros(0, dtype=np.int64)
     if size < FEWEST:
         return stamps, none

@@ -145,11 +145,9 @@ _PER_SECOND = {"n": 10**9, "u": 10**6, "nano": 10**9, "micro": 10**6}
 
 
 def joined(columns: tuple[FileColumn, ...], options: Options) -> tuple[tuple[FileColumn, ...], tuple[Phrase, ...]]:
-    """The columns with each pair of seconds and fractions as one clock, and notes; those named by the user stay apart.
-
-    Both are whole numbers, such as ``header.stamp.sec`` and ``header.stamp.nanosec`` of ROS, and are added as such:
-    a float64 has no room for the nanoseconds of an epoch.
-    """
+    """The columns with each pair of seconds and fractions as one clock, and notes; those that are named stay apart."""
+    # Both are whole numbers, such as header.stamp.sec and header.stamp.nanosec of ROS, and are added as such: a float64
+    # has no room for the nanoseconds of an epoch.
     named = _named(options)
     wanted = [c for c in columns if not c.kind and not named & {c.name.lower(), c.header.lower(), str(c.position)}]
     endings = ((column, *_ending(column, _PARTS)) for column in wanted if not column.text)

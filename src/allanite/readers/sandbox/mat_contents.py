@@ -15,11 +15,9 @@ _NOT_VARIABLES = ("__header__", "__version__", "__globals__", "__function_worksp
 
 
 def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:
-    """Numeric arrays and the fields of structures, with their paths, and a function that sends them; see `worker.main`.
-
-    The fields of an array of several structures are ``name/1/field``, ``name/2/field``. Cells, texts, truth values,
-    complex and sparse arrays, functions and objects of classes are omitted.
-    """
+    """The numeric arrays and the fields of structures, and a function that sends them; see `worker.main`."""
+    # The fields of an array of several structures are name/1/field, name/2/field. Cells, texts, truth values, complex
+    # and sparse arrays, functions and objects of classes are omitted.
     contents: dict[str, Any] = {"datasets": [], "numbers": {}, "texts": {}, "left": [], "description": ""}
     with warnings.catch_warnings(record=True) as doubts:
         arrays = dict(_variables(path, mat_dtype=True))

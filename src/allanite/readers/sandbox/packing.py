@@ -119,10 +119,9 @@ def packing_of(path: str, judge: Judge, only_by_suffix: bool) -> Packing | None:
 
 
 class PackedFile:
-    """A packed file whose content is read from the beginning, again and again, without a copy on the disk.
+    """A packed file whose content is read from the beginning, again and again, without a copy on the disk."""
 
-    Arguments are those of `unpacked`; `suffix` is that of the content. An archive within another packing is refused.
-    """
+    # arguments are those of `unpacked`, `suffix` is that of the content; an archive within another packing is refused
 
     def __init__(self, path: str, member: str, judge: Judge, *, only_by_suffix: bool = False) -> None:
         self.path, self.suffix = path, os.path.splitext(path)[1].lower()
