@@ -101,8 +101,8 @@ def detectable(count: int) -> float:
 
 def outliers(values: FloatArray) -> list[int]:
     """Places of the outliers of a normal sample, by Rosner's generalized extreme studentized deviate."""
-    # One is looked for in fewer than 15 values, for which the test is exact, and at most a fifth of them in more. With a
-    # probability of `FALSE_ALARM` one is found where there is none.
+    # One is looked for in fewer than 15 values, for which the test is exact, and at most a fifth of them in more. With
+    # a probability of `FALSE_ALARM` one is found where there is none.
     from scipy import stats
 
     n, kept, last, removed = values.size, np.arange(values.size), 0, list[int]()

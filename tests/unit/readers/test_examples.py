@@ -24,20 +24,15 @@ HOUR = 3600 * 10**9
 
 def test_words_of_headers_and_lines():
     units = {
-        "gx [deg/s]": ("gx", "deg/s"),
-        "acc_x_mps2": ("acc_x_mps2", "m/s^2"),
-        "gyro_rad[0]": ("gyro_rad[0]", "rad"),
-    }
+        "gx [deg/s]": ("gx", "deg/s"), "acc_x_mps2": ("acc_x_mps2", "m/s^2"), "gyro_rad[0]": ("gyro_rad[0]", "rad"),
+    }  # fmt: skip
     assert {header: headers.split(header) for header in units} == units
     assert [any_inertial(names) for names in (["time [s]", "gx [deg/s]"], ["gyro_x"], ["T [degC]"])] == [1, 1, 0]
     other = (("Temp1",), ("yaw", "deg/s"), ("yaw_rate",), ("mag_x", "G"), ("gyro_device_id",), ("gyro_integral_dt",))
     assert [headers.is_other(*name) for name in (*other, ("gyro_counts_x",))] == [1, 0, 0, 1, 1, 1, 0]
     assert [headers.is_driver(*name) for name in (("Temp1",), ("baro", "hPa"), ("seq",), ("yaw", "deg"))] == [
-        1,
-        1,
-        0,
-        0,
-    ]
+        1, 1, 0, 0,
+    ]  # fmt: skip
     names = ("header.frame_id", "deltaAngleDt", "accel_clip_count", "gyro_x")
     assert list(map(headers.identifies, names)) == [True, True, True, False]
     assert [is_number(*cell) for cell in (("-1.5e-3",), ("1,5", ","), ("1_000",), ("0x10",))] == [1, 1, 0, 0]

@@ -13,12 +13,9 @@ GYRO = np.random.default_rng(6).normal(size=(400, 2))
 
 def head(times, mark="Tab", decimal="."):
     said = {
-        "Writer_Version": 2,
-        "Separator": mark,
-        "Decimal_Separator": decimal,
-        "X_Columns": times,
+        "Writer_Version": 2, "Separator": mark, "Decimal_Separator": decimal, "X_Columns": times,
         "Operator": "N. N.",
-    }
+    }  # fmt: skip
     sign = "," if mark == "Comma" else "\t"
     return (
         "LabVIEW Measurement\t\n" + "".join(f"{k}{sign}{v}\n" for k, v in said.items()) + "***End_of_Header***\t\n\t\n"

@@ -43,13 +43,11 @@ shapes = st.fixed_dictionaries(
         "delimiter": st.sampled_from([",", ";", "\t", " ", "   ", ", ", " \t "]),
         "style": st.sampled_from(sorted(HEADERS)),
         "clock": st.sampled_from([("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)]),
-        "ends": st.sampled_from(["\n", "\r\n", "\r"]),
-        "trailing": st.booleans(),
-        "bom": st.booleans(),
+        "ends": st.sampled_from(["\n", "\r\n", "\r"]), "trailing": st.booleans(), "bom": st.booleans(),
         "comment": st.sampled_from(["", "#", "%", "//"]),
         "final": st.booleans(),
     }
-)
+)  # fmt: skip
 
 
 def written(rows, shape):

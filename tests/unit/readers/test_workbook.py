@@ -110,17 +110,13 @@ def replaced(folder, sheet):
 
 
 @pytest.mark.slow("takes more than half a second")
-@rows(
-    "sheet",
-    [
-        '<worksheet><sheetData><row r="99999999999"><c r="A1"><v>1</v></c></row></sheetData></worksheet>',
-        '<!DOCTYPE x [<!ENTITY a "aaaaaaaaaa">'
-        + "".join(f'<!ENTITY {b} "{("&" + a + ";") * 10}">' for a, b in zip("abcdefgh", "bcdefghi", strict=True))
-        + "]><worksheet><sheetData><row><c><v>&i;</v></c></row></sheetData></worksheet>",
-        "<worksheet><sheetData><row><c><v>" + "1" * 60_000_000 + "</v></c></row></sheetData></worksheet>",
-    ],
-    ids=["row number", "entities", "a long cell"],
-)
+@rows("sheet", [
+    '<worksheet><sheetData><row r="99999999999"><c r="A1"><v>1</v></c></row></sheetData></worksheet>',
+    '<!DOCTYPE x [<!ENTITY a "aaaaaaaaaa">'
+    + "".join(f'<!ENTITY {b} "{("&" + a + ";") * 10}">' for a, b in zip("abcdefgh", "bcdefghi", strict=True))
+    + "]><worksheet><sheetData><row><c><v>&i;</v></c></row></sheetData></worksheet>",
+    "<worksheet><sheetData><row><c><v>" + "1" * 60_000_000 + "</v></c></row></sheetData></worksheet>",
+], ids=["row number", "entities", "a long cell"])  # fmt: skip
 def test_bombs_are_refused(tmp_path, sheet):
     with pytest.raises(DataError, match=r"openpyxl failed|claims|no sheet"):
         al.read(replaced(tmp_path, sheet), rate=1, unit="deg/s")
