@@ -201,12 +201,8 @@ def described(recording: Recording, headers: Sequence[str]) -> str:
         for record, header in zip(recording, headers, strict=True)
     ]
     description = {
-        KEY: 1,
-        "type": "Recording",
-        "rate": recording[0].rate,
-        "start": recording[0].start,
-        "channels": channels,
-    }
+        KEY: 1, "type": "Recording", "rate": recording[0].rate, "start": recording[0].start, "channels": channels,
+    }  # fmt: skip
     # behind a separator a spreadsheet computes what begins with such a sign
     return re.sub("(?<=[,;])[=+@-]", lambda sign: f"\\u{ord(sign[0]):04x}", json.dumps(description))
 

@@ -318,10 +318,8 @@ def _batches(log: Log) -> Iterator[Stream]:
             sensor, unit = _BATCH[number]
             sizes = about["smp_cnt"][own].astype(np.int64) - 32 * samples["seqno"][own].astype(np.int64)
             yield Stream(
-                f"ISBD/{sensor}{instance}",
-                int(sizes.clip(0, 32).sum()), ("SampleUS", "x", "y", "z"),
-                partial(_unrolled, about[own], samples[own], unit),
-                float(about["smp_rate"][own][0]),
+                f"ISBD/{sensor}{instance}", int(sizes.clip(0, 32).sum()), ("SampleUS", "x", "y", "z"),
+                partial(_unrolled, about[own], samples[own], unit), float(about["smp_rate"][own][0]),
             )  # fmt: skip
 
 

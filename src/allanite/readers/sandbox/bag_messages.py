@@ -201,11 +201,8 @@ class Walk:
             return
         formats, offsets = zip(*self.places.values(), strict=True)
         about: Any = {
-            "names": list(self.places),
-            "formats": formats,
-            "offsets": offsets,
-            "itemsize": self.rows.shape[1],
-        }
+            "names": list(self.places), "formats": formats, "offsets": offsets, "itemsize": self.rows.shape[1],
+        }  # fmt: skip
         numbers = self.rows.reshape(-1).view(np.dtype(about))
         for name in self.places:
             values = numbers[name]

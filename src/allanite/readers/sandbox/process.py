@@ -162,10 +162,7 @@ class Process:
         # -P: modules in the folder of the worker have names of standard modules
         self._process = subprocess.Popen(  # noqa: S603  our own program, and no shell
             [
-                sys.executable,
-                "-P",
-                str(WORKER),
-                form,
+                sys.executable, "-P", str(WORKER), form,
                 str(Path(path).absolute()), str(most(path)), json.dumps(names or {}), str(size_of(path)),
             ],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors,
