@@ -10,7 +10,7 @@ from allanite.core.record import Record
 BLOCKS = 256
 """Maximum number of block means that are compared."""
 
-FEWEST = 32
+FEWEST_BLOCKS = 32
 """Minimum number of block means, and of samples in each of them."""
 
 MISSING = 0.1
@@ -44,8 +44,8 @@ def follows(record: Record, other: Record) -> Following | None:
     # walk of the rate are independent. The likelihood of these three with a linear trend is compared with that of the
     # same three with a linear trend and the other channel. Two independent random walks often appear correlated, but
     # not in this test, whose null hypothesis includes a random walk.
-    blocks = min(BLOCKS, record.size // FEWEST)
-    if blocks < FEWEST or record.size != other.size:
+    blocks = min(BLOCKS, record.size // FEWEST_BLOCKS)
+    if blocks < FEWEST_BLOCKS or record.size != other.size:
         return None
     y, x = _means(record.rate_values, blocks), _means(other.rate_values, blocks)
     if y is None or x is None:

@@ -23,7 +23,7 @@ FEW = say("too few for noise coefficients (at least {count})", count=SHORTEST)
 LEAST = 0.1
 """Share of the samples that must remain."""
 
-BLOCK = 1024
+RATE_BLOCK = 1024
 """Steps of an angle over which its rate is assumed constant, to be subtracted during a gap."""
 
 LEAST_SHARE = 0.005
@@ -99,9 +99,9 @@ def joined(record: Record) -> tuple[FloatArray, Gaps, IntArray | None]:
         long = spans > 1
         shut = long & _short(steps, spans)
         # the rate during the gap is subtracted, except for one interval; over whole blocks no angle is open
-        starts = np.arange(0, steps.size, BLOCK)
+        starts = np.arange(0, steps.size, RATE_BLOCK)
         rate = np.add.reduceat(steps, starts) / np.add.reduceat(spans, starts)
-        steps[shut] -= rate[np.flatnonzero(shut) // BLOCK] * (spans[shut] - 1)
+        steps[shut] -= rate[np.flatnonzero(shut) // RATE_BLOCK] * (spans[shut] - 1)
         kept = ~long | shut
         index = np.cumsum(kept) - 1
         opened = long & ~shut

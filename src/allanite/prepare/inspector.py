@@ -116,7 +116,7 @@ BLOCK = 1 << 20
 RUN = 10
 """Equal values below which none is stuck or clipped."""
 
-FEWEST = 64
+FEWEST_SAMPLES = 64
 """Samples in which anything is looked for."""
 
 OWN = {"short", "gaps", "outliers", "heavy tails", "stuck", "clipped", "too little left", "too short", "constant"}
@@ -149,7 +149,7 @@ class Inspector:
     def look(self, block: Record, *, alone: bool) -> tuple[Record, IntArray]:
         """Look at a block, whose `cut` is its place: the block without marked outliers, and the places of outliers."""
         # `alone` says that it is the whole record. Outliers that are marked, or kept, have no places.
-        known = self.choice == "keep" or np.isfinite(block.values).sum() < FEWEST
+        known = self.choice == "keep" or np.isfinite(block.values).sum() < FEWEST_SAMPLES
         spikes = Outliers(NONE, 0.0) if known else outliers(block, None if alone else self.size)
         kept = marked(block, spikes) if self.choice == "mark" else block
         self.like = self.like or block
@@ -211,7 +211,7 @@ class Inspector:
             return
         finite, low, high, ends, run = looked(np.ascontiguousarray(block.steps, dtype=np.float64))
         self.lost += block.size - finite
-        if finite < FEWEST:
+        if finite < FEWEST_SAMPLES:
             return
         self.filled += 1
         self.extent = (min(self.extent[0], low), max(self.extent[1], high))
@@ -241,7 +241,7 @@ class Inspector:
         if "range" in self.seen:
             return self.seen["range"][0]
         if not self.filled:
-            what = say("no block has {count} samples that are finite", count=FEWEST)
+            what = say("no block has {count} samples that are finite", count=FEWEST_SAMPLES)
             return Finding("not finite", what, remedy=say("check the column and the reader's options"), fatal=True)
         if not low < high:
             return constant(low)

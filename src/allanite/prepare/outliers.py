@@ -15,13 +15,13 @@ from allanite.phrases.phrase import say, say_count
 CHOICES = {"mark": "excluded, like missing samples", "keep": "kept"}
 """What can be done with outliers."""
 
-FEWEST = 5.0
+LOWEST_LIMIT = 5.0
 """Deviation from the running median, in standard deviations, below which no sample is an outlier."""
 
 FALSE = 1e-3
 """Probability that a clean Gaussian record shows an outlier."""
 
-PARTS, SHORTEST_PART = 16, 4096
+SCALE_PARTS, SHORTEST_PART = 16, 4096
 """Number of parts of a record with separate scales, and their minimum length."""
 
 SAMPLE = 1024
@@ -80,9 +80,9 @@ def _found(record: Record, among: int | None) -> Outliers:
     y = np.ascontiguousarray(steps if known is None else steps[known], dtype=np.float64)
     nothing = np.empty(0, np.int64)
     if y.size < 64:
-        return Outliers(nothing, FEWEST)
-    limit = max(FEWEST, -quantile(FALSE / 2 / (among or y.size)))
-    part = max(-(-(among or y.size) // PARTS), SHORTEST_PART)
+        return Outliers(nothing, LOWEST_LIMIT)
+    limit = max(LOWEST_LIMIT, -quantile(FALSE / 2 / (among or y.size)))
+    part = max(-(-(among or y.size) // SCALE_PARTS), SHORTEST_PART)
     at, size, heavy = _off(y, limit, part)
     if at.size and not heavy:
         rest = np.delete(np.arange(y.size), at)

@@ -16,7 +16,7 @@ LONGEST = 1 << 18
 PART = 1 << 16
 """Samples that are compared at a time, while the cache holds them."""
 
-FEWEST = 4096
+FEWEST_RESAMPLED = 4096
 """Second differences in which a modulation is looked for."""
 
 FINE = 0.002
@@ -75,7 +75,7 @@ def _interpolated(view: View) -> Finding | None:
     bends, inside = view.bends[middle : middle + LONGEST], np.ones(min(view.bends.size, LONGEST), dtype=np.bool_)
     over = view.over - middle  # a gap has no part in the modulation
     inside[over[(over >= 0) & (over < inside.size)]] = False
-    if inside.sum() < FEWEST or not view.fast:
+    if inside.sum() < FEWEST_RESAMPLED or not view.fast:
         return None
     bends = np.clip(bends, -6 * math.sqrt(6) * view.fast, 6 * math.sqrt(6) * view.fast)
     power = np.square(bends)

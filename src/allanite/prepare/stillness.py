@@ -93,7 +93,7 @@ THERE = 0.5
 TRIED = 3
 """Runs between motions that are tried for a static stretch, those with most samples."""
 
-PARTS = 8
+LEVEL_PARTS = 8
 """Number of parts of a record whose noise levels are compared."""
 
 UNEQUAL = 1.44
@@ -171,7 +171,7 @@ def _still(records: Sequence[Record], start: int, end: int) -> tuple[float, floa
         # moving blocks; if there are none, parts with another noise level
         which, size = busy(view), view.span
         if not in_motion(which):
-            which, size = _unequal(view)[0], view.bends.size // PARTS
+            which, size = _unequal(view)[0], view.bends.size // LEVEL_PARTS
         inside = np.flatnonzero(np.repeat(which, size))
         still[inside if view.left is None else view.left[inside]] = False
     if still.all() and known.mean() < THERE:
@@ -201,7 +201,7 @@ def level(view: View) -> Finding | None:
     uneven, ratio = _unequal(view)
     if not uneven.any():
         return None
-    parts = [(view.seconds(a), view.seconds(b)) for a, b in stretches(uneven) * (view.bends.size // PARTS)]
+    parts = [(view.seconds(a), view.seconds(b)) for a, b in stretches(uneven) * (view.bends.size // LEVEL_PARTS)]
     first, last = parts[0]
     return Finding(
         "level",
@@ -221,8 +221,8 @@ def _unequal(view: View) -> tuple[BoolArray, FloatArray]:
     # second differences that contain an outlier are left out
     at = view.outliers.at if view.left is None else np.searchsorted(view.left, view.outliers.at)
     held = np.unique(np.subtract.outer(at, np.arange(3))).astype(np.intp)
-    size, power = view.bends.size // PARTS, np.empty(PARTS)
-    for i, start in enumerate(range(0, PARTS * size, size)):
+    size, power = view.bends.size // LEVEL_PARTS, np.empty(LEVEL_PARTS)
+    for i, start in enumerate(range(0, LEVEL_PARTS * size, size)):
         squares, here = np.square(view.bends[start : start + size]), held[(held >= start) & (held < start + size)]
         squares[here - start] = 0.0
         power[i] = squares.sum() / max(size - here.size, 1)

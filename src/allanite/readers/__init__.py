@@ -2,7 +2,7 @@
 
 A format is a module with ``TITLE``, ``sniff(head, suffix) -> bool`` and ``read(path, options) -> Recording``, and a
 line of `formats.READERS`. Most readers fill a `FileTable`, which identifies channels, units and rate; containers of
-several arrays use `datasets` to decide which of them belong together. A format that is written has
+several arrays or tables use `containers` to decide which of them are meant. A format that is written has
 ``write(recording, path)`` and a line of `formats.WRITERS`. Other packages register readers with the entry point group
 ``allanite.readers``.
 """

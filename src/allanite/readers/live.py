@@ -28,10 +28,10 @@ PIECE = 1 << 16
 WAIT = 0.2
 """Seconds to wait for data at a time."""
 
-AHEAD = 16
+PIECES_AHEAD = 16
 """Pieces of a file that are read before they are needed."""
 
-ROOM = 1 << 22
+DATAGRAM_ROOM = 1 << 22
 """Bytes of datagrams that the system is asked to hold."""
 
 
@@ -51,7 +51,7 @@ class Feed:
 
     def __init__(self, tap: Tap) -> None:
         self.tap, self.closing = tap, False
-        self.pieces: queue.Queue[bytes | Exception] = queue.Queue(0 if tap.live else AHEAD)
+        self.pieces: queue.Queue[bytes | Exception] = queue.Queue(0 if tap.live else PIECES_AHEAD)
         self.thread = threading.Thread(target=self._run, daemon=True)
         self.thread.start()
 
@@ -119,7 +119,7 @@ def _datagrams(target: str) -> Tap:
             f"{parts.port}, and let a program on this machine pass on what comes from others"
         )
     line = socket.socket(socket.AF_INET6 if address.version == 6 else socket.AF_INET, socket.SOCK_DGRAM)
-    line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, ROOM)
+    line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, DATAGRAM_ROOM)
     try:
         line.bind((host, parts.port))
     except OSError as error:
@@ -175,7 +175,7 @@ def _file(target: str) -> Tap:
     return Tap(take, file.close, live=False)
 
 
-LONGEST = 1 << 16
+LONGEST_ROW = 1 << 16
 """Bytes of a line, beyond which it is not one of text."""
 
 TAIL = 1 << 16
@@ -214,7 +214,7 @@ class Spool:
         """Add what came."""
         self.came += len(data)
         *lines, self._rest = (self._rest + data).split(b"\n")
-        if len(self._rest) > LONGEST:
+        if len(self._rest) > LONGEST_ROW:
             raise UsageError("what comes has no lines; send lines of numbers, with commas or blanks between them")
         self._write([kept for line in lines for kept in self._kept(line)])
 

@@ -3,7 +3,6 @@
 import os
 import re
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from math import ceil
 from pathlib import Path
@@ -27,7 +26,7 @@ from .options import Options, channel_names
 NEED = 9
 """Memory that an analysis takes, over that of the samples as float64: measured with 3.2e7 samples of one channel."""
 
-SHARE = 0.5
+MEMORY_SHARE = 0.5
 """Share of the available memory that a record may take, unless it is given."""
 
 UNKNOWN = 1 << 60
@@ -110,7 +109,7 @@ def _lines(path: Path) -> list[str]:
         return []
 
 
-def allowed(memory: str | None, share: float = SHARE) -> int:
+def allowed(memory: str | None, share: float = MEMORY_SHARE) -> int:
     """Bytes that a record may take: those given, or a share of those available."""
     return int(share * available()) if memory is None else bytes_of(memory)
 
@@ -196,26 +195,20 @@ def whole_findings(reader: PartsReader) -> tuple[Finding, ...]:
     return (*findings, Finding("counter", what, say("samples that are missing by it are joined as if there were none")))
 
 
-@contextmanager
-def opened(path: Any, memory: str | None, choices: Mapping[str, Any]) -> Iterator[PartsReader | None]:
+def opened(path: Any, memory: str | None, choices: Mapping[str, Any]) -> PartsReader | None:
     """The reader in parts of a file that does not fit into memory; None for a file that does, or anything else."""
     from .sandbox.source import STDIN, checked, size_of
 
     if not isinstance(path, (str, os.PathLike)) or path == STDIN:
-        yield None
-        return
+        return None
     file, member = checked(path)
     limit = allowed(memory)
     if needed(_most(size_of(file))) <= limit:
-        yield None
-        return
-    options = _options(choices)
-    reader = _found(path, file, member, (options, limit))
+        return None
+    reader = _found(path, file, member, (_options(choices), limit))
     if reader is None:
         demand_memory(path, memory, choices)
-    elif reader.need <= limit:
-        reader = None
-    yield reader
+    return None if reader is None or reader.need <= limit else reader
 
 
 def demand_memory(path: Any, memory: str | None, choices: Mapping[str, Any]) -> None:

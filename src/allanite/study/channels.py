@@ -256,17 +256,17 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
     UsageError
         An option is wrong, or a required one is missing.
     """
-    with in_parts(source, recipe, wanted=keeping is not None) as reader:
-        if reader is not None and keeping is not None:
-            read, findings, notes, provenance = passed(reader, recipe, keeping, progress)
-            fatal = Quality(findings).refusal
-            channels = identified(read, begin, fatal, lambda f, items: list(map(f, items))) if begin else read
-            results = tuple(_result(channel, work, refused, fatal) for channel in channels)
-            if demand:
-                _demand_result(channels, results)
-            if progress is not None:
-                progress("done", 1.0)
-            return kind(results, recipe, findings, (*notes, *in_parts_too), provenance)
+    reader = None if keeping is None else in_parts(source, recipe)
+    if reader is not None and keeping is not None:
+        read, findings, notes, provenance = passed(reader, recipe, keeping, progress)
+        fatal = Quality(findings).refusal
+        channels = identified(read, begin, fatal, lambda f, items: list(map(f, items))) if begin else read
+        results = tuple(_result(channel, work, refused, fatal) for channel in channels)
+        if demand:
+            _demand_result(channels, results)
+        if progress is not None:
+            progress("done", 1.0)
+        return kind(results, recipe, findings, (*notes, *in_parts_too), provenance)
     recording = open_recording(source, recipe, progress=progress, fits=keeping is not None)
 
     def made(results: tuple[Any, ...], recipe: Recipe, findings: tuple[Finding, ...], *rest: Any) -> Result:

@@ -1,7 +1,6 @@
 """A file that does not fit into memory: one pass, of which only sums are kept."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -18,7 +17,7 @@ from allanite.core.validity import Finding
 from allanite.parallel.processes import ahead, later
 from allanite.phrases.phrase import say, spelled
 from allanite.prepare import inspector, window
-from allanite.prepare.inspector import FEWEST, Inspector
+from allanite.prepare.inspector import FEWEST_SAMPLES, Inspector
 from allanite.prepare.stillness import of_one_body
 from allanite.prepare.transform import blocks_words, mark_motion, samples_in
 from allanite.readers.parts import PartsReader, opened, size_in_words, whole_findings
@@ -32,16 +31,12 @@ Keeping = Callable[[Record, int], Keeper]
 """What keeps the samples of a channel that begins like a record, of so many samples."""
 
 
-@contextmanager
-def in_parts(source: Any, recipe: Recipe, *, wanted: bool = True) -> Iterator[PartsReader | None]:
-    """The reader in parts of a file that does not fit into memory; None for everything else, or if none is `wanted`."""
-    if not wanted:
-        yield None
-        return
-    with opened(source, recipe.memory, recipe.to_dict(READING)) as reader:
-        if reader is not None:
-            demand_sums(recipe)
-        yield reader
+def in_parts(source: Any, recipe: Recipe) -> PartsReader | None:
+    """The reader in parts of a file that does not fit into memory; None for everything else."""
+    reader = opened(source, recipe.memory, recipe.to_dict(READING))
+    if reader is not None:
+        demand_sums(recipe)
+    return reader
 
 
 @dataclass(frozen=True)
@@ -201,7 +196,7 @@ def _looked(
     many = False
     for place, columns in ready.blocks(ahead(reader.pieces())):
         length, full = len(columns[0]), inspector.BLOCK
-        if held is not None and length < FEWEST and place == held[0] + full:  # too short to be looked at alone
+        if held is not None and length < FEWEST_SAMPLES and place == held[0] + full:  # too short to be looked at alone
             both = [np.concatenate((a[:full], b)) for a, b in zip(held[1], columns, strict=True)]
             held = held[0], both, full + length
             continue

@@ -140,7 +140,7 @@ def test_a_crash_or_a_stop_of_the_library_is_a_sentence(two_sensors, monkeypatch
         ("import sys; sys.exit('no such thing')", 120.0, "no such thing"),
         ("print('{}')", 120.0, "damaged"),
     ):
-        monkeypatch.setattr(process, "WAIT", wait)
+        monkeypatch.setattr(process, "ANSWER_TIME", wait)
         (tmp_path / "worker.py").write_text(code)
         with pytest.raises(DataError, match=words):
             al.read(two_sensors)

@@ -433,7 +433,7 @@ def test_a_column_of_many_words_is_the_same_whether_it_is_kept_or_not(tmp_path, 
     path = tmp_path / "a.csv"
     path.write_text("gx [deg/s],words,few\n" + "".join(f"{k % 7}.5,w{k},w{k // 90_000}\n" for k in range(100_000)))
     kept = read(path, rate=100)
-    monkeypatch.setattr("allanite.readers.columns.parse.HEAD", 1 << 30)
+    monkeypatch.setattr("allanite.readers.columns.parse.JUDGED_BYTES", 1 << 30)
     whole = read(path, rate=100)
     assert kept.channels == whole.channels
     assert all(map(np.array_equal, kept, whole))

@@ -42,7 +42,7 @@ def file(tmp_path_factory):
 
 @pytest.fixture(autouse=True)
 def short_parts(monkeypatch):
-    monkeypatch.setattr("allanite.readers.formats.numpy_file.HEAD", 20_000)
+    monkeypatch.setattr("allanite.readers.formats.numpy_file.HEAD_ROWS", 20_000)
     monkeypatch.setattr("allanite.readers.parts.AT_ONCE", 90_000)
 
 

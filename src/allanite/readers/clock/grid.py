@@ -22,7 +22,7 @@ RESOLUTIONS = (60.0, 10.0, 1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5, 1e-6)
 PART = 10_000
 """Number of time stamps around the middle of the record that decide between estimates of the interval."""
 
-AHEAD = (16, 1024, 1024, 1024)
+STAMPS_AHEAD = (16, 1024, 1024, 1024)
 """Number of time stamps that must stay close to the grid: a wrong interval drifts away within a few."""
 
 
@@ -122,10 +122,10 @@ def _refined(elapsed: FloatArray, rows: Places, interval: float, slack: float) -
     from allanite.kernels.passing import followed
 
     span, count = float(elapsed[-1] - elapsed[0]), int(rows[-1] - rows[0])
-    for ahead in AHEAD:
+    for ahead in STAMPS_AHEAD:
         shift, _ = followed(elapsed / interval, rows, ahead, slack)
         counted = count + int(shift[-1])
         if counted < 1 or interval == span / counted:
             break
         interval = span / counted
-    return Pace(interval, *followed(elapsed / interval, rows, AHEAD[-1], slack))
+    return Pace(interval, *followed(elapsed / interval, rows, STAMPS_AHEAD[-1], slack))

@@ -18,7 +18,7 @@ from .grid import Places, SampleGrid
 from .sampling_rate import Beat, Stamped, settled, stamped
 from .stamps import Damage, fit, mended, seconds_since
 
-ENOUGH = 1024
+LEAST_ROWS = 1024
 """Rows of a part whose interval is found anew; in fewer rows, that of the head is used."""
 
 LONG = 1 << 16
@@ -129,7 +129,7 @@ class Clock:
     def _short(self, elapsed: NDArray[np.float64]) -> SampleGrid | None:
         """The grid of a few rows, whose interval is known."""
         steps = np.diff(elapsed)
-        if len(elapsed) >= ENOUGH or not self.interval or not np.all(steps > 0):
+        if len(elapsed) >= LEAST_ROWS or not self.interval or not np.all(steps > 0):
             return None
         places = np.concatenate(([0], np.cumsum(np.maximum(1, np.rint(steps / self.interval)))))
         return SampleGrid(self.interval, None, places.astype(np.int64))

@@ -22,7 +22,7 @@ with one row and in time with the next."""
 RARE = 0.01
 """Share of rows, at most, that are damaged: a clock with more of them is not one that is otherwise even."""
 
-FEWEST = 10
+FEWEST_STAMPS = 10
 """Rows from which on it is known what the usual interval is."""
 
 
@@ -30,7 +30,7 @@ FEWEST = 10
 def mended(stamps: NDArray[Any], known: int = 0) -> tuple[NDArray[Any], Places]:
     """The stamps with damaged ones set by their neighbours, and the rows of these; the `known` first are sound."""
     size, none = len(stamps), np.zeros(0, dtype=np.int64)
-    if size < FEWEST:
+    if size < FEWEST_STAMPS:
         return stamps, none
     t = stamps.astype(np.float64)
     steps = np.diff(t)
@@ -95,7 +95,7 @@ TICKS = 0.2
 MOST_LOST = 0.9
 """Share of missing samples above which time stamps are not trusted: a clock that was set leaves such gaps."""
 
-LONGEST = 1e15
+LONGEST_TIME = 1e15
 """Seconds by which the time stamps of a recording differ at most; beyond, no clock has counted them, nor float64."""
 
 
@@ -119,7 +119,7 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
             column=label, count=int(bad.sum()), size=bad.size, where=where,
         )  # fmt: skip
         return SampleGrid(trouble=trouble)
-    if np.abs(elapsed).max() > LONGEST:
+    if np.abs(elapsed).max() > LONGEST_TIME:
         row = int(np.argmax(np.abs(elapsed[1:] / 2 - elapsed[:-1] / 2)))  # halves, whose difference is finite
         step = 2 * (elapsed[row + 1] / 2 - elapsed[row] / 2)
         trouble = say("the time stamps of {column} jump by {step:.3g} s before row {row} of the data", column=label,

@@ -19,7 +19,7 @@ PATTERNS = (*(rf"{date}[T_ ]+{TIME}" for date in DATES), *DATES, TIME)
 
 DAY = 86_400 * 10**9
 
-LONGEST = 100
+LONGEST_DATE = 100
 """Maximum number of characters of a date; over long runs of blanks the patterns take quadratic time."""
 
 Values = NDArray[Any]
@@ -28,7 +28,7 @@ Values = NDArray[Any]
 def pattern_of(word: str) -> str:
     """The pattern that a word matches; empty if it is not a date or time."""
     word = word.strip()
-    return next((p for p in PATTERNS if re.fullmatch(p, word)), "") if len(word) <= LONGEST else ""
+    return next((p for p in PATTERNS if re.fullmatch(p, word)), "") if len(word) <= LONGEST_DATE else ""
 
 
 def parsed(words: Any, pattern: str, label: str, first: int = 0, american: bool | None = None) -> Values:

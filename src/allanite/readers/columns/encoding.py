@@ -18,7 +18,7 @@ _JUDGED = 1 << 16
 _BLOCK = 1 << 20
 """Bytes that are tested at once."""
 
-LONGEST = 1 << 26
+LONGEST_LINE = 1 << 26
 """Bytes of a line beyond which a file is no table."""
 
 _SIGNS = frozenset("°µ²³·±×№«»–—‘’“”„…•™\u00a0")
@@ -149,8 +149,8 @@ def whole_lines(chunks: Iterable[bytes]) -> Iterator[bytes]:
             yield b"".join((*rest, chunk[:at]))
             rest = []
         rest.append(chunk[at:])
-        if sum(map(len, rest)) > LONGEST:
-            raise DataError(f"a line of the text is longer than {LONGEST} bytes; expected one row per sample")
+        if sum(map(len, rest)) > LONGEST_LINE:
+            raise DataError(f"a line of the text is longer than {LONGEST_LINE} bytes; expected one row per sample")
     if any(rest):
         yield b"".join(rest)
 

@@ -9,7 +9,7 @@ from allanite.core.units import Signal, Unit, latin, signal_with, unit_of
 _INSIDE = re.compile(r"[^\[\](){}]*(?:\([^()]*\)[^\[\](){}]*)*")
 """Content of the brackets of a unit: no brackets except pairs of round ones."""
 
-LONGEST = 200
+LONGEST_HEADER = 200
 """Maximum number of characters of a header, and of a unit."""
 
 _TIME = unit_of("s").dimension
@@ -78,7 +78,7 @@ _FULL_WIDTH = str.maketrans("（）［］：，／　", "()[]:,/ ")
 def split(header: str) -> tuple[str, str]:
     """The name and the unit in a header; the unit is empty if there is none."""
     header = header.translate(_FULL_WIDTH).strip()
-    if len(header) > LONGEST:
+    if len(header) > LONGEST_HEADER:
         return header, ""
     name, unit = _bracketed(header)
     if unit is None:  # it may stand after a comma, as in Russian tables: ``Время, с``
@@ -111,7 +111,7 @@ def _bracketed(header: str) -> tuple[str, str | None]:
 def known(unit: str) -> Unit | None:
     """The unit; None if it is unknown or empty."""
     try:
-        return unit_of(unit) if len(unit) <= LONGEST else None
+        return unit_of(unit) if len(unit) <= LONGEST_HEADER else None
     except UnitError:
         return None
 

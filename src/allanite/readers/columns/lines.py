@@ -15,7 +15,7 @@ from allanite.readers.options import Options
 from . import encoding, layout, shapes
 from .table import FileTable
 
-BLOCK = 1 << 23
+BLOCK_BYTES = 1 << 23
 """Bytes that are read at a time."""
 
 FIRST = 1 << 22
@@ -30,7 +30,7 @@ def chunks_of(path: str) -> Chunks:
 
     def chunks() -> Iterator[bytes]:
         with Path(path).open("rb", buffering=0) as file:
-            while chunk := file.read(BLOCK):
+            while chunk := file.read(BLOCK_BYTES):
                 yield chunk
 
     return chunks
@@ -60,9 +60,9 @@ class TextLines:
         for lines in encoding.whole_lines(self._plain()):
             dollar = dollar or (not held and least == FIRST and lines.lstrip().startswith(b"$"))
             block = shapes.without_checksums(lines) if dollar else lines
-            if len(held) >= least and len(block) > BLOCK // 64:
+            if len(held) >= least and len(block) > BLOCK_BYTES // 64:
                 yield held, False
-                held, least = b"", BLOCK // 2
+                held, least = b"", BLOCK_BYTES // 2
             held += block
         if held:
             yield held.removesuffix(b"\x1a"), True
@@ -138,7 +138,7 @@ def columns_of(rows: NDArray[Any]) -> list[NDArray[Any]]:
     return list(rows.reshape(len(rows), -1).T)
 
 
-HEAD = 1 << 18
+HEAD_ROWS = 1 << 18
 """Rows by which columns, units and the clock are recognized."""
 
 Blocks = Callable[[Sequence[int], int], Iterator[list[NDArray[Any]]]]

@@ -17,10 +17,10 @@ from .layout import MISSING, Layout, cells, decoded, is_number, marks_of
 
 _NULLS = [*MISSING, "NaN", "NAN", "NULL", "None", "NA", "N/A", "#N/A", "-NaN", "1.#QNAN", "-1.#IND"]
 
-FEW = 16
+FEW_WORDS = 16
 """Maximum number of different words in a column that may distinguish rows."""
 
-HEAD = 1 << 20
+JUDGED_BYTES = 1 << 20
 """Bytes of the rows that show whether it has more."""
 
 Values = NDArray[Any]
@@ -137,9 +137,9 @@ def _holds(data: bytes, mark: bytes, start: int) -> bool:
 
 def _of_many_words(body: bytes | memoryview, layout: Layout) -> dict[int, str]:
     """The first words of the columns of many words by position: of these, nothing else is kept."""
-    if not layout.text or len(body) < HEAD:
+    if not layout.text or len(body) < JUDGED_BYTES:
         return {}
-    head = bytes(body[:HEAD])
+    head = bytes(body[:JUDGED_BYTES])
     rows: Any = _table(head[: head.rfind(b"\n") + 1] or body, layout, None)
     words = {i: rows.column(i) for i in layout.text if str(rows.column(i).type) == "string"}
     return {i: _first_word(column) for i, column in words.items() if _has_many(column)}
@@ -215,14 +215,14 @@ def words_of(column: Any, label: str) -> Parsed:
         return first
     codes = column.combine_chunks().dictionary_encode()
     words = tuple(str(word) for word in codes.dictionary.to_pylist())
-    return Tags(words, np.asarray(codes.indices.fill_null(-1))) if len(words) <= FEW else first
+    return Tags(words, np.asarray(codes.indices.fill_null(-1))) if len(words) <= FEW_WORDS else first
 
 
 def _has_many(column: Any) -> bool:
     """Whether a column of words has too many to distinguish rows, and they are no dates."""
     import pyarrow.compute as pc
 
-    return not dates.pattern_of(_first_word(column)) and len(pc.unique(column[: FEW * 100])) > FEW
+    return not dates.pattern_of(_first_word(column)) and len(pc.unique(column[: FEW_WORDS * 100])) > FEW_WORDS
 
 
 def _first_word(column: Any) -> str:

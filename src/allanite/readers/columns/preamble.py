@@ -38,7 +38,7 @@ class StatedRate(NamedTuple):
 
 def statement(line: int, text: str, decimal: str = ".") -> StatedRate | None:
     """The sampling rate that a line states; None if it states none."""
-    stated = _STATED.search(text) if len(text) <= headers.LONGEST else None
+    stated = _STATED.search(text) if len(text) <= headers.LONGEST_HEADER else None
     if stated is None or (stated["fraction"] or "").startswith(",") > (decimal == ","):
         return None
     number, unit = float(stated["number"].replace(",", ".")), stated["after"] or stated["before"] or ""

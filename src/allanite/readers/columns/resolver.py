@@ -15,7 +15,7 @@ from allanite.phrases.phrase import say, say_count
 FAINT = 0.5
 """Deviation of the amplitude from its median, relative to it, beyond which a sample is not one of sine and cosine."""
 
-FEW = 0.01
+FEW_DROPOUTS = 0.01
 """Largest share of such samples, which are marked as missing."""
 
 LARGEST_STEP = math.pi / 2
@@ -27,7 +27,7 @@ MEANS = 8
 SECTORS = 36
 """Number of sectors of a turn."""
 
-ENOUGH = 27
+LEAST_SECTORS = 27
 """Sectors that the angle must reach, for offsets and gains to be told from the angle."""
 
 LEAST_ERROR = 1e-5
@@ -69,7 +69,7 @@ def _loud(size: FloatArray, sine: Record, name: str) -> tuple[IntArray, list[Fin
     usual = float(np.median(size[known]))
     wrong = known & ~(np.abs(size - usual) <= FAINT * usual)
     count = int(wrong.sum())
-    if usual == 0 or count > FEW * known.sum():
+    if usual == 0 or count > FEW_DROPOUTS * known.sum():
         raise DataError(say(
             "{name} are not the sine and cosine of an angle: their amplitude is {least:.4g} to {most:.4g} with a "
             "median of {usual:.4g}; name the sine first and subtract offsets of the converter",
@@ -118,7 +118,7 @@ def _errors(angle: FloatArray, size: FloatArray, name: str) -> tuple[list[Findin
     read = say("{name}: sine and cosine are used as an angle in rad", name=name)
     turn = np.remainder(angle, 2 * np.pi)
     sectors = np.unique((turn * (SECTORS / (2 * np.pi))).astype(np.int64)).size
-    if sectors < ENOUGH:
+    if sectors < LEAST_SECTORS:
         reach = math.degrees(float(np.ptp(angle)))
         return [], say(
             "{note}; it covers {reach:.3g} deg, too little to check offsets and gains: a difference of the gains of "

@@ -14,7 +14,7 @@ from . import headers
 from .column import FileColumn
 from .parse import Tags
 
-MOST = 8
+MOST_SENSORS = 8
 """Maximum number of sensors with alternating rows."""
 
 _ID = re.compile(r"(^|[^a-z])(sensor|type|id|source|name|tag|device)([^a-z]|$)|sensor_?(id|type|name)")
@@ -41,13 +41,13 @@ def turns(columns: list[FileColumn], tags: dict[int, Tags]) -> Turns | None:
             continue
         else:
             numbers = np.unique(column.values[:1000])
-            if not 2 <= numbers.size <= MOST or np.any(~np.isin(column.values, numbers)):
+            if not 2 <= numbers.size <= MOST_SENSORS or np.any(~np.isin(column.values, numbers)):
                 continue
             ids, codes = tuple(map(str, numbers)), np.searchsorted(numbers, column.values)
             around = codes.size > 4 * len(ids) and np.array_equal(codes[len(ids) :], codes[: -len(ids)])
             if not named and not (column.header == "" and around):
                 continue
-        if 2 <= len(ids) <= MOST and codes.min() >= 0 and (np.diff(codes) != 0).mean() > 0.1:
+        if 2 <= len(ids) <= MOST_SENSORS and codes.min() >= 0 and (np.diff(codes) != 0).mean() > 0.1:
             return Turns(place, ids, codes)
     return None
 

@@ -12,7 +12,7 @@ from allanite.phrases.phrase import say
 
 from .layout import HEAD, MARKS, cells, decoded, is_number, style
 
-FILLED, FEWEST = 0.5, 32
+FILLED, FEWEST_SAMPLES = 0.5, 32
 """Share of every k-th row that must have a sample, and samples: of fewer the distance may be chance."""
 
 
@@ -22,7 +22,7 @@ def stride(records: Sequence[Record]) -> tuple[int, int]:
         return 0, 1
     sampled = np.flatnonzero(np.logical_or.reduce([np.isfinite(record.values) for record in records]))
     step = int(np.gcd.reduce(np.diff(sampled))) if sampled.size > 1 else 1
-    filled = sampled.size >= FEWEST and sampled.size * step > FILLED * len(records[0].values)
+    filled = sampled.size >= FEWEST_SAMPLES and sampled.size * step > FILLED * len(records[0].values)
     return (int(sampled[0]), step) if step > 1 and filled else (0, 1)
 
 
@@ -48,7 +48,7 @@ def note(records: Sequence[Record], step: int) -> str:
     )  # fmt: skip
 
 
-WIDEST = 1000
+WIDEST_LINE = 1000
 """Numbers per line above which the line is a channel and not a sample."""
 
 _CHECKSUM = re.compile(rb"\*[0-9A-Fa-f]{2}(?=\r?\n|$)")
@@ -60,7 +60,7 @@ def straightened(data: bytes) -> tuple[bytes, tuple[str, ...]]:
         data = without_checksums(data)
     # lines of thousands of numbers become columns
     head = data[:HEAD]
-    if head.count(b"\n") * WIDEST > len(head):
+    if head.count(b"\n") * WIDEST_LINE > len(head):
         return _joined(data)
     lines = [line for line in _lines(data) if line]
     plain = [line for line in lines if not line.startswith(MARKS[:3])]
@@ -68,7 +68,7 @@ def straightened(data: bytes) -> tuple[bytes, tuple[str, ...]]:
         return _joined(data)
     delimiter, decimal = style([line[:4000] for line in plain])
     rows = [cells(line.strip(delimiter + " "), delimiter) for line in plain]
-    if min(map(len, rows)) <= WIDEST or len({len(row) for row in rows}) > 1:
+    if min(map(len, rows)) <= WIDEST_LINE or len({len(row) for row in rows}) > 1:
         return _joined(data)
     names = all(not is_number(row[0], decimal) for row in rows)
     body = "\n".join(map(";".join, zip(*rows, strict=True)))

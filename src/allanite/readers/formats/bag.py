@@ -20,7 +20,7 @@ from allanite.readers.columns import headers
 from allanite.readers.columns.arrays import numbers
 from allanite.readers.columns.column import FileColumn, some
 from allanite.readers.columns.containers import Stream, any_inertial, arranged_stream, mean_rate, stream_recording
-from allanite.readers.columns.lines import HEAD, Parts
+from allanite.readers.columns.lines import HEAD_ROWS, Parts
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 from allanite.readers.sandbox.process import Process, demand_size, worded
@@ -130,7 +130,7 @@ def _stream(topic: _Topic, names: Sequence[str], path: str, process: Process | N
 
     def load() -> FileTable:
         if process is None:
-            return _table(topic, next(_blocks(topic, path, HEAD)))
+            return _table(topic, next(_blocks(topic, path, HEAD_ROWS)))
         demand_size(topic.count * topic.dtype.itemsize, process.path, f"topic {topic.name!r}")
         return _table(topic, _ordered(process.fields(f"{topic.name} ({topic.type})", topic.count, topic.dtype)))
 

@@ -16,7 +16,7 @@ from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES
 from allanite.readers.columns.column import some
 from allanite.readers.columns.containers import Dataset, arranged_datasets, rated
-from allanite.readers.columns.lines import HEAD, Parts, Rows, columns_of
+from allanite.readers.columns.lines import HEAD_ROWS, Parts, Rows, columns_of
 from allanite.readers.columns.table import KEY
 from allanite.readers.options import Options
 from allanite.readers.sandbox.process import Process, demand_size, worded
@@ -51,7 +51,7 @@ def contained_parts(form: str, path: str, options: Options) -> Parts | None:
 
     def first_rows(dataset: Dataset) -> NDArray[Any]:
         with ExitStack() as stack:
-            return next(source(dataset, HEAD, stack))
+            return next(source(dataset, HEAD_ROWS, stack))
 
     datasets = [replace(dataset, load=partial(first_rows, dataset)) for dataset in datasets]
     table, options, family = arranged_datasets(rated(datasets, numbers), options, notes, text)

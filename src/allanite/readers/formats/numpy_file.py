@@ -14,7 +14,7 @@ from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES, column, split, turned, turned_note
 from allanite.readers.columns.column import FileColumn
 from allanite.readers.columns.containers import WIDEST
-from allanite.readers.columns.lines import HEAD, Parts, Rows
+from allanite.readers.columns.lines import HEAD_ROWS, Parts, Rows
 from allanite.readers.columns.table import KEY, FileTable, described, keys, restored
 from allanite.readers.options import Options
 from allanite.readers.sandbox.process import demand_members, demand_size, demand_start, worded
@@ -52,7 +52,7 @@ def parts(path: str, options: Options) -> Parts | None:
     if mapped.ndim not in (1, 2):
         return None
     upright = mapped.T if turned(mapped) else mapped
-    first = np.array(upright[:HEAD])
+    first = np.array(upright[:HEAD_ROWS])
     columns = [values for _, values in split("", first)] if first.shape[0] >= first[:1].size else []
     if not columns:
         return None

@@ -13,7 +13,7 @@ from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES, column, is_number, of_arrow
 from allanite.readers.columns.column import FileColumn, headed
 from allanite.readers.columns.containers import WIDEST
-from allanite.readers.columns.lines import HEAD, Parts
+from allanite.readers.columns.lines import HEAD_ROWS, Parts
 from allanite.readers.columns.table import KEY, FileTable, described, restored, with_units
 from allanite.readers.options import Options
 from allanite.readers.sandbox.process import demand_size, worded
@@ -43,7 +43,7 @@ def parts(path: str, options: Options) -> Parts:
     with worded(), parquet.ParquetFile(path, pre_buffer=False, buffer_size=BUFFER) as file:
 
         def first_rows(field: Any, before: int) -> Any:
-            first = next(file.iter_batches(HEAD, columns=[field.name], use_threads=False), None)
+            first = next(file.iter_batches(HEAD_ROWS, columns=[field.name], use_threads=False), None)
             batches, schema = ([], None) if first is None else ([first], first.schema)
             return pa.Table.from_batches(batches, schema).column(before)
 

@@ -10,7 +10,7 @@ from allanite.core.errors import DataError, UsageError, given
 from allanite.core.record import Recording
 from allanite.phrases.phrase import spelled
 from allanite.readers.columns.arrays import column
-from allanite.readers.columns.lines import HEAD, Parts, Rows, columns_of
+from allanite.readers.columns.lines import HEAD_ROWS, Parts, Rows, columns_of
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 
@@ -26,7 +26,7 @@ def read(path: str, options: Options) -> Recording:
 def parts(path: str, options: Options) -> Parts:
     """The rows, which are read one after the other."""
     row, offset, count = _layout(path, options)
-    head = _table(np.array(np.memmap(path, row, mode="r", offset=offset, shape=(min(count, HEAD),))))
+    head = _table(np.array(np.memmap(path, row, mode="r", offset=offset, shape=(min(count, HEAD_ROWS),))))
     return Parts(head, count, Rows(path, row.base, offset, (count, *row.shape)).blocks, options)
 
 

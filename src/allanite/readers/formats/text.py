@@ -137,7 +137,7 @@ def columns_of(data: bytes, notes: tuple[str, ...] = ()) -> Parsed:
 
 def _layout(data: bytes) -> layout.Layout:
     form = layout.find(data)
-    if form.width > shapes.WIDEST:
+    if form.width > shapes.WIDEST_LINE:
         raise DataError(
             f"line {form.line} contains {form.width} numbers; expected one row per sample, each on its own line"
         )

@@ -23,7 +23,7 @@ from rosbags.typesys import get_types_from_idl, get_types_from_msg
 
 Definition = runpy.run_path(os.path.join(os.path.dirname(__file__), "bag_messages.py"))["Definition"]
 
-MOST_TOPICS, LONGEST = 1000, 1 << 20
+MOST_TOPICS, LONGEST_DEFINITION = 1000, 1 << 20
 BATCH, BYTES = 4096, 8 << 20
 """Messages, and their bytes, that are decoded together."""
 
@@ -141,7 +141,7 @@ class Types(dict[str, Any]):
         match = _NAME.fullmatch(name)
         places = (f"{match[2]}.msg", f"{match[1]}/msg/{match[2]}.msg") if match else ()
         for file in (self.folder / place for place in places):
-            if file.is_file() and file.stat().st_size < LONGEST:
+            if file.is_file() and file.stat().st_size < LONGEST_DEFINITION:
                 self.update({**get_types_from_msg(file.read_text(encoding="utf-8"), name), **self})
                 self.beside.append(file.name)
                 return self[name]
@@ -154,7 +154,7 @@ class Types(dict[str, Any]):
 @cache
 def _parsed(form: Any, text: str, name: str) -> dict[str, Any]:
     """The definitions in a text."""
-    if len(text) > LONGEST:
+    if len(text) > LONGEST_DEFINITION:
         raise ValueError("its definition is too long")
     if form == MessageDefinitionFormat.MSG:
         return get_types_from_msg(text, name)

@@ -33,7 +33,7 @@ NUMBERS |= dict.fromkeys(("bool", "byte", "char"), np.dtype("uint8"))
 
 _ZSTD = b"\x28\xb5\x2f\xfd"
 
-MOST_STEPS, MOST_COLUMNS, LONGEST = 10_000, 500, 64
+MOST_STEPS, MOST_COLUMNS, LONGEST_ARRAY = 10_000, 500, 64
 """Maximum number of fields and columns of a definition, and of elements of an array that become columns."""
 
 
@@ -99,7 +99,7 @@ class Definition:
                 return [self._stamp(where, taken=taken)]
             return self._message(inner, where, unit, taken=taken)
         element, size = inner
-        if what == Nodetype.SEQUENCE or size > LONGEST:
+        if what == Nodetype.SEQUENCE or size > LONGEST_ARRAY:
             self.left += [where] if taken else []
             taken = False
         if what == Nodetype.SEQUENCE:

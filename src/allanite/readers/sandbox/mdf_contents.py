@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 from asammdf import MDF
 
-MOST = 5000
+MOST_CHANNELS = 5000
 """Maximum number of channels."""
 
 
 def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:
     """The channels of numbers with a hash of their times, and a function that sends one; see `worker.main`."""
     file: Any = MDF(path)
-    if sum(len(group.channels) for group in file.groups) > MOST:
-        sys.exit(f"too many channels: more than {MOST}; export those of the sensor as CSV")
+    if sum(len(group.channels) for group in file.groups) > MOST_CHANNELS:
+        sys.exit(f"too many channels: more than {MOST_CHANNELS}; export those of the sensor as CSV")
     contents: dict[str, Any] = {"datasets": [], "left": []}
     for number, group in enumerate(file.groups):
         master = file.masters_db.get(number)

@@ -15,7 +15,7 @@ from typing import IO, Any, NamedTuple
 from allanite.core.errors import DataError, UsageError
 
 from .process import UnpackedPath, demand_size, most, worded
-from .source import HEAD, SEPARATOR, demand_directory, head_of
+from .source import FIRST_BYTES, SEPARATOR, demand_directory, head_of
 
 DEPTH = 3
 """Maximum number of nested layers."""
@@ -145,7 +145,7 @@ class PackedFile:
     @property
     def head(self) -> bytes:
         """The first bytes of the content."""
-        return next(self.chunks(HEAD), b"")[:HEAD]
+        return next(self.chunks(FIRST_BYTES), b"")[:FIRST_BYTES]
 
     def chunks(self, size: int = _BLOCK) -> Iterator[bytes]:
         """The content, from the beginning."""

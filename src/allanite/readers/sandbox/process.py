@@ -27,7 +27,7 @@ from .source import demand_directory, size_of
 RATIO = 100
 """Bytes of samples per byte of a file: coarse samples compress 30-fold, a decompression bomb 1000-fold."""
 
-ROOM = 32 << 20
+UNPACKED_ROOM = 32 << 20
 """Bytes that any file may unpack to, whatever its size."""
 
 
@@ -45,7 +45,7 @@ class UnpackedPath(str):
 
 def most(path: str) -> int:
     """Maximum size in bytes of the contents of a file, and of what is unpacked from it."""
-    here = RATIO * size_of(path) + ROOM
+    here = RATIO * size_of(path) + UNPACKED_ROOM
     return min(here, path.limit) if isinstance(path, UnpackedPath) else here
 
 
@@ -102,14 +102,14 @@ def demand_start(head: bytes, starts: tuple[bytes, ...], what: str) -> None:
 
 Progress = Callable[[float], None]
 
-WAIT, SPEED = 20.0, 5e5
+ANSWER_TIME, DISK_SPEED = 20.0, 5e5
 """Seconds that an answer may take, and bytes per second of a slow disk; the processor time is limited separately."""
 
 
-BLOCK = 1 << 20
+RECEIVED_BYTES = 1 << 20
 """Bytes of a dataset that are received at a time."""
 
-SHARE = "share"
+SHARE_KEY = "share"
 """Key of a line in which a worker only tells which share of the structure it has read; see `worker.main`."""
 
 
@@ -119,7 +119,7 @@ class Library(NamedTuple):
     package: str
     extra: str
     remedy: str
-    speed: float = SPEED  # of opening a file, bytes per second at least, on a slow disk
+    speed: float = DISK_SPEED  # of opening a file, bytes per second at least, on a slow disk
 
 
 LIBRARIES = {
@@ -155,7 +155,7 @@ class Process:
         self.path, self._library = path, LIBRARIES[form]
         self._tell = progress or (lambda share: None)
         demand_extra(self._library.extra, self._library.package)
-        self._wait = WAIT + size_of(path) / self._library.speed
+        self._wait = ANSWER_TIME + size_of(path) / self._library.speed
         # what a library leaves when the process is ended, and what it says; both are removed by __exit__
         self._folder = tempfile.TemporaryDirectory(prefix="allanite-", ignore_cleanup_errors=True)
         self._errors = tempfile.TemporaryFile(dir=self._folder.name)  # noqa: SIM115
@@ -171,10 +171,10 @@ class Process:
 
     def __enter__(self) -> "Process":
         try:
-            self.contents: dict[str, Any] = {SHARE: 0.0}
+            self.contents: dict[str, Any] = {SHARE_KEY: 0.0}
             with self._deadline(self._wait):
-                while SHARE in self.contents:
-                    self._tell(self.contents[SHARE])
+                while SHARE_KEY in self.contents:
+                    self._tell(self.contents[SHARE_KEY])
                     line = self._stdout.readline(1 << 24)
                     if not line.endswith(b"\n"):
                         raise self._broken("while reading its structure")
@@ -195,15 +195,15 @@ class Process:
         array = np.empty(shape, dtype)
         data = array.reshape(-1).view(np.uint8)
         with self._sending(path, dtype, data.size):
-            for begin in range(0, data.size, BLOCK):
-                self._fill(data[begin : begin + BLOCK], path)
-                self._tell(min(1.0, (begin + BLOCK) / data.size))
+            for begin in range(0, data.size, RECEIVED_BYTES):
+                self._fill(data[begin : begin + RECEIVED_BYTES], path)
+                self._tell(min(1.0, (begin + RECEIVED_BYTES) / data.size))
         return array
 
     def fields(self, path: str, count: int, dtype: np.dtype[Any]) -> dict[str, NDArray[Any]]:
         """Each field of a dataset of `count` rows; only a block of whole rows is in memory at a time."""
         columns = {name: np.empty(count, dtype[name]) for name in dtype.names or ()}
-        rows = np.empty(min(count, max(1, BLOCK // dtype.itemsize)), dtype)
+        rows = np.empty(min(count, max(1, RECEIVED_BYTES // dtype.itemsize)), dtype)
         with self._sending(path, dtype, count * dtype.itemsize):
             for begin in range(0, count, max(1, rows.size)):
                 part = rows[: count - begin]
@@ -224,7 +224,7 @@ class Process:
     @contextmanager
     def _sending(self, path: str, dtype: np.dtype[Any], size: int) -> Iterator[None]:
         """Ask for a dataset of `size` bytes, which must be here in time."""
-        with self._deadline(self._wait + size / SPEED):
+        with self._deadline(self._wait + size / DISK_SPEED):
             stdin: Any = self._process.stdin
             try:
                 stdin.write(json.dumps({"path": path, "fields": list(dtype.names or ())}).encode() + b"\n")

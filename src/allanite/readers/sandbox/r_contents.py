@@ -23,7 +23,7 @@ from rdata.parser._parser import Parser  # noqa: E402  the door of the parser al
 if _spec is not None:
     del sys.modules["rdata"]  # any other import of the package gets all of it
 
-MOST, NAMES = 100_000, 1000
+MOST_LISTS, NAMES = 100_000, 1000
 """Maximum number of lists and other objects in a file, and of texts kept of a vector."""
 
 _CHAR = 9
@@ -35,7 +35,7 @@ class Reader(Parser):  # type: ignore[misc, unused-ignore]
 
     def __init__(self, data: bytes) -> None:
         super().__init__()
-        self.data, self.at, self.left = memoryview(data), data.index(b"X\n") + 2, MOST
+        self.data, self.at, self.left = memoryview(data), data.index(b"X\n") + 2, MOST_LISTS
 
     def take(self, size: int) -> memoryview:
         """The next bytes."""
@@ -56,7 +56,9 @@ class Reader(Parser):  # type: ignore[misc, unused-ignore]
         """The next object."""
         self.left -= 1
         if self.left < 0:
-            sys.exit(f"too many lists: more than {MOST}; save only the numbers: saveRDS(as.matrix(x), 'again.rds')")
+            sys.exit(
+                f"too many lists: more than {MOST_LISTS}; save only the numbers: saveRDS(as.matrix(x), 'again.rds')"
+            )
         return super().parse_R_object(*given, **named)
 
     def _parse_array_values(self, dtype: Any, length: int) -> Any:
