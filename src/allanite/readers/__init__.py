@@ -1,10 +1,10 @@
 """Readers: one module per format, and the table that lists them.
 
-A format is a module with ``TITLE``, ``sniff(head, suffix) -> bool`` and ``read(path, options) -> Recording``, and a
-line of `formats.READERS`. Most readers fill a `FileTable`, which identifies channels, units and rate; containers of
-several arrays or tables use `containers` to decide which of them are meant. A format that is written has
-``write(recording, path)`` and a line of `formats.WRITERS`. Other packages register readers with the entry point group
-``allanite.readers``.
+A format is a module with ``TITLE`` and ``read(path, options) -> Recording``, and a line of `formats.registry.READERS`,
+which says how its files are recognized. Most readers fill a `FileTable`, which identifies channels, units and rate;
+containers of several tables or arrays use `containers` to decide which of them are meant. A format that is written has
+``write(recording, path)`` and a line of `WRITERS`. Other packages register readers, which have a ``sniff(head, suffix)
+-> bool`` as well, with the entry point group ``allanite.readers``.
 """
 
 import os
