@@ -152,10 +152,8 @@ class Dask:
     def _done(self, future: Any, item: Plain) -> Done:
         """What became of an item whose future has ended."""
         if future.cancelled():
-            raise UsageError(
-                f"the Dask scheduler {self.address!r} ended before the work was done; start it again and repeat the "
-                "command: what is stored is not done again"
-            )
+            raise UsageError(f"the Dask scheduler {self.address!r} ended before the work was done; start it again and "
+                             "repeat the command: what is stored is not done again")  # fmt: skip
         problem = future.exception()
         if problem is None:
             return Done(item, future.result())
@@ -181,10 +179,8 @@ class Dask:
             wrong += [f"{worker} has {', '.join(other)}"] if other else []
         if wrong:
             more = f" (and {len(wrong) - 3} more)" if len(wrong) > 3 else ""
-            raise UsageError(
-                f"the Dask workers have other versions than this computer: {'; '.join(wrong[:3])}{more}; install the "
-                "same versions everywhere and start the workers again"
-            )
+            raise UsageError(f"the Dask workers have other versions than this computer: {'; '.join(wrong[:3])}{more}; "
+                             "install the same versions everywhere and start the workers again")  # fmt: skip
 
 
 def _versions(seen: Any) -> dict[str, str]:

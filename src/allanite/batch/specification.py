@@ -173,10 +173,8 @@ def _limits(table: Any, judge: str, where: str) -> Iterator[Limit]:
             _demand_keys(entry, ("max", "judge"), f"the limit of {symbol} in [{where}]")
             quantities = split_quantities(entry["max"].split())
             if len(quantities) != 1 or not quantities[0][0] > 0 or not quantities[0][1]:
-                raise UsageError(
-                    f"the limit of {symbol} in [{where}] is a positive number with a unit, as in {EXAMPLE}; "
-                    f"{entry['max']!r} came"
-                )
+                raise UsageError(f"the limit of {symbol} in [{where}] is a positive number with a unit, as in "
+                                 f"{EXAMPLE}; {entry['max']!r} came")  # fmt: skip
             number, unit = quantities[0]
             factor = unit_of(unit).factor if symbol == MINIMUM else coefficient_factor(symbol, unit)
             signal = signal_with(unit_of(unit).dimension, 0 if symbol == MINIMUM else TERMS[symbol].power, values=True)

@@ -131,10 +131,8 @@ def detrend(record: Record, statistic: str) -> Record:
         The statistic is sensitive to a ramp, as the whole Allan family: R^2 tau^2 / 2 is part of its value.
     """
     if statistic_named(statistic).order < 3:
-        raise UsageError(
-            f"{statistic} is sensitive to a ramp, R^2 tau^2 / 2 is part of its value; a ramp may be removed only "
-            "for statistics of third differences"
-        )
+        raise UsageError(f"{statistic} is sensitive to a ramp, R^2 tau^2 / 2 is part of its value; a ramp may be "
+                         "removed only for statistics of third differences")  # fmt: skip
     y = np.asarray(record.values, dtype=np.float64)
     t = np.arange(y.size) - (y.size - 1) / 2
     slope = float(t @ y / (t @ t))
@@ -177,10 +175,8 @@ def samples_in(time: float, rate: float) -> int:
     """How many samples a mean over `time` seconds is of; refused where it is no whole number, within 1 %."""
     m = round(time * rate) if np.isfinite(time) else 0
     if m < 1 or abs(m / rate - time) > NEAR * time:
-        raise UsageError(
-            f"means over {time:g} s are no whole number of samples at {rate:g} Hz; the nearest time is "
-            f"{max(m, 1) / rate:g} s"
-        )
+        raise UsageError(f"means over {time:g} s are no whole number of samples at {rate:g} Hz; the nearest time is "
+                         f"{max(m, 1) / rate:g} s")  # fmt: skip
     return m
 
 

@@ -173,11 +173,9 @@ def write(recording: Recording | Record, path: str | os.PathLike[str], *, force:
     first = whole[0]
     for record in whole:
         if (record.rate, record.start, len(record.values)) != (first.rate, first.start, len(first.values)):
-            raise DataError(
-                f"{record.name!r} ({record.rate} Hz, {len(record.values)} samples from {record.start} s) and "
-                f"{first.name!r} ({first.rate} Hz, {len(first.values)} samples from {first.start} s) do not have "
-                "the same sample times; write them to separate files"
-            )
+            raise DataError(f"{record.name!r} ({record.rate} Hz, {len(record.values)} samples from {record.start} s) "
+                            f"and {first.name!r} ({first.rate} Hz, {len(first.values)} samples from {first.start} s) "
+                            "do not have the same sample times; write them to separate files")  # fmt: skip
     writer = writer_for(os.path.splitext(os.fspath(path))[1].lower())
     with draft(path, force=force) as part:
         writer.write(whole, str(part))

@@ -76,10 +76,8 @@ class Options:
         _demand_whole(self.columns, 1, spelled("--columns 6", "columns=6") + " for rows of six numbers")
         _demand_whole(self.offset, 0, spelled("--offset 512", "offset=512") + " for a header of 512 bytes")
         if self.dtype is None and (self.columns, self.offset) != (None, None):
-            raise UsageError(
-                f"columns and offset describe raw binary; give the type of its numbers with "
-                f"{spelled('--dtype i2', 'dtype=...')}"
-            )
+            raise UsageError("columns and offset describe raw binary; give the type of its numbers with "
+                             f"{spelled('--dtype i2', 'dtype=...')}")  # fmt: skip
 
         if self.sincos is not None:
             self._demand_sincos(self.sincos)
@@ -88,19 +86,15 @@ class Options:
         """Take the columns of sines and cosines as the channels, which nothing else may describe."""
         option = spelled("--sincos", "sincos")
         if len(names) % 2:
-            raise UsageError(
-                f"{option} takes pairs of columns, the sine first, for example "
-                f"{spelled('--sincos sin,cos', 'sincos=[' + repr('sin') + ', ' + repr('cos') + ']')}, not "
-                f"{', '.join(names)}"
-            )
+            raise UsageError(f"{option} takes pairs of columns, the sine first, for example "
+                             f"{spelled('--sincos sin,cos', 'sincos=[' + repr('sin') + ', ' + repr('cos') + ']')}, not "
+                             f"{', '.join(names)}")  # fmt: skip
         for word, value in (("channels", self.channels), ("unit", self.unit), ("scale", self.scale)):
             if value is not None:
                 raise UsageError(f"{option} gives an angle in rad, so that {spelled('--' + word, word)} has no meaning")
         if self.kind not in (None, "value", "angle"):
-            raise UsageError(
-                f"{option} gives an angle: its kind is 'value' if the angle itself is analyzed, or 'angle' if its rate "
-                f"is, not {self.kind!r}"
-            )
+            raise UsageError(f"{option} gives an angle: its kind is 'value' if the angle itself is analyzed, or "
+                             f"'angle' if its rate is, not {self.kind!r}")  # fmt: skip
         object.__setattr__(self, "channels", names)
 
     @property

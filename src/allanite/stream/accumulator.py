@@ -175,10 +175,8 @@ class Accumulator:
         if own != theirs:
             raise UsageError(f"only parts of one stream can be merged, not {own} and {theirs}")
         if other.start < self.stop:
-            raise UsageError(
-                f"a part that begins at sample {other.start} cannot follow one that ends at {self.stop}; merge the "
-                "parts in their order, and give each its start=..."
-            )
+            raise UsageError(f"a part that begins at sample {other.start} cannot follow one that ends at {self.stop}; "
+                             "merge the parts in their order, and give each its start=...")  # fmt: skip
         other = deepcopy(other)
         self.sums.merge(other.sums)
         self.last = other.last

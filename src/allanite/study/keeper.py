@@ -35,10 +35,8 @@ WHOLE = "a record that is read in parts has"
 NEAR = 1e-3
 """Relative difference of averaging times that are the same; the sampling rate is known only at the end."""
 
-STRIDES = say(
-    "the variances are exact: up to 15 samples from all windows, at m = q 2^k, q = 8 .. 15, from those that start "
-    "every 2^k samples, which costs at most 1 % of the accuracy"
-)
+STRIDES = say("the variances are exact: up to 15 samples from all windows, at m = q 2^k, q = 8 .. 15, from those that "
+              "start every 2^k samples, which costs at most 1 % of the accuracy")  # fmt: skip
 """The note about the curves."""
 
 
@@ -48,10 +46,8 @@ class Keeper:
     def __init__(self, head: Record, statistics: Sequence[str] = (), spectrum: Periodograms | None = None) -> None:
         for name in statistics:
             if name not in streamable():
-                raise UsageError(
-                    f"{WHOLE} no {name!r}: choose one of {', '.join(streamable())}, or allow more memory with "
-                    f"{spelled('--memory', 'memory=')}"
-                )
+                raise UsageError(f"{WHOLE} no {name!r}: choose one of {', '.join(streamable())}, or allow more memory "
+                                 f"with {spelled('--memory', 'memory=')}")  # fmt: skip
         kind = "increment" if head.integrated else head.kind
         self.head, self.spectrum, self.wanted = head, spectrum, len(dict.fromkeys(statistics))
         self.streams = [

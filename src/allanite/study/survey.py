@@ -124,10 +124,8 @@ class Densities(DensityChoices, Value):
         """What keeps the samples of a record that is read in parts, if the estimator needs no more than sums."""
         row = self._row()
         if not hasattr(row, "in_parts"):
-            raise UsageError(
-                f"{WHOLE} no estimator {self.estimator!r}: choose welch, or allow more memory with "
-                f"{spelled('--memory', 'memory=')}"
-            )
+            raise UsageError(f"{WHOLE} no estimator {self.estimator!r}: choose welch, or allow more memory with "
+                             f"{spelled('--memory', 'memory=')}")  # fmt: skip
         return Keeper(head, ("oadev",) if self.fit else (), row.in_parts(head, size))
 
     def kept(self, seen: Inspected, keeper: Keeper, fit: Fit | None) -> tuple[Result, ...]:

@@ -174,7 +174,5 @@ def _encoding(lines: bytes) -> _Encoding:
         else "is neither " + ", ".join(encoding.name for encoding in _ENCODINGS[:-1]) + f" nor {_ENCODINGS[-1].name}"
     )
     sample = next((line for line in lines.splitlines() if line.strip()), b"")[:40]
-    raise DataError(
-        f"the encoding of the text cannot be determined: it is not UTF-8, and {what} ({sample!r}); save it as UTF-8, "
-        "for example with iconv -f GB18030 -t UTF-8, or -f CP1251"
-    )
+    raise DataError(f"the encoding of the text cannot be determined: it is not UTF-8, and {what} ({sample!r}); save it "
+                    "as UTF-8, for example with iconv -f GB18030 -t UTF-8, or -f CP1251")  # fmt: skip

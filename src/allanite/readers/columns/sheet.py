@@ -31,10 +31,8 @@ class FileSheet:
         column.demand_numbers()
         stated = given or column.unit
         if not stated and unit != "1":
-            raise UsageError(
-                f"the unit of {column.label} is unknown: write it in the header as in '{column.name} [deg]', or "
-                f"pass {spelled('--unit deg', 'given=deg')}"
-            )
+            raise UsageError(f"the unit of {column.label} is unknown: write it in the header as in '{column.name} "
+                             f"[deg]', or pass {spelled('--unit deg', 'given=deg')}")  # fmt: skip
         size, wanted = unit_of(stated or "1"), unit_of(unit)
         # the difference of a cosine is a number, but may also be written as a small angle
         if size.dimension != wanted.dimension and not (unit == "1" and size.dimension == unit_of("rad").dimension):
@@ -48,10 +46,8 @@ def sheet(path: str) -> FileSheet:
     try:
         columns, notes = sheet_of(name)
     except DataError:
-        raise DataError(
-            f"{name}: no rows of numbers are found; a text or CSV file is expected, with the names of its columns "
-            "above rows of numbers"
-        ) from None
+        raise DataError(f"{name}: no rows of numbers are found; a text or CSV file is expected, with the names of its "
+                        "columns above rows of numbers") from None  # fmt: skip
     except OSError as error:
         raise DataError(f"{name}: the file cannot be read ({error.strerror or error})") from None
     return FileSheet(unique(tuple(columns)), name, digest_of(name), notes)

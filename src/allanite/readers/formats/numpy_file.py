@@ -110,10 +110,8 @@ def _members(path: str) -> list[tuple[str, NDArray[Any]]]:
     form: Any = np.lib.format
     members = demand_members(path, "the archive")
     if len(members) > WIDEST:
-        raise DataError(
-            f"the archive has {len(members)} arrays, but a recording has at most {WIDEST}; store the channels as "
-            "columns of one array"
-        )
+        raise DataError(f"the archive has {len(members)} arrays, but a recording has at most {WIDEST}; store the "
+                        "channels as columns of one array")  # fmt: skip
     with zipfile.ZipFile(path) as archive:
         for member in members:
             claimed = 0
@@ -124,10 +122,8 @@ def _members(path: str) -> list[tuple[str, NDArray[Any]]]:
                     # objects are refused below
                     claimed = 0 if dtype.hasobject else math.prod(shape) * max(1, dtype.itemsize)
             if claimed > member.file_size:
-                raise DataError(
-                    f"array {member.filename!r} claims {claimed} bytes, but its member of the archive has "
-                    f"{member.file_size}: the file is damaged"
-                )
+                raise DataError(f"array {member.filename!r} claims {claimed} bytes, but its member of the archive has "
+                                f"{member.file_size}: the file is damaged")  # fmt: skip
     # NumPy leaves a file with a damaged archive open if it opened the file itself
     with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as archive:
         arrays = []

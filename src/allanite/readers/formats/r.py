@@ -18,8 +18,6 @@ def read(path: str, options: Options) -> Recording:
     with open(path, "rb") as file:
         head = file.read(8)
     if not head.startswith(R_BINARY):
-        raise DataError(
-            f"the file is not in R's binary format (it begins with {head!r}); write it again with save(x, "
-            "file='x.rda') or saveRDS(x, 'x.rds')"
-        )
+        raise DataError(f"the file is not in R's binary format (it begins with {head!r}); write it again with save(x, "
+                        "file='x.rda') or saveRDS(x, 'x.rds')")  # fmt: skip
     return contained("r", path, options)

@@ -198,10 +198,8 @@ def reader_for(head: bytes, suffix: str) -> FormatReader:
         if candidate.sniff(head, suffix):
             return candidate.reader(head)
     titles = "; ".join(candidate.TITLE for candidate in candidates())
-    raise DataError(
-        f"unknown file format (the file begins with {head[:8]!r}); readable formats: {titles}; and any of these in "
-        "a .zip, .gz, .bz2 or .xz"
-    )
+    raise DataError(f"unknown file format (the file begins with {head[:8]!r}); readable formats: {titles}; and any of "
+                    "these in a .zip, .gz, .bz2 or .xz")  # fmt: skip
 
 
 def readable(head: bytes, suffix: str) -> bool:
@@ -212,9 +210,7 @@ def readable(head: bytes, suffix: str) -> bool:
 def writer_for(suffix: str) -> Writer:
     """The format written to files with that suffix."""
     if suffix not in WRITERS:
-        raise UsageError(
-            f"no format can be written to files with suffix {suffix!r}; suffixes that can be written: "
-            f"{', '.join(WRITERS)}"
-        )
+        raise UsageError(f"no format can be written to files with suffix {suffix!r}; suffixes that can be written: "
+                         f"{', '.join(WRITERS)}")  # fmt: skip
     writer: Writer = _module(WRITERS[suffix])
     return writer

@@ -204,10 +204,8 @@ def _chosen(path: str, member: str, judge: Judge) -> str:
                 raise DataError(f"the archive contains no file of a readable format; it contains {_listed(names)}")
             member = readable[0]
             if len(readable) > 1:
-                raise UsageError(
-                    f"the archive contains {len(readable)} readable files: {_listed(readable)}; select one as in "
-                    f"{'FILE.zip'}{SEPARATOR}{member}"
-                )
+                raise UsageError(f"the archive contains {len(readable)} readable files: {_listed(readable)}; select "
+                                 f"one as in {'FILE.zip'}{SEPARATOR}{member}")  # fmt: skip
         demand_size(archive.getinfo(member).file_size, path, f"member {member!r}")
         return member
 

@@ -52,11 +52,9 @@ def most(path: str) -> int:
 def demand_size(size: int, path: str, what: str) -> None:
     """Refuse a claimed size larger than the file can hold (`most`), before memory is allocated."""
     if size > most(path):
-        raise DataError(
-            f"{what} claims {size / 1e6:.6g} MB, over the {most(path) / 1e6:.3g} MB that a file of this size may "
-            f"unpack to ({RATIO} times its size): it is damaged or a decompression bomb; if it is neither, write it "
-            "again without compression"
-        )
+        raise DataError(f"{what} claims {size / 1e6:.6g} MB, over the {most(path) / 1e6:.3g} MB that a file of this "
+                        f"size may unpack to ({RATIO} times its size): it is damaged or a decompression bomb; if it is "
+                        "neither, write it again without compression")  # fmt: skip
 
 
 def demand_members(path: str, what: str) -> list[zipfile.ZipInfo]:
@@ -84,10 +82,8 @@ def worded(what: str = "the file") -> Iterator[None]:
     except Exception as error:
         if isinstance(error, OSError) and error.errno in DISK:
             reason = error.strerror or str(error)
-            raise DataError(
-                f"there is no room for {what} in the folder {tempfile.gettempdir()!r} ({reason}): free some, or set "
-                "TMPDIR to another folder"
-            ) from None
+            raise DataError(f"there is no room for {what} in the folder {tempfile.gettempdir()!r} ({reason}): free "
+                            "some, or set TMPDIR to another folder") from None  # fmt: skip
         raise DataError(f"{what} is damaged or was cut off; copy or download it again") from None
 
 
@@ -265,7 +261,5 @@ class Process:
         reason = re.sub(r"^[\w.]+(Error|Exception): ", "", lines[-1])[:200] if lines else died
         if reason.startswith(LIMIT):
             return DataError(reason)
-        return DataError(
-            f"the file is damaged or incomplete: {self._library.package} failed {where}: {reason}; if other "
-            f"programs can read it, {self._library.remedy}"
-        )
+        return DataError(f"the file is damaged or incomplete: {self._library.package} failed {where}: {reason}; if "
+                         f"other programs can read it, {self._library.remedy}")  # fmt: skip

@@ -164,7 +164,5 @@ def demand_directory(path: str) -> None:
     if at >= 76 and tail[at - 20 : at - 16] == _LARGE:  # the ZIP64 end record of a large archive
         (size,) = struct.unpack_from("<Q", tail, at - 76 + 40)
     if size > LARGEST_DIRECTORY:
-        raise DataError(
-            f"the directory of the archive claims {size / 1e6:.3g} MB, too much for any set of recordings; unpack "
-            "it and read one file"
-        )
+        raise DataError(f"the directory of the archive claims {size / 1e6:.3g} MB, too much for any set of recordings; "
+                        "unpack it and read one file")  # fmt: skip
