@@ -271,9 +271,7 @@ def test_workers_and_a_scheduler_exclude_each_other(units, tmp_path):
     done = batch(units, "--out", tmp_path / "r", "--scheduler", "tcp://127.0.0.1:9")
     assert done.exit_code == 2
     assert "give one of them" in done.stderr
-
-
-def test_an_option_that_fits_no_file_is_a_wrong_usage(units, tmp_path):
+    # an option that fits no file is a wrong usage
     (tmp_path / "one.txt").write_text(str(units / "u0.csv"))
     done = batch(tmp_path / "one.txt", "--out", tmp_path / "r", "--method", "guess")
     assert done.exit_code == 2

@@ -132,9 +132,7 @@ def test_a_late_stamp_is_no_loss(stamped):
     stamps[500:520] = stamps[520] - 1e-4 * np.arange(20, 0, -1)  # the logger wrote to its card for 0.2 s
     record = read(stamped(stamps))["gx"]
     assert (record.size, record.rate) == (1000, pytest.approx(100.0))
-
-
-def test_rows_out_of_order(stamped):
+    # rows out of order
     stamps = np.arange(200) * 0.01
     stamps[[50, 51]] = stamps[[51, 50]]
     recording = read(stamped(stamps))
@@ -244,9 +242,7 @@ def test_a_packet_counter_tells_the_losses_but_not_the_rate(tmp_path):
     finding = only(recording, "missing samples")
     assert "according to the counter column 'Packet number'" in finding.what
     assert np.isnan(recording["gx"].values[:8]).tolist() == [False, False, True, False, False, True, True, False]
-
-
-def test_a_counter_that_starts_again_or_counts_by_tens(tmp_path):
+    # a counter that starts again or counts by tens
     steps = np.ones(70_000, dtype=int)
     steps[1000] = 4
     assert read(counted(tmp_path, steps), rate=100)["gx"].size == 70_004
@@ -303,18 +299,14 @@ def test_the_given_rate_wins_and_a_small_difference_is_a_finding(stamped):
     (found,) = read(path, rate=100.5).findings
     assert "100.0 Hz" in found.what
     assert "100.5 Hz is used" in found.what
-
-
-def test_a_rate_that_contradicts_the_time_stamps_is_refused_with_a_cure(stamped):
+    # a rate that contradicts the time stamps is refused with a cure
     path = stamped(np.arange(200) * 0.01)
     with pytest.raises(UsageError, match=r"200\.0 Hz, contradicts the time stamps .*, 100\.0 Hz: omit it") as refused:
         read(path, rate=200)
     assert str(refused.value).endswith("time='none'")
     assert read(path, rate=200, time="none")["gx"].rate == 200.0
     assert read(path)["gx"].rate == pytest.approx(100.0)
-
-
-def test_time_option(stamped):
+    # time option
     path = stamped(np.arange(200) * 0.01, "foo")
     assert read(path, time="foo")["gx"].rate == pytest.approx(100.0)
     assert read(path, time="1[ms]")["gx"].rate == pytest.approx(1e5)
@@ -335,9 +327,7 @@ def test_dates_with_time(tmp_path):
     )
     path.write_text("time,gx [deg/s]\n" + "".join(rows))
     assert read(path)["gx"].rate == pytest.approx(100.0)
-
-
-def test_a_temperature_called_t_is_no_clock(tmp_path):
+    # a temperature called t is no clock
     path = tmp_path / "gyro.csv"
     path.write_text("gx [deg/s],T\n" + "1.5,36.0\n2.5,36.5\n" * 20)
     assert read(path, rate=10).channels == ("gx",)

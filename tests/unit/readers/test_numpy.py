@@ -60,9 +60,7 @@ def test_one_channel_and_rows_that_are_channels_where_they_are_fewer(save):
     for options, asked in (({"unit": "deg/s"}, "rate=100"), ({"rate": 10}, "unit=")):
         with pytest.raises(UsageError, match=asked):
             read(save(DATA), **options)
-
-
-def test_structured_fields_are_headers(save):
+    # structured fields are headers
     array = np.zeros(50, dtype=[("time_us", "i8"), ("gyro_dps", "f4", 3), ("temp", "f4")])
     array["time_us"], array["gyro_dps"] = np.arange(50) * 10_000, DATA
     recording = read(save(array))

@@ -237,9 +237,7 @@ def test_what_fits_is_read_as_a_whole(tmp_path):
         assert opened(path, memory, UNIT) is None
     reader = opened(path, "6MB", UNIT)
     assert reader.rows == N
-
-
-def test_a_format_that_is_not_read_in_parts_is_refused_with_a_cure_that_works(tmp_path):
+    # a format that is not read in parts is refused with a cure that works
     path = tmp_path / "a.npz"
     np.savez(path, noise())
     with pytest.raises(UsageError, match=r"may take 5\.\d+ MB of memory, of which 1 MB may be used") as error:
@@ -249,9 +247,7 @@ def test_a_format_that_is_not_read_in_parts_is_refused_with_a_cure_that_works(tm
     with pytest.raises(UsageError, match="not read in parts"):
         demand_memory(path, "1MB", UNIT)
     demand_memory(path, cure, UNIT)
-
-
-def test_what_fits_by_its_rows_is_not_refused_by_its_size(tmp_path):
+    # what fits by its rows is not refused by its size
     path = npy(tmp_path, np.column_stack([noise()] * 20))
     some = UNIT | {"channels": ["1"]}
     demand_memory(path, "3MB", some)  # 30000 samples of one channel

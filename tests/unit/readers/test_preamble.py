@@ -62,9 +62,7 @@ def test_a_line_as_wide_as_the_rows_is_no_damaged_row(tmp_path):
     path = tmp_path / "gyro.txt"
     path.write_text("Sample rate: 100 Hz\n" + "\n".join(" ".join(map(str, [*row, *row])) for row in NOISE))
     assert read(path, unit="deg/s")["column 1"].rate == 100.0
-
-
-def test_a_comment_with_the_rate_names_no_column(tmp_path):
+    # a comment with the rate names no column
     path = tmp_path / "gyro.txt"
     path.write_text("# fs=100\n" + "\n".join(map(str, NOISE[:, 0])))
     assert read(path, unit="deg/s").channels == ("column 1",)

@@ -201,9 +201,7 @@ def test_a_damaged_or_too_large_packing_is_refused_in_parts(tmp_path):
     path.write_bytes(gzip.compress(b"0.0,1.0\n" * (5 << 20)))
     with pytest.raises(DataError, match="unpacks to more than the limit of"):
         opened(path, "1kB", UNIT | {"rate": 100.0})
-
-
-def test_lines_that_are_not_rows_are_not_read_in_parts(tmp_path):
+    # lines that are not rows are not read in parts
     options = Options(rate=100.0, unit="deg/s")
     wide = "\n".join(",".join(map(str, row)) for row in (GX[:2000], GY[:2000])) + "\n"
     alternating = "".join(f"{a} {b}\n{a}\n" for a, b in zip(GX, GY, strict=True))

@@ -77,16 +77,12 @@ def test_a_sheet_without_header_asks_for_rate_and_unit(tmp_path):
     with pytest.raises(UsageError, match=r"sampling rate.*unit is unknown"):
         al.read(path)
     assert al.read(path, rate=100, unit="deg/s")[0].size == 300
-
-
-def test_progress_is_told_while_sheets_are_read(tmp_path):
+    # progress is told while sheets are read
     shares = []
     rows = [[k * 0.01, *GYRO[k % 300].tolist(), 25.5] for k in range(2500)]
     al.read(workbook(tmp_path / "a.xlsx", Run=timed(0) + rows), progress=shares.append)
     assert [share for share in shares if 0 < share < 1] == pytest.approx([1000 / 2501, 2000 / 2501])
-
-
-def test_workbooks_without_numbers_and_damaged_ones(tmp_path):
+    # workbooks without numbers and damaged ones
     with pytest.raises(DataError, match="no sheet"):
         al.read(workbook(tmp_path / "a.xlsx", Notes=[["nothing"]]))
     whole = workbook(tmp_path / "a.xlsx", Run=timed()).read_bytes()

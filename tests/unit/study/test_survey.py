@@ -120,9 +120,7 @@ def test_dynamic_is_that_of_the_library(file):
     expected = al.dynamic(al.read(file)["x"], "adev", window=60.0, step=20.0).to("deg/h")
     assert [float(row["deviation"]) for row in found] == pytest.approx(expected.deviation.ravel().tolist())
     assert [float(row["time_s"]) for row in found[:: expected.tau.size]] == pytest.approx(expected.time.tolist())
-
-
-def test_a_long_table_is_cut_on_the_terminal_only(file):
+    # a long table is cut on the terminal only
     result = run("deviation", file, "--channels", "x", "--taus", "log", "--no-intervals")
     whole = cells(run("deviation", file, "--channels", "x", "--taus", "log", "--csv", "-").stdout)
     assert f"28 of {len(whole)} rows; --csv writes all" in result.stdout
