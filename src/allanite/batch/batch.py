@@ -107,10 +107,10 @@ class Batch(Value):
     @property
     def rejected(self) -> tuple[str, ...]:
         """What has no result, is not explained by its model, or was not shown to keep a limit: file and channel."""
-        found = [f"{unit.file}: {name or 'the record'}" for unit in self.units if unit.study for name in
+        without = [f"{unit.file}: {name or 'the record'}" for unit in self.units if unit.study for name in
                  unit.study.rejected]  # fmt: skip
         open_ = [f"{unit.file}: {NOT_SHOWN}" for unit in self.units if unit.outcome == NOT_SHOWN and not unit.error]
-        return (*found, *open_)
+        return (*without, *open_)
 
     @cached_property
     def across(self) -> tuple[Across, ...]:

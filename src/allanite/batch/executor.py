@@ -62,12 +62,10 @@ def described(error: BaseException) -> str:
 
 @dataclass(frozen=True)
 class Processes:
-    """Several processes of this machine, one item each at a time.
+    """Several processes of this machine, one item each at a time."""
 
-    A process that is killed is replaced. Its item is tried once more, and then reported as failed; other items are not
-    affected. The processes import the main module anew: a script that uses them needs ``if __name__ == "__main__":``.
-    """
-
+    # A process that is killed is replaced. Its item is tried once more, and then reported as failed; other items are
+    # not affected. The processes import the main module anew: a script that uses them needs if __name__ == "__main__":
     workers: int  # number of processes, at least 1
 
     def __post_init__(self) -> None:
@@ -122,11 +120,9 @@ SAME = ("python", "allanite", "numpy", "scipy", "numba")
 
 @dataclass(frozen=True)
 class Dask:
-    """The workers of a Dask scheduler, which see the files by the same paths and have the same version of allanite.
+    """The workers of a Dask scheduler, which see the files by the same paths and have the same version of allanite."""
 
-    Another worker takes over from one that is lost; a file that has cost several workers is reported as failed.
-    """
-
+    # another worker takes over from one that is lost; a file that has cost several workers is reported as failed
     address: str  # of the scheduler: ``tcp://10.0.0.5:8786``
 
     def run(self, task: Task, items: Sequence[Plain]) -> Iterator[Done]:
@@ -156,10 +152,8 @@ class Dask:
     def _done(self, future: Any, item: Plain) -> Done:
         """What became of an item whose future has ended."""
         if future.cancelled():
-            raise UsageError(
-                f"the Dask scheduler {self.address!r} ended before the work was done; start it again and repeat the "
-                "command: what is stored is not done again"
-            )
+            raise UsageError(f"the Dask scheduler {self.address!r} ended before the work was done; start it again and "
+                             "repeat the command: what is stored is not done again")  # fmt: skip
         problem = future.exception()
         if problem is None:
             return Done(item, future.result())
@@ -176,19 +170,17 @@ class Dask:
                 f"the Dask scheduler {self.address!r} has no worker; start some with 'dask worker {self.address}' and "
                 "repeat the command: what is stored is not done again"
             ) from None
-        seen = client.get_versions(packages=SAME[1:])
-        here, wrong = _versions(seen["client"]), []
-        for worker, each in sorted(seen["workers"].items()):
+        versions = client.get_versions(packages=SAME[1:])
+        here, wrong = _versions(versions["client"]), []
+        for worker, each in sorted(versions["workers"].items()):
             other = [
                 f"{name} {has} instead of {here[name]}" for name, has in _versions(each).items() if has != here[name]
             ]
             wrong += [f"{worker} has {', '.join(other)}"] if other else []
         if wrong:
             more = f" (and {len(wrong) - 3} more)" if len(wrong) > 3 else ""
-            raise UsageError(
-                f"the Dask workers have other versions than this computer: {'; '.join(wrong[:3])}{more}; install the "
-                "same versions everywhere and start the workers again"
-            )
+            raise UsageError(f"the Dask workers have other versions than this computer: {'; '.join(wrong[:3])}{more}; "
+                             "install the same versions everywhere and start the workers again")  # fmt: skip
 
 
 def _versions(seen: Any) -> dict[str, str]:

@@ -93,45 +93,32 @@ def slope_of(at: FloatArray, value: FloatArray) -> tuple[float, float, float]:
 
 
 def detectable(count: int) -> float:
-    """Distance of one of several values from the mean of the others, in their standard deviations, of an outlier.
-
-    Examples
-    --------
-    >>> [round(detectable(count)) for count in (4, 6, 10)]
-    [10, 5, 4]
-    """
+    """Distance of one of several values from the mean of the others, in their standard deviations, of an outlier."""
     from scipy import stats
 
     return float(stats.t.isf(FALSE_ALARM / (2 * count), count - 2)) * math.sqrt(count / (count - 1))
 
 
 def outliers(values: FloatArray) -> list[int]:
-    """Places of the values that are outliers of a normal sample, by Rosner's generalized extreme studentized deviate.
-
-    One is looked for in fewer than 15 values, for which the test is exact, and at most a fifth of them in more. With a
-    probability of `FALSE_ALARM` one is found where there is none.
-
-    Examples
-    --------
-    >>> outliers(np.array([0.1, -0.2, 0.3, 0.0, -0.1, 0.2, 9.0]))
-    [6]
-    """
+    """Places of the outliers of a normal sample, by Rosner's generalized extreme studentized deviate."""
+    # One is looked for in fewer than 15 values, for which the test is exact, and at most a fifth of them in more. With
+    # a probability of `FALSE_ALARM` one is found where there is none.
     from scipy import stats
 
-    n, left, found, removed = values.size, np.arange(values.size), 0, list[int]()
+    n, kept, last, removed = values.size, np.arange(values.size), 0, list[int]()
     for i in range(1, (1 if n < 15 else n // 5) + 1):
-        rest = values[left]
+        rest = values[kept]
         spread = float(rest.std(ddof=1))
         if not spread > 0:
             break
         at = int(np.argmax(np.abs(rest - rest.mean())))
         size = abs(float(rest[at] - rest.mean())) / spread
         t = float(stats.t.isf(FALSE_ALARM / (2 * (n - i + 1)), n - i - 1))
-        removed.append(int(left[at]))
-        left = np.delete(left, at)
+        removed.append(int(kept[at]))
+        kept = np.delete(kept, at)
         if size > t * (n - i) / math.sqrt((n - i - 1 + t * t) * (n - i + 1)):
-            found = i
-    return removed[:found]
+            last = i
+    return removed[:last]
 
 
 TREND = 6
@@ -173,17 +160,9 @@ class Lot(Value):
 
 
 class Spool:
-    """A temporary file of studies, read again one at a time: of a lot of thousands, only one is in memory.
+    """A temporary file of studies, read again one at a time: of a lot of thousands, only one is in memory."""
 
-    Only this process writes and reads it; it has no name and is gone when nothing refers to it.
-
-    Examples
-    --------
-    >>> from allanite import Recipe
-    >>> load = Spool().put(Study((), Recipe(), (), (), {}))
-    >>> len(load().channels)
-    0
-    """
+    # only this process writes and reads it; it has no name and is gone when nothing refers to it
 
     def __init__(self) -> None:
         self._file = tempfile.TemporaryFile(prefix="allanite-")  # noqa: SIM115 - closed with the spool

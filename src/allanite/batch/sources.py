@@ -29,24 +29,16 @@ FORM = "a manifest has a path in each line, or is a CSV file with a column 'file
 
 @dataclass(frozen=True)
 class Sources:
-    """Files, what was left out of folders, in `notes`, and what a manifest says of each.
-
-    `facts` are the columns of the manifest: text, but a number for `TEMPERATURE` and a time (UTC) for `DATE`.
-    """
+    """Files, what was left out of folders, in `notes`, and what a manifest says of each."""
 
     files: tuple[str, ...]
     notes: tuple[str, ...] = ()
+    # columns of the manifest: text, but a number for `TEMPERATURE` and a time (UTC) for `DATE`
     facts: dict[str, dict[str, Any]] = field(default_factory=dict)
 
 
 def several(named: Sequence[PathLike]) -> bool:
-    """Whether these names ask for many units: more than one, a folder that is not a ROS bag, or a pattern.
-
-    Examples
-    --------
-    >>> several(["gyro.csv"]), several(["-"]), several(["a.csv", "b.csv"]), several(["units/*.csv"])
-    (False, False, True, True)
-    """
+    """Whether these names ask for many units: more than one, a folder that is not a ROS bag, or a pattern."""
     return len(named) != 1 or (
         not is_recording(named[0]) and (os.path.isdir(named[0]) or _is_pattern(os.fspath(named[0])))
     )
@@ -54,21 +46,21 @@ def several(named: Sequence[PathLike]) -> bool:
 
 def expand(named: Sequence[PathLike], besides: Iterable[str | None] = ()) -> Sources:
     """The files that are meant by these names, in the order in which they were named."""
-    left = {os.path.realpath(path) for path in besides if path is not None}
-    found: dict[str, str] = {}
+    outputs = {os.path.realpath(path) for path in besides if path is not None}
+    files_by_path: dict[str, str] = {}
     notes: list[str] = []
     for name in [os.fspath(path) for path in named]:
         files: Sequence[str] = [name]
         if os.path.isdir(name) and not is_recording(name):
-            files = _in_folder(name, left, notes)
+            files = _in_folder(name, outputs, notes)
         elif name != STDIN and _is_pattern(name):
             every = [file for file in sorted(glob.glob(name, recursive=True)) if is_recording(file)]
-            files = [file for file in every if os.path.realpath(file) not in left]
+            files = [file for file in every if os.path.realpath(file) not in outputs]
             if not files:
                 raise DataError(f"no file matches {name!r}; check the folder, and the pattern")
         for file in files:
-            found.setdefault(file if file == STDIN else os.path.realpath(file), file)
-    return Sources(tuple(found.values()), tuple(notes))
+            files_by_path.setdefault(file if file == STDIN else os.path.realpath(file), file)
+    return Sources(tuple(files_by_path.values()), tuple(notes))
 
 
 def _in_folder(folder: str, left: set[str], notes: list[str]) -> Sequence[str]:
@@ -95,8 +87,8 @@ def _is_pattern(name: str) -> bool:
 def manifest_of(source: PathLike, besides: Iterable[str | None] = ()) -> Sources:
     """The files of a batch, in the order of their names."""
     if several([source]):
-        found = expand([source], besides)
-        return Sources(tuple(sorted(found.files)), found.notes)
+        sources = expand([source], besides)
+        return Sources(tuple(sorted(sources.files)), sources.notes)
     path = Path(source)
     try:
         lines = path.read_text("utf-8-sig").splitlines()

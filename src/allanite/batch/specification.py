@@ -173,10 +173,8 @@ def _limits(table: Any, judge: str, where: str) -> Iterator[Limit]:
             _demand_keys(entry, ("max", "judge"), f"the limit of {symbol} in [{where}]")
             quantities = split_quantities(entry["max"].split())
             if len(quantities) != 1 or not quantities[0][0] > 0 or not quantities[0][1]:
-                raise UsageError(
-                    f"the limit of {symbol} in [{where}] is a positive number with a unit, as in {EXAMPLE}; "
-                    f"{entry['max']!r} came"
-                )
+                raise UsageError(f"the limit of {symbol} in [{where}] is a positive number with a unit, as in "
+                                 f"{EXAMPLE}; {entry['max']!r} came")  # fmt: skip
             number, unit = quantities[0]
             factor = unit_of(unit).factor if symbol == MINIMUM else coefficient_factor(symbol, unit)
             signal = signal_with(unit_of(unit).dimension, 0 if symbol == MINIMUM else TERMS[symbol].power, values=True)
@@ -246,27 +244,15 @@ def judge_study(study: Study, specification: Specification) -> tuple[Judgement, 
 
 
 def judge(channel: str, limit: Limit, seen: Seen) -> Judgement:
-    """Hold what is known of a coefficient against its limit; see `Specification` for the rule.
-
-    Examples
-    --------
-    >>> limit = Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).limits[0]
-    >>> unit = limit.factor
-    >>> judge("gz", limit, Seen(1.9 * unit, 1.7 * unit, 2.1 * unit))
-    <Judgement 'gz': B pass, 1.9 deg/h (1.7 .. 2.1), the interval contains the limit>
-    >>> judge("gz", limit, Seen(upper=3 * unit))
-    <Judgement 'gz': B not shown, not identified, below 3 deg/h>
-    """
+    """Hold what is known of a coefficient against its limit; see `Specification` for the rule."""
     most, unit = limit.maximum, limit.unit
     if seen.value is None:
         if seen.upper is None:
             return Judgement(channel, limit, NOT_SHOWN, None, seen.reason)
         text = say(
             "{reason}, below {limit:.3g} {unit}",
-            reason=seen.reason or say("not identified"),
-            limit=seen.upper / limit.factor,
-            unit=unit,
-        )
+            reason=seen.reason or say("not identified"), limit=seen.upper / limit.factor, unit=unit,
+        )  # fmt: skip
         return Judgement(channel, limit, PASS if seen.upper <= most else NOT_SHOWN, seen.upper, text)
     known = math.isfinite(seen.low) and math.isfinite(seen.high)
     near = known and seen.low <= most <= seen.high

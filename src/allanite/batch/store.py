@@ -50,10 +50,7 @@ def identity(file: str, choices: Plain) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class Store:
-    """A folder of results.
-
-    Each part is written under another name, flushed to the disk and renamed: it is there as a whole or not at all.
-    """
+    """A folder of results; a part is there as a whole or not at all: it is written under another name and renamed."""
 
     folder: Path
 
@@ -146,8 +143,8 @@ class Store:
                 f"another run writes its results to {name}; wait until it has ended, or give another folder"
             )
         with file:
-            for left in (*self.folder.glob(DRAFTS), *(self.folder / PARTS).glob(DRAFTS)):
-                left.unlink()
+            for draft in (*self.folder.glob(DRAFTS), *(self.folder / PARTS).glob(DRAFTS)):
+                draft.unlink()
             yield
 
     def put_files(self, rows: list[Plain], choices: Plain) -> None:
@@ -191,16 +188,7 @@ def _digest(row: Mapping[str, Any]) -> bytes:
 
 
 def dumps(data: Any) -> str:
-    """Plain data as JSON in which phrases keep how they were made, so that a result is shown in any language.
-
-    Examples
-    --------
-    >>> from allanite.phrases.phrase import say
-    >>> dumps({"what": say("at {f:g} Hz", f=2.5), "name": "gx"})
-    '{"name": "gx", "what": {"say": ["at {f:g} Hz"], "with": {"f": 2.5}}}'
-    >>> loads(_)["what"]
-    'at 2.5 Hz'
-    """
+    """Plain data as JSON in which phrases keep how they were made, so that a result is shown in any language."""
     return json.dumps(_taken_apart(data), sort_keys=True)
 
 

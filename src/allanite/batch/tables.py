@@ -67,10 +67,8 @@ def put_files(store: Store, files: Iterable[FileStatus], choices: Plain) -> None
 
 
 def put_tables(store: Store, files: Iterable[FileStatus]) -> Iterator[FileStatus]:
-    """Write the other tables in the order of the files, and yield the files with what their results say of them.
-
-    Each result is read once, and a few are held at a time.
-    """
+    """Write the other tables in the order of the files, and yield the files with what their results say of them."""
+    # Each result is read once, and a few are held at a time.
     with ExitStack() as stack:
         writers = {
             name: stack.enter_context(store.writer(name, schema_of(columns))) for name, (columns, _) in TABLES.items()
@@ -80,8 +78,8 @@ def put_tables(store: Store, files: Iterable[FileStatus]) -> Iterator[FileStatus
             group = ordered[i : i + AT_ONCE]
             parts = [store.get(file.key) if file.status == DONE else {} for file in group]
             for name, (_, rows_of) in TABLES.items():
-                found = zip(group, parts, strict=True)
-                rows = [row for file, part in found if "study" in part for row in rows_of(file.file, part["study"])]
+                results = zip(group, parts, strict=True)
+                rows = [row for file, part in results if "study" in part for row in rows_of(file.file, part["study"])]
                 if rows:
                     writers[name].write_table(as_table(rows, writers[name].schema))
             for file, part in zip(group, parts, strict=True):  # a stored result may be an error
@@ -111,34 +109,15 @@ class Coefficient(Value):
 
 @dataclass(frozen=True, repr=False)
 class Across(Coefficient):
-    """One coefficient of one channel over all units, SI.
+    """One coefficient of one channel over all units, SI; "minimum" is the minimum of the Allan deviation."""
 
-    Attributes
-    ----------
-    channel, symbol, signal
-        Whose it is; "minimum" is the minimum of the Allan deviation.
-    units : int
-        Units with a valid result for it, identified or not.
-    identified : int
-        Units with a value; the numbers that follow are theirs.
-    mean, deviation : float
-        Mean of the values, and their standard deviation from unit to unit; NaN of a single one. It contains the
-        statistical error of each value.
-    worst : float
-        The value of the largest size.
-    file : str
-        The unit it belongs to.
-    below : float or None
-        The largest upper limit of the units in which the term was not identified.
-    """
-
-    units: int
-    identified: int
+    units: int  # with a valid result for it, identified or not
+    identified: int  # units with a value; the numbers that follow are theirs
     mean: float
-    deviation: float
-    worst: float
-    file: str
-    below: float | None = None
+    deviation: float  # from unit to unit, with the statistical error of each value in it; NaN of a single one
+    worst: float  # the value of the largest size
+    file: str  # the unit it belongs to
+    below: float | None = None  # the largest upper limit of the units in which the term was not identified
 
     def row(self) -> list[Any]:
         """Channel, term, numbers of units, mean, spread, worst and its file, upper limit, unit: of data sheets."""

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.core.choices import DURATIONS, demand_choices, seconds_of
+from allanite.core.choices import DURATIONS, demand_choices, described, seconds_of
 from allanite.core.errors import UnitError, UsageError, given
 from allanite.core.names import demand_name
 from allanite.core.plain import Value
@@ -106,30 +106,10 @@ class Requirement(NamedTuple):
         return cls(text, quantity, convert(limit, unit, QUANTITIES[quantity].si), unit, seconds)
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class DriftSettings(DriftChoices, Value):
     """Choices of a drift.
-
-    Attributes
-    ----------
-    times : tuple of float
-        Without aid, s.
-    calibration : float, optional
-        Time at rest before, over which the bias was averaged, s; 0: it was not. By default 60 s, and 0 with `turn_on`.
-    turn_on : tuple of str
-        Standard deviations of constant biases: "10 deg/h", "2 mg".
-    scale_factor : float
-        Standard deviation of the error of the scale factor, as a share.
-    maneuver : tuple of str
-        What the scale factor acts upon: an angle or a rate, a velocity or an acceleration.
-    platform : {"strapdown", "level"}
-        Whether gravity acts through the tilt from the gyros, or the platform is kept level.
-    schuler : bool
-        Whether the earth is round.
-    require : tuple of str
-        Largest drifts: "1 deg in 10 min".
-    unexplained, from_curve : bool
-        As for `export`.
 
     Raises
     ------

@@ -21,7 +21,7 @@ from allanite.study.results import Study
 from .comparison import Comparison, ComparisonSettings, Pair
 from .contrast import compare_fits
 from .pooled import Pool, PooledChannel, pool_records
-from .sources import SourceSet, name_both, open_source, open_sources, run_together
+from .sources import SourceSet, name_both, open_source, open_sources, run_sources
 from .two_records import compare_records
 
 Source = channels.Source | Study
@@ -236,9 +236,9 @@ def _compare(
 ) -> Comparison:  # fmt: skip
     kind = partial(Comparison, settings=settings or ComparisonSettings())
     work = partial(compare_records, recipe=recipe, rng=rng or np.random.default_rng(1))
-    return run_together(kind, sources, recipe, work, Pair.refused, progress=progress)
+    return run_sources(kind, sources, recipe, work, Pair.refused, progress=progress)
 
 
 def _pool(sources: SourceSet, recipe: Recipe, *, rng: "np.random.Generator | None", progress: Progress | None) -> Pool:
     work = partial(pool_records, names=sources.names, recipe=recipe, rng=rng or np.random.default_rng(1))
-    return run_together(Pool, sources, recipe, work, PooledChannel.refused, doing="pooling", progress=progress)
+    return run_sources(Pool, sources, recipe, work, PooledChannel.refused, doing="pooling", progress=progress)

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from allanite.core.arrays import FloatArray
+from allanite.core.choices import described
 from allanite.core.curve import Curve
 from allanite.core.encoding import finite, plain
 from allanite.core.fit import Fit, chance
@@ -183,9 +184,10 @@ class Pair(ComparedChannel):
         return super().to_dict(level) | {"p": finite(self.p)}
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class ComparisonSettings(ComparisonChoices, Value):
-    """What is held against what: channels of the second recording, the beginning of one, s, or all as a pool."""
+    """What is held against what."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

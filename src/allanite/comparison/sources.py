@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,8 +17,8 @@ from allanite.core.validity import Finding, graded
 from allanite.identification.methods import symbols_of
 from allanite.phrases.phrase import join, say, spelled
 from allanite.prepare.outliers import marked, outliers
-from allanite.study.channels import Inspected, Progress, Source, each_channel, open_recording
-from allanite.study.job import Job, provenance_of
+from allanite.study.channels import Inspected, Progress, Source, open_recording, run_together
+from allanite.study.job import Job
 from allanite.study.noise import noise_of, without_lines
 from allanite.study.recipe import Recipe
 from allanite.study.results import Noise
@@ -53,20 +54,24 @@ class SourceSet:
         )
 
 
-def run_together(
-    kind: Callable[..., Result], sources: SourceSet, recipe: Recipe, work: Callable[[Inspected], Any],
-    refused: Callable[[Inspected, str], Any], *, doing: str = "comparing", progress: Progress | None = None,
-) -> Result:  # fmt: skip
+def run_sources(
+    kind: Callable[..., Result],
+    sources: SourceSet,
+    recipe: Recipe,
+    work: Callable[[Inspected], Any],
+    refused: Callable[[Inspected, str], Any],
+    *,
+    doing: str = "comparing",
+    progress: Progress | None = None,
+) -> Result:
     """Do the work on each channel of several recordings, as `allanite.study.channels.run` on those of one.
 
     `kind` makes the result of the fields of `Together`.
     """
-    findings = sources.findings
-    results = each_channel(
-        sources.channels, work, refused, findings=findings, doing=doing, demand=True, progress=progress
-    )
-    notes = dict.fromkeys((*(note for recording in sources.recordings for note in recording.notes), *sources.notes))
-    return kind(results, recipe, findings, tuple(notes), provenance_of(*sources.recordings), sources.names)
+    return run_together(
+        partial(kind, names=sources.names), sources.recordings, recipe, work, refused, channels=sources.channels,
+        findings=sources.findings, notes=sources.notes, doing=doing, progress=progress,
+    )  # fmt: skip
 
 
 def open_sources(

@@ -1,13 +1,17 @@
 """Choices: what a user may set, each stated once as a field, from which option, key, help and control follow."""
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
+from inspect import cleandoc
 from types import UnionType
-from typing import Any, Literal, Union, get_args, get_origin
+from typing import Any, Literal, TypeVar, Union, get_args, get_origin
 
 from .errors import UsageError, given
 from .ranges import demand_pieces, demand_ranges
+
+Settings = TypeVar("Settings")
 
 ONE = (str, int, float)
 LISTS = (*ONE, list, tuple)
@@ -22,7 +26,8 @@ class ChoiceKind:
     request, which are of the types that it `takes`; `demand` checks a value of Python by the name of the choice. Each
     refuses what is no such value; `form` is what is expected. It is entered as a `control` of the page: "text",
     "number", "list", "band" or "flag". The option is repeated for each of `many` parts; `write` makes the text that is
-    read, if `written` does not. `alone` is the value of an option that is given without one.
+    read, if `written` does not. `alone` is the value of an option that is given without one, `measure` what the
+    documentation says of its unit in Python.
     """
 
     name: str
@@ -34,6 +39,7 @@ class ChoiceKind:
     takes: tuple[type, ...] = ONE
     form: str = ""
     alone: str = ""
+    measure: str = ""
 
     def parse(self, data: Any) -> Any:
         """The value from text or plain data."""
@@ -47,6 +53,9 @@ TYPED = ChoiceKind("value", lambda value: value)
 
 
 A_NUMBER, AN_INTEGER, A_DURATION = "a number", "an integer", "a time in s such as 600, or '10 min' or 1h"
+
+
+SECONDS = " In s."
 
 
 def written(value: Any) -> str:
@@ -193,7 +202,7 @@ NUMBER = ChoiceKind("float", _parsed(float), _demand_number, control="number", f
 INTEGER = ChoiceKind("integer", _parsed(int), _demand_number, control="number", form=AN_INTEGER)
 PERCENT = ChoiceKind(
     "float", lambda v: NUMBER.read(v) / (100 if isinstance(v, str) else 1), write=lambda v: f"{100 * v:.12g}",
-    form=A_NUMBER,
+    form=A_NUMBER, measure=" A share, from 0 to 1.",
 )  # fmt: skip
 """A share: of text, as it is typed, in percent; of plain data, as in Python, from 0 to 1."""
 SHARE = ChoiceKind("share", _share, _demand_number, form="a share such as 0.1%, 1000ppm or 0.001")
@@ -222,12 +231,12 @@ WORTH = ChoiceKind(
     "scale", _worth, lambda name, v: v if isinstance(v, str) else _demand_number(name, v),
     form="a number, or a number with a unit as 0.01deg/s",
 )  # fmt: skip
-DURATION = ChoiceKind("duration", seconds_of, form=A_DURATION)
-INSTANT = ChoiceKind("duration", _instant, _demand_number, control="number", form=A_DURATION)
+DURATION = ChoiceKind("duration", seconds_of, form=A_DURATION, measure=SECONDS)
+INSTANT = ChoiceKind("duration", _instant, _demand_number, control="number", form=A_DURATION, measure=SECONDS)
 MODEL = ChoiceKind("model", _model, form="a model, e.g. 'N 0.003 deg/sqrt(h), B 0.5 deg/h'")
 DURATIONS = ChoiceKind(
     "duration", lambda v: tuple(map(seconds_of, _parts(v) if isinstance(v, (str, list, tuple)) else [v])),
-    control="list", takes=LISTS, form="times in s, e.g. 600,3600, or with units, e.g. '10 min,1 h'",
+    control="list", takes=LISTS, form="times in s, e.g. 600,3600, or with units, e.g. '10 min,1 h'", measure=SECONDS,
 )  # fmt: skip
 _SPAN = "two averaging times in s, e.g. 1,1000 or '1 s,10 min', or yes, or no"
 _ANSWERS = {"yes": True, "no": False}
@@ -350,6 +359,36 @@ def choices_of(kind: type[Any]) -> dict[str, ChoiceRow]:
         )
         for f in fields(kind) for row in (f.metadata.get("choice"),) if row is not None
     }  # fmt: skip
+
+
+def described(kind: type[Settings]) -> type[Settings]:
+    """The class, whose docstring lists the choices that it does not describe itself by the help of their rows.
+
+    Examples
+    --------
+    >>> @described
+    ... @dataclass
+    ... class Smoothing:
+    ...     "How it is smoothed."
+    ...     window: float = choice("S", "Length of the mean, instead of --taus.", default=60.0)
+    >>> Smoothing.__doc__.splitlines()[-1]
+    '    Length of the mean, instead of `taus`.'
+    """
+    text, raises, rest = cleandoc(kind.__doc__ or "").partition("\n\nRaises\n")
+    lines = [text] if "\n\nAttributes\n" in text else [text, "", "Attributes", "----------"]
+    described_itself = {name for line in text.splitlines() for name in line.partition(" : ")[0].split(", ")}
+    for f in fields(kind):  # type: ignore[arg-type]  # decorated as a dataclass before
+        row = f.metadata.get("choice")
+        if row is None or f.name in described_itself:
+            continue
+        name = f.type.__name__ if isinstance(f.type, type) and not get_args(f.type) else str(f.type)
+        usual = f" By default {row.told}." if row.told and f.default is None else ""
+        words = re.sub(
+            "--([a-z-]+)", lambda option: f"`{option[1].replace('-', '_')}`", row.help + row.kind.measure + usual
+        )
+        lines += [f"{f.name} : {name.replace('typing.', '')}", f"    {words}"]
+    kind.__doc__ = "\n".join(lines) + raises + rest
+    return kind
 
 
 def read_given(rows: Mapping[str, ChoiceRow], data: Mapping[str, Any]) -> dict[str, Any]:

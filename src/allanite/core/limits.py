@@ -8,25 +8,11 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from .arrays import LARGEST, RATES, FloatArray
-from .errors import UsageError, given, unfit
+from .errors import UsageError, unfit
+from .ranges import demand_level as demand_level  # noqa: PLC0414 - of this module too
 from .threads import one_thread
 
 T = TypeVar("T")
-
-
-def demand_level(level: float) -> None:
-    """Check that a confidence level is valid.
-
-    Raises
-    ------
-    UsageError
-        The level is not between 0 and 1.
-    """
-    if not 0 < level < 1:
-        meant = f"{level / 100:g}" if 1 < level < 100 else ""
-        said = f"a confidence level must be between 0 and 1, not {given(level)}"
-        cure = (f"{level:g}", meant) if meant else ("", "")
-        raise UsageError(f"{said}; did you mean {meant}?" if meant else said, cure=cure)
 
 
 def quantile(p: float) -> float:

@@ -1,11 +1,12 @@
-"""Ranges of averaging times, one for each term, and units times a power of time."""
+"""Ranges of averaging times, frequencies and levels that a user may give, and units times a power of time."""
 
 import math
 import re
 from collections.abc import Mapping
 from itertools import pairwise
+from typing import Any
 
-from .errors import UsageError
+from .errors import UsageError, given
 
 AS = {"s": "100..160,300..310", "Hz": "0.4..2.1,19..20"}
 """An example of pieces in each unit."""
@@ -58,6 +59,30 @@ def demand_pieces(pieces: object, unit: str = "s") -> tuple[tuple[float, float],
             raise UsageError(f"a piece begins at 0 {unit} or later and ends after that, unlike {start:g}..{end:g}")
         pairs.append((start, end))
     return tuple(sorted(pairs))
+
+
+def demand_band(band: Any) -> Any:
+    """Check that a band is valid."""
+    numbers = isinstance(band, (tuple, list)) and len(band) == 2 and all(isinstance(f, (int, float)) for f in band)
+    if band not in ("auto", "all") and not numbers:
+        raise UsageError(f"a band must be 'auto', 'all' or two frequencies in Hz, not {band!r}")
+    return band
+
+
+def demand_level(level: float) -> float:
+    """Check that a confidence level is valid.
+
+    Raises
+    ------
+    UsageError
+        The level is not between 0 and 1.
+    """
+    if not 0 < level < 1:
+        meant = f"{level / 100:g}" if 1 < level < 100 else ""
+        said = f"a confidence level must be between 0 and 1, not {given(level)}"
+        cure = (f"{level:g}", meant) if meant else ("", "")
+        raise UsageError(f"{said}; did you mean {meant}?" if meant else said, cure=cure)
+    return level
 
 
 class Units(dict[float, str]):

@@ -8,7 +8,6 @@ import numpy as np
 from allanite.phrases.phrase import Phrase, join, say
 
 from .arrays import BoolArray, FloatArray
-from .errors import UsageError
 from .plain import Value
 
 MOTION = ("moving", "body moved")
@@ -109,13 +108,6 @@ def graded(grade: str, scope: "Scope | None" = None) -> Phrase:
     if grade == APPROXIMATE and scope is not None and scope.until is not None:
         return say("explained up to {until:.3g} s", until=scope.until)
     return say("explained, with a reservation") if grade == APPROXIMATE else say("explained")
-
-
-def demand_band(band: object) -> None:
-    """Check that a band is valid."""
-    numbers = isinstance(band, (tuple, list)) and len(band) == 2 and all(isinstance(f, (int, float)) for f in band)
-    if band not in ("auto", "all") and not numbers:
-        raise UsageError(f"a band must be 'auto', 'all' or two frequencies in Hz, not {band!r}")
 
 
 STOPPED = 0.1

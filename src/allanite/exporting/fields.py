@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from allanite.core.choices import described
 from allanite.core.errors import DataError, UsageError
 from allanite.phrases.phrase import join, say, spelled
 from allanite.study.results import rejected
@@ -18,11 +19,12 @@ INFLATED, SIZED = 1e6, 1e15
 """The largest inflation, and the largest rate, Hz, or time, s, of an export; the smallest ones are their inverse."""
 
 
+@described
 @dataclass(frozen=True)
 class How(ExportChoices):
-    """Choices of an export; see `allanite.export`."""
+    """Choices of an export; with `partial`, fields may be missing that the target needs."""
 
-    partial: bool = False  # whether fields may be missing that the target needs
+    partial: bool = False
 
     @property
     def span(self) -> tuple[float, float] | None:

@@ -8,6 +8,7 @@ from allanite.core.choices import DURATION as DURATION
 from allanite.core.choices import INSTANT as INSTANT
 from allanite.core.choices import MODEL as MODEL
 from allanite.core.choices import choice as choice
+from allanite.core.choices import described as described
 from allanite.core.choices import separated as separated
 from allanite.core.correction import Correction as Correction
 from allanite.core.curve import Curve as Curve
@@ -83,6 +84,7 @@ from allanite.study.channels import Source as Source
 from allanite.study.channels import each_channel as each_channel
 from allanite.study.channels import open_recording as open_recording
 from allanite.study.channels import run as run
+from allanite.study.channels import run_together as run_together
 from allanite.study.channels import whole_recording as whole_recording
 from allanite.study.job import Job as Job
 from allanite.study.job import provenance_of as provenance_of

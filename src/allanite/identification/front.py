@@ -11,9 +11,10 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
 from allanite.core.names import demand_name
 from allanite.core.plain import Portable
+from allanite.core.ranges import demand_band
 from allanite.core.record import Record, Recording, Samples, Sampling, as_source
 from allanite.core.threads import one_thread
-from allanite.core.validity import Band, demand_band
+from allanite.core.validity import Band
 from allanite.phrases.phrase import join, say, spelled
 from allanite.prepare import outliers as robust
 from allanite.readers.options import FrameLike

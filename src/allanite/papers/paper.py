@@ -33,10 +33,10 @@ def number(path: Path, cell: str) -> float:
     """The number of a cell in a CSV or JSON file."""
     text = path.read_text("utf-8")
     if cell.startswith("/"):
-        found: Any = json.loads(text)
+        value: Any = json.loads(text)
         for key in cell[1:].split("/"):
-            found = found[int(key) if isinstance(found, list) else key]
-        return float(found)
+            value = value[int(key) if isinstance(value, list) else key]
+        return float(value)
     rows = list(csv.DictReader(io.StringIO(text)))
     column, _, where = cell.partition(" @ ")
     if where == "last":
@@ -125,13 +125,7 @@ PAPERS: tuple[str, ...] = tuple(
 
 
 def paper(name: str) -> Paper:
-    """The paper of this name.
-
-    Examples
-    --------
-    >>> paper("003").title
-    'rate of a laser gyro in two minutes'
-    """
+    """The paper of this name."""
     demand_name("paper", name, PAPERS)
     return read_paper(name, _FOLDER.joinpath(f"{name}.toml").read_text("utf-8"))
 
@@ -199,15 +193,17 @@ def compared(item: Item, folder: Path) -> Compared:
     """An item beside the files in a folder."""
     places = [place.partition(": ")[::2] for place in item.here]
     scale = unit_of(item.unit).factor if item.unit else 1.0
-    found = READ[item.read](*(number(folder / name, cell) / scale for name, cell in places if cell))
+    numbers = READ[item.read](*(number(folder / name, cell) / scale for name, cell in places if cell))
     drawn = [name for name, cell in places if not cell]
     for name in drawn:
         (folder / name).stat()  # raises if it was not written
-    verdict, expected = _verdict(item, found)
-    shown = [item.form.format(*found) if item.form else " ".join(f"{each:.4g}" for each in found)] if found else []
+    verdict, expected = _verdict(item, numbers)
+    shown = (
+        [item.form.format(*numbers) if item.form else " ".join(f"{each:.4g}" for each in numbers)] if numbers else []
+    )
     why = item.why or (say("within {share} %", share=f"{100 * item.tolerance:g}") if item.tolerance else "")
     here = "; ".join([*shown, *drawn])
-    return Compared(item.item, item.claim, item.paper, here, tuple(found), verdict, why, expected)
+    return Compared(item.item, item.claim, item.paper, here, tuple(numbers), verdict, why, expected)
 
 
 def _verdict(item: Item, found: Sequence[float]) -> tuple[str, bool]:

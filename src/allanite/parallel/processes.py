@@ -31,13 +31,7 @@ _END: Any = object()
 
 
 def later(function: Callable[[], Result]) -> Future[Result]:
-    """The result of a function that another thread calls now, in the context of this one.
-
-    Examples
-    --------
-    >>> later(lambda: 3).result()
-    3
-    """
+    """The result of a function that another thread calls now, in the context of this one."""
     future: Future[Result] = Future()
     context = copy_context()
 
@@ -52,13 +46,7 @@ def later(function: Callable[[], Result]) -> Future[Result]:
 
 
 def ahead(source: Iterator[Item]) -> Iterator[Item]:
-    """The items of an iterator, which is asked for the next ones while the last one is used.
-
-    Examples
-    --------
-    >>> list(ahead(iter(range(5))))
-    [0, 1, 2, 3, 4]
-    """
+    """The items of an iterator, which is asked for the next ones while the last one is used."""
     context = copy_context()
     waiting: deque[Future[Any]] = deque()
 
@@ -85,30 +73,23 @@ def ahead(source: Iterator[Item]) -> Iterator[Item]:
 
 
 def spread(function: Callable[[Item], Result], items: Sequence[Item], threads: int) -> list[Result]:
-    """``[function(item) for item in items]``, by so many threads, each item by who takes it first.
-
-    Waiting for a thread is interrupted at once, a compiled loop is not: this thread only waits, also for a single
-    other one. What others compute is left to end with the program, and none takes another item.
-
-    Examples
-    --------
-    >>> spread(abs, [-1, 2, -3], 2)
-    [1, 2, 3]
-    """
+    """``[function(item) for item in items]``, by so many threads, each item by who takes it first."""
+    # Waiting for a thread is interrupted at once, a compiled loop is not: this thread only waits, also for a single
+    # other one. What others compute is left to end with the program, and none takes another item.
     results: dict[int, Result] = {}
-    left = iter(range(len(items)))  # of which each is given once: a step of it is not divided between threads
+    indices = iter(range(len(items)))  # of which each is given once: a step of it is not divided between threads
 
     def work() -> None:
         try:
-            for i in left:
+            for i in indices:
                 results[i] = function(items[i])
         finally:
-            deque(left, maxlen=0)  # nobody goes on after an error
+            deque(indices, maxlen=0)  # nobody goes on after an error
 
     try:
         done, _ = wait([later(work) for _ in range(min(threads, len(items)))])
     finally:
-        deque(left, maxlen=0)
+        deque(indices, maxlen=0)
     for future in done:
         future.result()
     return [results[i] for i in range(len(items))]
@@ -134,10 +115,7 @@ class EndedError(Exception):
 
 
 class Process:
-    """Another process and this end of its pipe.
-
-    It ends when nobody holds this end any more, however this process ended.
-    """
+    """Another process, and this end of its pipe: it ends when nobody holds that any more, however this one ended."""
 
     def __init__(
         self, context: Any, work: Callable[..., None], *arguments: Any, others: Sequence["Process"] = ()

@@ -56,10 +56,8 @@ def _using(**changes: Any) -> Iterator[None]:
 
 
 def processes(count: int | None) -> AbstractContextManager[None]:
-    """Within this context work is shared between so many processes; None: as many as there are processors.
-
-    Without it, and where processes cannot be forked safely (Windows, macOS), all is done in this process.
-    """
+    """Within this context work is shared between so many processes; None: as many as there are processors."""
+    # Without it, and where processes cannot be forked safely (Windows, macOS), all is done in this process.
     return _using(processes=count)
 
 
@@ -83,15 +81,8 @@ class _GivenUpError(Exception):
 
 @contextmanager
 def importing(names: Sequence[str], *, kernels: bool = False) -> Iterator[None]:
-    """Within this context modules are imported by another thread, after those of the contexts around it.
-
-    With `kernels` those of the usual analysis are loaded before, or compiled if they are not in the cache.
-
-    Examples
-    --------
-    >>> with importing(["string"]):
-    ...     imported()
-    """
+    """Within this context modules are imported by another thread, after those of the contexts around it."""
+    # With `kernels` those of the usual analysis are loaded before, or compiled if they are not in the cache.
     given_up, compiles = Event(), Event()
 
     def compiling() -> None:

@@ -164,19 +164,13 @@ class Work(NamedTuple, Generic[Made_co]):
 
 def made(work: Work[Result]) -> Result:
     """What one work makes, after its tasks were shared."""
-    found: Result = next(done(work))
-    return found
+    result: Result = next(done(work))
+    return result
 
 
 def done(*works: Work[Any]) -> Iterator[Any]:
-    """What each work makes, after the tasks of all of them were shared.
-
-    Examples
-    --------
-    >>> list(done(Work.one(list), Work([int, float], sum).then(str)))
-    [[], '0.0']
-    """
+    """What each work makes, after the tasks of all of them were shared."""
     tasks = [task for work in works for task in work.tasks]
-    found = iter(shared(lambda task: task(), tasks, count=how_many(len(tasks))))
+    results = iter(shared(lambda task: task(), tasks, count=how_many(len(tasks))))
     for work in works:
-        yield work.whole([next(found) for _ in work.tasks])
+        yield work.whole([next(results) for _ in work.tasks])

@@ -96,10 +96,10 @@ class Registry(dict[str, Row]):
     def _complete(self) -> None:
         if self._whole:
             return
-        found = plugins(self._group)
+        rows = plugins(self._group)
         if self._group not in _loaded:
             return
-        for entry, row in found:
+        for entry, row in rows:
             name: Any = getattr(row, self._key, None) if self._key else entry.name
             if not isinstance(row, self._kind):
                 leave_out(entry, f"it is a {type(row).__name__}, not a {self._kind.__name__}")

@@ -10,7 +10,7 @@ from allanite.core.record import Record
 BLOCKS = 256
 """Maximum number of block means that are compared."""
 
-FEWEST = 32
+FEWEST_BLOCKS = 32
 """Minimum number of block means, and of samples in each of them."""
 
 MISSING = 0.1
@@ -39,40 +39,38 @@ class Following(NamedTuple):
 
 
 def follows(record: Record, other: Record) -> Following | None:
-    """How much of the drift of a record follows another channel with the same sample times.
-
-    Block means are transformed by the cosine transform, in which the coefficients of white noise, flicker and random
-    walk of the rate are independent. The likelihood of these three with a linear trend is compared with that of the
-    same three with a linear trend and the other channel. Two independent random walks often appear correlated, but not
-    in this test, whose null hypothesis includes a random walk.
-    """
-    blocks = min(BLOCKS, record.size // FEWEST)
-    if blocks < FEWEST or record.size != other.size:
+    """How much of the drift of a record follows another channel with the same sample times."""
+    # Block means are transformed by the cosine transform, in which the coefficients of white noise, flicker and random
+    # walk of the rate are independent. The likelihood of these three with a linear trend is compared with that of the
+    # same three with a linear trend and the other channel. Two independent random walks often appear correlated, but
+    # not in this test, whose null hypothesis includes a random walk.
+    blocks = min(BLOCKS, record.size // FEWEST_BLOCKS)
+    if blocks < FEWEST_BLOCKS or record.size != other.size:
         return None
     y, x = _means(record.rate_values, blocks), _means(other.rate_values, blocks)
     if y is None or x is None:
         return None
     line = np.linspace(-0.5, 0.5, blocks)
     x, y = x - float(x.mean()), y - float(y.mean())
-    left = [values - line * float(line @ values) / float(line @ line) for values in (x, y)]
-    if any(not np.ptp(rest) > 1e-9 * np.ptp(whole) for rest, whole in zip(left, (x, y), strict=True)):
+    detrended = [values - line * float(line @ values) / float(line @ line) for values in (x, y)]
+    if any(not np.ptp(rest) > 1e-9 * np.ptp(whole) for rest, whole in zip(detrended, (x, y), strict=True)):
         return None
     without, _ = _likelihood(y, [line])
     with_it, sizes = _likelihood(y, [line, x])
     rest = y - sizes[0] * line - sizes[1] * x
-    return Following(without - with_it, 1 - float(rest.var() / left[1].var()))
+    return Following(without - with_it, 1 - float(rest.var() / detrended[1].var()))
 
 
 def _means(values: FloatArray, blocks: int) -> FloatArray | None:
     """Means of blocks; means of blocks without samples are interpolated."""
     length = values.size // blocks
     parts = values[: blocks * length].reshape(blocks, length)
-    there = np.isfinite(parts)
-    count = there.sum(axis=1)
+    sampled = np.isfinite(parts)
+    count = sampled.sum(axis=1)
     known = np.flatnonzero(count)
     if known.size < (1 - MISSING) * blocks:
         return None
-    sums = np.where(there, parts, 0.0).sum(axis=1)
+    sums = np.where(sampled, parts, 0.0).sum(axis=1)
     return np.asarray(np.interp(np.arange(blocks), known, sums[known] / count[known]))
 
 

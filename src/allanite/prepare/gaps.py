@@ -23,7 +23,7 @@ FEW = say("too few for noise coefficients (at least {count})", count=SHORTEST)
 LEAST = 0.1
 """Share of the samples that must remain."""
 
-BLOCK = 1024
+RATE_BLOCK = 1024
 """Steps of an angle over which its rate is assumed constant, to be subtracted during a gap."""
 
 LEAST_SHARE = 0.005
@@ -35,15 +35,12 @@ NEIGHBOURS = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Gaps:
-    """The gaps among `size` remaining samples: `at` is the first sample after each, `lost` the number missing.
-
-    `shut` marks gaps during which an angle was accumulated: the sample there is the increment over lost + 1 intervals.
-    """
+    """The gaps among `size` remaining samples: `at` is the first sample after each, `lost` the number missing."""
 
     size: int
     at: IntArray
     lost: IntArray
-    shut: BoolArray
+    shut: BoolArray  # an angle was accumulated: the sample there is the increment over lost + 1 intervals
 
     def first(self, size: int) -> "Gaps":
         """The gaps among the first samples."""
@@ -94,17 +91,17 @@ def joined(record: Record) -> tuple[FloatArray, Gaps, IntArray | None]:
             return y, whole(y.size), None
     elif complete(values):
         return np.asarray(np.diff(values), dtype=np.float64), whole(values.size - 1), None
-    there = np.flatnonzero(np.isfinite(values))
+    remaining = np.flatnonzero(np.isfinite(values))
     if record.kind == "angle":
         # a short gap is one long step, a long one is cut out: where quantization dominates, small rate noise can be
         # determined only from a continuous angle
-        spans, steps = np.diff(there), np.diff(values[there])
+        spans, steps = np.diff(remaining), np.diff(values[remaining])
         long = spans > 1
         shut = long & _short(steps, spans)
         # the rate during the gap is subtracted, except for one interval; over whole blocks no angle is open
-        starts = np.arange(0, steps.size, BLOCK)
+        starts = np.arange(0, steps.size, RATE_BLOCK)
         rate = np.add.reduceat(steps, starts) / np.add.reduceat(spans, starts)
-        steps[shut] -= rate[np.flatnonzero(shut) // BLOCK] * (spans[shut] - 1)
+        steps[shut] -= rate[np.flatnonzero(shut) // RATE_BLOCK] * (spans[shut] - 1)
         kept = ~long | shut
         index = np.cumsum(kept) - 1
         opened = long & ~shut
@@ -112,8 +109,8 @@ def joined(record: Record) -> tuple[FloatArray, Gaps, IntArray | None]:
         at = np.concatenate((index[opened] + 1, index[shut]))
         lost = np.concatenate((spans[opened], spans[shut] - 1))
         flag = np.concatenate((np.zeros(int(opened.sum()), dtype=np.bool_), np.ones(int(shut.sum()), dtype=np.bool_)))
-        return steps[kept], Gaps(int(kept.sum()), at, lost, flag), (there[:-1] + (spans - 1) // 2)[kept]
-    return np.asarray(values[there] - record.constant, dtype=np.float64), gaps_between(there), there
+        return steps[kept], Gaps(int(kept.sum()), at, lost, flag), (remaining[:-1] + (spans - 1) // 2)[kept]
+    return np.asarray(values[remaining] - record.constant, dtype=np.float64), gaps_between(remaining), remaining
 
 
 def gaps_between(left: IntArray) -> Gaps:
@@ -128,12 +125,12 @@ def known_rates(record: Record) -> FloatArray:
     values = record.values
     if record.kind != "angle":
         return np.asarray(values, dtype=np.float64)
-    there = np.flatnonzero(np.isfinite(values))
-    spans = np.diff(there)
-    steps = np.diff(values[there])
+    remaining = np.flatnonzero(np.isfinite(values))
+    spans = np.diff(remaining)
+    steps = np.diff(values[remaining])
     known = (spans == 1) | _short(steps, spans)
     rates = np.full(record.size, np.nan)
-    rates[there[0] : there[-1]] = np.repeat(np.where(known, steps / spans, np.nan), spans)
+    rates[remaining[0] : remaining[-1]] = np.repeat(np.where(known, steps / spans, np.nan), spans)
     return rates
 
 
@@ -151,15 +148,7 @@ def _short(steps: FloatArray, spans: IntArray) -> BoolArray:
 
 
 def refusal(record: Record) -> str:
-    """Why no noise can be identified from this record or its remaining samples; empty if it can.
-
-    Examples
-    --------
-    >>> y = np.full(1000, np.nan)
-    >>> y[:150] = np.arange(150) % 7
-    >>> refusal(Record(y, rate=1.0, unit="deg/s"))
-    '850 of 1000 samples are missing; 150 remain, too few for noise coefficients (at least 200)'
-    """
+    """Why no noise can be identified from this record or its remaining samples; empty if it can."""
     if record.size < SHORTEST:
         return say("{count} samples are {too_few}", count=record.size, too_few=FEW)
     if record.out_of_range:
@@ -167,30 +156,28 @@ def refusal(record: Record) -> str:
     if complete(record.values):
         return ""
     gaps = joined(record)[1]
-    left, pieces = gaps.size, gaps.at.size + 1
-    lost = say("{lost} of {size} samples are missing", lost=record.size - left, size=record.size)
+    count, pieces = gaps.size, gaps.at.size + 1
+    lost = say("{lost} of {size} samples are missing", lost=record.size - count, size=record.size)
     reasons = (
-        (left < SHORTEST, say("{left} remain, {too_few}", left=left, too_few=FEW)),
+        (count < SHORTEST, say("{left} remain, {too_few}", left=count, too_few=FEW)),
         (
-            left < LEAST * record.size,
+            count < LEAST * record.size,
             say(
                 "less than a tenth remains, too little to determine slow noise; choose a window ({choice})",
                 choice=windowing(),
             ),
         ),
         (
-            left - pieces < NEIGHBOURS * left,
+            count - pieces < NEIGHBOURS * count,
             say(
                 "of {left} that remain, {followed} are followed by the next one: isolated samples cannot separate "
                 "rate noise from angle noise; choose a window ({choice}), or {apart}",
-                left=left,
-                followed=left - pieces,
-                choice=windowing(),
+                left=count, followed=count - pieces, choice=windowing(),
                 apart=spelled(
                     say("read by themselves the channels that have samples in the same rows (--channels)"),
                     say("make a record of these samples alone, at their rate: values[::2]"),
                 ),
             ),
         ),
-    )
+    )  # fmt: skip
     return next((join("; ", (lost, reason)) for holds, reason in reasons if holds), "")

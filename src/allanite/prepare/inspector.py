@@ -37,17 +37,9 @@ def placed(pieces: Iterable[tuple[int, list[NDArray[Any]]]]) -> Iterator[Piece]:
 
 
 def blocks(pieces: Iterable[Piece], size: int, points: int = 0) -> Iterator[Piece]:
-    """Blocks of `size` samples, which begin at its multiples however the record was cut; missing samples are NaN.
-
-    With `points`, 1, a block ends with the first sample of the next one, from which the last step is taken. The last
-    block ends with the record; where all samples of a block are missing, there is none.
-
-    Examples
-    --------
-    >>> pieces = [(0, [np.arange(3)]), (5, [np.arange(5, 9)])]
-    >>> [(place, column.tolist()) for place, (column,) in blocks(pieces, 4)]
-    [(0, [0.0, 1.0, 2.0, nan]), (4, [nan, 5.0, 6.0, 7.0]), (8, [8])]
-    """
+    """Blocks of `size` samples, which begin at its multiples however the record was cut; missing samples are NaN."""
+    # With `points`, 1, a block ends with the first sample of the next one, from which the last step is taken. The last
+    # block ends with the record; where all samples of a block are missing, there is none.
     begin, parts, full = 0, list[Piece](), size + points
     for first, some in pieces:
         place, columns = first, some
@@ -102,10 +94,10 @@ def excluded(pieces: Iterable[Piece], kinds: Sequence[str], spans: Sequence[tupl
         for values, kind in zip(columns, kinds, strict=True):
             cuts = [(max(first + KINDS[kind][1] - place, 0), last - place) for first, last in spans]
             inside = [(low, high) for low, high in cuts if low < min(high, len(values))]
-            left = np.array(values, dtype=np.float64) if inside else values
+            samples = np.array(values, dtype=np.float64) if inside else values
             for low, high in inside:
-                left[low:high] = np.nan
-            kept.append(left)
+                samples[low:high] = np.nan
+            kept.append(samples)
         yield place, kept
 
 
@@ -113,9 +105,9 @@ def window(pieces: Iterable[Piece], first: int, end: int | None) -> Iterator[Pie
     """The samples from `first` on, up to before `end`, whose places count from there."""
     for place, columns in pieces:
         low, high = max(first - place, 0), None if end is None else max(end - place, 0)
-        left = [values[low:high] for values in columns]
-        if any(map(len, left)):
-            yield place + low - first, left
+        inside = [values[low:high] for values in columns]
+        if any(map(len, inside)):
+            yield place + low - first, inside
 
 
 BLOCK = 1 << 20
@@ -124,7 +116,7 @@ BLOCK = 1 << 20
 RUN = 10
 """Equal values below which none is stuck or clipped."""
 
-FEWEST = 64
+FEWEST_SAMPLES = 64
 """Samples in which anything is looked for."""
 
 OWN = {"short", "gaps", "outliers", "heavy tails", "stuck", "clipped", "too little left", "too short", "constant"}
@@ -134,22 +126,14 @@ NONE = np.empty(0, np.int64)
 
 
 def all_checks(number: int) -> bool:
-    """Whether all checks are made of a block: the first eight, then four of every octave.
-
-    Examples
-    --------
-    >>> [number for number in range(40) if all_checks(number)]
-    [0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32]
-    """
+    """Whether all checks are made of a block: the first eight, then four of every octave."""
     return number < 8 or number % (1 << (number.bit_length() - 3)) == 0
 
 
 class Inspector:
-    """Looks at a channel block by block.
+    """Looks at a channel block by block; a record that is one block is inspected as it is in memory."""
 
-    A record that is one block is inspected as it is in memory. In a longer one extremes, stuck values and outliers are
-    looked for in every block, everything else in some of them.
-    """
+    # In a longer one extremes, stuck values and outliers are looked for in every block, everything else in some.
 
     def __init__(self, size: int, choice: str | None) -> None:
         self.size, self.choice = size, choice
@@ -163,27 +147,25 @@ class Inspector:
         self.levels: list[tuple[float, float, int]] = []
 
     def look(self, block: Record, *, alone: bool) -> tuple[Record, IntArray]:
-        """Look at a block, whose `cut` is its place: the block without outliers if these are marked, and their places.
-
-        `alone` says that it is the whole record. Outliers that are marked, or kept, have no places.
-        """
-        known = self.choice == "keep" or np.isfinite(block.values).sum() < FEWEST
-        found = Outliers(NONE, 0.0) if known else outliers(block, None if alone else self.size)
-        kept = marked(block, found) if self.choice == "mark" else block
+        """Look at a block, whose `cut` is its place: the block without marked outliers, and the places of outliers."""
+        # `alone` says that it is the whole record. Outliers that are marked, or kept, have no places.
+        known = self.choice == "keep" or np.isfinite(block.values).sum() < FEWEST_SAMPLES
+        spikes = Outliers(NONE, 0.0) if known else outliers(block, None if alone else self.size)
+        kept = marked(block, spikes) if self.choice == "mark" else block
         self.like = self.like or block
-        many, before = found.at.size, self.outliers
+        many, before = spikes.at.size, self.outliers
         if many:
-            first, last = block.cut + found.at[[0, -1]] / block.rate
+            first, last = block.cut + spikes.at[[0, -1]] / block.rate
             self.place = (self.place[0] if before.at.size else float(first), float(last + 1 / block.rate))
         self.outliers = Outliers(
-            np.broadcast_to(np.int64(0), before.at.size + many), max(before.limit, found.limit),
-            max(before.largest, found.largest), before.heavy + found.heavy,
+            np.broadcast_to(np.int64(0), before.at.size + many), max(before.limit, spikes.limit),
+            max(before.largest, spikes.largest), before.heavy + spikes.heavy,
         )  # fmt: skip
         if alone:
             self.only = kept
         else:
             self._look(kept)
-        return kept, NONE if self.choice else found.at
+        return kept, NONE if self.choice else spikes.at
 
     def quality(self, rate: float, size: int) -> Quality:
         """All findings, at the sampling rate and length of the whole."""
@@ -227,9 +209,9 @@ class Inspector:
         if block.out_of_range:
             self._keep(Finding("range", block.out_of_range, fatal=True), every=True)
             return
-        left, low, high, ends, run = looked(np.ascontiguousarray(block.steps, dtype=np.float64))
-        self.lost += block.size - left
-        if left < FEWEST:
+        finite, low, high, ends, run = looked(np.ascontiguousarray(block.steps, dtype=np.float64))
+        self.lost += block.size - finite
+        if finite < FEWEST_SAMPLES:
             return
         self.filled += 1
         self.extent = (min(self.extent[0], low), max(self.extent[1], high))
@@ -244,9 +226,9 @@ class Inspector:
             loud = busy(view)
             self.loud += int(loud.sum()) if in_motion(loud) else 0
             self.seconds += loud.size
-            for one in inspect(view.record).findings:
-                if one.name not in OWN:
-                    self._keep(replace(one, fatal=False), every=False)
+            for finding in inspect(view.record).findings:
+                if finding.name not in OWN:
+                    self._keep(replace(finding, fatal=False), every=False)
 
     def _keep(self, one: Finding | None, *, every: bool) -> None:
         if one is not None:
@@ -259,7 +241,7 @@ class Inspector:
         if "range" in self.seen:
             return self.seen["range"][0]
         if not self.filled:
-            what = say("no block has {count} samples that are finite", count=FEWEST)
+            what = say("no block has {count} samples that are finite", count=FEWEST_SAMPLES)
             return Finding("not finite", what, remedy=say("check the column and the reader's options"), fatal=True)
         if not low < high:
             return constant(low)

@@ -15,13 +15,13 @@ from allanite.phrases.phrase import say, say_count
 CHOICES = {"mark": "excluded, like missing samples", "keep": "kept"}
 """What can be done with outliers."""
 
-FEWEST = 5.0
+LOWEST_LIMIT = 5.0
 """Deviation from the running median, in standard deviations, below which no sample is an outlier."""
 
 FALSE = 1e-3
 """Probability that a clean Gaussian record shows an outlier."""
 
-PARTS, SHORTEST_PART = 16, 4096
+SCALE_PARTS, SHORTEST_PART = 16, 4096
 """Number of parts of a record with separate scales, and their minimum length."""
 
 SAMPLE = 1024
@@ -38,16 +38,12 @@ samples of a heavy-tailed noise, lie between this share and the limit.
 
 @dataclass(frozen=True, eq=False)
 class Outliers:
-    """The outliers `at` some of the intervals of a record, ascending: samples far from the running median.
-
-    `limit` is the detection limit and `largest` the largest deviation, in standard deviations; `heavy` counts
-    the samples beyond the limit that are not outliers because the noise has heavy tails.
-    """
+    """The outliers `at` some of the intervals of a record, ascending: samples far from the running median."""
 
     at: IntArray
-    limit: float
+    limit: float  # of detection, and the largest deviation, in standard deviations
     largest: float = 0.0
-    heavy: int = 0
+    heavy: int = 0  # samples beyond the limit that are not outliers because the noise has heavy tails
 
     def words(self, record: Record) -> str:
         """``3 outliers beyond 5.6 standard deviations, the first at 12.34 s, the largest 31``."""
@@ -65,21 +61,12 @@ _known: WeakKeyDictionary[Record, Outliers] = WeakKeyDictionary()
 
 
 def outliers(record: Record, among: int | None = None) -> Outliers:
-    """Samples (for an angle: steps) far from the median of the 31 around them.
-
-    The limit is 5 standard deviations, or in a long record the value that one clean record in a thousand exceeds. The
-    standard deviation is 1.4826 times the median absolute residual, and at least the typical step between neighbours
-    that differ, so that coarse samples are not outliers. The search is repeated without the outliers found, because
-    dense spikes widen the scale. If too many samples lie just below the limit, the noise has heavy tails, and there are
-    no outliers. Of a record that is only a part of another one, `among` is the number of samples of that.
-
-    Examples
-    --------
-    >>> y = np.random.default_rng(1).standard_normal(1000)
-    >>> y[[300, 500]] += 50.0
-    >>> outliers(Record(y, rate=10.0, unit="deg/s")).at.tolist()
-    [300, 500]
-    """
+    """Samples (for an angle: steps) far from the median of the 31 around them."""
+    # The limit is 5 standard deviations, or in a long record the value that one clean record in a thousand exceeds. The
+    # standard deviation is 1.4826 times the median absolute residual, and at least the typical step between neighbours
+    # that differ, so that coarse samples are not outliers. The search is repeated without the outliers found, because
+    # dense spikes widen the scale. If too many samples lie just below the limit, the noise has heavy tails, and there
+    # are no outliers. Of a record that is only a part of another one, `among` is the number of samples of that.
     if among is not None:
         return _found(record, among)
     if record not in _known:
@@ -89,13 +76,13 @@ def outliers(record: Record, among: int | None = None) -> Outliers:
 
 def _found(record: Record, among: int | None) -> Outliers:
     steps = record.steps
-    there = None if complete(steps) else np.flatnonzero(np.isfinite(steps))
-    y = np.ascontiguousarray(steps if there is None else steps[there], dtype=np.float64)
+    known = None if complete(steps) else np.flatnonzero(np.isfinite(steps))
+    y = np.ascontiguousarray(steps if known is None else steps[known], dtype=np.float64)
     nothing = np.empty(0, np.int64)
     if y.size < 64:
-        return Outliers(nothing, FEWEST)
-    limit = max(FEWEST, -quantile(FALSE / 2 / (among or y.size)))
-    part = max(-(-(among or y.size) // PARTS), SHORTEST_PART)
+        return Outliers(nothing, LOWEST_LIMIT)
+    limit = max(LOWEST_LIMIT, -quantile(FALSE / 2 / (among or y.size)))
+    part = max(-(-(among or y.size) // SCALE_PARTS), SHORTEST_PART)
     at, size, heavy = _off(y, limit, part)
     if at.size and not heavy:
         rest = np.delete(np.arange(y.size), at)
@@ -104,24 +91,22 @@ def _found(record: Record, among: int | None) -> Outliers:
     if heavy or at.size > MOST * y.size:
         return Outliers(nothing, limit, heavy=int(at.size))
     at.sort()
-    return Outliers(at if there is None else there[at], limit, float(size.max(initial=0.0)))
+    return Outliers(at if known is None else known[at], limit, float(size.max(initial=0.0)))
 
 
 def marked(record: Record, found: Outliers) -> Record:
-    """The record with outliers replaced by NaN; counts become increments.
-
-    An angle that is wrong at single points (up and down again) loses these points; one that jumps is converted to its
-    steps.
-    """
+    """The record with outliers replaced by NaN; counts become increments."""
+    # An angle that is wrong at single points (up and down again) loses these points; one that jumps is converted to its
+    # steps.
     if not found.at.size:
         return record
     what = say("{outliers}: marked as missing", outliers=found.words(record))
     if record.kind == "angle" and not found.at.size % 2 and record.values.dtype.kind == "f":
         # if all outliers are pairs of steps that cancel, the points between them are wrong
-        there, back = found.at[::2], found.at[1::2]
+        up, back = found.at[::2], found.at[1::2]
         steps = np.diff(record.values)
-        size = np.maximum(np.abs(steps[there]), np.abs(steps[back]))
-        if ((back == there + 1) & (np.abs(steps[there] + steps[back]) < 0.5 * size)).all():
+        size = np.maximum(np.abs(steps[up]), np.abs(steps[back]))
+        if ((back == up + 1) & (np.abs(steps[up] + steps[back]) < 0.5 * size)).all():
             values = record.values.copy()
             values[back] = np.nan
             return record.with_values(values, what, start=record.start)
@@ -137,11 +122,12 @@ def treated(record: Record, choice: str) -> Record:
     return marked(record, outliers(record)) if choice == "mark" else record
 
 
-def demand_choice(choice: str) -> None:
+def demand_choice(choice: str) -> str:
     """Refuse an unknown choice for outliers."""
     if choice not in CHOICES:
         known = "; ".join(f"{name!r}: {meaning}" for name, meaning in CHOICES.items())
         raise UsageError(f"unknown choice for outliers {choice!r}; known choices: {known}")
+    return choice
 
 
 def _off(y: FloatArray, limit: float, part: int) -> tuple[IntArray, FloatArray, bool]:

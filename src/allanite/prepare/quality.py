@@ -35,8 +35,8 @@ def inspect(record: Record) -> Quality:
     motion = moving(view)
     if motion is not None and motion.fatal:
         return Quality((motion,))
-    found = (motion, *(look(view) for look in CHECKS))
-    return Quality(tuple(f for f in found if f is not None))
+    findings = (motion, *(look(view) for look in CHECKS))
+    return Quality(tuple(f for f in findings if f is not None))
 
 
 def _fatal(record: Record) -> Finding | None:

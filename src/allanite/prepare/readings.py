@@ -37,10 +37,8 @@ def stuck(view: View) -> Finding | None:
         "stuck",
         say(
             "the output is stuck in {places}, the first from {first:.6g} s to {last:.6g} s; {lost} samples in all",
-            places=say_count(len(bad), "{count} place", "{count} places"),
-            first=view.seconds(first),
-            last=view.seconds(last),
-            lost=lost,
+            places=say_count(len(bad), "{count} place", "{count} places"), first=view.seconds(first),
+            last=view.seconds(last), lost=lost,
         ),
         say("repeated values of a sensor or logger make the noise look smaller"),
         say(
@@ -48,21 +46,18 @@ def stuck(view: View) -> Finding | None:
             choice=longest_without(((view.seconds(a), view.seconds(b + 1)) for a, b in bad.tolist()), view.ends),
         ),
         (view.seconds(first), view.seconds(last)),
-    )
+    )  # fmt: skip
 
 
 class Clipping(NamedTuple):
-    """How many samples are equal to the smallest and to the largest value, the first and last of them, and of how many.
-
-    `even` tells whether every eighth of the record has some: noise reaches the limits, not a drift.
-    """
+    """How many samples are equal to the smallest and to the largest value, the first and last of them, of how many."""
 
     low: int
     high: int
     first: int
     last: int
     size: int
-    even: bool
+    even: bool  # every eighth of the record has some: noise reaches the limits, not a drift
 
     @property
     def factor(self) -> float:
@@ -71,9 +66,9 @@ class Clipping(NamedTuple):
 
         a, b = max(float(ndtri(self.low / self.size)), -40.0), min(-float(ndtri(self.high / self.size)), 40.0)
         below, above = float(ndtr(a)), float(ndtr(-b))
-        left, right = (math.exp(-0.5 * z * z) / math.sqrt(2 * math.pi) for z in (a, b))
-        mean = left - right + a * below + b * above
-        square = 1 - below - above + a * left - b * right + a * a * below + b * b * above
+        lower, upper = (math.exp(-0.5 * z * z) / math.sqrt(2 * math.pi) for z in (a, b))
+        mean = lower - upper + a * below + b * above
+        square = 1 - below - above + a * lower - b * upper + a * a * below + b * b * above
         return math.sqrt(square - mean**2)
 
 
@@ -94,42 +89,41 @@ def clipping(view: View) -> Clipping | None:
 
 def clipped(view: View) -> Finding | None:
     """The finding about clipping."""
-    found = clipping(view)
-    if found is None:
+    limits = clipping(view)
+    if limits is None:
         return None
     y = view.steps
     sides = (
         say("{count} samples are equal to the {side} value, {edge:.6g}", count=count, side=side, edge=float(edge))
-        for count, side, edge in ((found.high, say("upper"), y.max()), (found.low, say("lower"), y.min()))
+        for count, side, edge in ((limits.high, say("upper"), y.max()), (limits.low, say("lower"), y.min()))
         if count
     )
-    where = say("the first at {first:.6g} s, the last at {last:.6g} s", first=view.seconds(found.first),
-                last=view.seconds(found.last))  # fmt: skip
+    where = say("the first at {first:.6g} s, the last at {last:.6g} s", first=view.seconds(limits.first),
+                last=view.seconds(limits.last))  # fmt: skip
     lost = say("the noise beyond the range of the sensor is missing, and the coefficients are too small")
-    if found.even:
+    if limits.even:
         lost = say("{lost}: N is {factor:.2g} times that of the sensor if the noise is white", lost=lost,
-                   factor=found.factor)  # fmt: skip
+                   factor=limits.factor)  # fmt: skip
     return Finding(
         "clipped",
-        join(", ", (*sides, where)),
-        lost,
+        join(", ", (*sides, where)), lost,
         say("use a larger range, or a window without it ({choice})", choice=windowing()),
-        (view.seconds(found.first), view.seconds(found.last + 1)),
-    )
+        (view.seconds(limits.first), view.seconds(limits.last + 1)),
+    )  # fmt: skip
 
 
 def quantized(view: View) -> Finding | None:
     """A quantization step that is coarse relative to the noise; a separate warning if the noise is no dither."""
-    found = rounding(view.steps, view.fast)
-    if not found.coarse or view.pulses:  # a count is a rounded angle by nature; the fit tells whether that is a noise
+    steps = rounding(view.steps, view.fast)
+    if not steps.coarse or view.pulses:  # a count is a rounded angle by nature; the fit tells whether that is a noise
         return None
-    size = found.step * (view.record.scale or 1.0)
+    size = steps.step * (view.record.scale or 1.0)
     step = say(
         "quantized to {size:.4g} {unit}, fast noise {noise:.2g} step",
-        size=size, unit=view.record.unit, noise=found.noise,
+        size=size, unit=view.record.unit, noise=steps.noise,
     )  # fmt: skip
-    what = join(", ", filter(None, (found.counted, step)))
-    if found.undithered:
+    what = join(", ", filter(None, (steps.counted, step)))
+    if steps.undithered:
         return Finding(
             "no dither",
             what,
@@ -174,8 +168,7 @@ def outlying(record: Record, found: Outliers, size: int) -> Finding | None:
         say("each of them adds to curves and spectra at all short averaging times"),
         say(
             "exclude them there, too ({option}), or choose a window without them ({choice})",
-            option=spelled("--outliers mark", "prepare.mark_outliers"),
-            choice=windowing(),
+            option=spelled("--outliers mark", "prepare.mark_outliers"), choice=windowing(),
         ),
         (cut + float(found.at[0]) / rate, cut + float(found.at[-1] + 1) / rate),
-    )
+    )  # fmt: skip

@@ -16,7 +16,7 @@ LONGEST = 1 << 18
 PART = 1 << 16
 """Samples that are compared at a time, while the cache holds them."""
 
-FEWEST = 4096
+FEWEST_RESAMPLED = 4096
 """Second differences in which a modulation is looked for."""
 
 FINE = 0.002
@@ -37,12 +37,10 @@ REMEDY = say("analyze the original output of the sensor, at its own rate")
 
 
 def resampled(view: View) -> Finding | None:
-    """A sensor whose output was held or interpolated at another rate.
-
-    Hold: samples repeat periodically. Linear interpolation: the power of the fast noise depends on the position
-    of the new sample between two original ones and is modulated at the difference of the rates. Single pulses that are
-    counted repeat with a pattern of their own.
-    """
+    """A sensor whose output was held or interpolated at another rate."""
+    # Hold: samples repeat periodically. Linear interpolation: the power of the fast noise depends on the position of
+    # the new sample between two original ones and is modulated at the difference of the rates. Single pulses that are
+    # counted repeat with a pattern of their own.
     if view.pulses:
         return None
     return _held(view) or _interpolated(view) or _filled(view)
@@ -54,10 +52,8 @@ def _held(view: View) -> Finding | None:
         return None
     what = say(
         "every {usual:.4g}th sample repeats the previous one: a sensor with {rate:.5g} Hz sampled at {sampled:.6g} Hz",
-        usual=view.rate / (view.rate - rate),
-        rate=rate,
-        sampled=view.rate,
-    )
+        usual=view.rate / (view.rate - rate), rate=rate, sampled=view.rate,
+    )  # fmt: skip
     return Finding("resampled", what, CONSEQUENCE, REMEDY)
 
 
@@ -79,7 +75,7 @@ def _interpolated(view: View) -> Finding | None:
     bends, inside = view.bends[middle : middle + LONGEST], np.ones(min(view.bends.size, LONGEST), dtype=np.bool_)
     over = view.over - middle  # a gap has no part in the modulation
     inside[over[(over >= 0) & (over < inside.size)]] = False
-    if inside.sum() < FEWEST or not view.fast:
+    if inside.sum() < FEWEST_RESAMPLED or not view.fast:
         return None
     bends = np.clip(bends, -6 * math.sqrt(6) * view.fast, 6 * math.sqrt(6) * view.fast)
     power = np.square(bends)
@@ -103,10 +99,8 @@ def _interpolated(view: View) -> Finding | None:
     what = say(
         "the power of the fast noise is modulated at {beat:.5g} Hz by {share}: the samples were "
         "interpolated, from {rate:.6g} Hz or another rate that differs by a multiple of {beat:.5g} Hz",
-        beat=beat,
-        share=percent(depth),
-        rate=view.rate - beat,
-    )
+        beat=beat, share=percent(depth), rate=view.rate - beat,
+    )  # fmt: skip
     return Finding("resampled", what, CONSEQUENCE, REMEDY)
 
 
@@ -131,10 +125,8 @@ def _filled(view: View) -> Finding | None:
 
 
 def filled(view: View) -> tuple[float, float]:
-    """Shares of the samples that repeat the one before, and that lie midway between their neighbours.
-
-    Only of finely resolved samples, of which hardly any do so by chance.
-    """
+    """Shares of the samples that repeat the one before, and that lie midway between their neighbours."""
+    # Only of finely resolved samples, of which hardly any do so by chance.
     y, least = view.steps, 1e-9 * view.fast
     before, here = y[:-2], y[1:-1]
     parts = [slice(first, first + PART) for first in range(0, here.size, PART)]
@@ -148,11 +140,11 @@ def filled(view: View) -> tuple[float, float]:
     count = np.count_nonzero(inside)
     if not view.fast or step > FINE * view.fast or not count:
         return 0.0, 0.0
-    found = np.zeros(2)
+    counts = np.zeros(2)
     for part in parts:
         repeated, midway = apart(part) < step / 2, np.abs(view.bends[part]) < max(step / 2, least)
-        found += [np.count_nonzero(which & inside[part]) for which in (repeated, midway & ~repeated)]
-    held, between = (share if share > FILLED else 0.0 for share in (found / count).tolist())
+        counts += [np.count_nonzero(which & inside[part]) for which in (repeated, midway & ~repeated)]
+    held, between = (share if share > FILLED else 0.0 for share in (counts / count).tolist())
     return held, between
 
 

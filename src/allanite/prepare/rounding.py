@@ -30,16 +30,12 @@ FEW_CODES = 16
 
 @dataclass(frozen=True)
 class Rounding:
-    """How a series is rounded: `codes` distinct values (in a sample of a long series), which are multiples of `step`.
-
-    The step is 0 if there is no grid. `nearby` is the typical number of values among
-    256 neighbours; `noise` the standard deviation of the fast noise, in steps, infinite if there is no step.
-    """
+    """How a series is rounded: `codes` distinct values (in a sample of a long one), which are multiples of `step`."""
 
     codes: int
-    step: float
-    nearby: float
-    noise: float
+    step: float  # 0 if there is no grid
+    nearby: float  # typical number of values among 256 neighbours
+    noise: float  # standard deviation of the fast noise, in steps, infinite if there is no step
 
     @property
     def coarse(self) -> bool:
@@ -53,11 +49,9 @@ class Rounding:
 
     @property
     def sparse(self) -> bool:
-        """The same for steps of a rounded angle.
-
-        White noise of sigma steps before the rounding leaves errors with a lag-one correlation of
-        exp(-2 pi^2 sigma^2); above 0.2 steps (0.45) there are more than three codes among 256 samples.
-        """
+        """The same for steps of a rounded angle."""
+        # White noise of sigma steps before the rounding leaves errors with a lag-one correlation of exp(-2 pi^2
+        # sigma^2); above 0.2 steps (0.45) there are more than three codes among 256 samples.
         return self.undithered or (self.coarse and self.nearby <= 3)
 
     @property

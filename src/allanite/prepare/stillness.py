@@ -19,19 +19,17 @@ from .window import trim
 
 
 def of_one_body(records: Sequence[Record | Header], qualities: Sequence[Quality]) -> tuple[Quality, ...]:
-    """The findings of each channel of a recording, together with those of the other channels of the same body.
-
-    Motion in one inertial channel is reported for every other one, and if it refuses one channel, it refuses all. A
-    changing noise level is reported for the others, too, but refuses none. The static stretch suggested is common to
-    all of them.
-    """
+    """The findings of each channel of a recording, together with those of the other channels of the same body."""
+    # Motion in one inertial channel is reported for every other one, and if it refuses one channel, it refuses all. A
+    # changing noise level is reported for the others, too, but refuses none. The static stretch suggested is common to
+    # all of them.
     carried = [i for i, record in enumerate(records) if record.signal.inertial]
-    found = list(qualities)
+    told = list(qualities)
     if len(carried) < 2:
-        return tuple(found)
+        return tuple(told)
     changes = [(records[i].name, change) for i in carried if (change := _named("level", qualities[i]))]
     for i, quality in zip(carried, _moved(carried, records, qualities), strict=True):
-        found[i] = quality
+        told[i] = quality
         if changes and not (_named("level", qualities[i]) or qualities[i].refusal):
             (name, first), *others = changes
             what = say("on the same body, {channel}: {level}", channel=name or say("another channel"), level=first.what)
@@ -40,8 +38,8 @@ def of_one_body(records: Sequence[Record | Header], qualities: Sequence[Quality]
                 what = join("; ", (what, say("so does that of {channels}", channels=names)))
             why = say("a disturbance of one axis may also affect the others")
             also = Finding("body level", what, why, first.remedy, first.place)
-            found[i] = Quality((*quality.findings, also))
-    return tuple(found)
+            told[i] = Quality((*quality.findings, also))
+    return tuple(told)
 
 
 def _named(name: str, quality: Quality) -> Finding | None:
@@ -58,17 +56,15 @@ def _moved(carried: list[int], records: Sequence[Record | Header], qualities: Se
     cure = still_words([records[i] for i in carried]) or motions[worst].remedy
     option = spelled("--channels", "channels=...")
     told = replace(
-        motions[worst],
-        name="body moved",
+        motions[worst], name="body moved",
         what=say(
             "the body moved: {channel} {motion}",
-            channel=records[worst].name or say("a channel"),
-            motion=motions[worst].what,
+            channel=records[worst].name or say("a channel"), motion=motions[worst].what,
         ),
         remedy=say(
             "{remedy}; leave out channels that are not part of this body ({option})", remedy=cure, option=option
         ),
-    )
+    )  # fmt: skip
     result = []
     for i in carried:
         own = [replace(f, remedy=cure) if f.name == "moving" else f for f in qualities[i].findings]
@@ -97,7 +93,7 @@ THERE = 0.5
 TRIED = 3
 """Runs between motions that are tried for a static stretch, those with most samples."""
 
-PARTS = 8
+LEVEL_PARTS = 8
 """Number of parts of a record whose noise levels are compared."""
 
 UNEQUAL = 1.44
@@ -116,15 +112,12 @@ def moving(view: View) -> Finding | None:
         "moving",
         say(
             "moves from {first:.4g} s (RMS over {times:g} times that of the quietest tenth in {share} of the blocks)",
-            first=view.seconds(first),
-            times=MOVING,
-            share=percent(float(loud.mean())),
+            first=view.seconds(first), times=MOVING, share=percent(float(loud.mean())),
         ),
-        AT_REST,
-        still_words([view.record]),
+        AT_REST, still_words([view.record]),
         (view.seconds(first), view.seconds((loud.size - int(loud[::-1].argmax())) * view.span)),
         fatal=bool(loud.mean() > TOO_BUSY),
-    )
+    )  # fmt: skip
 
 
 def busy(view: View) -> BoolArray:
@@ -151,19 +144,17 @@ def still_words(records: Sequence[Record | Header]) -> str:
     samples = [record for record in records if isinstance(record, Record)]
     if len(samples) < len(records) or len({(record.size, record.rate) for record in samples}) > 1:
         return ""
-    found = still_stretch(samples)
-    if found is None:
+    stretch = still_stretch(samples)
+    if stretch is None:
         return say("no stretch of it is static: record again with the sensor at rest")
-    start, end = found
+    start, end = stretch
     return say("the longest static stretch: {selection}", selection=between(start, end))
 
 
 def still_stretch(records: Sequence[Record]) -> tuple[float, float] | None:
-    """A stretch in which none of these records, which have common sample times, moves or changes its noise level.
-
-    Both tests, and that samples are there, are repeated on the runs in which they hold, because each has another
-    quietest tenth and other parts. The longest, in whole seconds of the recording; None if too little remains.
-    """
+    """A stretch in which none of these records, which have common sample times, moves or changes its noise level."""
+    # Both tests, and that samples are there, are repeated on the runs in which they hold, because each has another
+    # quietest tenth and other parts. The longest, in whole seconds of the recording; None if too little remains.
     return _still(records, 0, records[0].size)
 
 
@@ -172,30 +163,30 @@ def _still(records: Sequence[Record], start: int, end: int) -> tuple[float, floa
     if end - start < SHORTEST:
         return None
     parts = trim(Recording(tuple(records)), start / first.rate, end / first.rate).records
-    there = np.logical_and.reduce([np.isfinite(part.steps) for part in parts])
-    if there.sum() < SHORTEST:
+    known = np.logical_and.reduce([np.isfinite(part.steps) for part in parts])
+    if known.sum() < SHORTEST:
         return None
     still = np.ones(end - start, dtype=np.bool_)
     for view in map(View, parts):
         # moving blocks; if there are none, parts with another noise level
         which, size = busy(view), view.span
         if not in_motion(which):
-            which, size = _unequal(view)[0], view.bends.size // PARTS
+            which, size = _unequal(view)[0], view.bends.size // LEVEL_PARTS
         inside = np.flatnonzero(np.repeat(which, size))
         still[inside if view.left is None else view.left[inside]] = False
-    if still.all() and there.mean() < THERE:
-        low, high = max(stretches(~there).tolist(), key=lambda hole: hole[1] - hole[0])
+    if still.all() and known.mean() < THERE:
+        low, high = max(stretches(~known).tolist(), key=lambda hole: hole[1] - hole[0])
         still[low:high] = False
     if still.all():
         return _seconds(first, start), _seconds(first, end)
-    runs = sorted(stretches(still).tolist(), key=lambda run: -int(there[run[0] : run[1]].sum()))
+    runs = sorted(stretches(still).tolist(), key=lambda run: -int(known[run[0] : run[1]].sum()))
     longest: tuple[float, float] | None = None
     for low, high in runs[:TRIED]:
         seconds = math.ceil(_seconds(first, start + low)), math.floor(_seconds(first, start + high))
         begin, stop = (max(round((whole - first.cut) * first.rate), 0) for whole in seconds)
         if longest is None or (stop - begin) / first.rate > longest[1] - longest[0]:
-            found = _still(records, begin, stop)
-            longest = max(filter(None, (longest, found)), key=lambda each: each[1] - each[0], default=None)
+            stretch = _still(records, begin, stop)
+            longest = max(filter(None, (longest, stretch)), key=lambda each: each[1] - each[0], default=None)
     return longest
 
 
@@ -210,21 +201,19 @@ def level(view: View) -> Finding | None:
     uneven, ratio = _unequal(view)
     if not uneven.any():
         return None
-    parts = [(view.seconds(a), view.seconds(b)) for a, b in stretches(uneven) * (view.bends.size // PARTS)]
+    parts = [(view.seconds(a), view.seconds(b)) for a, b in stretches(uneven) * (view.bends.size // LEVEL_PARTS)]
     first, last = parts[0]
     return Finding(
         "level",
         say(
             "the noise level changes by a factor of {ratio:.3g} between parts; it differs from {start:.4g} s "
             "to {end:.4g} s",
-            ratio=math.sqrt(ratio.max() / ratio.min()),
-            start=first,
-            end=last,
+            ratio=math.sqrt(ratio.max() / ratio.min()), start=first, end=last,
         ),
         NEITHER,
         say("analyze the parts separately ({choice})", choice=longest_without(parts, view.ends)),
         (first, last),
-    )
+    )  # fmt: skip
 
 
 def _unequal(view: View) -> tuple[BoolArray, FloatArray]:
@@ -232,8 +221,8 @@ def _unequal(view: View) -> tuple[BoolArray, FloatArray]:
     # second differences that contain an outlier are left out
     at = view.outliers.at if view.left is None else np.searchsorted(view.left, view.outliers.at)
     held = np.unique(np.subtract.outer(at, np.arange(3))).astype(np.intp)
-    size, power = view.bends.size // PARTS, np.empty(PARTS)
-    for i, start in enumerate(range(0, PARTS * size, size)):
+    size, power = view.bends.size // LEVEL_PARTS, np.empty(LEVEL_PARTS)
+    for i, start in enumerate(range(0, LEVEL_PARTS * size, size)):
         squares, here = np.square(view.bends[start : start + size]), held[(held >= start) & (held < start + size)]
         squares[here - start] = 0.0
         power[i] = squares.sum() / max(size - here.size, 1)
@@ -306,10 +295,8 @@ def _periodogram(view: View) -> tuple[FloatArray, FloatArray, int]:
 
 
 def slope(view: View) -> Finding | None:
-    """A curve whose slope becomes steeper with averaging time, which sums of power laws never do.
-
-    Slopes over two octaves, at averaging times with at least a hundred windows.
-    """
+    """A curve whose slope becomes steeper with averaging time, which sums of power laws never do."""
+    # Slopes over two octaves, at averaging times with at least a hundred windows.
     record = view.record
     # between gaps only: the longest windows lie within the longest stretch
     size = int(np.diff(np.concatenate(([0], view.joints, [view.steps.size]))).max())
@@ -333,9 +320,7 @@ def slope(view: View) -> Finding | None:
         "slope",
         say(
             "slope near {slope:.1f} at {tau:.3g} s, {before:+.1f} before: no five-term model has such a curve",
-            slope=slopes[last],
-            tau=tau,
-            before=before[last],
+            slope=slopes[last], tau=tau, before=before[last],
         ),
         say("N is not meaningful here"),
         say(
@@ -343,4 +328,4 @@ def slope(view: View) -> Finding | None:
             option=spelled("--quiet-window", "prepare.quiet_window"),
         ),
         (0.0, record.duration),
-    )
+    )  # fmt: skip

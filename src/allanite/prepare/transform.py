@@ -47,10 +47,11 @@ PASSES = 4
 """How often motion is looked for, each time without what was found before."""
 
 
-def demand_motion(word: str) -> None:
+def demand_motion(word: str) -> str:
     """Refuse an unknown choice for motion."""
     if word not in MOTION:
         raise UsageError(f"motion must be {' or '.join(map(repr, MOTION))}, not {word!r}")
+    return word
 
 
 def mark_motion(records: Sequence[Record]) -> tuple[Record, ...]:
@@ -74,11 +75,11 @@ def mark_motion(records: Sequence[Record]) -> tuple[Record, ...]:
 
 def motion(records: Sequence[Record]) -> BoolArray:
     """The intervals that `mark_motion` leaves out, shape (size,)."""
-    left = [record for record in records if record.signal.inertial]
-    moved = np.zeros(max((record.size for record in left), default=0), dtype=np.bool_)
+    carried = [record for record in records if record.signal.inertial]
+    moved = np.zeros(max((record.size for record in carried), default=0), dtype=np.bool_)
     for _ in range(PASSES):
         before = int(moved.sum())
-        for record in left:
+        for record in carried:
             moved[: record.size] |= _moving(_still(record, moved) if before else record)
         if int(moved.sum()) == before:
             break
@@ -86,10 +87,8 @@ def motion(records: Sequence[Record]) -> BoolArray:
 
 
 def _moving(record: Record) -> BoolArray:
-    """Intervals of a record that lie in moving blocks, shape (size,); of a single one, too.
-
-    A block is no moving one where only few of its samples, at most 2 % or one, are outliers.
-    """
+    """Intervals of a record that lie in moving blocks, shape (size,); of a single one, too."""
+    # A block is no moving one where only few of its samples, at most 2 % or one, are outliers.
     moved = np.zeros(record.size, dtype=np.bool_)
     view = View(record)
     if record.out_of_range or view.steps.size < SHORTEST:
@@ -132,10 +131,8 @@ def detrend(record: Record, statistic: str) -> Record:
         The statistic is sensitive to a ramp, as the whole Allan family: R^2 tau^2 / 2 is part of its value.
     """
     if statistic_named(statistic).order < 3:
-        raise UsageError(
-            f"{statistic} is sensitive to a ramp, R^2 tau^2 / 2 is part of its value; a ramp may be removed only "
-            "for statistics of third differences"
-        )
+        raise UsageError(f"{statistic} is sensitive to a ramp, R^2 tau^2 / 2 is part of its value; a ramp may be "
+                         "removed only for statistics of third differences")  # fmt: skip
     y = np.asarray(record.values, dtype=np.float64)
     t = np.arange(y.size) - (y.size - 1) / 2
     slope = float(t @ y / (t @ t))
@@ -153,8 +150,8 @@ def block_means(record: Record, m: int) -> Record:
     if not isinstance(m, (int, np.integer)) or not 1 <= m <= record.size // 2:
         raise UsageError(f"blocks must have between 1 and {record.size // 2} samples, not {given(m)}")
     kept = means(record.values, record.kind, int(m))
-    left = record.size - (len(kept) - KINDS[record.kind][1]) * m
-    return replace(record, values=kept, rate=record.rate / m, history=(*record.history, blocks_words(int(m), left)))
+    rest = record.size - (len(kept) - KINDS[record.kind][1]) * m
+    return replace(record, values=kept, rate=record.rate / m, history=(*record.history, blocks_words(int(m), rest)))
 
 
 def blocks_words(m: int, left: int) -> str:
@@ -169,14 +166,7 @@ NEAR = 0.01
 
 
 def averaged(recording: Recording, time: float) -> Recording:
-    """The recording with means over `time` seconds for samples (of increments and counts: sums).
-
-    Examples
-    --------
-    >>> recording = Recording((Record([1.0, 3.0, 2.0, 6.0], rate=2.0, unit="deg/h"),))
-    >>> averaged(recording, 1.0)[0].values.tolist()
-    [2.0, 4.0]
-    """
+    """The recording with means over `time` seconds for samples (of increments and counts: sums)."""
     m = samples_in(time, recording.records[0].rate)
     return of_each(recording, lambda record: block_means(record, m))
 
@@ -185,10 +175,8 @@ def samples_in(time: float, rate: float) -> int:
     """How many samples a mean over `time` seconds is of; refused where it is no whole number, within 1 %."""
     m = round(time * rate) if np.isfinite(time) else 0
     if m < 1 or abs(m / rate - time) > NEAR * time:
-        raise UsageError(
-            f"means over {time:g} s are no whole number of samples at {rate:g} Hz; the nearest time is "
-            f"{max(m, 1) / rate:g} s"
-        )
+        raise UsageError(f"means over {time:g} s are no whole number of samples at {rate:g} Hz; the nearest time is "
+                         f"{max(m, 1) / rate:g} s")  # fmt: skip
     return m
 
 
@@ -211,13 +199,9 @@ def decimate(record: Record, factor: int) -> Record:
     start = (record.start or 0.0) + (taps.size // 2) / record.rate
     what = say(
         "low-pass filtered at {frequency:.6g} Hz and every {factor}th sample kept",
-        frequency=0.4 * record.rate / factor,
-        factor=factor,
-    )
+        frequency=0.4 * record.rate / factor, factor=factor,
+    )  # fmt: skip
     return replace(
-        record,
-        values=np.ascontiguousarray(filtered[:: int(factor)]),
-        rate=record.rate / factor,
-        start=start,
+        record, values=np.ascontiguousarray(filtered[:: int(factor)]), rate=record.rate / factor, start=start,
         history=(*record.history, what),
-    )
+    )  # fmt: skip

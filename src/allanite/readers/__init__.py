@@ -1,10 +1,10 @@
 """Readers: one module per format, and the table that lists them.
 
-A format is a module with ``TITLE``, ``sniff(head, suffix) -> bool`` and ``read(path, options) -> Recording``, and a
-line of `formats.READERS`. Most readers fill a `FileTable`, which identifies channels, units and rate; containers of
-several arrays use `datasets` to decide which of them belong together. A format that is written has
-``write(recording, path)`` and a line of `formats.WRITERS`. Other packages register readers with the entry point group
-``allanite.readers``.
+A format is a module with ``TITLE`` and ``read(path, options) -> Recording``, and a line of `formats.registry.READERS`,
+which says how its files are recognized. Most readers fill a `FileTable`, which identifies channels, units and rate;
+containers of several tables or arrays use `containers` to decide which of them are meant. A format that is written has
+``write(recording, path)`` and a line of `WRITERS`. Other packages register readers, which have a ``sniff(head, suffix)
+-> bool`` as well, with the entry point group ``allanite.readers``.
 """
 
 import os
@@ -109,19 +109,10 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     names = (channel_names(channels), channel_names(along))
     unit = None if unit is None else stated_unit(unit)
     options = Options(
-        rate,
-        unit,
-        kind,
-        scale,
+        rate, unit, kind, scale,
         *names,
-        time,
-        dtype,
-        columns,
-        offset,
-        channel_names(sincos),
-        otherwise=tuple(otherwise),
-        progress=progress,
-    )
+        time, dtype, columns, offset, channel_names(sincos), otherwise=tuple(otherwise), progress=progress,
+    )  # fmt: skip
     if not isinstance(path, (str, os.PathLike)) and hasattr(path, "columns"):
         return read_frame(path, options)
     with landed(path) as (file, member, name):
@@ -182,11 +173,9 @@ def write(recording: Recording | Record, path: str | os.PathLike[str], *, force:
     first = whole[0]
     for record in whole:
         if (record.rate, record.start, len(record.values)) != (first.rate, first.start, len(first.values)):
-            raise DataError(
-                f"{record.name!r} ({record.rate} Hz, {len(record.values)} samples from {record.start} s) and "
-                f"{first.name!r} ({first.rate} Hz, {len(first.values)} samples from {first.start} s) do not have "
-                "the same sample times; write them to separate files"
-            )
+            raise DataError(f"{record.name!r} ({record.rate} Hz, {len(record.values)} samples from {record.start} s) "
+                            f"and {first.name!r} ({first.rate} Hz, {len(first.values)} samples from {first.start} s) "
+                            "do not have the same sample times; write them to separate files")  # fmt: skip
     writer = writer_for(os.path.splitext(os.fspath(path))[1].lower())
     with draft(path, force=force) as part:
         writer.write(whole, str(part))

@@ -28,24 +28,22 @@ PIECE = 1 << 16
 WAIT = 0.2
 """Seconds to wait for data at a time."""
 
-AHEAD = 16
+PIECES_AHEAD = 16
 """Pieces of a file that are read before they are needed."""
 
-ROOM = 1 << 22
+DATAGRAM_ROOM = 1 << 22
 """Bytes of datagrams that the system is asked to hold."""
 
 
 @dataclass(frozen=True)
 class Tap:
-    """An open source.
+    """An open source."""
 
-    ``take(seconds)`` waits so long at most and returns what came, b"" if nothing did; OSError where the source is gone,
-    as a device is that was unplugged. What comes `live` is lost if nobody takes it.
-    """
-
+    # waits so many seconds at most and returns what came, b"" if nothing did; OSError where the source is gone, as a
+    # device is that was unplugged
     take: Callable[[float], bytes]
     close: Callable[[], None]
-    live: bool = True
+    live: bool = True  # what comes is lost if nobody takes it
 
 
 class Feed:
@@ -53,19 +51,19 @@ class Feed:
 
     def __init__(self, tap: Tap) -> None:
         self.tap, self.closing = tap, False
-        self.pieces: queue.Queue[bytes | Exception] = queue.Queue(0 if tap.live else AHEAD)
+        self.pieces: queue.Queue[bytes | Exception] = queue.Queue(0 if tap.live else PIECES_AHEAD)
         self.thread = threading.Thread(target=self._run, daemon=True)
         self.thread.start()
 
     def take(self, seconds: float) -> bytes:
         """What came, b"" if nothing does for so long; the error with which it ended."""
         try:
-            found = self.pieces.get(timeout=seconds)
+            piece = self.pieces.get(timeout=seconds)
         except queue.Empty:
             return b""
-        if isinstance(found, Exception):
-            raise found
-        return found
+        if isinstance(piece, Exception):
+            raise piece
+        return piece
 
     def close(self) -> list[bytes]:
         """Stop taking; what came and was not taken yet."""
@@ -77,10 +75,10 @@ class Feed:
         return rest + self._rest()
 
     def _rest(self) -> list[bytes]:
-        found = []
+        pieces = []
         while not self.pieces.empty():
-            found.append(self.pieces.get_nowait())
-        return [piece for piece in found if isinstance(piece, bytes)]
+            pieces.append(self.pieces.get_nowait())
+        return [piece for piece in pieces if isinstance(piece, bytes)]
 
     def _run(self) -> None:
         while not self.closing:
@@ -121,7 +119,7 @@ def _datagrams(target: str) -> Tap:
             f"{parts.port}, and let a program on this machine pass on what comes from others"
         )
     line = socket.socket(socket.AF_INET6 if address.version == 6 else socket.AF_INET, socket.SOCK_DGRAM)
-    line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, ROOM)
+    line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, DATAGRAM_ROOM)
     try:
         line.bind((host, parts.port))
     except OSError as error:
@@ -131,10 +129,10 @@ def _datagrams(target: str) -> Tap:
     def take(seconds: float) -> bytes:
         line.settimeout(seconds)
         try:
-            found = line.recv(PIECE)
+            datagram = line.recv(PIECE)
         except TimeoutError:
             return b""
-        return found if found.endswith(b"\n") else found + b"\n"  # a datagram holds whole lines
+        return datagram if datagram.endswith(b"\n") else datagram + b"\n"  # a datagram holds whole lines
 
     return Tap(take, line.close)
 
@@ -155,10 +153,10 @@ def _line(target: str, baud: int) -> Tap:
         ready, _, _ = select.select([port.fd], [], [], seconds)
         if not ready:
             return b""
-        found = os.read(port.fd, PIECE)
-        if not found:
+        data = os.read(port.fd, PIECE)
+        if not data:
             raise OSError("the device is gone")
-        return found
+        return data
 
     return Tap(take, port.close)
 
@@ -167,17 +165,17 @@ def _file(target: str) -> Tap:
     file = open(target, "rb")  # noqa: SIM115 - closed by the one who takes from it
 
     def take(seconds: float) -> bytes:
-        found = file.read(PIECE)
-        if not found:
+        data = file.read(PIECE)
+        if not data:
             time.sleep(seconds)
             if os.stat(target).st_size < file.tell():
                 raise DataError(say("{target!r} became shorter while it was watched", target=target))
-        return found
+        return data
 
     return Tap(take, file.close, live=False)
 
 
-LONGEST = 1 << 16
+LONGEST_ROW = 1 << 16
 """Bytes of a line, beyond which it is not one of text."""
 
 TAIL = 1 << 16
@@ -185,20 +183,11 @@ TAIL = 1 << 16
 
 
 class Spool:
-    """A text file of the lines that came; a line that is not complete waits for the rest of it.
+    """A text file of the lines that came; a line that is not complete waits for the rest of it."""
 
-    With `sent`, the lines are those of a port, where bytes get lost: what comes before the first two rows of one
-    length is kept as headings only where it is no torn row, and a later line with another number of fields, or words
-    where the others have numbers, is a row of missing samples.
-
-    Attributes
-    ----------
-    source_name : str
-        What messages and results call it.
-    rows, came : int
-        Lines since the first row, and bytes that came.
-    """
-
+    # with `sent`, the lines are those of a port, where bytes get lost: what comes before the first two rows of one
+    # length is kept as headings only where it is no torn row, and a later line with another number of fields, or words
+    # where the others have numbers, is a row of missing samples; messages and results call it by `source_name`
     def __init__(self, source_name: str, path: str | None = None, *, sent: bool = True) -> None:
         self.source_name, self.sent = source_name, sent
         suffix = os.path.splitext(source_name)[1].lower() if os.path.isfile(source_name) else ".txt"
@@ -216,7 +205,7 @@ class Spool:
         self._model: list[bool] = []
         self._between: bytes | None = None
         self._last: deque[bytes] = deque(maxlen=TAIL)
-        self.rows = self.came = 0
+        self.rows = self.came = 0  # lines since the first row, and bytes
 
     def __fspath__(self) -> str:
         return self.path
@@ -225,7 +214,7 @@ class Spool:
         """Add what came."""
         self.came += len(data)
         *lines, self._rest = (self._rest + data).split(b"\n")
-        if len(self._rest) > LONGEST:
+        if len(self._rest) > LONGEST_ROW:
             raise UsageError("what comes has no lines; send lines of numbers, with commas or blanks between them")
         self._write([kept for line in lines for kept in self._kept(line)])
 
@@ -269,11 +258,11 @@ class Spool:
             Path(self.path).unlink(missing_ok=True)
 
     def _write(self, lines: list[bytes]) -> None:
-        left = memoryview(b"\n".join((*lines, b"")) if lines else b"")
-        size = self._size + len(left)
+        unwritten = memoryview(b"\n".join((*lines, b"")) if lines else b"")
+        size = self._size + len(unwritten)
         try:
-            while left:
-                left = left[self._file.write(left) :]
+            while unwritten:
+                unwritten = unwritten[self._file.write(unwritten) :]
         except OSError:
             self._file.truncate(self._size)
             self._file.seek(self._size)

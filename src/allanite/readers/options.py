@@ -37,17 +37,12 @@ class FrameLike(Protocol):
 
 @dataclass(frozen=True)
 class Options:
-    """What the user states about a file, as in `allanite.readers.read`; None takes it from the file.
-
-    A `scale` such as ``"0.01deg/s"`` becomes a number and a unit. A `unit` such as ``"gyro=deg/s,accel=g"`` becomes
-    `units`, by the name of a sensor or the key of a column. `progress` is called with the share, 0 to 1, of the file
-    that has been read.
-    """
+    """What the user states about a file, as in `allanite.readers.read`; None takes it from the file."""
 
     rate: float | None = None
     unit: str | None = None
     kind: str | None = None
-    scale: float | str | None = None
+    scale: float | str | None = None  # such as "0.01deg/s" becomes a number and a unit
     channels: tuple[str, ...] | None = None
     along: tuple[str, ...] | None = None
     time: str | None = None
@@ -56,7 +51,8 @@ class Options:
     offset: int | None = None
     sincos: tuple[str, ...] | None = None
     otherwise: tuple[str, ...] = ()
-    units: tuple[tuple[str, str], ...] = ()
+    units: tuple[tuple[str, str], ...] = ()  # of "gyro=deg/s,accel=g", by the name of a sensor or the key of a column
+    # called with the share, 0 to 1, of the file that has been read
     progress: Callable[[float], None] | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -80,10 +76,8 @@ class Options:
         _demand_whole(self.columns, 1, spelled("--columns 6", "columns=6") + " for rows of six numbers")
         _demand_whole(self.offset, 0, spelled("--offset 512", "offset=512") + " for a header of 512 bytes")
         if self.dtype is None and (self.columns, self.offset) != (None, None):
-            raise UsageError(
-                f"columns and offset describe raw binary; give the type of its numbers with "
-                f"{spelled('--dtype i2', 'dtype=...')}"
-            )
+            raise UsageError("columns and offset describe raw binary; give the type of its numbers with "
+                             f"{spelled('--dtype i2', 'dtype=...')}")  # fmt: skip
 
         if self.sincos is not None:
             self._demand_sincos(self.sincos)
@@ -92,19 +86,15 @@ class Options:
         """Take the columns of sines and cosines as the channels, which nothing else may describe."""
         option = spelled("--sincos", "sincos")
         if len(names) % 2:
-            raise UsageError(
-                f"{option} takes pairs of columns, the sine first, for example "
-                f"{spelled('--sincos sin,cos', 'sincos=[' + repr('sin') + ', ' + repr('cos') + ']')}, not "
-                f"{', '.join(names)}"
-            )
+            raise UsageError(f"{option} takes pairs of columns, the sine first, for example "
+                             f"{spelled('--sincos sin,cos', 'sincos=[' + repr('sin') + ', ' + repr('cos') + ']')}, not "
+                             f"{', '.join(names)}")  # fmt: skip
         for word, value in (("channels", self.channels), ("unit", self.unit), ("scale", self.scale)):
             if value is not None:
                 raise UsageError(f"{option} gives an angle in rad, so that {spelled('--' + word, word)} has no meaning")
         if self.kind not in (None, "value", "angle"):
-            raise UsageError(
-                f"{option} gives an angle: its kind is 'value' if the angle itself is analyzed, or 'angle' if its rate "
-                f"is, not {self.kind!r}"
-            )
+            raise UsageError(f"{option} gives an angle: its kind is 'value' if the angle itself is analyzed, or "
+                             f"'angle' if its rate is, not {self.kind!r}")  # fmt: skip
         object.__setattr__(self, "channels", names)
 
     @property
@@ -114,13 +104,7 @@ class Options:
 
 
 def stated_unit(unit: Any) -> str:
-    """A unit, or several by sensor or channel, as one text; a mapping becomes ``"gyro=deg/s,accel=g"``.
-
-    Examples
-    --------
-    >>> stated_unit("deg/s"), stated_unit({"gyro": "deg/s", "ax": "g"})
-    ('deg/s', 'gyro=deg/s,ax=g')
-    """
+    """A unit, or several by sensor or channel, as one text; a mapping becomes ``"gyro=deg/s,accel=g"``."""
     if not isinstance(unit, Mapping):
         text = _demand_text(unit, "unit", "'deg/s' or 'gyro=deg/s,accel=g'").strip()
         return text if "=" in text else latin(text)
@@ -135,25 +119,19 @@ def stated_unit(unit: Any) -> str:
 
 
 def parts_of(unit: str) -> tuple[tuple[str, str], ...]:
-    """The units by sensor or column; empty if there is one for all.
-
-    Examples
-    --------
-    >>> parts_of("gyro=deg/s, ax=g"), parts_of("deg/s")
-    ((('gyro', 'deg/s'), ('ax', 'g')), ())
-    """
+    """The units by sensor or column; empty if there is one for all."""
     if "=" not in unit:
         return ()
-    found = [tuple(word.strip() for word in part.partition("=")[::2]) for part in unit.split(",")]
-    for key, value in found:
+    pairs = [tuple(word.strip() for word in part.partition("=")[::2]) for part in unit.split(",")]
+    for key, value in pairs:
         if not key or not value:
             example = spelled("--unit gyro=deg/s,accel=g", "unit='gyro=deg/s,accel=g'")
             raise UsageError(f"{unit!r} does not give each sensor or column a unit; for example {example}")
-    names = [KINDS_OF_SENSORS.get(key.lower(), key) for key, _ in found]
+    names = [KINDS_OF_SENSORS.get(key.lower(), key) for key, _ in pairs]
     again = next((name for i, name in enumerate(names) if name in names[:i]), None)
     if again is not None:
         raise UsageError(f"{unit!r} gives {again} two units; give it one")
-    return tuple(zip(names, (latin(value) for _, value in found), strict=True))
+    return tuple(zip(names, (latin(value) for _, value in pairs), strict=True))
 
 
 def _demand_units(options: Options) -> None:

@@ -3,7 +3,6 @@
 import os
 import re
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from math import ceil
 from pathlib import Path
@@ -27,7 +26,7 @@ from .options import Options, channel_names
 NEED = 9
 """Memory that an analysis takes, over that of the samples as float64: measured with 3.2e7 samples of one channel."""
 
-SHARE = 0.5
+MEMORY_SHARE = 0.5
 """Share of the available memory that a record may take, unless it is given."""
 
 UNKNOWN = 1 << 60
@@ -50,13 +49,7 @@ _UNITS = {"": 1, "k": 10**3, "m": 10**6, "g": 10**9, "t": 10**12}
 
 
 def size_in_words(size: float) -> str:
-    """A number of bytes with its unit, to three digits.
-
-    Examples
-    --------
-    >>> size_in_words(72e9), size_in_words(1500)
-    ('72 GB', '1.5 kB')
-    """
+    """A number of bytes with its unit, to three digits."""
     for unit, worth in (("TB", 1e12), ("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
         if size >= worth:
             return f"{size / worth:.3g} {unit}"
@@ -64,13 +57,7 @@ def size_in_words(size: float) -> str:
 
 
 def bytes_of(text: str) -> int:
-    """A size such as ``"1GB"`` or ``"500 MB"``.
-
-    Examples
-    --------
-    >>> bytes_of("1GB"), bytes_of("1.5 MB")
-    (1000000000, 1500000)
-    """
+    """A size such as ``"1GB"`` or ``"500 MB"``."""
     match = _SIZE.fullmatch(text)
     size = int(float(match[1]) * _UNITS[match[2].lower()]) if match else 0
     if not size:
@@ -92,14 +79,14 @@ def _of_machine() -> int:
 
 def _of_group() -> int:
     """What the control group of a container leaves; what the system caches of files is given back."""
-    left = UNKNOWN
+    free = UNKNOWN
     for limit, used, cached in GROUPS:
         most = next((int(line) for line in _lines(limit) if line.isdigit()), UNKNOWN)
         if most < UNKNOWN:
             lines = _lines(limit.parent / "memory.stat")
             kept = next((int(line.split()[1]) for line in lines if line.startswith(cached)), 0)
-            left = min(left, most - int(_lines(used)[0]) + kept)
-    return left
+            free = min(free, most - int(_lines(used)[0]) + kept)
+    return free
 
 
 def _of_addresses() -> int:
@@ -122,7 +109,7 @@ def _lines(path: Path) -> list[str]:
         return []
 
 
-def allowed(memory: str | None, share: float = SHARE) -> int:
+def allowed(memory: str | None, share: float = MEMORY_SHARE) -> int:
     """Bytes that a record may take: those given, or a share of those available."""
     return int(share * available()) if memory is None else bytes_of(memory)
 
@@ -141,17 +128,14 @@ CHARACTERS = 10
 
 @dataclass(frozen=True, eq=False)
 class PartsReader:
-    """A file that is read in parts; `pieces` reads it from the beginning, once, and the rest is known after that.
-
-    `heads` are records of the first samples, whose rate is not yet that of the whole.
-    """
+    """A file that is read in parts; `pieces` reads it from the beginning, once, and the rest is known after that."""
 
     name: str
     file: str
     parts: Parts
     sense: Sense
     clock: Clock
-    heads: tuple[Record, ...]
+    heads: tuple[Record, ...]  # of the first samples, whose rate is not yet that of the whole
     need: int
     limit: int
 
@@ -171,13 +155,13 @@ class PartsReader:
         stamps = self._stamp_places()
         wanted = list(dict.fromkeys((*stamps, *signals)))
         at_once = rows or max(AT_ONCE // len(wanted), AT_ONCE // 16)
-        for found in self.parts.blocks(wanted, at_once):
-            held = dict(zip(wanted, found, strict=True))
+        for values in self.parts.blocks(wanted, at_once):
+            held = dict(zip(wanted, values, strict=True))
             clock = [self._stamps([held[i] for i in stamps], stamps)] if stamps else []
             yield from self.clock.pieces([*clock, *(held[i] for i in signals)])
 
     def _place(self, position: int) -> int:
-        return next(i for i, one in enumerate(self.parts.head.columns) if one.position == position)
+        return next(i for i, column in enumerate(self.parts.head.columns) if column.position == position)
 
     def _stamp_places(self) -> list[int]:
         """The columns that the clock is made of: one, or seconds and their fractions."""
@@ -189,7 +173,7 @@ class PartsReader:
         if clock.header == head[first].header:
             return [first]
         rest = clock.header.removeprefix(f"{head[first].header} + ")
-        return [first, next(i for i, one in enumerate(head) if one.header == rest)]
+        return [first, next(i for i, column in enumerate(head) if column.header == rest)]
 
     def _stamps(self, found: list[NDArray[Any]], places: list[int]) -> NDArray[Any]:
         heads = [self.parts.head.columns[i] for i in places]
@@ -202,43 +186,35 @@ class PartsReader:
 
 def whole_findings(reader: PartsReader) -> tuple[Finding, ...]:
     """Findings about the clock of the whole file, and that a counter without time stamps is not looked at."""
-    found = reader.sense.findings(reader.clock.beat())
+    findings = reader.sense.findings(reader.clock.beat())
     signals = [signal.column for signal in reader.sense.signals]
-    counter = counting(one for one in reader.sense.columns if one not in signals)
+    counter = counting(column for column in reader.sense.columns if column not in signals)
     if counter is None or reader.clock.stamped:
-        return found
+        return findings
     what = say("{column} may count samples, which is not looked at when a file is read in parts", column=counter.label)
-    return (*found, Finding("counter", what, say("samples that are missing by it are joined as if there were none")))
+    return (*findings, Finding("counter", what, say("samples that are missing by it are joined as if there were none")))
 
 
-@contextmanager
-def opened(path: Any, memory: str | None, choices: Mapping[str, Any]) -> Iterator[PartsReader | None]:
+def opened(path: Any, memory: str | None, choices: Mapping[str, Any]) -> PartsReader | None:
     """The reader in parts of a file that does not fit into memory; None for a file that does, or anything else."""
     from .sandbox.source import STDIN, checked, size_of
 
     if not isinstance(path, (str, os.PathLike)) or path == STDIN:
-        yield None
-        return
+        return None
     file, member = checked(path)
     limit = allowed(memory)
     if needed(_most(size_of(file))) <= limit:
-        yield None
-        return
-    options = _options(choices)
-    found = _found(path, file, member, (options, limit))
-    if found is None:
+        return None
+    reader = _found(path, file, member, (_options(choices), limit))
+    if reader is None:
         demand_memory(path, memory, choices)
-    elif found.need <= limit:
-        found = None
-    yield found
+    return None if reader is None or reader.need <= limit else reader
 
 
 def demand_memory(path: Any, memory: str | None, choices: Mapping[str, Any]) -> None:
-    """Refuse a file whose record takes more memory than is there, or than is given.
-
-    Parameters are those of `opened`. How many samples a file holds is known for formats that are read in parts, and
-    otherwise estimated by its size.
-    """
+    """Refuse a file whose record takes more memory than is there, or than is given."""
+    # Parameters are those of `opened`. How many samples a file holds is known for formats that are read in parts, and
+    # otherwise estimated by its size.
     from .sandbox.source import STDIN, checked, named, size_of
 
     if not isinstance(path, (str, os.PathLike)) or path == STDIN:
@@ -247,10 +223,10 @@ def demand_memory(path: Any, memory: str | None, choices: Mapping[str, Any]) -> 
     need, limit = needed(size_of(file) // CHARACTERS), allowed(memory, 1.0)
     if need <= limit:
         return
-    found = _found(path, file, member, (_options(choices), limit))
-    need = need if found is None else found.need
+    reader = _found(path, file, member, (_options(choices), limit))
+    need = need if reader is None else reader.need
     if need > limit:
-        what = say("this job is") if found else say("this format is")
+        what = say("this job is") if reader else say("this format is")
         raise UsageError(_refused(named(path, os.fspath(path)), need, limit, what))
 
 

@@ -22,13 +22,7 @@ WAITING = 320
 
 
 def streamable() -> tuple[str, ...]:
-    """Statistics that can be computed of a stream: means of squared second or third differences at every sample.
-
-    Examples
-    --------
-    >>> streamable()
-    ('oadev', 'mdev', 'tdev', 'ohdev', 'haar')
-    """
+    """Statistics that can be computed of a stream: means of squared second or third differences at every sample."""
     return tuple(name for name, row in STATISTICS.items() if row.overlapped and row.differences in TAIL)
 
 
@@ -142,14 +136,11 @@ class Accumulator:
         """
         values = np.ascontiguousarray(chunk)
         if values.ndim != 1 or values.dtype.kind not in "fiu":
-            raise DataError(
-                say(
-                    "a chunk is a row of real numbers, shape (n,), not {dtype} of shape {shape}; push every channel "
-                    "to an Accumulator of its own",
-                    dtype=values.dtype,
-                    shape=values.shape,
-                )
-            )
+            raise DataError(say(
+                "a chunk is a row of real numbers, shape (n,), not {dtype} of shape {shape}; push every channel "
+                "to an Accumulator of its own",
+                dtype=values.dtype, shape=values.shape,
+            ))  # fmt: skip
         values = values.astype(np.float64, copy=False)
         if self.like.kind == "angle" and values.size:
             begun = self.stop > self.start or math.isfinite(self.last)
@@ -184,10 +175,8 @@ class Accumulator:
         if own != theirs:
             raise UsageError(f"only parts of one stream can be merged, not {own} and {theirs}")
         if other.start < self.stop:
-            raise UsageError(
-                f"a part that begins at sample {other.start} cannot follow one that ends at {self.stop}; merge the "
-                "parts in their order, and give each its start=..."
-            )
+            raise UsageError(f"a part that begins at sample {other.start} cannot follow one that ends at {self.stop}; "
+                             "merge the parts in their order, and give each its start=...")  # fmt: skip
         other = deepcopy(other)
         self.sums.merge(other.sums)
         self.last = other.last

@@ -20,8 +20,9 @@ from allanite.core.estimate import Averaged
 from allanite.core.fit import Fit
 from allanite.core.limits import Remembered
 from allanite.core.model import ModelLike, model_of
+from allanite.core.ranges import demand_band
 from allanite.core.record import SHORTEST
-from allanite.core.validity import Band, demand_band
+from allanite.core.validity import Band
 from allanite.identification.likelihood.spectrum import (
     ROUNDING_SHARE,
     SINGLE,
@@ -60,13 +61,10 @@ def curve_of(stream: "Accumulator", noise: ModelLike | Fit | None) -> Curve:
     row, like, state = stream.row, stream.like, stream.sums.state
     which = np.flatnonzero(state.counts)
     if not which.size:
-        raise DataError(
-            say(
-                "{size} samples without a gap are too few for {statistic}; wait for more",
-                size=stream.size,
-                statistic=row.name,
-            )
-        )
+        raise DataError(say(
+            "{size} samples without a gap are too few for {statistic}; wait for more",
+            size=stream.size, statistic=row.name,
+        ))  # fmt: skip
     q, level = (values[which] for values in grid())
     m, count = q << level, state.counts[which]
     mean = state.sums[which] / count / (row.norm(m) * m.astype(np.float64) ** 2)
@@ -75,21 +73,12 @@ def curve_of(stream: "Accumulator", noise: ModelLike | Fit | None) -> Curve:
     if noise is not None:
         law = LaterLaw(Remembered(partial(supposed, noise)), partial(law_of, row, q, level, (count, like.rate)))
     return Curve(
-        statistic=row.name,
-        m=m,
-        tau=np.asarray(m * row.tau_factor / like.rate, dtype=np.float64),
-        variance=mean * (m * row.tau_factor) ** (2.0 * row.power) * unit**2,
-        count=count,
-        factor=np.ones(m.size),
-        unit=like.signal.si[row.power],
-        rate=like.rate,
-        size=stream.stop - stream.start,
-        name=like.name,
+        statistic=row.name, m=m, tau=np.asarray(m * row.tau_factor / like.rate, dtype=np.float64),
+        variance=mean * (m * row.tau_factor) ** (2.0 * row.power) * unit**2, count=count, factor=np.ones(m.size),
+        unit=like.signal.si[row.power], rate=like.rate, size=stream.stop - stream.start, name=like.name,
         history=(say("stream: windows of m = q 2^k, q = 8 .. 15, start every 2^k samples (stride)"),),
-        noise=None if noise is None else model_of(noise),
-        law=law,
-        supposes=law.words if law else None,
-    )
+        noise=None if noise is None else model_of(noise), law=law, supposes=law.words if law else None,
+    )  # fmt: skip
 
 
 def law_of(
@@ -119,29 +108,24 @@ FULL = 0.5
 def search_in(
     stream: "Accumulator", terms: str = "auto", *, band: Band = "auto", masks: Sequence[tuple[float, float]] = ()
 ) -> Pending:
-    """Search for the noise of a stream; `terms`, `band` and `masks` are those of `identify`.
-
-    Sinusoids are not looked for, and outliers not excluded: both need the samples.
-    """
+    """Search for the noise of a stream; `terms`, `band` and `masks` are those of `identify`."""
+    # Sinusoids are not looked for, and outliers not excluded: both need the samples.
     symbols = symbols_of(terms)
     demand_band(band)
     if stream.size < SHORTEST:
         raise DataError(say("{count} samples are {too_few}", count=stream.size, too_few=FEW))
-    seen = spectrum_of(stream, detrend=deterministic(symbols))
-    return pending_of(seen, stream.like, symbols, band, masks=masks, rival=terms == "auto")
+    spectrum = spectrum_of(stream, detrend=deterministic(symbols))
+    return pending_of(spectrum, stream.like, symbols, band, masks=masks, rival=terms == "auto")
 
 
 @dataclass(frozen=True, eq=False)
 class Ladder:
-    """How the bins of a stream are read: `low` of them from cells of `width` samples, the others from segments.
-
-    `level`, `index` and `told`, shape (bins,), are the level of a bin, its coefficient, and how many there are.
-    """
+    """How the bins of a stream are read: `low` of them from cells of `width` samples, the others from segments."""
 
     low: int
     width: int
     cells: Gaps
-    level: IntArray
+    level: IntArray  # of a bin, its coefficient, and how many there are; shape (bins,)
     index: IntArray
     told: FloatArray
     even: float = 1.0
@@ -157,15 +141,15 @@ class Ladder:
         """Variance of the coefficients of the segments, shape (bins,)."""
         from scipy.linalg import toeplitz
 
-        found = mean.copy()
+        upper = mean.copy()
         for k in np.unique(self.level[self.low :]):
             own, factor = coarser(term, 1 << int(k))
             here = self.level == k
             here[: self.low] = False
             rows = _rows(int(k))
             C = toeplitz(second_difference(own, rows.shape[1]) / 2)
-            found[here] = factor * ((rows @ C) * rows).sum(axis=1)[self.index[here]]
-        return found
+            upper[here] = factor * ((rows @ C) * rows).sum(axis=1)[self.index[here]]
+        return upper
 
 
 def _rows(level: int) -> FloatArray:
@@ -175,10 +159,8 @@ def _rows(level: int) -> FloatArray:
 
 
 def coarser(term: NoiseTerm, width: int) -> tuple[NoiseTerm, float]:
-    """A term of unit coefficient for sums over `width` samples, and what its powers there are to be multiplied with.
-
-    The sums are divided by the root of the width, so that white noise keeps its variance.
-    """
+    """A term of unit coefficient for sums over `width` samples, and what its powers there are to be multiplied with."""
+    # The sums are divided by the root of the width, so that white noise keeps its variance.
     row = term.shaped(term.shape, 1 / width) if term.shaped else term
     return row, float(width) ** (1 - 2 * term.power)
 
@@ -192,11 +174,11 @@ def spectrum_of(stream: "Accumulator", *, detrend: bool) -> BinnedSpectrum:
     cells = stream.sums.cells
     width, full = cells.size, np.flatnonzero(cells.count >= FULL * cells.size)
     y = cells.total[full] / cells.count[full] * width**0.5
-    left = full - full[0]
-    slope = less_slope(y, left) if detrend else 0.0
-    gaps, n = gaps_between(left), y.size
+    places = full - full[0]
+    slope = less_slope(y, places) if detrend else 0.0
+    gaps, n = gaps_between(places), y.size
     wide = float(width) ** 1.5
-    ramp = transformed(left) if gaps.at.size else ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n)
+    ramp = transformed(places) if gaps.at.size else ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n)
     edges, upper = edges_of(n), _upper(stream, n * width, slope / wide)
     if upper.first.size:
         edges = np.append(edges[edges < upper.first[0]], upper.first[0])
@@ -216,7 +198,7 @@ def spectrum_of(stream: "Accumulator", *, detrend: bool) -> BinnedSpectrum:
         power=np.maximum(power, ROUNDING_SHARE * float(power.mean())), peak=np.append(peak, none),
         peak_at=np.append(peak_at, upper.first).astype(np.int64),
         even=np.append(even, none), odd=np.append(odd, none), ramp=ramp * wide, slope=slope / wide, gaps=whole,
-        unit_factor=stream.like.rate_factor, times=(left + 0.5) * width, pieces=ladder,
+        unit_factor=stream.like.rate_factor, times=(places + 0.5) * width, pieces=ladder,
     )  # fmt: skip
 
 
@@ -236,7 +218,7 @@ def _upper(stream: "Accumulator", n: int, slope: float) -> Upper:
     """The powers of the segments of a stream of n samples, without the part of a ramp of `slope` per sample."""
     from allanite.kernels.ladder import BAND, UPPER
 
-    state, found = stream.sums.state, []
+    state, bins = stream.sums.state, []
     for k in reversed(range(int(stream.sums.cells.size).bit_length() - 2)):
         rows, many = _rows(k), int(state.segments[k])
         hop, base = rows.shape[1] // 2, UPPER + BAND * (k - 1) if k else 0
@@ -244,7 +226,7 @@ def _upper(stream: "Accumulator", n: int, slope: float) -> Upper:
         drift = (slope * 2.0 ** (1.5 * k) * (rows @ np.arange(2.0 * hop))) ** 2
         for j in range(len(rows) if many else 0):
             power = state.powers[base + j] / many / 2.0**k - drift[j]
-            found.append((edges[j], edges[j + 1] - edges[j], max(power, 0.0), k, j, many))
-    table = np.array(found, dtype=np.float64).reshape(-1, 6).T
+            bins.append((edges[j], edges[j + 1] - edges[j], max(power, 0.0), k, j, many))
+    table = np.array(bins, dtype=np.float64).reshape(-1, 6).T
     first, count, level, index = (table[i].astype(np.int64) for i in (0, 1, 3, 4))
     return Upper(first, count, table[2], level, index, table[5])

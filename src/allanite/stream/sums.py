@@ -29,11 +29,9 @@ MOST = 512
 
 @dataclass
 class Cells:
-    """Sums over `size` samples each, and how many of these there were; the first one begins at sample `first` * size.
+    """Sums over `size` samples each, and how many of these there were; the first begins at sample `first` * size."""
 
-    Gaps leave cells with few samples or none, and the rest is not affected. A cell counts to 2^31, the whole to 10^12.
-    """
-
+    # gaps leave cells with few samples or none; a cell counts to 2^31, the whole to 10^12
     size: int = 1
     first: int = 0
     total: FloatArray = field(default_factory=lambda: np.zeros(MOST))
@@ -80,16 +78,8 @@ class Cells:
 
 @cache
 def basis(hop: int) -> FloatArray:
-    """Rows k = hop / 8 .. hop - 1 at the frequencies (k + 1/2) / (2 hop) per sample, shape (rows, 2 hop).
-
-    Each is freed from its mean and has the length 1: a constant, or a slow noise of any size, is not seen.
-
-    Examples
-    --------
-    >>> found = basis(16)
-    >>> found.shape, bool(np.allclose(found.sum(axis=1), 0)), bool(np.allclose((found**2).sum(axis=1), 1))
-    ((14, 32), True, True)
-    """
+    """Rows k = hop / 8 .. hop - 1 at the frequencies (k + 1/2) / (2 hop) per sample, shape (rows, 2 hop)."""
+    # Each is freed from its mean and has the length 1: a constant, or a slow noise of any size, is not seen.
     rows = _window(hop) * _cosines(hop)
     rows = rows - rows.mean(axis=1, keepdims=True)
     return np.asarray(rows / np.sqrt((rows**2).sum(axis=1, keepdims=True)))
@@ -97,21 +87,19 @@ def basis(hop: int) -> FloatArray:
 
 @cache
 def folded(hop: int) -> FloatArray:
-    """The window, and the basis as weights of the folded samples and of their sum.
-
-    A segment (a, b, c, d) in quarters, times the window, is folded to (-c' - d, a - b'), a prime for reversed order: of
-    that the rows are those of a DCT-IV, and what frees them from their mean is a weight of the sum of the segment.
-    Shape (1 + rows, 2 hop), where a row has hop + 1 weights.
-    """
+    """The window, and the basis as weights of the folded samples and of their sum."""
+    # A segment (a, b, c, d) in quarters, times the window, is folded to (-c' - d, a - b'), a prime for reversed order:
+    # of that the rows are those of a DCT-IV, and what frees them from their mean is a weight of the sum of the segment.
+    # Shape (1 + rows, 2 hop), where a row has hop + 1 weights.
     k, j = np.arange(hop // 8, hop)[:, None] + 0.5, np.arange(hop) + 0.5
     raw = _window(hop) * _cosines(hop)
     mean = raw.mean(axis=1)
     length = np.sqrt(((raw - mean[:, None]) ** 2).sum(axis=1))
-    found = np.zeros((1 + len(raw), 2 * hop))
-    found[0] = _window(hop)
-    found[1:, :hop] = np.cos(np.pi / hop * k * j) / length[:, None]
-    found[1:, hop] = -mean / length
-    return found
+    weights = np.zeros((1 + len(raw), 2 * hop))
+    weights[0] = _window(hop)
+    weights[1:, :hop] = np.cos(np.pi / hop * k * j) / length[:, None]
+    weights[1:, hop] = -mean / length
+    return weights
 
 
 def _window(hop: int) -> FloatArray:
@@ -131,12 +119,7 @@ BLOCK = 1 << 16
 
 
 class Sums:
-    """The sums of the differences of a statistic over samples `begins` .. `stop` of a stream.
-
-    Samples are added less the first of them, `constant`, of which the sums do not depend. `size` is their number
-    without missing ones; `cells` are the sums over longer times that the coefficients need. `led` says whether a point
-    stands before the first sample, with which differences of the running sum of the angle begin.
-    """
+    """The sums of the differences of a statistic over samples `begins` .. `stop` of a stream."""
 
     def __init__(self, row: Statistic, start: int) -> None:
         from allanite.kernels.ladder import HOP
@@ -144,11 +127,11 @@ class Sums:
         self.row = row
         self.state = self._empty()
         self.shape = row.differences, folded(HOP)
-        self.cells = Cells()
+        self.cells = Cells()  # sums over longer times that the coefficients need
         self.start = self.begins = self.stop = start
-        self.size = 0
-        self.constant = 0.0
-        self.led = False
+        self.size = 0  # number of samples without missing ones
+        self.constant = 0.0  # the first sample, which is taken off all: the sums do not depend on it
+        self.led = False  # a point before the first sample, with which differences of the running sum begin
 
     @property
     def nbytes(self) -> int:
@@ -212,10 +195,8 @@ class Sums:
         return True
 
     def _lead(self, state: "State", value: float) -> None:
-        """Put a value before the next sample: the sum of the angle has one point more than the angle.
-
-        That sample is missing, or before the record. No difference depends on the value.
-        """
+        """Put a value before the next sample: the sum of the angle has one point more than the angle."""
+        # That sample is missing, or before the record. No difference depends on the value.
         from allanite.kernels.streamed import push
 
         if self.row.summed:

@@ -107,10 +107,8 @@ def refitted(channel: Channel, recipe: Recipe) -> Channel:
 
 
 def examine(source: Source, recipe: Recipe | None = None, *, progress: Progress | None = None) -> Study:
-    """Summarize a recording and check its quality: a study without results.
-
-    Parameters, exceptions and result are those of `analyze`, but no channel has a curve or a fit.
-    """
+    """Summarize a recording and check its quality: a study without results."""
+    # Parameters, exceptions and result are those of `analyze`, but no channel has a curve or a fit.
     recipe = recipe or Recipe()
     return run(
         Study, source, recipe, lambda seen: Channel(seen.first, seen.quality), Channel.refused,

@@ -42,7 +42,7 @@ Result = TypeVar("Result")
 
 
 def open_recording(
-    source: Source, recipe: Recipe, *, along: Sequence[str] = (), progress: Progress | None = None
+    source: Source, recipe: Recipe, *, along: Sequence[str] = (), progress: Progress | None = None, fits: bool = False
 ) -> Recording:
     """The part of a recording selected by the recipe.
 
@@ -52,6 +52,8 @@ def open_recording(
     along : sequence of str
         Other columns of the file to read as the last channels; their outliers are not marked.
     progress : callable, optional, as for `each_channel`
+    fits : bool
+        Whether it is known that memory suffices.
 
     Raises
     ------
@@ -60,7 +62,7 @@ def open_recording(
     UsageError
         An option is wrong, or a required one is missing.
     """
-    whole = whole_recording(source, recipe, along=along, progress=progress)
+    whole = whole_recording(source, recipe, along=along, progress=progress, fits=fits)
     if recipe.average is not None:
         whole = averaged(whole, recipe.average)
     whole = excluded(whole, demand_pieces(recipe.exclude) if recipe.exclude else ())
@@ -79,17 +81,19 @@ def whole_recording(
     along: Sequence[str] = (),
     otherwise: Sequence[str] = (),
     progress: Progress | None = None,
+    fits: bool = False,
 ) -> Recording:
     """A recording before anything is selected; `otherwise` is that of `read`, the rest as for `open_recording`."""
     if isinstance(source, Record | Recording):
         return source if isinstance(source, Recording) else Recording((source,))
     if not isinstance(source, str | os.PathLike | FrameLike):
-        found = as_source(source, "analyze", cast(Sampling, recipe.to_dict(READING)))
-        return found if isinstance(found, Recording) else Recording((found,))
+        samples = as_source(source, "analyze", cast(Sampling, recipe.to_dict(READING)))
+        return samples if isinstance(samples, Recording) else Recording((samples,))
     tell = progress or (lambda what, fraction: None)
     tell("reading", 0.0)
     options = recipe.to_dict(READING) | {"along": tuple(along) or None, "otherwise": otherwise}
-    demand_memory(source, recipe.memory, recipe.to_dict(READING))
+    if not fits:
+        demand_memory(source, recipe.memory, recipe.to_dict(READING))
     # less of a job than is completed when its first channel begins
     return read(source, **options, progress=lambda share: tell(f"reading, {100 * share:.0f} %", 0.04 * share))
 
@@ -150,20 +154,20 @@ def each_channel(  # noqa: PLR0913 - each has a default but those that make the 
 
     imported(progress)
     with one_thread():
-        seen = _on_bodies(shared(inspected, channels, count=count, known=every))
+        checked = _on_bodies(shared(inspected, channels, count=count, known=every))
         if together:
-            seen = identified(
-                seen, together, fatal,
+            checked = identified(
+                checked, together, fatal,
                 lambda begin, able: shared(
                     begin, able, count=count, known=every, begun=lambda i: tells(able[i].name, i, 0.0, searching)
                 ),
             )  # fmt: skip
         results = shared(
-            lambda one: _result(one, work, refused, fatal), seen, count=count, known=every,
-            begun=lambda i: tells(seen[i].name, i, searching, 1.0),
+            lambda one: _result(one, work, refused, fatal), checked, count=count, known=every,
+            begun=lambda i: tells(checked[i].name, i, searching, 1.0),
         )  # fmt: skip
     if demand:
-        _demand_result(seen, results)
+        _demand_result(checked, results)
     tell("done", 1.0)
     return tuple(results)
 
@@ -175,7 +179,7 @@ def identified(
     each: Callable[[Callable[[Inspected], Started | None], Sequence[Inspected]], Sequence[Started | None]],
 ) -> Sequence[Inspected]:
     """The channels with an identification to be finished, begun in `each` of them: they may have a filter in common."""
-    able = [i for i, seen in enumerate(channels) if not (fatal or any(q.refusal for q in seen.qualities))]
+    able = [i for i, channel in enumerate(channels) if not (fatal or any(q.refusal for q in channel.qualities))]
     if len(able) < 2:
         return channels
 
@@ -187,17 +191,17 @@ def identified(
 
     known = {i: s for i, s in zip(able, each(started, [channels[i] for i in able]), strict=True) if s is not None}
     finish = dict(zip(known, finished(list(known.values())), strict=True))
-    return [replace(seen, finish=finish.get(i)) for i, seen in enumerate(channels)]
+    return [replace(channel, finish=finish.get(i)) for i, channel in enumerate(channels)]
 
 
 def _on_bodies(channels: Sequence[Inspected]) -> Sequence[Inspected]:
     """The channels with the findings of the others of the same recording, since these are mounted on one body."""
-    count = {len(seen.records) for seen in channels}
+    count = {len(channel.records) for channel in channels}
     if len(channels) < 2 or len(count) > 1:
         return channels
     bodies = (([s.records[k] for s in channels], [s.qualities[k] for s in channels]) for k in range(count.pop()))
     told = zip(*(of_one_body(records, qualities) for records, qualities in bodies), strict=True)
-    return [replace(seen, qualities=qualities) for seen, qualities in zip(channels, told, strict=True)]
+    return [replace(channel, qualities=qualities) for channel, qualities in zip(channels, told, strict=True)]
 
 
 def _result(
@@ -252,26 +256,73 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
     UsageError
         An option is wrong, or a required one is missing.
     """
-    with in_parts(source, recipe, wanted=keeping is not None) as reader:
-        if reader is not None and keeping is not None:
-            read, findings, notes, provenance = passed(reader, recipe, keeping, progress)
-            fatal = Quality(findings).refusal
-            seen = identified(read, begin, fatal, lambda f, items: list(map(f, items))) if begin else read
-            results = tuple(_result(one, work, refused, fatal) for one in seen)
-            if demand:
-                _demand_result(seen, results)
-            if progress is not None:
-                progress("done", 1.0)
-            return kind(results, recipe, findings, (*notes, *in_parts_too), provenance)
-    recording = open_recording(source, recipe, progress=progress)
-    channels = [(one.name, (one,)) for one in recording]
+    reader = None if keeping is None else in_parts(source, recipe)
+    if reader is not None and keeping is not None:
+        read, findings, notes, provenance = passed(reader, recipe, keeping, progress)
+        fatal = Quality(findings).refusal
+        channels = identified(read, begin, fatal, lambda f, items: list(map(f, items))) if begin else read
+        results = tuple(_result(channel, work, refused, fatal) for channel in channels)
+        if demand:
+            _demand_result(channels, results)
+        if progress is not None:
+            progress("done", 1.0)
+        return kind(results, recipe, findings, (*notes, *in_parts_too), provenance)
+    recording = open_recording(source, recipe, progress=progress, fits=keeping is not None)
+
+    def made(results: tuple[Any, ...], recipe: Recipe, findings: tuple[Finding, ...], *rest: Any) -> Result:
+        named = [name for name, result in zip(recording.channels, results, strict=True) if not result.refusal]
+        return kind(results, recipe, (*findings, *drift_findings(recording, recipe, named)), *rest)
+
+    return run_together(
+        made, (recording,), recipe, work, refused, begin=begin, doing=doing, demand=demand, progress=progress
+    )
+
+
+def run_together(  # noqa: PLR0913 - each has a default but those that make the job
+    kind: Callable[..., Result],
+    recordings: Sequence[Recording],
+    recipe: Recipe,
+    work: Callable[[Inspected], Any],
+    refused: Callable[[Inspected, str], Any],
+    *,
+    channels: Sequence[tuple[str, tuple[Record, ...]]] | None = None,
+    findings: Sequence[Finding] | None = None,
+    notes: Sequence[str] = (),
+    look: Callable[[Record], Quality] = inspect,
+    begin: Begin | None = None,
+    doing: str = "analyzing",
+    demand: bool = True,
+    progress: Progress | None = None,
+) -> Result:
+    """Process the channels of recordings that are open, as `run` those of one source.
+
+    Parameters
+    ----------
+    kind, work, refused, look, begin, doing, demand, progress
+        As for `run` and `each_channel`.
+    recordings : sequence of Recording
+    channels : sequence of (name, records), optional
+        By default those of the first recording, with the records of the same name of the others.
+    findings : sequence of Finding, optional
+        By default those of all recordings.
+    notes : sequence of str
+        What was assumed beside the notes of the recordings.
+
+    Raises
+    ------
+    DataError
+        No channel can be processed.
+    """
+    first, *others = recordings
+    if channels is None:
+        channels = [(record.name, (record, *(other[record.name] for other in others))) for record in first]
+    found = tuple(finding for recording in recordings for finding in recording.findings)
+    told = found if findings is None else tuple(findings)
     results = each_channel(
-        channels, work, refused, findings=recording.findings, begin=begin, doing=doing, demand=demand,
-        progress=progress,
-    )  # fmt: skip
-    named = [name for name, result in zip(recording.channels, results, strict=True) if not result.refusal]
-    findings = (*recording.findings, *drift_findings(recording, recipe, named))
-    return kind(results, recipe, findings, recording.notes, provenance_of(recording))
+        channels, work, refused, findings=told, look=look, begin=begin, doing=doing, demand=demand, progress=progress
+    )
+    assumed = dict.fromkeys((*(note for recording in recordings for note in recording.notes), *notes))
+    return kind(results, recipe, told, tuple(assumed), provenance_of(*recordings))
 
 
 def _demand_result(channels: Sequence[Inspected], results: Sequence[Any]) -> None:
@@ -281,5 +332,7 @@ def _demand_result(channels: Sequence[Inspected], results: Sequence[Any]) -> Non
         for channel, result in zip(channels, results, strict=True):
             reasons.setdefault(result.refusal, []).append(channel.name or "the record")
         each = (say("{channels}: {reason}", channels=", ".join(which), reason=why) for why, which in reasons.items())
-        fatal = (finding.name for one in channels for q in one.qualities for finding in q.findings if finding.fatal)
+        fatal = (
+            finding.name for channel in channels for q in channel.qualities for finding in q.findings if finding.fatal
+        )
         raise DataError(join("; ", each), code=next(fatal, ""))

@@ -168,29 +168,13 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     own: Supposing = "auto" if "published" in (bias, edf) else partial(of_record, record)  # a single power law each
     supposing = own if isinstance(noise, str) and noise == "identified" else noise
     return statistics.deviation(
-        record,
-        statistic,
-        taus=taus,
-        m=m,
-        noise=supposing,
-        bias=bias,
-        gaps=gaps,
-        join=join,
-        divisor=divisor,
-        edf=edf,
-        power_law=power_law,
-        threads=threads,
-    )
+        record, statistic, taus=taus, m=m, noise=supposing, bias=bias, gaps=gaps, join=join, divisor=divisor,
+        edf=edf, power_law=power_law, threads=threads,
+    )  # fmt: skip
 
 
 def of_record(record: Record) -> SupposedNoise:
-    """The noise identified from a record; if that is not possible, the power law at each tau, and why.
-
-    Examples
-    --------
-    >>> of_record(Record([1.0, 3.0, 2.0, 5.0], rate=1.0, unit="deg/h")).words.partition(":")[0]
-    'intervals for the power law identified at each averaging time'
-    """
+    """The noise identified from a record; if that is not possible, the power law at each tau, and why."""
     why = ""
     if record.signal.name == "dimensionless" and record.kind != "value":
         why = say("as these are frequency stability data")

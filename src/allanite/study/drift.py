@@ -16,25 +16,22 @@ OPTIONS = {"start": "from"}
 
 def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -> tuple[Finding, ...]:
     """A finding for each additional column that the drift of some channels follows."""
-    found = []
+    findings = []
     for other in recording.others:
-        shares = {name: seen.share for name in names if (seen := follows(recording[name], other)) and seen.clear}
+        by_name = ((name, follows(recording[name], other)) for name in names)
+        shares = {name: following.share for name, following in by_name if following and following.clear}
         if shares:
             largest = max(shares.values())
-            found.append(
-                Finding(
-                    "drift",
-                    say(
-                        "the drift of {channels} follows {column}, up to {share} of the variance of block means",
-                        channels=", ".join(shares),
-                        column=other.name,
-                        share=percent(largest),
-                    ),
-                    say("B, K and R partly represent the sensitivity to it"),
-                    say("remove it: {command}", command=compensation(recording.source, recipe, other.name)),
-                )
-            )
-    return tuple(found)
+            findings.append(Finding(
+                "drift",
+                say(
+                    "the drift of {channels} follows {column}, up to {share} of the variance of block means",
+                    channels=", ".join(shares), column=other.name, share=percent(largest),
+                ),
+                say("B, K and R partly represent the sensitivity to it"),
+                say("remove it: {command}", command=compensation(recording.source, recipe, other.name)),
+            ))  # fmt: skip
+    return tuple(findings)
 
 
 def compensation(source: str, recipe: Recipe, column: str) -> str:

@@ -28,7 +28,9 @@ def joined(provenances: Sequence[Mapping[str, str]]) -> dict[str, str]:
     """Those of several files as one: ``source``, ``source 2`` and so on."""
     first = dict(provenances[0]) if provenances else {}
     more = enumerate(provenances[1:], 2)
-    return first | {f"{key} {i}": one[key] for i, one in more for key in ("source", "sha256") if key in one}
+    return first | {
+        f"{key} {i}": provenance[key] for i, provenance in more for key in ("source", "sha256") if key in provenance
+    }
 
 
 Result = TypeVar("Result")
@@ -80,7 +82,7 @@ class Job(Value, Generic[Result]):
     def apart(self) -> "list[tuple[str, Self]]":
         """The channels that have a result: the name of each, and the job with it alone."""
         pairs = zip(self._names, self.channels, strict=True)
-        return [(name, replace(self, channels=(one,))) for name, one in pairs if not one.refusal]  # type: ignore[attr-defined]
+        return [(name, replace(self, channels=(channel,))) for name, channel in pairs if not channel.refusal]  # type: ignore[attr-defined]
 
     @property
     def rejected(self) -> tuple[str, ...]:

@@ -36,10 +36,8 @@ WHOLE = "a record that is read in parts has"
 NEAR = 1e-3
 """Relative difference of averaging times that are the same; the sampling rate is known only at the end."""
 
-STRIDES = say(
-    "the variances are exact: up to 15 samples from all windows, at m = q 2^k, q = 8 .. 15, from those that start "
-    "every 2^k samples, which costs at most 1 % of the accuracy"
-)
+STRIDES = say("the variances are exact: up to 15 samples from all windows, at m = q 2^k, q = 8 .. 15, from those that "
+              "start every 2^k samples, which costs at most 1 % of the accuracy")  # fmt: skip
 """The note about the curves."""
 
 
@@ -49,10 +47,8 @@ class Keeper:
     def __init__(self, head: Record, statistics: Sequence[str] = (), spectrum: Periodograms | None = None) -> None:
         for name in statistics:
             if name not in streamable():
-                raise UsageError(
-                    f"{WHOLE} no {name!r}: choose one of {', '.join(streamable())}, or allow more memory with "
-                    f"{spelled('--memory', 'memory=')}"
-                )
+                raise UsageError(f"{WHOLE} no {name!r}: choose one of {', '.join(streamable())}, or allow more memory "
+                                 f"with {spelled('--memory', 'memory=')}")  # fmt: skip
         kind = "increment" if head.integrated else head.kind
         self.head, self.spectrum, self.wanted = head, spectrum, len(dict.fromkeys(statistics))
         self.streams = [
@@ -167,9 +163,9 @@ def chosen(curve: Curve, taus: Taus, m: tuple[int, ...] | None = None) -> Curve:
         at = np.flatnonzero(some)
     else:
         factors = m if m is not None else tuple(round(tau * curve.rate) for tau in map(float, taus))
-        for one in factors:
-            if one not in curve.m:
-                raise UsageError(_not_there(one, curve.m, ""))
+        for factor in factors:
+            if factor not in curve.m:
+                raise UsageError(_not_there(factor, curve.m, ""))
         at = np.flatnonzero(np.isin(curve.m, factors))
     parts = {name: getattr(curve, name)[at] for name in ("m", "tau", "variance", "count", "factor")}
     return replace(curve, **parts, law=None if curve.law is None else DerivedLaw((curve.law,), itemgetter(at)))
@@ -194,9 +190,9 @@ def demand_grid(taus: Taus, m: tuple[int, ...] | None, rate: float) -> None:
         return
     q, level = grid()
     known = np.unique(q << level)
-    for one in m or ():
-        if one not in known:
-            raise UsageError(_not_there(one, known, ""))
+    for factor in m or ():
+        if factor not in known:
+            raise UsageError(_not_there(factor, known, ""))
     for tau in () if m is not None else map(float, taus):
         factor = round(tau * rate)
         if factor not in known or abs(factor / rate - tau) > NEAR * tau:

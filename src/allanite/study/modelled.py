@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from allanite.core.choices import described
 from allanite.core.curve import Curve
 from allanite.core.encoding import read_key, read_plain
 from allanite.core.errors import DataError, UsageError, unfit
@@ -40,21 +41,10 @@ def ways() -> str:
     return spelled("--model, --sensor or --datasheet", "model, sensor or datasheet")
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class NoiseSettings(NoiseChoices, Value):
-    """The source of the noise if there is no recording.
-
-    Attributes
-    ----------
-    model : str, optional
-        Terms as `Model` reads them.
-    sensor : str, optional
-        Or a name in `SENSORS`.
-    datasheet : str, optional
-        Or a name in `DATASHEETS`, followed by accelerometer if it is not its gyro that is meant.
-    unexplained : bool
-        Whether the best model of a recording is used although it does not explain the record.
-    """
+    """The source of the noise if there is no recording."""
 
     identifies: ClassVar[bool] = False
     """Whether the options of the identification also apply to a given model."""
@@ -62,10 +52,10 @@ class NoiseSettings(NoiseChoices, Value):
     def given(self) -> Model | None:
         """The given model, or that of the sensor or of the data sheet; None if there is none of them."""
         makers = ((self.model, Model), (self.sensor, typical), (self.datasheet, lambda text: claimed(text)[0]))
-        found = [(text, make) for text, make in makers if text is not None]
-        if len(found) > 1:
+        given = [(text, make) for text, make in makers if text is not None]
+        if len(given) > 1:
             raise UsageError(f"the noise is given twice: use only one of {ways()}")
-        return found[0][1](found[0][0]) if found else None
+        return given[0][1](given[0][0]) if given else None
 
     def instead_of(self, source: object) -> Model | None:
         """The given model; None if there is a `source` in its place."""
@@ -86,6 +76,7 @@ class NoiseSettings(NoiseChoices, Value):
         return ("rate", *(IDENTIFYING if self.identifies else ()))
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class PlanSettings(PlanChoices, NoiseSettings):
     """Choices of a plan: `durations` in s, `accuracy` as a share, `ramp` as for `plan`."""
@@ -93,19 +84,10 @@ class PlanSettings(PlanChoices, NoiseSettings):
     durations: tuple[float, ...] = DURATIONS
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class SelfCheckSettings(CheckChoices, NoiseSettings):
-    """Choices of a check.
-
-    Attributes
-    ----------
-    duration, samples : float, int, optional
-        Length of the simulated records, given by one of the two; by default that of the recording.
-    records, seed : int
-        Number of records to simulate, and the seed of the random number generator.
-    max_bias, min_coverage, max_false, max_missed : float, optional
-        Limits as shares, see `SelfCheck.exceeded`.
-    """
+    """Choices of a check; limits as shares, see `SelfCheck.exceeded`."""
 
     identifies: ClassVar[bool] = True
 
@@ -118,6 +100,7 @@ class SelfCheckSettings(CheckChoices, NoiseSettings):
         return {name: value for name, value in named.items() if value is not None}
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class StateSpaceSettings(StateSpaceChoices, NoiseSettings):
     """Choices of a state space: `ripple` as a share, `turn_on` with its unit, others as for `state_space`."""
@@ -130,10 +113,10 @@ class StateSpaceSettings(StateSpaceChoices, NoiseSettings):
         """The turn-on bias in the unit `si`."""
         if self.turn_on is None:
             return 0.0
-        found = split_quantities(self.turn_on.split())
-        if len(found) != 1 or not found[0][1]:
+        quantities = split_quantities(self.turn_on.split())
+        if len(quantities) != 1 or not quantities[0][1]:
             raise UsageError(f"a bias has the form '3 deg/h', not {self.turn_on!r}")
-        return convert(*found[0], si)
+        return convert(*quantities[0], si)
 
 
 Use = PlanSettings | SelfCheckSettings | StateSpaceSettings
@@ -156,14 +139,11 @@ class Supposed:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Modelled(Value):
-    """What follows from the noise of one channel, or the reason (`refusal`) why there is no result.
-
-    `record`, `quality` and `noise` are None for a given model.
-    """
+    """What follows from the noise of one channel, or the reason (`refusal`) why there is no result."""
 
     name: str
     rate: float
-    record: Record | Header | None = None
+    record: Record | Header | None = None  # as quality and noise: None for a given model
     quality: Quality | None = None
     noise: Noise | None = None
     result: Result | None = None
@@ -208,10 +188,10 @@ class Modelled(Value):
         """The value written by `to_dict`, whose type is that of the result; the record has no samples."""
         if not isinstance(data, dict):
             raise unfit(data, "a table")
-        found = read_fields(cls, data, "record", "noise", "result")
+        stored = read_fields(cls, data, "record", "noise", "result")
         record = read_key(data, "record", Header | None)
         result = read_plain(data, dict(stored_fields(cls))["result"]) if "type" in data else None
-        return cls(**found, record=record, noise=noise_from(data), result=result)
+        return cls(**stored, record=record, noise=noise_from(data), result=result)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -247,8 +227,8 @@ class SelfChecks(ModelJob):
     def exceeded(self) -> list[str]:
         """Which limits of the settings are significantly exceeded, in sentences."""
         limits = self.settings.limits if isinstance(self.settings, SelfCheckSettings) else {}
-        found = [(c.name, c.result) for c in self.channels if isinstance(c.result, SelfCheck)]
-        return [f"{name} {what}".strip() for name, check in found for what in check.exceeded(**limits)]
+        checks = [(c.name, c.result) for c in self.channels if isinstance(c.result, SelfCheck)]
+        return [f"{name} {what}".strip() for name, check in checks for what in check.exceeded(**limits)]
 
 
 class StateSpaces(ModelJob):
@@ -293,14 +273,7 @@ KINDS: dict[type[NoiseSettings], tuple[type[ModelJob], Callable[..., Result]]] =
 def run_model_job(
     source: Source | None, settings: Use, recipe: Recipe | None = None, *, progress: Progress | None = None
 ) -> ModelJob:
-    """What follows from the noise of each channel of a recording, or from the model that the settings give.
-
-    Examples
-    --------
-    >>> found = run_model_job(None, PlanSettings(sensor="fog"), Recipe(rate=100.0))
-    >>> type(found).__name__, found[0].name, found[0].result.names
-    ('RecordingPlans', 'fog', ('Q', 'N', 'B', 'K', 'R'))
-    """
+    """What follows from the noise of each channel of a recording, or from the model that the settings give."""
     recipe, given = recipe or Recipe(), settings.instead_of(source)
     job, make = KINDS[type(settings)]
     rng = np.random.default_rng(settings.seed if isinstance(settings, SelfCheckSettings) else None)

@@ -30,20 +30,20 @@ REQUESTED = (("GM2",),)
 
 def graded(noise: Noise, record: Record) -> Noise:
     """The noise, with coefficients marked as not valid if the record, or its curve, contradicts them."""
-    left = noise.residuals
-    if left is None:
+    residuals = noise.residuals
+    if residuals is None:
         return noise
-    fit, noise = replace(noise.fit, checked=left.grade), replace(noise, leftover=Stored(left))
+    fit, noise = replace(noise.fit, checked=residuals.grade), replace(noise, leftover=Stored(residuals))
     if noise.validity == UNEXPLAINED:
         return replace(noise, fit=fit.invalid(REJECTED))
-    seen = measured(fit, record)
-    for symbol, reason in (contradictions(fit, seen) | not_rounding(fit, record)).items():
+    curve = measured(fit, record)
+    for symbol, reason in (contradictions(fit, curve) | not_rounding(fit, record)).items():
         fit = fit.invalid(reason, (symbol,))
-    if any(finding.name == "correlation" for finding in left.findings):
+    if any(finding.name == "correlation" for finding in residuals.findings):
         angle = [e.symbol for e in fit if e.claimed and TERMS[e.symbol].edge]
         fit = fit.invalid(say("the residuals are not white: the noise rises with frequency in another way"), angle)
-    if any(finding.name == "heavy tails" for finding in left.findings):
-        fit = widened(fit, math.sqrt(1 + left["kurtosis"].value / 2))
+    if any(finding.name == "heavy tails" for finding in residuals.findings):
+        fit = widened(fit, math.sqrt(1 + residuals["kurtosis"].value / 2))
     return replace(noise, fit=_valid_until(fit, measured(fit, record)))
 
 
@@ -61,11 +61,9 @@ def _valid_until(fit: Fit, seen: MeasuredCurve) -> Fit:
 
 
 def widened(fit: Fit, factor: float) -> Fit:
-    """The fit with wider limits of the fast noise.
-
-    The mean square of n independent residuals with an excess kurtosis k has the variance (2 + k) / n instead of 2 / n;
-    of slow noise, an average of many of them, the tails are no longer heavy.
-    """
+    """The fit with wider limits of the fast noise."""
+    # The mean square of n independent residuals with an excess kurtosis k has the variance (2 + k) / n instead of 2 /
+    # n; of slow noise, an average of many of them, the tails are no longer heavy.
     each = [
         replace(e, limits=limits, profile=limits, standard_error=e.standard_error and factor * e.standard_error)
         if e.claimed and e.value is not None and e.limits and TERMS[e.symbol].slope <= WHITE
@@ -116,24 +114,16 @@ def begun(record: Record, recipe: Recipe, *, lines: bool = True) -> Started:
     row = METHODS.get(recipe.method)
     readable = row is not None and recipe.statistic in row.allowed
     search = started(
-        record,
-        method=recipe.method,
-        terms=recipe.terms,
-        statistic=recipe.statistic if readable else None,
-        band=recipe.band,
-        masks=demand_pieces(recipe.mask, "Hz") if recipe.mask else (),
-        outliers=recipe.outliers or "mark",
-        lines=lines,
-        ranges=recipe.ranges,
-    )
+        record, method=recipe.method, terms=recipe.terms, statistic=recipe.statistic if readable else None,
+        band=recipe.band, masks=demand_pieces(recipe.mask, "Hz") if recipe.mask else (),
+        outliers=recipe.outliers or "mark", lines=lines, ranges=recipe.ranges,
+    )  # fmt: skip
     if row is None or not row.allowed or readable:
         return search
     note = say(
         "method {method!r} cannot fit {statistic}: the coefficients are those of {other}",
-        method=recipe.method,
-        statistic=recipe.statistic,
-        other=row.statistic,
-    )
+        method=recipe.method, statistic=recipe.statistic, other=row.statistic,
+    )  # fmt: skip
     return replace(search, notes=(*search.notes, note))
 
 
@@ -153,10 +143,8 @@ def _judged(fit: Fit, record: Record, recipe: Recipe, *, moved: bool) -> Noise:
 
 
 def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
-    """The noise that the automatic terms do not describe, with the finding which terms do, if more of them do.
-
-    Those that explain a record beside all automatic terms must do so without the absent ones, as they are then named.
-    """
+    """The noise that the automatic terms do not describe, with the finding which terms do, if more of them do."""
+    # Those that explain a record beside all automatic terms must do so without the absent ones, as they are then named.
     kept = [e.symbol for e in noise.fit if e.claimed and not e.shape] if noise.fit.valid else []
     rest = without_lines(record if recipe.outliers == "keep" else marked(record, outliers(record)), noise.fit)
     for more in REQUESTED:
@@ -177,12 +165,12 @@ def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
                 say("they are fitted on request only: a control loop, a second relaxation process, or vibration"),
                 say("ask for them ({option})", option=spelled(f"--terms {named}", f"terms={named!r}")),
             )
-            left = noise.residuals
+            residuals = noise.residuals
             noise = replace(noise, fit=replace(noise.fit, findings=(finding, *noise.fit.findings)))
             return (
                 noise
-                if left is None
-                else replace(noise, leftover=Stored(replace(left, findings=(finding, *left.findings))))
+                if residuals is None
+                else replace(noise, leftover=Stored(replace(residuals, findings=(finding, *residuals.findings))))
             )
     return noise
 
@@ -203,10 +191,8 @@ def _broadens(shape: Sequence[float], line: float) -> bool:
 
 
 def noise_in(seen: Inspected, recipe: Recipe) -> Noise:
-    """The noise of a channel, in memory or read in parts; parameters and exceptions are those of `noise_of`.
-
-    Of a record that is read in parts the curve alone judges the coefficients, so that the model has a reservation.
-    """
+    """The noise of a channel, in memory or read in parts; parameters and exceptions are those of `noise_of`."""
+    # Of a record that is read in parts the curve alone judges the coefficients, so that the model has a reservation.
     fit = (seen.finish or begun_in(seen, recipe).fit)()
     if seen.keeper is None:
         return _judged(fit, seen.record, recipe, moved=seen.quality.moved)

@@ -1,7 +1,6 @@
 """A file that does not fit into memory: one pass, of which only sums are kept."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -18,7 +17,7 @@ from allanite.core.validity import Finding
 from allanite.parallel.processes import ahead, later
 from allanite.phrases.phrase import say, spelled
 from allanite.prepare import inspector, window
-from allanite.prepare.inspector import FEWEST, Inspector
+from allanite.prepare.inspector import FEWEST_SAMPLES, Inspector
 from allanite.prepare.stillness import of_one_body
 from allanite.prepare.transform import blocks_words, mark_motion, samples_in
 from allanite.readers.parts import PartsReader, opened, size_in_words, whole_findings
@@ -32,16 +31,12 @@ Keeping = Callable[[Record, int], Keeper]
 """What keeps the samples of a channel that begins like a record, of so many samples."""
 
 
-@contextmanager
-def in_parts(source: Any, recipe: Recipe, *, wanted: bool = True) -> Iterator[PartsReader | None]:
-    """The reader in parts of a file that does not fit into memory; None for everything else, or if none is `wanted`."""
-    if not wanted:
-        yield None
-        return
-    with opened(source, recipe.memory, recipe.to_dict(READING)) as reader:
-        if reader is not None:
-            demand_sums(recipe)
-        yield reader
+def in_parts(source: Any, recipe: Recipe) -> PartsReader | None:
+    """The reader in parts of a file that does not fit into memory; None for everything else."""
+    reader = opened(source, recipe.memory, recipe.to_dict(READING))
+    if reader is not None:
+        demand_sums(recipe)
+    return reader
 
 
 @dataclass(frozen=True)
@@ -95,23 +90,23 @@ class Preparation:
     def blocks(self, parts: Iterable[tuple[int, list[NDArray[Any]]]]) -> Iterator[inspector.Piece]:
         """Blocks of the window, by their place in it."""
         first, end = self.span
-        found = inspector.placed(parts)
+        pieces = inspector.placed(parts)
         if self.m > 1:
-            found = inspector.averaged(found, self.kinds, self.m, inspector.BLOCK)
+            pieces = inspector.averaged(pieces, self.kinds, self.m, inspector.BLOCK)
         if self.spans:
             cuts = window.excluded_samples("", np.inf, self.rate, self.spans)
-            found = inspector.excluded(found, self.kinds, cuts)
+            pieces = inspector.excluded(pieces, self.kinds, cuts)
         if first or end is not None:
-            found = inspector.window(found, first, None if end is None else end + self.points)
-        return inspector.blocks(found, inspector.BLOCK, self.points)
+            pieces = inspector.window(pieces, first, None if end is None else end + self.points)
+        return inspector.blocks(pieces, inspector.BLOCK, self.points)
 
     def records(self, place: int, columns: Sequence[NDArray[Any]], size: int) -> tuple[Record, ...]:
         """A block of so many samples as records."""
         first, end = self.span
-        left = size if end is None else min(size, end - first - place)
+        rest = size if end is None else min(size, end - first - place)
         each = []
         for head, values in zip(self.heads, columns, strict=True):
-            kept = values[: left + KINDS[head.kind][1]]
+            kept = values[: rest + KINDS[head.kind][1]]
             kind = "increment" if head.kind == "count" and kept.dtype.kind == "f" else head.kind
             each.append(replace(head, values=kept, rate=self.rate, kind=kind, start=None, history=(),
                                 cut=(first + place) / self.rate))  # fmt: skip
@@ -180,10 +175,10 @@ def passed(
     beat = reader.clock.beat()
     rate, rows = beat.rate / ready.m, reader.clock.size
     done = (*reader.clock.history, *ready.history(rate, rows // ready.m))
-    seen = [channel.inspected(rate, beat.start, done, ready) for channel in channels]
-    records = [channel.inspector.only or one.first for channel, one in zip(channels, seen, strict=True)]
-    told = of_one_body(records, [one.quality for one in seen])
-    made = [replace(one, qualities=(quality,)) for one, quality in zip(seen, told, strict=True)]
+    inspected = [channel.inspected(rate, beat.start, done, ready) for channel in channels]
+    records = [channel.inspector.only or whole.first for channel, whole in zip(channels, inspected, strict=True)]
+    told = of_one_body(records, [channel.quality for channel in inspected])
+    made = [replace(channel, qualities=(quality,)) for channel, quality in zip(inspected, told, strict=True)]
     notes = (*reader.sense.notes(beat), *_notes(reader))
     return made, whole_findings(reader), notes, provenance_of() | {"source": reader.name, "sha256": digest.result()}
 
@@ -201,7 +196,7 @@ def _looked(
     many = False
     for place, columns in ready.blocks(ahead(reader.pieces())):
         length, full = len(columns[0]), inspector.BLOCK
-        if held is not None and length < FEWEST and place == held[0] + full:  # too short to be looked at alone
+        if held is not None and length < FEWEST_SAMPLES and place == held[0] + full:  # too short to be looked at alone
             both = [np.concatenate((a[:full], b)) for a, b in zip(held[1], columns, strict=True)]
             held = held[0], both, full + length
             continue

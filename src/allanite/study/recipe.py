@@ -4,7 +4,6 @@ import os
 import stat
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.choices import (
@@ -19,12 +18,14 @@ from allanite.core.choices import (
     choice,
     choices_of,
     demand_choices,
+    described,
     named,
     pieces,
 )
 from allanite.core.errors import UsageError, unfit
 from allanite.core.files import reason
 from allanite.core.names import demand_name
+from allanite.core.ranges import demand_band, demand_level
 
 from .settings import grid
 
@@ -32,15 +33,33 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 
-def _checked(where: str) -> Callable[[Any], Any]:
-    """The value, unless a function refuses it; it is imported then, since the help reads these rows and no more."""
+# these are imported when a value is given, since the help reads the rows and no more
 
-    def demand(value: Any) -> Any:
-        module, _, name = where.rpartition(".")
-        getattr(import_module(f"allanite.{module}"), name)(value)
-        return value
 
-    return demand
+def _outliers(choice: str) -> str:
+    from allanite.prepare.outliers import demand_choice
+
+    return demand_choice(choice)
+
+
+def _motion(word: str) -> str:
+    from allanite.prepare.transform import demand_motion
+
+    return demand_motion(word)
+
+
+def _memory(size: str) -> str:
+    from allanite.readers.parts import bytes_of
+
+    bytes_of(size)
+    return size
+
+
+def _device(name: str) -> str:
+    from allanite.interpretation.devices import device
+
+    device(name)
+    return name
 
 
 def _stated(key: str) -> Callable[[Any], Any]:
@@ -78,31 +97,21 @@ def _facts(lines: tuple[str, ...]) -> tuple[str, ...]:
     return lines
 
 
+@described
 @dataclass(frozen=True)
 class Recipe:
-    """Every choice of an analysis as plain data.
+    """Every choice of an analysis as plain data; what describes a file is taken from it where it is None.
 
     Attributes
     ----------
-    rate, unit, kind, scale, channels, time, dtype, columns, offset, sincos
-        What a file contains, as for `read`; None takes it from the file. `unit` by sensor or column, as
-        ``{"gyro": "deg/s", "ax": "g"}``, is kept as the text ``"gyro=deg/s,ax=g"``.
-    average, exclude, start, until, quiet_window, outliers, motion, memory
-        Which samples are used. `average`: means over so many seconds replace the samples, before anything else.
-        `exclude`: pairs of seconds after the first sample, or ``"100..160,300..310"``, between which samples are
-        missing. `outliers`: "mark" excludes them everywhere, "keep" uses them everywhere; by default they are excluded
-        from the fit only. `motion`: "mark" leaves out the seconds in which the sensor moves, in all channels of its
-        body; "refuse", the default, analyzes no record that moves for more than 2 % of the time. `memory`: what a
-        record may take, as ``"1GB"``, beyond which it is read in parts; by default half of the memory available.
-    statistic, taus
-        The curve, as for `deviation`.
-    terms, method, ranges, band, mask, level
-        The identification, as for `identify`, and the confidence level, 0 to 1. `ranges`: averaging times, s, of each
-        term's line for method "piecewise". `mask`: pairs of frequencies, Hz, or ``"0.4..2.1,19..20"``, between which
-        the fit does not read the spectrum.
-    device, to, about
-        What is shown: likely causes of each term in a device of `DEVICES`; units of the coefficients; facts for the
-        header of the report, as ``"serial=SN-12"``.
+    unit : str or dict, optional
+        Unit of the samples; by sensor or column, as ``{"gyro": "deg/s", "ax": "g"}``, which is kept as the text
+        ``"gyro=deg/s,ax=g"``.
+    exclude, mask : str or pairs of numbers, optional
+        Seconds after the first sample between which samples are missing, and frequencies, Hz, between which the fit
+        does not read the spectrum, as ``"100..160,300..310"``.
+    device : str, optional
+        Likely causes of each term in a device of `DEVICES` are shown.
     """
 
     # fmt: off
@@ -148,13 +157,13 @@ class Recipe:
         "TIME", "Use the most stationary window of this length.", kind=INSTANT, group="selecting", parts=())
     outliers: str | None = choice(
         "WORD", "mark: exclude everywhere; keep: use everywhere.", told="exclude from the fit only", group="selecting",
-        demand=_checked("prepare.outliers.demand_choice"))
+        demand=_outliers)
     motion: str | None = choice(
         "WORD", "mark: leave out the seconds in which the sensor moves; refuse: no analysis beyond 2 % of them.",
-        told="refuse; of a live stream mark", group="selecting", demand=_checked("prepare.transform.demand_motion"))
+        told="refuse; of a live stream mark", group="selecting", demand=_motion)
     memory: str | None = choice(
         "SIZE", "Memory that a record may take, e.g. 1GB; a larger one is read in parts.",
-        told="half of what is available", group="selecting", demand=_checked("readers.parts.bytes_of"))
+        told="half of what is available", group="selecting", demand=_memory)
     statistic: str = choice("NAME", "Statistic of the curve.", default="oadev", group="curve",
         synonyms=("stat", "type"))
     taus: str | tuple[float, ...] = grid("log")
@@ -168,15 +177,15 @@ class Recipe:
         group="identifying", parts=())
     band: str | tuple[float, float] = choice(
         "BAND", "Frequencies to fit: auto (detects filters and disturbed bands), all, or LO,HI in Hz.", kind=BAND,
-        default="auto", group="identifying", synonyms=("frequencies",), demand=_checked("core.validity.demand_band"))
+        default="auto", group="identifying", synonyms=("frequencies",), demand=demand_band)
     mask: str | tuple[tuple[float, float], ...] | None = choice(
         "HZ..HZ,...", "Frequencies that the fit leaves out, beside those it finds: 0.4..2.1,19..20.", kind=pieces("Hz"),
         group="identifying")
     level: float = choice("", "Confidence level of intervals.", default=0.95, group="identifying",
-        synonyms=("confidence", "ci"), demand=_checked("core.limits.demand_level"))
+        synonyms=("confidence", "ci"), demand=demand_level)
     device: str | None = choice(
         "NAME", "Likely causes of each term in it: stabilizer, mscsg, rlg, fog, mems, accelerometer.", group="showing",
-        demand=_checked("interpretation.devices.device"))
+        demand=_device)
     to: tuple[str, ...] | None = choice(
         "UNIT,...", "Units of the coefficients: deg/s, ug/sqrt(Hz), ...", told="those of data sheets", group="showing",
         demand=_units_shown)

@@ -103,15 +103,15 @@ def noise_dict(noise: Noise | None, level: float) -> dict[str, Any]:
     if noise is None:
         return dict.fromkeys(("fit", "residuals", "explained", "validity", "verdict"))
     fit = replace(noise.fit, curve=None)  # the channel has its curves
-    left = None if noise.residuals is None else noise.residuals.to_dict(level)
-    said = {"explained": noise.explained, "validity": noise.validity or None, "verdict": noise.verdict}
-    return {"fit": fit.to_dict(level), "residuals": left} | said
+    residuals = None if noise.residuals is None else noise.residuals.to_dict(level)
+    judgement = {"explained": noise.explained, "validity": noise.validity or None, "verdict": noise.verdict}
+    return {"fit": fit.to_dict(level), "residuals": residuals} | judgement
 
 
 def noise_from(data: dict[str, Any]) -> Noise | None:
     """The noise written by `noise_dict`."""
-    fit, left = read_key(data, "fit", Fit | None), read_key(data, "residuals", Residuals | None)
-    return None if fit is None else Noise(fit, None if left is None else Stored(left))
+    fit, residuals = read_key(data, "fit", Fit | None), read_key(data, "residuals", Residuals | None)
+    return None if fit is None else Noise(fit, None if residuals is None else Stored(residuals))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -133,9 +133,9 @@ class RecordResult(Value):
 
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> Self:
-        found = read_fields(cls, data, "record", "noise")
+        stored = read_fields(cls, data, "record", "noise")
         return cls(
-            header_from(data), **found, **({"noise": noise_from(data)} if "noise" in dict(stored_fields(cls)) else {})
+            header_from(data), **stored, **({"noise": noise_from(data)} if "noise" in dict(stored_fields(cls)) else {})
         )
 
     def _summary(self) -> str:
@@ -229,10 +229,10 @@ class Channel(ChannelResult):
 
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> Self:
-        found = super()._stored(data)
-        if found.noise is None:
-            return found
-        return replace(found, noise=replace(found.noise, fit=replace(found.noise.fit, curve=found.curve)))
+        channel = super()._stored(data)
+        if channel.noise is None:
+            return channel
+        return replace(channel, noise=replace(channel.noise, fit=replace(channel.noise.fit, curve=channel.curve)))
 
     def _summary(self) -> str:
         return f"{self.record.name!r}: {self.refusal or (self.fit.model if self.fit else 'not analyzed')}"

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, ClassVar
 
+from allanite.core.choices import described
 from allanite.core.curve import Curve, Surface
 from allanite.core.display_units import readable_unit
 from allanite.core.errors import DataError, UsageError
@@ -38,23 +39,10 @@ from .settings import DensityChoices, DeviationChoices, LengthChoices, WindowCho
 Result = Curve | Spectrum | Surface
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class Deviations(DeviationChoices, Value):
-    """Statistics over averaging time.
-
-    Attributes
-    ----------
-    statistic : tuple of str
-        Names in `STATISTICS`.
-    taus, m, join, divisor, edf, power_law, threads
-        As for `deviation`.
-    bias : str, optional
-        As for `deviation`; of several statistics, for those that have this correction.
-    intervals : bool
-        Whether to compute confidence intervals, for which the noise is identified.
-    to : str, optional
-        Unit of the values; by default the data-sheet unit.
-    """
+    """Statistics over averaging time; of `bias`, those statistics take it that have this correction."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "statistic", tuple(statistic_named(name).name for name in self.statistic))
@@ -84,18 +72,10 @@ class Deviations(DeviationChoices, Value):
         noise: Supposing | None = (None if single else fit) or ("auto" if self.fitted or single else None)
         for name in self.statistic:
             curve = deviation(
-                record,
-                name,
-                taus=self.taus,
-                m=self.m,
-                noise=noise,
-                bias=self.bias if self._biases(name) else None,
-                join=self.join,
-                divisor=self.divisor,
-                edf=self.edf,
-                power_law=self.power_law,
+                record, name, taus=self.taus, m=self.m, noise=noise, bias=self.bias if self._biases(name) else None,
+                join=self.join, divisor=self.divisor, edf=self.edf, power_law=self.power_law,
                 threads=max(self.threads, how_many()),
-            )
+            )  # fmt: skip
             yield curve if self.intervals else replace(curve, law=None, supposes=None)
 
     def keeping(self, head: Record, size: int) -> Keeper:
@@ -114,13 +94,10 @@ class Deviations(DeviationChoices, Value):
         return (STRIDES,)
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class Densities(DensityChoices, Value):
-    """A power spectral density; `fit` also identifies the noise and draws its terms.
-
-    With `deviation`, the name of a statistic, the deviation that the density amounts to instead. The other attributes
-    are those of `spectrum` and its methods.
-    """
+    """A power spectral density, or the deviation that it amounts to; attributes as for `spectrum` and its methods."""
 
     def __post_init__(self) -> None:
         side_factor(self.sides)
@@ -140,24 +117,22 @@ class Densities(DensityChoices, Value):
     def measure(self, record: Record, fit: Fit | None) -> Iterator[Result]:
         """One spectrum, or its deviation."""
         bins = self.bins if self.deviation is None else None
-        found = spectrum(record, self._row(), sides=self.sides, bins=bins or None)
-        yield found if self.deviation is None else deviation_of_spectrum(found, self.deviation)
+        density = spectrum(record, self._row(), sides=self.sides, bins=bins or None)
+        yield density if self.deviation is None else deviation_of_spectrum(density, self.deviation)
 
     def keeping(self, head: Record, size: int) -> Keeper:
         """What keeps the samples of a record that is read in parts, if the estimator needs no more than sums."""
         row = self._row()
         if not hasattr(row, "in_parts"):
-            raise UsageError(
-                f"{WHOLE} no estimator {self.estimator!r}: choose welch, or allow more memory with "
-                f"{spelled('--memory', 'memory=')}"
-            )
+            raise UsageError(f"{WHOLE} no estimator {self.estimator!r}: choose welch, or allow more memory with "
+                             f"{spelled('--memory', 'memory=')}")  # fmt: skip
         return Keeper(head, ("oadev",) if self.fit else (), row.in_parts(head, size))
 
     def kept(self, seen: Inspected, keeper: Keeper, fit: Fit | None) -> tuple[Result, ...]:
         """One spectrum, or its deviation, from what was kept."""
         bins = self.bins if self.deviation is None else None
-        found = of_raw(keeper.raw(), seen.first, self._row().title, sides=self.sides, bins=bins or None)
-        return (found if self.deviation is None else deviation_of_spectrum(found, self.deviation),)
+        density = of_raw(keeper.raw(), seen.first, self._row().title, sides=self.sides, bins=bins or None)
+        return (density if self.deviation is None else deviation_of_spectrum(density, self.deviation),)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -168,6 +143,7 @@ class Densities(DensityChoices, Value):
         )  # fmt: skip
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class Windows(WindowChoices, Value):
     """A statistic in sliding windows of the record; attributes as for `dynamic`."""
@@ -236,16 +212,7 @@ def survey(
     *,
     progress: Progress | None = None,
 ) -> Survey:
-    """Compute curves, spectra or surfaces of every channel of a recording.
-
-    Examples
-    --------
-    >>> from allanite import N, simulate
-    >>> record = simulate(N(0.1, "deg/sqrt(h)"), 4000, 10.0, rng=np.random.default_rng(1), name="z")
-    >>> found = survey(record, Deviations(("adev", "oadev"), intervals=False))
-    >>> [(value.name, value.statistic) for value in found.values]
-    [('z', 'adev'), ('z', 'oadev')]
-    """
+    """Compute curves, spectra or surfaces of every channel of a recording."""
     recipe = recipe or Recipe()
 
     def work(seen: Inspected) -> Measured:
@@ -274,10 +241,10 @@ def side_by_side(surveys: Sequence[Survey], files: Sequence[str]) -> Survey:
     pairs = list(zip(told_apart(files), surveys, strict=True))
     return replace(
         surveys[0],
-        channels=tuple(_of_file(name, channel, len(one.channels)) for name, one in pairs for channel in one),
-        findings=tuple(replace(f, what=join(": ", (name, f.what))) for name, one in pairs for f in one.findings),
-        notes=tuple(dict.fromkeys(note for one in surveys for note in one.notes)),
-        provenance=joined([one.provenance for one in surveys]),
+        channels=tuple(_of_file(name, channel, len(study.channels)) for name, study in pairs for channel in study),
+        findings=tuple(replace(f, what=join(": ", (name, f.what))) for name, study in pairs for f in study.findings),
+        notes=tuple(dict.fromkeys(note for study in surveys for note in study.notes)),
+        provenance=joined([study.provenance for study in surveys]),
     )
 
 
@@ -301,14 +268,7 @@ class TheorySettings(LengthChoices, NoiseSettings):
 def expected_curves(
     source: Source | None, settings: TheorySettings, wanted: Deviations, recipe: Recipe | None = None
 ) -> Expectation:
-    """The expected curves of a model that is given instead of a recording.
-
-    Examples
-    --------
-    >>> found = expected_curves(None, TheorySettings(sensor="fog"), Deviations(("oadev", "ohdev")))
-    >>> [curve.statistic for curve in found.curves]
-    ['oadev', 'ohdev']
-    """
+    """The expected curves of a model that is given instead of a recording."""
     recipe, model = recipe or Recipe(), settings.instead_of(source)
     if model is None:
         end = settings.duration or (settings.samples or 0) / (recipe.rate or math.inf)
@@ -337,5 +297,5 @@ def expected_of_models(
 ) -> Expectation | Expectations:
     """The expected curves of each model, or of what the settings give; the rest is that of `expected_curves`."""
     each = [replace(settings, model=model) for model in models] or [settings]
-    found = tuple(expected_curves(source, one, wanted, recipe) for one in each)
-    return found[0] if len(found) == 1 else Expectations(found)
+    expectations = tuple(expected_curves(source, model_settings, wanted, recipe) for model_settings in each)
+    return expectations[0] if len(expectations) == 1 else Expectations(expectations)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
+from allanite.core.choices import described
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.record import Record, Recording
 from allanite.core.validity import Finding
@@ -37,6 +38,7 @@ AT_ONCE = ("moving", "outliers", "stuck", "clipped", "missing samples")
 """Findings that are said as soon as they are made in the last minute."""
 
 
+@described
 @dataclass(frozen=True)
 class WatchSettings(WatchChoices):
     """How to watch: seconds between reports, until the end, and without data until the end; baud rate; accuracy wanted.
@@ -239,15 +241,15 @@ class Watch:
 
     def _new(self, channel: str, findings: Sequence[Finding]) -> Iterator[str]:
         """Sentences about findings that begin after those that were said."""
-        for one in findings:
-            if one.name not in AT_ONCE:
+        for finding in findings:
+            if finding.name not in AT_ONCE:
                 continue
-            begin, end = one.place or (0.0, 0.0)
-            if begin >= self._said.get((channel, one.name), -math.inf):
-                yield join(": ", (channel, str(one))) if channel else str(one)
-            elif end <= self._said[channel, one.name]:
+            begin, end = finding.place or (0.0, 0.0)
+            if begin >= self._said.get((channel, finding.name), -math.inf):
+                yield join(": ", (channel, str(finding))) if channel else str(finding)
+            elif end <= self._said[channel, finding.name]:
                 continue
-            self._said[channel, one.name] = end or math.inf
+            self._said[channel, finding.name] = end or math.inf
 
     def _again(self, feed: Feed) -> Generator[str, None, Feed | None]:
         """Wait until the source is back; the time without it is a gap. None if the watch ends before."""
@@ -271,13 +273,7 @@ class Watch:
 
 
 def lasting(seconds: float) -> str:
-    """A length of time with its unit, to two digits.
-
-    Examples
-    --------
-    >>> lasting(5.3), lasting(840.0), lasting(7200.0)
-    ('5.3 s', '14 min', '2 h')
-    """
+    """A length of time with its unit, to two digits."""
     for size, unit in ((3600.0, "h"), (60.0, "min")):
         if seconds >= 2 * size:
             return f"{float(f'{seconds / size:.2g}'):g} {unit}"

@@ -92,9 +92,8 @@ class Held:
 
         Its trace is written beside the upload.
         """
-        with in_parts(path, recipe) as reader:
-            if reader is not None:
-                return path
+        if in_parts(path, recipe) is not None:
+            return path
         key = json.dumps(recipe.to_dict(READING), sort_keys=True, default=str)
         if (path, key) not in self.recordings:
             while len(self.recordings) >= KEPT:

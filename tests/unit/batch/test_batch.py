@@ -118,18 +118,13 @@ def test_limits_of_two_kinds_of_sensors_stand_beside_each_other(tmp_path):
 LIMIT = al.Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).limits[0]
 
 
-@rows(
-    ("seen", "value", "upper"),
-    [
-        (Seen(1.0, 0.8, 1.2), "pass", "pass"),
-        (Seen(1.9, 1.7, 2.1), "pass", "not shown"),
-        (Seen(2.1, 1.9, 2.3), "fail", "fail"),
-        (Seen(1.0), "pass", "not shown"),  # a method without intervals
-        (Seen(upper=1.5), "pass", "pass"),
-        (Seen(upper=2.5), "not shown", "not shown"),
-        (Seen(reason="not valid"), "not shown", "not shown"),
-    ],
-)
+@rows(("seen", "value", "upper"), [
+    (Seen(1.0, 0.8, 1.2), "pass", "pass"), (Seen(1.9, 1.7, 2.1), "pass", "not shown"),
+    (Seen(2.1, 1.9, 2.3), "fail", "fail"),
+    (Seen(1.0), "pass", "not shown"),  # a method without intervals
+    (Seen(upper=1.5), "pass", "pass"), (Seen(upper=2.5), "not shown", "not shown"),
+    (Seen(reason="not valid"), "not shown", "not shown"),
+])  # fmt: skip
 def test_the_rule(seen, value, upper):
     sized = Seen(*(v if v is None else v * LIMIT.factor for v in seen[:4]), seen.reason)
     assert judge("gz", LIMIT, sized).outcome == value
@@ -174,18 +169,12 @@ def test_a_specification_that_fits_no_channel_passes_nothing(folder, tmp_path):
 
 
 @pytest.mark.slow("seconds of analyses")
-@rows(
-    ("files", "limits", "code"),
-    [
-        (["u0.csv", "u1.csv"], None, 0),
-        (["u0.csv"], N_ONLY, 0),
-        (["u0.csv", "u1.csv"], N_ONLY, 4),
-        (["u0.csv", "missing.csv"], None, 5),
-        (["u0.csv", "missing.csv"], N_ONLY, 5),
-        (["u1.csv", "missing.csv"], N_ONLY, 4),  # what was exceeded stays exceeded
-        (["missing.csv", "gone.csv"], N_ONLY, 3),
-    ],
-)
+@rows(("files", "limits", "code"), [
+    (["u0.csv", "u1.csv"], None, 0), (["u0.csv"], N_ONLY, 0), (["u0.csv", "u1.csv"], N_ONLY, 4),
+    (["u0.csv", "missing.csv"], None, 5), (["u0.csv", "missing.csv"], N_ONLY, 5),
+    (["u1.csv", "missing.csv"], N_ONLY, 4),  # what was exceeded stays exceeded
+    (["missing.csv", "gone.csv"], N_ONLY, 3),
+])  # fmt: skip
 def test_exit_codes(folder, tmp_path, files, limits, code):
     options = [] if limits is None else ["--limits", spec(tmp_path, limits)]
     result = run(*(folder / name for name in files), *options)

@@ -13,7 +13,9 @@ from tests.rows import rows
 import allanite as al
 from allanite.batch.batch import Batch, BatchUnit
 from allanite.batch.job import run_batch
-from allanite.batch.lot import Trend, outliers, read_lot, slope_of
+from allanite.batch.lot import Spool, Trend, detectable, outliers, read_lot, slope_of
+from allanite.batch.sources import several
+from allanite.batch.specification import Seen, judge
 from allanite.batch.store import dumps, loads
 from allanite.batch.tables import Across
 from allanite.cli import main
@@ -161,3 +163,19 @@ def test_a_unit_of_a_lot_holds_no_study_and_is_stored_and_pickled_as_any_other(f
     assert again.to_dict() == unit.to_dict() == BatchUnit.from_dict(unit.to_dict()).to_dict()
     assert unit.study.channels[0].fit["N"].value == again.study.channels[0].fit["N"].value
     assert type(lot).from_dict(lot.to_dict()).to_dict() == lot.to_dict()
+
+
+def test_examples_of_the_parts_of_a_batch():
+    assert [round(detectable(count)) for count in (4, 6, 10)] == [10, 5, 4]
+    assert len(Spool().put(Study((), al.Recipe(), (), (), {}))().channels) == 0
+    names = (["gyro.csv"], ["-"], ["a.csv", "b.csv"], ["units/*.csv"])
+    assert list(map(several, names)) == [False, False, True, True]
+    limit = al.Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).limits[0]
+    unit = limit.factor
+    words = "<Judgement 'gz': B pass, 1.9 deg/h (1.7 .. 2.1), the interval contains the limit>"
+    assert repr(judge("gz", limit, Seen(1.9 * unit, 1.7 * unit, 2.1 * unit))) == words
+    words = "<Judgement 'gz': B not shown, not identified, below 3 deg/h>"
+    assert repr(judge("gz", limit, Seen(upper=3 * unit))) == words
+    stored = dumps({"what": say("at {f:g} Hz", f=2.5), "name": "gx"})
+    assert stored == '{"name": "gx", "what": {"say": ["at {f:g} Hz"], "with": {"f": 2.5}}}'
+    assert loads(stored)["what"] == "at 2.5 Hz"

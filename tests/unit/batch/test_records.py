@@ -75,10 +75,8 @@ def test_one_bad_file_is_named_and_the_others_have_their_rows(units, serial):
         of = {row["symbol"]: row for row in stored(results, "coefficients") if Path(row["file"]).name == name}
         for e in channel.fit:
             assert (of[e.symbol]["value"], of[e.symbol]["upper"], of[e.symbol]["status"]) == (
-                e.value,
-                e.upper,
-                e.status,
-            )
+                e.value, e.upper, e.status,
+            )  # fmt: skip
             assert (of[e.symbol]["low"], of[e.symbol]["high"]) == e.interval()
         curve = [row for row in stored(results, "curves") if Path(row["file"]).name == name]
         assert [row["deviation"] for row in curve] == list(channel.curve.deviation)
@@ -224,27 +222,24 @@ def test_a_manifest_lists_files_and_what_is_known_of_them(units, tmp_path):
     assert got["SN9"]["status"] == "failed"
 
 
-@rows(
-    ("name", "text", "words"),
-    [
-        ("m.csv", "path,unit_id\na.csv,1\n", "has no column 'file' but"),
-        ("m.csv", "file,temperature\na.csv,warm\n", "line 2: the temperature is a number, not 'warm'"),
-        ("m.csv", "file,date\na.csv,31.5.24\n", "line 2: the date is written as 2024-05-31"),
-        (
-            "m.csv",
-            "file,date\na.csv,9999-12-31T23:59:59-23:59\n",
-            "line 2: the date '9999.* is outside the years 1 to 9999",
-        ),
-        ("m.csv", f"file,lab\na.csv,{'x' * 200_000}\n", "line 2: field larger than field limit"),
-        ("m.csv", f"file,date\na.csv,{'x' * 100_000}\n", r"line 2: the date .{20,300}$"),
-        ("m.csv", 'file,lab\na.csv,"B\nb.csv,C\n', "line 2: unexpected end of data; is a quotation mark missing"),
-        ("m.csv", "file,sha256\na.csv,1\n", r"columns named \['sha256'\]"),
-        ("m.csv", "file,lab\na.csv\n", "line 2: 1 cells, expected 2"),
-        ("m.csv", "file,lab\n,B\n", "line 2: no file is given"),
-        ("m.csv", "file\na.csv\n./a.csv\n", "line 3: .*a.csv' is listed twice"),
-        ("m.txt", "# nothing\n\n", "lists no file"),
-    ],
-)
+@rows(("name", "text", "words"), [
+    ("m.csv", "path,unit_id\na.csv,1\n", "has no column 'file' but"),
+    ("m.csv", "file,temperature\na.csv,warm\n", "line 2: the temperature is a number, not 'warm'"),
+    ("m.csv", "file,date\na.csv,31.5.24\n", "line 2: the date is written as 2024-05-31"),
+    (
+        "m.csv",
+        "file,date\na.csv,9999-12-31T23:59:59-23:59\n",
+        "line 2: the date '9999.* is outside the years 1 to 9999",
+    ),
+    ("m.csv", f"file,lab\na.csv,{'x' * 200_000}\n", "line 2: field larger than field limit"),
+    ("m.csv", f"file,date\na.csv,{'x' * 100_000}\n", r"line 2: the date .{20,300}$"),
+    ("m.csv", 'file,lab\na.csv,"B\nb.csv,C\n', "line 2: unexpected end of data; is a quotation mark missing"),
+    ("m.csv", "file,sha256\na.csv,1\n", r"columns named \['sha256'\]"),
+    ("m.csv", "file,lab\na.csv\n", "line 2: 1 cells, expected 2"),
+    ("m.csv", "file,lab\n,B\n", "line 2: no file is given"),
+    ("m.csv", "file\na.csv\n./a.csv\n", "line 3: .*a.csv' is listed twice"),
+    ("m.txt", "# nothing\n\n", "lists no file"),
+])  # fmt: skip
 def test_a_wrong_manifest_is_refused_by_line(tmp_path, name, text, words):
     (tmp_path / name).write_text(text)
     with pytest.raises(al.UsageError, match=words):
@@ -276,9 +271,7 @@ def test_workers_and_a_scheduler_exclude_each_other(units, tmp_path):
     done = batch(units, "--out", tmp_path / "r", "--scheduler", "tcp://127.0.0.1:9")
     assert done.exit_code == 2
     assert "give one of them" in done.stderr
-
-
-def test_an_option_that_fits_no_file_is_a_wrong_usage(units, tmp_path):
+    # an option that fits no file is a wrong usage
     (tmp_path / "one.txt").write_text(str(units / "u0.csv"))
     done = batch(tmp_path / "one.txt", "--out", tmp_path / "r", "--method", "guess")
     assert done.exit_code == 2

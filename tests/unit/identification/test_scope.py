@@ -9,7 +9,8 @@ from tests.rows import refused, rows
 
 import allanite as al
 from allanite.core.estimate import Estimate
-from allanite.core.validity import GRADES, Scope, demand_band, worst
+from allanite.core.ranges import demand_band
+from allanite.core.validity import GRADES, Scope, worst
 from allanite.identification.checks.contradiction import contradictions, held, measured
 from allanite.study.noise import noise_of
 

@@ -22,11 +22,9 @@ TEMPERATURES = {
     "warm-up": lambda rng: np.exp(-np.arange(N) / N * rng.uniform(1, 20)) + 0.001 * rng.standard_normal(N),
 }
 NOISES = {
-    "N": lambda rng: rng.standard_normal(N),
-    "NK": lambda rng: rng.standard_normal(N) + walk(rng, 0.01),
-    "K": walk,
+    "N": lambda rng: rng.standard_normal(N), "NK": lambda rng: rng.standard_normal(N) + walk(rng, 0.01), "K": walk,
     "NR": lambda rng: rng.standard_normal(N) + 5 * np.arange(N) / N,
-}
+}  # fmt: skip
 
 
 def pair(y, x):

@@ -100,16 +100,13 @@ def workbook_of_rows(path):
 CASES = {
     "legitimate.zip": (archive_of_64_bits, None),
     "many.zip": (archive_of_many, "the directory of the archive claims"),
-    "page.parquet": (page_of_text, "the table claims"),
-    "chunks.h5": (chunks_of_one_sample, None),
+    "page.parquet": (page_of_text, "the table claims"), "chunks.h5": (chunks_of_one_sample, None),
     "cells.csv": (cells_of_text, None),
     "arrays.npz": (arrays_of_few_samples, "the archive has 9000 arrays"),
     "topics.db3": (bag_of_topics, "topics.db3: too many topics: 59000, and at most 1000 are read; copy those"),
-    "rows.xlsx": (workbook_of_rows, "the workbook claims 156"),
-    "name.csv": (long_name, None),
-    "unit.csv": (long_unit, "unit"),
-    "name.npz": (long_array_name, "unit"),
-}
+    "rows.xlsx": (workbook_of_rows, "the workbook claims 156"), "name.csv": (long_name, None),
+    "unit.csv": (long_unit, "unit"), "name.npz": (long_array_name, "unit"),
+}  # fmt: skip
 PROGRAM = """
 import resource, sys
 import allanite as al

@@ -26,11 +26,10 @@ def test_rate_is_intervals_over_time_in_spite_of_jitter(stamped):
     record = read(stamped(5.0 + (np.arange(1000) + jitter) * 0.01))["gx"]
     assert record.rate == pytest.approx(100.0, rel=1e-9)
     assert record.start == 5.0
-
-
-def test_coarse_stamps_are_fine_while_they_follow_the_grid(stamped):
-    record = read(stamped(np.arange(2001) * 5 // 2, "t_ms"))["gx"]
-    assert record.rate == pytest.approx(400.0)
+    # coarse stamps are fine while they follow the grid
+    assert read(stamped(np.arange(2001) * 5 // 2, "t_ms"))["gx"].rate == pytest.approx(400.0)
+    epoch = 1_700_000_000_000_000_001 + np.arange(1000) * 1_000_003
+    assert read(stamped(epoch, "stamp [ns]"))["gx"].rate == pytest.approx(1e9 / 1_000_003, rel=1e-14)
 
 
 def only(recording, name):
@@ -57,9 +56,10 @@ def test_a_gap_is_marked_with_place_size_and_remedy(stamped):
     assert any("50 missing intervals" in note for note in recording.notes)
     closed = read(stamped(stamps), time="none", rate=100)
     assert (closed["gx"].size, closed.findings) == (1000, ())
-
-
-def test_half_of_the_samples_lost_at_random(stamped):
+    recording = read(stamped(np.delete(np.arange(1001), 500) * 0.01))
+    assert "1 sample (0.1 %) missing in 1 gap" in only(recording, "missing samples").what
+    assert np.isnan(recording["gx"].values[500])
+    # half of the samples lost at random
     kept = np.sort(np.random.default_rng(1).choice(2000, 1000, replace=False))
     record = read(stamped(kept * 0.01))["gx"]
     assert record.rate == pytest.approx(100.0)
@@ -83,7 +83,7 @@ def test_of_bursts_only_the_mean_is_taken_and_never_the_median(stamped):
     assert read(stamped(bursts), rate=100)["gx"].rate == 100.0
 
 
-def test_a_clock_that_is_set_back_is_refused(stamped):
+def test_a_clock_that_is_set_or_stands_is_refused(stamped):
     stamps = np.arange(1000) * 0.01
     stamps[500:] -= 3
     with pytest.raises(
@@ -93,41 +93,27 @@ def test_a_clock_that_is_set_back_is_refused(stamped):
     assert "rate=" in str(caught.value)
     finding = only(read(stamped(stamps), rate=100), "reversed time stamps")
     assert "2.99 s" in finding.what
-
-
-def test_a_clock_that_is_set_forward_is_refused(stamped):
-    stamps = np.arange(1000) * 0.01
-    stamps[3:] += 1.7e9
+    forward = np.arange(1000) * 0.01
+    forward[3:] += 1.7e9
     with pytest.raises(DataError, match=r"jump by 1\.7e\+09 s before row 4 of the data"):
-        read(stamped(stamps))
-    assert "is ignored" in only(read(stamped(stamps), rate=100), "missing samples").consequence
+        read(stamped(forward))
+    assert "is ignored" in only(read(stamped(forward), rate=100), "missing samples").consequence
+    missing = np.where(np.arange(50) == 7, np.nan, np.arange(50.0))
+    with pytest.raises(DataError, match="no time stamp in 1 of 50 rows, the first in row 8"):
+        read(stamped(missing))
+    with pytest.raises(UsageError, match=r"all time stamps .* are equal .*rate=100"):
+        read(stamped(np.zeros(50)))
+    only(read(stamped(np.zeros(50)), rate=100), "constant time stamps")
 
 
 def test_stamps_of_whole_seconds(stamped):
     recording = read(stamped((np.arange(1002) + 2) // 5))
     assert recording["gx"].rate == 5.0
     assert "resolution of 1 s" in only(recording, "coarse time stamps").what
-
-
-def test_a_second_that_is_missing_from_whole_seconds(stamped):
-    stamps = np.delete(np.arange(1000) // 5, np.s_[500:510])
-    recording = read(stamped(stamps))
+    recording = read(stamped(np.delete(np.arange(1000) // 5, np.s_[500:510])))  # a second is missing
     assert recording["gx"].rate == 5.0
     assert [f.name for f in recording.findings] == ["missing samples", "coarse time stamps"]
     assert np.flatnonzero(np.isnan(recording["gx"].values)).tolist() == list(range(500, 510))
-
-
-def test_constant_stamps_are_asked_around(stamped):
-    with pytest.raises(UsageError, match=r"all time stamps .* are equal .*rate=100"):
-        read(stamped(np.zeros(50)))
-    only(read(stamped(np.zeros(50)), rate=100), "constant time stamps")
-
-
-def test_missing_stamps(stamped):
-    stamps = np.arange(50.0)
-    stamps[7] = np.nan
-    with pytest.raises(DataError, match="no time stamp in 1 of 50 rows, the first in row 8"):
-        read(stamped(stamps))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -141,20 +127,12 @@ def test_a_drifting_clock_is_no_gap(stamped):
     assert recording["gx"].size == 100_000
 
 
-def test_one_lost_sample_of_many(stamped):
-    recording = read(stamped(np.delete(np.arange(1001), 500) * 0.01))
-    assert "1 sample (0.1 %) missing in 1 gap" in only(recording, "missing samples").what
-    assert np.isnan(recording["gx"].values[500])
-
-
 def test_a_late_stamp_is_no_loss(stamped):
     stamps = np.arange(1000) * 0.01
     stamps[500:520] = stamps[520] - 1e-4 * np.arange(20, 0, -1)  # the logger wrote to its card for 0.2 s
     record = read(stamped(stamps))["gx"]
     assert (record.size, record.rate) == (1000, pytest.approx(100.0))
-
-
-def test_rows_out_of_order(stamped):
+    # rows out of order
     stamps = np.arange(200) * 0.01
     stamps[[50, 51]] = stamps[[51, 50]]
     recording = read(stamped(stamps))
@@ -165,18 +143,13 @@ def test_rows_out_of_order(stamped):
 
 EVEN = 417_300_000 + np.arange(300) * 8000
 DAMAGES = {  # rows, and what their stamps become
-    "a digit lost": {120: lambda t: int(str(t)[1:])},
-    "a digit too many": {120: lambda t: int(f"9{t}")},
-    "a little early": {1: lambda t: t - 60_000},
-    "a little late": {298: lambda t: t + 60_000},
-    "zero": {7: lambda _: 0},
-    "the first, early": {0: lambda t: t - 400_000_000},
-    "the first, late": {0: lambda t: t + 60_000},
-    "the last, early": {299: lambda t: t - 60_000},
-    "the last, late": {299: lambda t: int(f"{t}7")},
-    "two": {50: lambda t: t // 10, 210: lambda t: t * 10},
+    "a digit lost": {120: lambda t: int(str(t)[1:])}, "a digit too many": {120: lambda t: int(f"9{t}")},
+    "a little early": {1: lambda t: t - 60_000}, "a little late": {298: lambda t: t + 60_000},
+    "zero": {7: lambda _: 0}, "the first, early": {0: lambda t: t - 400_000_000},
+    "the first, late": {0: lambda t: t + 60_000}, "the last, early": {299: lambda t: t - 60_000},
+    "the last, late": {299: lambda t: int(f"{t}7")}, "two": {50: lambda t: t // 10, 210: lambda t: t * 10},
     "two near each other": {50: lambda t: t - 10**6, 53: lambda t: t + 10**6},
-}
+}  # fmt: skip
 
 
 @rows("unit, size", [("us", 1), ("ns", 1000), ("ms", 0.001), ("s", 1e-6)])
@@ -197,14 +170,6 @@ def test_a_lone_stamp_that_is_far_off_is_set_by_its_neighbours(stamped, damages,
     assert str(scaled[min(damages)].item()) in finding.what
 
 
-def test_the_unit_of_stamps_is_that_of_the_others(stamped):
-    stamps = EVEN.copy()
-    stamps[-1] = stamps[-1] * 1000
-    recording = read(stamped(stamps, "stamp"))
-    assert recording["gx"].rate == pytest.approx(125.0)
-    only(recording, "damaged time stamps")
-
-
 def shuffled(stamps):
     return np.random.default_rng(5).permutation(stamps)
 
@@ -221,15 +186,10 @@ def late(stamps):
     return np.concatenate((stamps[:200], stamps[200:] + 500_000))
 
 
-@rows(
-    "change, name",
-    [
-        (shuffled, "reversed time stamps"),
-        (moved, "reversed time stamps"),
-        (begun_early, "missing samples"),
-        (late, "missing samples"),
-    ],
-)
+@rows("change, name", [
+    (shuffled, "reversed time stamps"), (moved, "reversed time stamps"), (begun_early, "missing samples"),
+    (late, "missing samples"),
+])  # fmt: skip
 def test_gaps_and_rows_out_of_order_are_not_damage(stamped, change, name):
     only(read(stamped(change(EVEN), "time [us]")), name)
 
@@ -282,9 +242,7 @@ def test_a_packet_counter_tells_the_losses_but_not_the_rate(tmp_path):
     finding = only(recording, "missing samples")
     assert "according to the counter column 'Packet number'" in finding.what
     assert np.isnan(recording["gx"].values[:8]).tolist() == [False, False, True, False, False, True, True, False]
-
-
-def test_a_counter_that_starts_again_or_counts_by_tens(tmp_path):
+    # a counter that starts again or counts by tens
     steps = np.ones(70_000, dtype=int)
     steps[1000] = 4
     assert read(counted(tmp_path, steps), rate=100)["gx"].size == 70_004
@@ -315,6 +273,12 @@ def test_integer_stamps_without_unit(stamped, step, unit, rate):
     recording = read(stamped(np.arange(200) * step, "stamp"))
     assert recording["gx"].rate == pytest.approx(rate)
     assert any(f"assumed to be in {unit}" in note for note in recording.notes)
+    assert any("assumed to be in seconds" in note for note in read(stamped(np.arange(200) * 0.25 + 0.1, "t")).notes)
+    stamps = EVEN.copy()
+    stamps[-1] = stamps[-1] * 1000  # damaged: the unit is that of the others
+    recording = read(stamped(stamps, "stamp"))
+    assert recording["gx"].rate == pytest.approx(125.0)
+    only(recording, "damaged time stamps")
 
 
 @rows("step", [1, 1000, 1_000_000, 100_000_000_000])
@@ -329,28 +293,20 @@ def test_ambiguous_integer_stamps_are_asked_for(stamped, step):
     assert read(path, rate=50, time=None if step == 1 else "none")["gx"].rate == 50.0
 
 
-def test_fractions_without_unit_are_seconds(stamped):
-    assert any("assumed to be in seconds" in note for note in read(stamped(np.arange(200) * 0.25 + 0.1, "t")).notes)
-
-
 def test_the_given_rate_wins_and_a_small_difference_is_a_finding(stamped):
     path = stamped(np.arange(200) * 0.01)
     assert not read(path, rate=100.05).findings
     (found,) = read(path, rate=100.5).findings
     assert "100.0 Hz" in found.what
     assert "100.5 Hz is used" in found.what
-
-
-def test_a_rate_that_contradicts_the_time_stamps_is_refused_with_a_cure(stamped):
+    # a rate that contradicts the time stamps is refused with a cure
     path = stamped(np.arange(200) * 0.01)
     with pytest.raises(UsageError, match=r"200\.0 Hz, contradicts the time stamps .*, 100\.0 Hz: omit it") as refused:
         read(path, rate=200)
     assert str(refused.value).endswith("time='none'")
     assert read(path, rate=200, time="none")["gx"].rate == 200.0
     assert read(path)["gx"].rate == pytest.approx(100.0)
-
-
-def test_time_option(stamped):
+    # time option
     path = stamped(np.arange(200) * 0.01, "foo")
     assert read(path, time="foo")["gx"].rate == pytest.approx(100.0)
     assert read(path, time="1[ms]")["gx"].rate == pytest.approx(1e5)
@@ -371,14 +327,7 @@ def test_dates_with_time(tmp_path):
     )
     path.write_text("time,gx [deg/s]\n" + "".join(rows))
     assert read(path)["gx"].rate == pytest.approx(100.0)
-
-
-def test_nanoseconds_of_the_epoch_keep_their_digits(stamped):
-    stamps = 1_700_000_000_000_000_001 + np.arange(1000) * 1_000_003
-    assert read(stamped(stamps, "stamp [ns]"))["gx"].rate == pytest.approx(1e9 / 1_000_003, rel=1e-14)
-
-
-def test_a_temperature_called_t_is_no_clock(tmp_path):
+    # a temperature called t is no clock
     path = tmp_path / "gyro.csv"
     path.write_text("gx [deg/s],T\n" + "1.5,36.0\n2.5,36.5\n" * 20)
     assert read(path, rate=10).channels == ("gx",)

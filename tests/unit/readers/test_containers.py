@@ -140,7 +140,7 @@ def test_a_crash_or_a_stop_of_the_library_is_a_sentence(two_sensors, monkeypatch
         ("import sys; sys.exit('no such thing')", 120.0, "no such thing"),
         ("print('{}')", 120.0, "damaged"),
     ):
-        monkeypatch.setattr(process, "WAIT", wait)
+        monkeypatch.setattr(process, "ANSWER_TIME", wait)
         (tmp_path / "worker.py").write_text(code)
         with pytest.raises(DataError, match=words):
             al.read(two_sensors)
@@ -172,10 +172,8 @@ def test_heavy_libraries_are_imported_by_none_but_their_readers(tmp_path):
     code = "import sys, allanite; allanite.read(sys.argv[1]); print([m for m in sys.argv[2:] if m in sys.modules])"
     run = subprocess.run(
         [sys.executable, "-c", code, str(tmp_path / "a.npz"), "h5py", "pyarrow", "scipy.io", "rdata"],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
     assert run.stdout.strip() == "[]"
 
 
@@ -193,11 +191,9 @@ def savemat(path, content, **options):
 def test_structures_and_what_is_no_number(tmp_path, compress):
     content = {
         "run": {"gyro": GYRO, "t": np.arange(60) * 0.01, "sensor": "ADIS", "cells": np.array([1, "a"], object)},
-        "many": np.array([(1.5,), (2.5,)], [("v", "f8")]),
-        "flags": GYRO[:, 0] > 0,
-        "z": GYRO * 1j,
+        "many": np.array([(1.5,), (2.5,)], [("v", "f8")]), "flags": GYRO[:, 0] > 0, "z": GYRO * 1j,
         "small": np.arange(60, dtype=np.int8),
-    }
+    }  # fmt: skip
     recording = al.read(savemat(tmp_path / "a.mat", content, do_compression=compress), unit="deg/s", channels=["gyro"])
     assert recording.channels == ("gyro 1", "gyro 2", "gyro 3")
     assert recording[0].rate == pytest.approx(100.0)
@@ -253,24 +249,21 @@ def test_a_time_series_of_r(tmp_path):
     assert np.array_equal(recording[0].values, np.arange(50.0))
 
 
-@rows(
-    ("hex_body", "words"),
-    [
-        ("0000000e 7fffffff", "claimed"),  # numbers
-        ("0000000e ffffffff 00000001 00000000", "claimed"),  # of a long vector
-        ("00000013 0fffffff", "more than the file can hold"),  # a list
-        ("00000009 7fffffff", "claimed"),  # a text
-        ("00000015", "claimed"),  # byte code
-        ("000000ff", "rdata failed"),  # a reference
-        ("00000203" * 4000, "rdata failed"),
-        # a sequence of 1e15 numbers
-        (
-            "000000ee 00000002 00000001 00000009 0000000e 636f6d706163745f7265616c736571 000000fe"
-            "0000000e 00000003 430c6bf526340000 0000000000000000 3ff0000000000000 000000fe",
-            "claims more than the 33.6 MB",
-        ),
-    ],
-)
+@rows(("hex_body", "words"), [
+    ("0000000e 7fffffff", "claimed"),  # numbers
+    ("0000000e ffffffff 00000001 00000000", "claimed"),  # of a long vector
+    ("00000013 0fffffff", "more than the file can hold"),  # a list
+    ("00000009 7fffffff", "claimed"),  # a text
+    ("00000015", "claimed"),  # byte code
+    ("000000ff", "rdata failed"),  # a reference
+    ("00000203" * 4000, "rdata failed"),
+    # a sequence of 1e15 numbers
+    (
+        "000000ee 00000002 00000001 00000009 0000000e 636f6d706163745f7265616c736571 000000fe"
+        "0000000e 00000003 430c6bf526340000 0000000000000000 3ff0000000000000 000000fe",
+        "claims more than the 33.6 MB",
+    ),
+])  # fmt: skip
 def test_what_r_files_claim_is_not_believed(tmp_path, hex_body, words):
     body = bytes.fromhex(hex_body.replace(" ", ""))
     if "63" in hex_body and "claims more" in words:
@@ -316,13 +309,10 @@ def test_parquet_of_others(tmp_path):
     table = pa.table(
         {
             "time": pa.array(np.arange(60) * 5000, pa.timestamp("us")),
-            "gyro_x_dps": pa.array([None, *GYRO[1:, 0]]),
-            "acc": pa.array(GYRO[:, 1]),
-            "tag": ["a"] * 60,
-            "list": [[1]] * 60,
-            "__index_level_0__": pa.array(range(60)),
+            "gyro_x_dps": pa.array([None, *GYRO[1:, 0]]), "acc": pa.array(GYRO[:, 1]), "tag": ["a"] * 60,
+            "list": [[1]] * 60, "__index_level_0__": pa.array(range(60)),
         }
-    )
+    )  # fmt: skip
     fields = [f.with_metadata({"unit": "m/s^2"}) if f.name == "acc" else f for f in table.schema]
     said = {b"pandas": b'{"index_columns": ["__index_level_0__"]}'}
     parquet.write_table(table.cast(pa.schema(fields, said)), tmp_path / "a.parquet")

@@ -17,15 +17,12 @@ RNG = np.random.default_rng(7)
 KINDS = {
     "FMT": (128, "BBnNZ", "Type,Length,Name,Format,Columns"),
     "IMU": (130, "QBffffff", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ"),
-    "GYR": (131, "QBQfff", "TimeUS,I,SampleUS,GyrX,GyrY,GyrZ"),
-    "BARO": (132, "Qfc", "TimeUS,Alt,Temp"),
+    "GYR": (131, "QBQfff", "TimeUS,I,SampleUS,GyrX,GyrY,GyrZ"), "BARO": (132, "Qfc", "TimeUS,Alt,Temp"),
     "ISBH": (133, "QHBBHHQf", "TimeUS,N,type,instance,mul,smp_cnt,SampleUS,smp_rate"),
-    "ISBD": (134, "QHHaaa", "TimeUS,N,seqno,x,y,z"),
-    "UNIT": (135, "QbZ", "TimeUS,Id,Label"),
-    "MULT": (136, "Qbd", "TimeUS,Id,Mult"),
-    "FMTU": (137, "QBNN", "TimeUS,FmtType,UnitIds,MultIds"),
+    "ISBD": (134, "QHHaaa", "TimeUS,N,seqno,x,y,z"), "UNIT": (135, "QbZ", "TimeUS,Id,Label"),
+    "MULT": (136, "Qbd", "TimeUS,Id,Mult"), "FMTU": (137, "QBNN", "TimeUS,FmtType,UnitIds,MultIds"),
     "RATE": (138, "Qcf", "TimeUS,R,ROut"),
-}
+}  # fmt: skip
 CODES = {"n": "4s", "N": "16s", "Z": "64s", "a": "32h", "c": "h"}
 
 

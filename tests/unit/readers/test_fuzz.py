@@ -4,12 +4,13 @@ The first mutations of the same seed files of which `benchmarks/fuzz.py` reads t
 """
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from tests import ALL, thinned
 from tests.rows import rows
 
-from allanite.readers.formats.registry import reader_for, reader_of_type
+from allanite.readers.formats.registry import readable, reader_for, reader_of_type
 from allanite.readers.options import channel_names
 from allanite.testing import check_reader
 from damaged import IMPORTED, SEEDS, generator, mutated, options_of, read
@@ -48,4 +49,5 @@ def test_files_cut_off_are_read_or_refused(tmp_path, name):
     path.write_bytes(data := seed.make())
     choices = {key: channel_names(value) if key == "channels" else value for key, value in seed.options.items()}
     dtype = choices.get("dtype")
-    check_reader(reader_of_type(dtype) if dtype else reader_for(data[:4096], suffix), path, **choices)
+    reader = reader_of_type(dtype) if dtype else reader_for(data[:4096], suffix)
+    check_reader(SimpleNamespace(TITLE=reader.TITLE, sniff=readable, read=reader.read), path, **choices)

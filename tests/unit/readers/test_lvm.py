@@ -13,12 +13,9 @@ GYRO = np.random.default_rng(6).normal(size=(400, 2))
 
 def head(times, mark="Tab", decimal="."):
     said = {
-        "Writer_Version": 2,
-        "Separator": mark,
-        "Decimal_Separator": decimal,
-        "X_Columns": times,
+        "Writer_Version": 2, "Separator": mark, "Decimal_Separator": decimal, "X_Columns": times,
         "Operator": "N. N.",
-    }
+    }  # fmt: skip
     sign = "," if mark == "Comma" else "\t"
     return (
         "LabVIEW Measurement\t\n" + "".join(f"{k}{sign}{v}\n" for k, v in said.items()) + "***End_of_Header***\t\n\t\n"
@@ -51,17 +48,13 @@ def test_one_segment_with_times_and_a_comment(tmp_path):
     assert (recording[0].unit, recording[0].size) == ("deg/s", 400)
     assert recording[0].rate == pytest.approx(100.0)
     assert np.array_equal(np.column_stack([r.values for r in recording]), GYRO)
-
-
-def test_without_times_the_step_of_the_header_counts(tmp_path):
+    # without times the step of the header counts
     text = head("No") + segment(("X_Value", "gx", "gy"), rows(GYRO, times=False), step=0.004)
     recording = al.read(save(tmp_path / "a.lvm", text))
     assert recording[0].rate == 250.0
     assert "rate 250.0 Hz from Delta_X in the header" in recording.notes
     assert np.array_equal(recording[1].values, GYRO[:, 1])
-
-
-def test_a_time_for_each_channel_commas_and_decimal_commas(tmp_path):
+    # a time for each channel commas and decimal commas
     four = np.column_stack((GYRO[:, 0], np.arange(400) * 0.01, GYRO[:, 1]))
     text = head("Multi") + segment(("X_Value", "gx", "X_Value", "gy"), rows(four))
     assert np.array_equal(al.read(save(tmp_path / "a.lvm", text))["gy"].values, GYRO[:, 1])
@@ -71,9 +64,7 @@ def test_a_time_for_each_channel_commas_and_decimal_commas(tmp_path):
     recording = al.read(save(tmp_path / "a.lvm", text, decimal=","))
     assert recording[0].rate == pytest.approx(100.0)
     assert np.array_equal(recording["gx"].values, GYRO[:, 0])
-
-
-def test_segments_are_joined_by_their_times(tmp_path):
+    # segments are joined by their times
     names = ("X_Value", "gx", "gy")
     parts = [segment(names, rows(GYRO[at : at + 200]), second=s) + "\n" for at, s in ((0, 5.25), (200, 7.75))]
     for times, text in (("One", "".join(parts)), ("No", "".join(parts))):

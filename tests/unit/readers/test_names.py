@@ -67,14 +67,10 @@ def test_known_names(write, names):
 def test_underscores_alone_define_no_unit(write):
     with pytest.raises(UsageError, match="the unit is unknown"):
         read(write([CLOCK[0], *axes("angular_velocity", "_")], [CLOCK[1], *vector(0)]))
-
-
-def test_the_length_of_a_vector_is_no_axis(write):
+    # the length of a vector is no axis
     names = [CLOCK[0], "Gyroscope x (rad/s)", "Absolute (rad/s)", "Absolute acceleration (m/s^2)"]
     assert read(write(names, [CLOCK[1], *vector(0)])).channels == ("Gyroscope x",)
-
-
-def test_a_unit_against_a_known_name_is_a_warning(write):
+    # a unit against a known name is a warning
     recording = read(write([CLOCK[0], *IMU], [CLOCK[1], *vector(0, 6)]), unit="gyro=deg/s")
     assert recording[0].unit == "deg/s"
     (warning,) = recording.findings
@@ -132,27 +128,19 @@ def test_no_digit_is_lost(write):
     path = write(["sec", "nsec", "gx [rad/s]"], [stamps // 10**9, stamps % 10**9, *vector(0, 1)])
     rate = 299e9 / int(stamps[-1] - stamps[0])
     assert read(path)["gx"].rate == pytest.approx(rate, rel=1e-13)  # 1 MHz: a float64 resolves 2e-7 s of the epoch
-
-
-def test_microseconds(write):
+    # microseconds
     path = write(["tv_sec", "tv_usec", "gx [rad/s]"], [SECONDS, [n // 1000 for n in NANO], *vector(0, 1)])
     assert read(path)["gx"].rate == pytest.approx(100)
-
-
-def test_what_is_not_a_part_of_a_second_is_not_joined(write):
+    # what is not a part of a second is not joined
     whole = [i * 10_000_000 for i in range(300)]
     recording = read(write(["sec", "nsec", "gx [rad/s]"], [[n // 10**9 for n in whole], whole, *vector(0, 1)]))
     assert recording["gx"].rate == pytest.approx(100)
     assert any("not joined" in note for note in recording.notes)
-
-
-def test_a_part_that_the_user_names_stays_alone(write):
+    # a part that the user names stays alone
     path = write(["sec", "nsec", "gx [rad/s]"], [SECONDS, NANO, *vector(0, 1)])
     assert any("resolution of 1 s" in str(finding) for finding in read(path, time="sec").findings)
     assert not any("joined" in note for note in read(path, time="none", rate=100).notes if "not" in note)
-
-
-def test_seconds_with_fractions_are_a_clock_of_their_own(write):
+    # seconds with fractions are a clock of their own
     path = write(["time_s", "time_ns", "gx [rad/s]"], [[i / 100 for i in range(300)], constant(5), *vector(0, 1)])
     recording = read(path)
     assert recording["gx"].rate == pytest.approx(100)

@@ -52,17 +52,15 @@ def test_whatever_the_type_the_numbers_come_back(save, array, order):
         assert np.array_equal(record.values, array[:, i])
 
 
-def test_one_channel(save):
+def test_one_channel_and_rows_that_are_channels_where_they_are_fewer(save):
     assert read(save(DATA[:, 0]), rate=100, unit="deg/s").channels == ("column 1",)
-
-
-def test_rows_are_channels_where_they_are_fewer(save):
     recording = read(save(DATA.T), rate=100, unit="deg/s")
     assert np.array_equal(recording[2].values, DATA[:, 2])
     assert any("3 rows of 50 values are used as channels" in note for note in recording.notes)
-
-
-def test_structured_fields_are_headers(save):
+    for options, asked in (({"unit": "deg/s"}, "rate=100"), ({"rate": 10}, "unit=")):
+        with pytest.raises(UsageError, match=asked):
+            read(save(DATA), **options)
+    # structured fields are headers
     array = np.zeros(50, dtype=[("time_us", "i8"), ("gyro_dps", "f4", 3), ("temp", "f4")])
     array["time_us"], array["gyro_dps"] = np.arange(50) * 10_000, DATA
     recording = read(save(array))
@@ -76,9 +74,6 @@ def test_archive(savez):
     assert recording.channels == ("gx_dps", "acc_mps2 1", "acc_mps2 2", "acc_mps2 3")
     assert [r.unit for r in recording] == ["deg/s"] + ["m/s^2"] * 3
     assert recording[0].rate == pytest.approx(100.0)
-
-
-def test_archive_with_a_rate(savez):
     recording = read(savez(gyro=DATA, rate=200.0, note=np.array("room 3")), unit="deg/s")
     assert recording[0].rate == 200.0
     assert any("rate 200.0 Hz from the number stored" in note for note in recording.notes)
@@ -139,13 +134,6 @@ def test_pickled_objects_are_never_loaded(tmp_path, name):
         with pytest.raises(DataError, match="pickled Python objects, which are never loaded"):
             read(file, rate=10, unit="deg/s")
     assert not hasattr(builtins, "allanite_was_fooled")
-
-
-def test_nothing_said(save):
-    with pytest.raises(UsageError, match="rate=100"):
-        read(save(DATA), unit="deg/s")
-    with pytest.raises(UsageError, match="unit="):
-        read(save(DATA), rate=10)
 
 
 @rows("kind", ["V0", "S0", "U0"])

@@ -105,12 +105,9 @@ CASES = {
     "fields with time": (fields, {"unit": "deg/s", "time": "time_s"}),
     "some channels": (fields, {"unit": "deg/s", "time": "time_s", "channels": ["gy"]}),
     "the rate overrides time": (fields, {"unit": "deg/s", "time": "none", "rate": 50.0, "channels": ["gx"]}),
-    "parquet": (table, {}),
-    "two columns are the clock": (epoch, {}),
-    "parquet of allanite": (written(".parquet"), {}),
-    "hdf5 of allanite": (written(".h5"), {}),
-    "hdf5 with time": (datasets, {}),
-    "raw": (raw, UNIT | {"dtype": ">f4", "columns": 3}),
+    "parquet": (table, {}), "two columns are the clock": (epoch, {}),
+    "parquet of allanite": (written(".parquet"), {}), "hdf5 of allanite": (written(".h5"), {}),
+    "hdf5 with time": (datasets, {}), "raw": (raw, UNIT | {"dtype": ">f4", "columns": 3}),
     "mixed rows": (mixed, UNIT | {"dtype": "u4,2i2", "channels": ["2", "3"]}),
     "points of an angle": (lambda folder: npy(folder, noise()[:, 0]), {"rate": RATE, "unit": "deg", "kind": "angle"}),
 }  # fmt: skip
@@ -120,19 +117,19 @@ CASES = {
 def short_head(monkeypatch):
     """The meaning of a file is found in its first rows, not in all of these short files."""
     for name in ("numpy_file", "raw", "parquet", "contained", "bag"):
-        monkeypatch.setattr(f"allanite.readers.formats.{name}.HEAD", 5000)
-    assert head.HEAD > 5000
+        monkeypatch.setattr(f"allanite.readers.formats.{name}.HEAD_ROWS", 5000)
+    assert head.HEAD_ROWS > 5000
 
 
 def gathered(path, size, choices):
     """The samples of each channel, the beat, notes and findings of a file read in parts."""
-    with opened(path, "1kB", choices) as reader:
-        found = [[np.empty(0)] for _ in reader.heads]
-        for lost, columns in reader.pieces(size):
-            for parts, values in zip(found, columns, strict=True):
-                parts += [np.full(lost, np.nan), values]
-        beat = reader.clock.beat()
-        return [np.concatenate(parts) for parts in found], beat, reader.sense.notes(beat), whole_findings(reader)
+    reader = opened(path, "1kB", choices)
+    found = [[np.empty(0)] for _ in reader.heads]
+    for lost, columns in reader.pieces(size):
+        for parts, values in zip(found, columns, strict=True):
+            parts += [np.full(lost, np.nan), values]
+    beat = reader.clock.beat()
+    return [np.concatenate(parts) for parts in found], beat, reader.sense.notes(beat), whole_findings(reader)
 
 
 @rows("case", CASES)
@@ -153,10 +150,10 @@ def test_parts_are_the_whole(case, tmp_path):
 def test_a_file_that_becomes_shorter_while_it_is_read_is_refused(case, tmp_path):
     make, choices = CASES[case]
     path = make(tmp_path)
-    with opened(path, "1kB", choices) as reader:
-        os.truncate(path, os.stat(path).st_size - 100)
-        with pytest.raises(DataError, match="ends in the middle of its numbers"):
-            list(reader.pieces(4096))
+    reader = opened(path, "1kB", choices)
+    os.truncate(path, os.stat(path).st_size - 100)
+    with pytest.raises(DataError, match="ends in the middle of its numbers"):
+        list(reader.pieces(4096))
 
 
 @settings(max_examples=examples(25), deadline=None)
@@ -198,8 +195,8 @@ def test_a_long_gap_takes_no_memory(tmp_path):
     time, values = np.arange(N) / RATE, noise()[:, 0]
     time[20_000:] += 1500.0
     path = npy(tmp_path, np.rec.fromarrays([time, values], names=["time_s", "gx"]))
-    with opened(path, "1kB", {"unit": "deg/s", "time": "time_s"}) as reader:
-        pieces = [(lost, columns[0].size) for lost, columns in reader.pieces(N)]
+    reader = opened(path, "1kB", {"unit": "deg/s", "time": "time_s"})
+    pieces = [(lost, columns[0].size) for lost, columns in reader.pieces(N)]
     assert pieces == [(0, 20_000), (150_000, 10_000)]
 
 
@@ -237,31 +234,24 @@ def test_a_damaged_stamp_is_mended_in_a_part_and_refused_at_its_end(tmp_path):
 def test_what_fits_is_read_as_a_whole(tmp_path):
     path = npy(tmp_path, noise())
     for memory in (None, "1TB", "7MB"):
-        with opened(path, memory, UNIT) as reader:
-            assert reader is None
-    with opened(path, "6MB", UNIT) as reader:
-        assert reader.rows == N
-
-
-def test_a_format_that_is_not_read_in_parts_is_refused_with_a_cure_that_works(tmp_path):
+        assert opened(path, memory, UNIT) is None
+    reader = opened(path, "6MB", UNIT)
+    assert reader.rows == N
+    # a format that is not read in parts is refused with a cure that works
     path = tmp_path / "a.npz"
     np.savez(path, noise())
     with pytest.raises(UsageError, match=r"may take 5\.\d+ MB of memory, of which 1 MB may be used") as error:
-        opened(path, "1MB", UNIT).__enter__()
+        opened(path, "1MB", UNIT)
     cure = str(error.value).partition("allow more with memory=")[2].strip("'")
-    with opened(path, cure, UNIT) as reader:
-        assert reader is None
+    assert opened(path, cure, UNIT) is None
     with pytest.raises(UsageError, match="not read in parts"):
         demand_memory(path, "1MB", UNIT)
     demand_memory(path, cure, UNIT)
-
-
-def test_what_fits_by_its_rows_is_not_refused_by_its_size(tmp_path):
+    # what fits by its rows is not refused by its size
     path = npy(tmp_path, np.column_stack([noise()] * 20))
     some = UNIT | {"channels": ["1"]}
     demand_memory(path, "3MB", some)  # 30000 samples of one channel
-    with opened(path, "3MB", some) as reader:
-        assert reader is None
+    assert opened(path, "3MB", some) is None
     with pytest.raises(UsageError, match=r"may take 2\.16 MB of memory.* and this job is not read in parts"):
         demand_memory(path, "2MB", some)
 

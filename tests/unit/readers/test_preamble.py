@@ -23,16 +23,13 @@ def write(tmp_path):
     return write
 
 
-@rows(
-    ("line", "rate"),
-    [
-        ("Sample rate: 100 Hz", 100), ("// Update Rate: 100.0Hz", 100), ("# fs = 250", 250), ("Fs: 2e2 Hz", 200),
-        ("Sampling Rate [Hz],100", 100), ("Sample Rate (Hz): 100", 100), ("Sampling frequency = 1.5 kHz", 1500),
-        ('"sample_rate","100"', 100), ("Sample interval: 0.01 s", 100), ("Sampling period: 10 ms", 100),
-        ("ODR 200Hz, range 250dps", 200), ("Частота дискретизации: 400 Гц", 400), ("Период опроса, мс: 10", 100),
-        ("采样率：100Hz", 100), ("采样间隔: 10 毫秒", 100), ("Sample Rate:\t100.00 samples/s", 100),
-    ],
-)  # fmt: skip
+@rows(("line", "rate"), [
+    ("Sample rate: 100 Hz", 100), ("// Update Rate: 100.0Hz", 100), ("# fs = 250", 250), ("Fs: 2e2 Hz", 200),
+    ("Sampling Rate [Hz],100", 100), ("Sample Rate (Hz): 100", 100), ("Sampling frequency = 1.5 kHz", 1500),
+    ('"sample_rate","100"', 100), ("Sample interval: 0.01 s", 100), ("Sampling period: 10 ms", 100),
+    ("ODR 200Hz, range 250dps", 200), ("Частота дискретизации: 400 Гц", 400), ("Период опроса, мс: 10", 100),
+    ("采样率：100Hz", 100), ("采样间隔: 10 毫秒", 100), ("Sample Rate:\t100.00 samples/s", 100),
+])  # fmt: skip
 def test_statements(line, rate):
     said = statement(7, line)
     assert said.rate == pytest.approx(rate)
@@ -65,9 +62,7 @@ def test_a_line_as_wide_as_the_rows_is_no_damaged_row(tmp_path):
     path = tmp_path / "gyro.txt"
     path.write_text("Sample rate: 100 Hz\n" + "\n".join(" ".join(map(str, [*row, *row])) for row in NOISE))
     assert read(path, unit="deg/s")["column 1"].rate == 100.0
-
-
-def test_a_comment_with_the_rate_names_no_column(tmp_path):
+    # a comment with the rate names no column
     path = tmp_path / "gyro.txt"
     path.write_text("# fs=100\n" + "\n".join(map(str, NOISE[:, 0])))
     assert read(path, unit="deg/s").channels == ("column 1",)

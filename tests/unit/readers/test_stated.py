@@ -117,9 +117,7 @@ def test_a_unit_against_the_header_is_a_warning_that_names_both(write):
     assert "another quantity" in str(other[0])
     same = read(write("time [s],wx [deg/s],wy,ax [g]"), unit="dps")
     assert not same.findings
-
-
-def test_a_rate_against_the_stamps_is_refused_or_a_warning_that_names_both(write):
+    # a rate against the stamps is refused or a warning that names both
     path = write("time [s],wx [deg/s],wy [deg/s],ax [g]")
     (close,) = found(read(path, rate=100.5), "given rate")
     for word in ("100.5 Hz", "100.0 Hz", "'time [s]'", "0.5 % apart"):

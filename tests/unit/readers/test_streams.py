@@ -5,9 +5,8 @@ import pytest
 
 from allanite.core.errors import UsageError
 from allanite.phrases.phrase import Phrase
-from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
-from allanite.readers.columns.streams import Stream
+from allanite.readers.columns.containers import Stream, stream_recording
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 
@@ -24,15 +23,15 @@ def stream(name, count=300, **about):
 
 
 def chosen(found, *channels):
-    notes = streams.recording(found, Options(channels=channels or None)).notes
+    notes = stream_recording(found, Options(channels=channels or None)).notes
     assert all(isinstance(note, Phrase) for note in notes)
     return next(note for note in notes if note.startswith("samples of ")).removeprefix("samples of ").split()[0]
 
 
 def test_the_likeliest_is_taken_if_it_is_long_enough():
-    known, named, other = stream("known", fits=2), stream("named"), stream("other", fits=0)
+    known, named, other = stream("known", likely=2), stream("named"), stream("other", likely=0)
     assert chosen([other, named, known]) == "known"
-    assert chosen([other, named, stream("known", 9, fits=2)]) == "named"
+    assert chosen([other, named, stream("known", 9, likely=2)]) == "named"
     with pytest.raises(UsageError, match=r"2 tables that may be meant.*named \(300 rows\), again \(300 rows\)"):
         chosen([other, named, stream("again")])
 
@@ -50,7 +49,7 @@ def test_names_may_begin_with_a_slash_and_differ_by_case_or_type():
 
 
 def test_what_cannot_be_decoded_is_refused_if_it_is_meant():
-    lost, other = stream("/imu", type="lab/Imu", fits=0, why="no definition"), stream("/gps", fits=0)
+    lost, other = stream("/imu", type="lab/Imu", likely=0, why="no definition"), stream("/gps", likely=0)
     with pytest.raises(UsageError, match=r"^/imu of type lab/Imu \(300 rows\) cannot be decoded: no definition$"):
         chosen([lost, other], "/imu")
     with pytest.raises(UsageError, match=r"^/imu .* cannot be decoded: no definition; no table .*channels='/imu'"):

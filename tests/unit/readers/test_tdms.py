@@ -59,9 +59,7 @@ def test_time_stamps_in_a_channel(tmp_path):
     recording = al.read(path)
     assert recording[0].rate == pytest.approx(50.0)
     assert np.array_equal(recording[0].values, GYRO[:, 0])
-
-
-def test_several_segments_and_an_index_of_another_file(tmp_path):
+    # several segments and an index of another file
     with nptdms.TdmsWriter(tmp_path / "a.tdms") as writer:
         for part in np.split(GYRO[:, 0], 5):
             writer.write_segment([nptdms.ChannelObject("Run", "gx", part, waveform("deg/s"))])

@@ -43,13 +43,11 @@ shapes = st.fixed_dictionaries(
         "delimiter": st.sampled_from([",", ";", "\t", " ", "   ", ", ", " \t "]),
         "style": st.sampled_from(sorted(HEADERS)),
         "clock": st.sampled_from([("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)]),
-        "ends": st.sampled_from(["\n", "\r\n", "\r"]),
-        "trailing": st.booleans(),
-        "bom": st.booleans(),
+        "ends": st.sampled_from(["\n", "\r\n", "\r"]), "trailing": st.booleans(), "bom": st.booleans(),
         "comment": st.sampled_from(["", "#", "%", "//"]),
         "final": st.booleans(),
     }
-)
+)  # fmt: skip
 
 
 def written(rows, shape):
@@ -110,9 +108,7 @@ def test_units_from_headers_are_noted(write):
     assert noted(recording, "unit deg/s from the header of 'gx [deg/s]'")
     assert noted(recording, "unit g from the header of 'ax [g]'")
     assert noted(recording, "left out", "'T [degC]'")
-
-
-def test_the_asked_unit_wins_with_a_note_but_not_over_the_other_sensor(write):
+    # the asked unit wins with a note but not over the other sensor
     path = write("gx [rad/s],ax [g],gy\n" + "1.5,2.5,0.5\n1.0,2.0,1.5\n" * 10)
     recording = read(path, rate=100, unit="deg/s")
     assert [record.unit for record in recording] == ["deg/s", "g", "deg/s"]
@@ -120,36 +116,26 @@ def test_the_asked_unit_wins_with_a_note_but_not_over_the_other_sensor(write):
     assert noted(recording, "unit g, which does not match deg/s", "ax [g]")
     chosen = read(path, rate=100, unit="deg/s", channels=["ax"])
     assert chosen["ax"].unit == "deg/s"
-
-
-def test_names_of_the_other_sensor_are_left_out(write):
+    # names of the other sensor are left out
     recording = read(write("gx,gy,ax,acc_z\n" + "1.5,2.5,0.5,9\n1.0,2.0,1.5,9\n" * 10), rate=100, unit="deg/s")
     assert recording.channels == ("gx", "gy")
     assert noted(recording, "left out", "accelerometer by its name", "'ax', 'acc_z'")
-
-
-def test_columns_whose_unit_is_known_are_taken_and_the_others_noted(write):
+    # columns whose unit is known are taken and the others noted
     recording = read(write("gx [deg/s],foo,roll [deg]\n" + "1.5,2.5,1\n1.0,2.0,2\n" * 10), rate=100)
     assert recording.channels == ("gx",)
     assert noted(recording, "left out", "the unit is unknown", "'foo'")
     assert noted(recording, "left out", "'roll [deg]'")
-
-
-def test_temperature_counters_and_compass_are_left_out(write):
+    # temperature counters and compass are left out
     names = "index,gx [deg/s],Temp1,temperature,packet_no,mag_x [G],count,status"
     recording = read(write(names + "\n" + "1,1.5,20,20,5,1,1,0\n2,1.25,21,20,7,1,2,0\n" * 10), rate=100)
     assert recording.channels == ("gx",)
     assert read(
         write(names + "\n" + "1,1.5,20,20,5,1,1,0\n2,1.25,21,20,7,1,2,0\n"), rate=9, unit="deg/s", channels="count"
     )
-
-
-def test_only_other_columns(write):
+    # only other columns
     with pytest.raises(UsageError, match=r"no column is recognized.*channels=.*'temp'"):
         read(write("temp,index\n" + "20.5,1\n20.75,2\n" * 10), rate=100, unit="deg/s")
-
-
-def test_repeated_names(write):
+    # repeated names
     recording = read(write("g [deg/s],g [deg/s],g [rad/s]\n" + "1.5,2.5,3.5\n2.5,1.5,4.5\n" * 5), rate=10)
     assert recording.channels == ("g", "g 2", "g 3")
 
@@ -157,45 +143,33 @@ def test_repeated_names(write):
 def test_units_in_a_second_row(write):
     recording = read(write("time,gx,ax,T\ns,deg/s,m/s2,degC\n0.0,1.5,9.5,20\n0.1,1.0,9.0,20\n0.2,1.5,9.5,20\n"))
     assert [(record.name, record.unit) for record in recording] == [("gx", "deg/s"), ("ax", "m/s2")]
-
-
-def test_header_in_a_comment(write):
+    # header in a comment
     text = "#timestamp [ns],w_RS_S_x [rad s^-1],a_RS_S_x [m s^-2]\n"
     rows = "".join(f"{1403636579758555392 + 5_000_000 * k},{k % 3}.5,9.{k % 4}\n" for k in range(20))
     recording = read(write(text + rows))
     assert recording.channels == ("w_RS_S_x", "a_RS_S_x")
     assert recording[0].rate == pytest.approx(200.0, rel=1e-12)
     assert noted(recording, "names from the comment on line 1")
-
-
-def test_header_with_blanks_in_a_file_with_blanks(write):
+    # header with blanks in a file with blanks
     recording = read(
         write("  time [s]   gx [deg/s]   gy (deg/s)\n  0.0  1.0 2.0\n  0.1 \t 1.5 2.5\n  0.2  1.0 2.5\n\n")
     )
     assert recording.channels == ("gx", "gy")
     assert recording["gy"].values.tolist() == [2.0, 2.5, 2.5]
-
-
-def test_preamble_is_passed_over_with_a_note(write):
+    # preamble is passed over with a note
     text = "Logger 7\nserial;17\n\ntime [s];gx [deg/s];gy [deg/s];\n0.0;1.0;2.0;\n0.1;1.5;2.5;\n0.2;1.0;2.0;\n"
     recording = read(write(text))
     assert recording.channels == ("gx", "gy")
     assert noted(recording, "2 lines above", "Logger 7")
-
-
-def test_decimal_commas(write):
+    # decimal commas
     recording = read(write("time [s];gx [deg/s]\n0,0;1,5\n0,1;-2,25\n0,2;1e-3\n"))
     assert recording["gx"].values.tolist() == [1.5, -2.25, 1e-3]
     assert noted(recording, "decimal sign is a comma")
-
-
-def test_plus_signs_blank_cells_and_nan(write):
+    # plus signs blank cells and nan
     recording = read(write("gx [deg/s],gy [deg/s]\n+1.5, 2\n , NaN\n-1.5,\n+2.5,nan\n"), rate=10)
     assert np.array_equal(recording["gx"].values, [1.5, np.nan, -1.5, 2.5], equal_nan=True)
     assert np.array_equal(recording["gy"].values, [2, np.nan, np.nan, np.nan], equal_nan=True)
-
-
-def test_quoted_cells_and_utf16(write):
+    # quoted cells and utf16
     text = '"time [s]","gx [deg/s]"\n"0.0","1.5"\n"0.1","2.5"\n"0.2","1.5"\n'
     assert read(write(text))["gx"].values.tolist() == [1.5, 2.5, 1.5]
     assert read(write(text.encode("utf-16")))["gx"].values.tolist() == [1.5, 2.5, 1.5]
@@ -208,16 +182,12 @@ def test_a_table_of_pandas_without_names(write):
     assert recording["0"].size == 20
     assert noted(recording, "used as column names")
     assert noted(recording, "left out", "'column 1'")
-
-
-def test_a_first_row_of_0_and_1_below_a_heading_is_a_row(write):
+    # a first row of 0 and 1 below a heading is a row
     for header, first in (("t [s],gx [deg/s]", "0,1"), ("t [s],gx [deg/s],gy [deg/s]", "0,1,2")):
         more = "".join(",".join([str(k / 4), str(k % 3), "0"][: first.count(",") + 1]) + "\n" for k in range(1, 30))
         record = read(write(f"{header}\n{first}\n{more}"))["gx"]
         assert (record.size, record.values[0], record.rate) == (30, 1, pytest.approx(4.0))
-
-
-def test_a_leading_clock_without_header_is_never_a_gyro(write):
+    # a leading clock without header is never a gyro
     path = write("".join(f"{k * 0.01:.2f} {k % 3}.5 {k % 4}.25\n" for k in range(50)))
     recording = read(path, rate=100, unit="deg/s")
     assert recording.channels == ("column 2", "column 3")
@@ -228,9 +198,7 @@ def test_a_leading_clock_without_header_is_never_a_gyro(write):
     assert timed.channels == ("column 2", "column 3")
     assert timed[0].rate == pytest.approx(100.0)
     assert read(path, rate=100, unit="deg/s", channels=["1", "3"]).channels == ("column 1", "column 3")
-
-
-def test_one_column(write):
+    # one column
     path = write("1.5\n2.5\n1.25\n" * 10)
     record = read(path, rate=100, unit="deg/s")["column 1"]
     assert (record.size, record.kind, record.rate) == (30, "rate", 100.0)
@@ -253,15 +221,11 @@ def test_a_row_of_another_width_is_named(write):
         read(write("gx,gy\n" + "1.5,2.5\n" * 29 + "1.5,2.5,3\n" + "1.5,2.5\n" * 20), rate=10, unit="deg/s")
     with pytest.raises(DataError, match=r"names 3 columns.*have 2"):
         read(write("gx,gy,gz\n" + "1.5,2.5\n" * 9), rate=10, unit="deg/s")
-
-
-def test_a_last_line_cut_off_is_left_out_with_a_note(write):
+    # a last line cut off is left out with a note
     recording = read(write("gx,gy\n" + "1.5,2.5\n" * 29 + "1."), rate=10, unit="deg/s")
     assert recording["gx"].size == 29
     assert noted(recording, "last line", "'1.'", "left out")
-
-
-def test_zero_bytes_beyond_the_head(write):
+    # zero bytes beyond the head
     with pytest.raises(DataError, match="zero byte"):
         read(write(b"gx\n" + b"1.5\n" * 30_000 + b"\0" * 10), rate=10, unit="deg/s")
 
@@ -401,9 +365,7 @@ def test_a_time_of_day_goes_past_midnight(write):
     recording = read(write("time,gx [deg/s]\n" + "".join(f"{c},{k % 7}.5\n" for k, c in enumerate(clock))))
     assert recording["gx"].rate == pytest.approx(10.0)
     assert recording.findings == ()
-
-
-def test_a_damaged_date_is_named(write):
+    # a damaged date is named
     rows = [f"2018-04-25 15:20:{k:02d}.5,{k % 3}.5" for k in range(60)]
     rows[30] = "yesterday,1.5"
     with pytest.raises(DataError, match="row 31 of the data, column 'time': 'yesterday' is not a date or time"):
@@ -435,7 +397,7 @@ def test_a_column_of_many_words_is_the_same_whether_it_is_kept_or_not(tmp_path, 
     path = tmp_path / "a.csv"
     path.write_text("gx [deg/s],words,few\n" + "".join(f"{k % 7}.5,w{k},w{k // 90_000}\n" for k in range(100_000)))
     kept = read(path, rate=100)
-    monkeypatch.setattr("allanite.readers.columns.parse.HEAD", 1 << 30)
+    monkeypatch.setattr("allanite.readers.columns.parse.JUDGED_BYTES", 1 << 30)
     whole = read(path, rate=100)
     assert kept.channels == whole.channels
     assert all(map(np.array_equal, kept, whole))

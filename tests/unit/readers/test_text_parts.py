@@ -105,7 +105,7 @@ def refusal(work):
 def short_parts(monkeypatch):
     monkeypatch.setattr(layout, "HEAD", 20_000)
     monkeypatch.setattr(lines, "FIRST", 40_000)
-    monkeypatch.setattr(lines, "BLOCK", 20_000)
+    monkeypatch.setattr(lines, "BLOCK_BYTES", 20_000)
 
 
 def file_of(folder, content):
@@ -146,14 +146,14 @@ def test_records_in_parts_are_those_of_the_whole(case, tmp_path):
     path = file_of(tmp_path, content)
 
     def gathered():
-        with opened(path, "1kB", choices) as reader:
-            pieces = list(reader.pieces(4096))
-            beat = reader.clock.beat()
-            filled = [
-                np.concatenate([np.r_[np.full(lost, np.nan), part[i]] if lost else part[i] for lost, part in pieces])
-                for i in range(len(reader.heads))
-            ]
-            return filled, beat, reader.sense.notes(beat), whole_findings(reader)
+        reader = opened(path, "1kB", choices)
+        pieces = list(reader.pieces(4096))
+        beat = reader.clock.beat()
+        filled = [
+            np.concatenate([np.r_[np.full(lost, np.nan), part[i]] if lost else part[i] for lost, part in pieces])
+            for i in range(len(reader.heads))
+        ]
+        return filled, beat, reader.sense.notes(beat), whole_findings(reader)
 
     if case in REFUSED:
         said = refusal(lambda: al.read(path, **choices))
@@ -186,9 +186,9 @@ def test_a_packed_text_is_read_in_parts(suffix, tmp_path):
     path = packed(tmp_path, suffix, PLAIN.encode())
     member = f"{path}::b.csv.gz" if suffix == ".zip" else path
     for name in (path, member):
-        with opened(name, "1kB", {}) as reader:
-            assert reader.rows == N
-            pieces = [columns for _, columns in reader.pieces(1000)]
+        reader = opened(name, "1kB", {})
+        assert reader.rows == N
+        pieces = [columns for _, columns in reader.pieces(1000)]
         assert np.array_equal(np.concatenate([columns[0] for columns in pieces]), GX)
 
 
@@ -197,13 +197,11 @@ def test_a_damaged_or_too_large_packing_is_refused_in_parts(tmp_path):
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2])
     with pytest.raises(DataError, match=r"the \.gz packing is damaged or was cut off"):
-        opened(path, "1kB", {}).__enter__()
+        opened(path, "1kB", {})
     path.write_bytes(gzip.compress(b"0.0,1.0\n" * (5 << 20)))
     with pytest.raises(DataError, match="unpacks to more than the limit of"):
-        opened(path, "1kB", UNIT | {"rate": 100.0}).__enter__()
-
-
-def test_lines_that_are_not_rows_are_not_read_in_parts(tmp_path):
+        opened(path, "1kB", UNIT | {"rate": 100.0})
+    # lines that are not rows are not read in parts
     options = Options(rate=100.0, unit="deg/s")
     wide = "\n".join(",".join(map(str, row)) for row in (GX[:2000], GY[:2000])) + "\n"
     alternating = "".join(f"{a} {b}\n{a}\n" for a, b in zip(GX, GY, strict=True))
@@ -216,12 +214,12 @@ READ = """
 import os, sys, tracemalloc
 from allanite.readers.columns import layout, lines
 from allanite.readers.parts import opened
-layout.HEAD, lines.FIRST, lines.BLOCK = 20_000, 40_000, 1 << 19
-with opened(sys.argv[1], "1MB", {"rate": 100.0}) as reader:
-    same = sum(1 for _ in reader.pieces())  # imports what it needs
+layout.HEAD, lines.FIRST, lines.BLOCK_BYTES = 20_000, 40_000, 1 << 19
+reader = opened(sys.argv[1], "1MB", {"rate": 100.0})
+same = sum(1 for _ in reader.pieces())  # imports what it needs
 tracemalloc.start()
-with opened(sys.argv[1], "1MB", {"rate": 100.0}) as reader:
-    same = sum(len(columns[0]) for _, columns in reader.pieces()) == reader.rows
+reader = opened(sys.argv[1], "1MB", {"rate": 100.0})
+same = sum(len(columns[0]) for _, columns in reader.pieces()) == reader.rows
 print(same, reader.rows, tracemalloc.get_traced_memory()[1], flush=True)
 os._exit(0)
 """

@@ -30,9 +30,7 @@ def test_the_refusal_lists_every_meaning_and_each_option_works(angles):
     for option in options:
         run = CliRunner().invoke(main, ["info", str(angles), "--channels", "az,tilt", *shlex.split(option)])
         assert run.exit_code == 0, (option, run.stderr)
-
-
-def test_the_refusal_in_python_names_arguments(angles):
+    # the refusal in python names arguments
     with pytest.raises(al.UsageError, match=r"kind='angle': .*kind='value': .*unit='arcmin/s': "):
         al.read(angles)
 
@@ -51,9 +49,7 @@ def test_values_are_all_columns_with_a_unit(angles):
         ("az", "angle", "arcmin"), ("tilt", "angle", "arcmin"), ("temp", "temperature", "degC")
     ]  # fmt: skip
     assert {r.kind for r in recording} == {"value"}
-
-
-def test_a_unit_selects_its_columns(angles):
+    # a unit selects its columns
     recording = al.read(angles, kind="value", unit="deg")
     assert recording.channels == ("az", "tilt")
     assert any("its unit 'degC' does not match deg" in note for note in recording.notes)
@@ -67,9 +63,7 @@ def test_columns_without_a_unit_are_asked_for(tmp_path):
         al.read(path, kind="value", rate=10.0)
     recording = al.read(path, kind="value", rate=10.0, unit="mV")
     assert [(r.name, r.signal.name) for r in recording] == [("a", "voltage")]
-
-
-def test_an_unknown_quantity_is_refused_by_its_unit(tmp_path):
+    # an unknown quantity is refused by its unit
     path = tmp_path / "odd.csv"
     np.savetxt(path, np.random.default_rng(1).standard_normal((500, 1)), "%.6g", ",", header="a [V/s]", comments="")
     with pytest.raises(al.UsageError, match="'V/s' is not a unit of a quantity that can be analyzed"):

@@ -77,16 +77,12 @@ def test_a_sheet_without_header_asks_for_rate_and_unit(tmp_path):
     with pytest.raises(UsageError, match=r"sampling rate.*unit is unknown"):
         al.read(path)
     assert al.read(path, rate=100, unit="deg/s")[0].size == 300
-
-
-def test_progress_is_told_while_sheets_are_read(tmp_path):
+    # progress is told while sheets are read
     shares = []
     rows = [[k * 0.01, *GYRO[k % 300].tolist(), 25.5] for k in range(2500)]
     al.read(workbook(tmp_path / "a.xlsx", Run=timed(0) + rows), progress=shares.append)
     assert [share for share in shares if 0 < share < 1] == pytest.approx([1000 / 2501, 2000 / 2501])
-
-
-def test_workbooks_without_numbers_and_damaged_ones(tmp_path):
+    # workbooks without numbers and damaged ones
     with pytest.raises(DataError, match="no sheet"):
         al.read(workbook(tmp_path / "a.xlsx", Notes=[["nothing"]]))
     whole = workbook(tmp_path / "a.xlsx", Run=timed()).read_bytes()
@@ -110,17 +106,13 @@ def replaced(folder, sheet):
 
 
 @pytest.mark.slow("takes more than half a second")
-@rows(
-    "sheet",
-    [
-        '<worksheet><sheetData><row r="99999999999"><c r="A1"><v>1</v></c></row></sheetData></worksheet>',
-        '<!DOCTYPE x [<!ENTITY a "aaaaaaaaaa">'
-        + "".join(f'<!ENTITY {b} "{("&" + a + ";") * 10}">' for a, b in zip("abcdefgh", "bcdefghi", strict=True))
-        + "]><worksheet><sheetData><row><c><v>&i;</v></c></row></sheetData></worksheet>",
-        "<worksheet><sheetData><row><c><v>" + "1" * 60_000_000 + "</v></c></row></sheetData></worksheet>",
-    ],
-    ids=["row number", "entities", "a long cell"],
-)
+@rows("sheet", [
+    '<worksheet><sheetData><row r="99999999999"><c r="A1"><v>1</v></c></row></sheetData></worksheet>',
+    '<!DOCTYPE x [<!ENTITY a "aaaaaaaaaa">'
+    + "".join(f'<!ENTITY {b} "{("&" + a + ";") * 10}">' for a, b in zip("abcdefgh", "bcdefghi", strict=True))
+    + "]><worksheet><sheetData><row><c><v>&i;</v></c></row></sheetData></worksheet>",
+    "<worksheet><sheetData><row><c><v>" + "1" * 60_000_000 + "</v></c></row></sheetData></worksheet>",
+], ids=["row number", "entities", "a long cell"])  # fmt: skip
 def test_bombs_are_refused(tmp_path, sheet):
     with pytest.raises(DataError, match=r"openpyxl failed|claims|no sheet"):
         al.read(replaced(tmp_path, sheet), rate=1, unit="deg/s")

@@ -24,29 +24,16 @@ h5py = pytest.importorskip("h5py")
 
 UNITS = {
     "rate": ["deg/s", "rad/s", "deg/h", "g", "m/s^2", "ug", "1"],
-    "increment": ["arcsec", "rad", "m/s", "s"],
-    "angle": ["arcsec", "deg", "rad", "m/s", "s"],
-    "count": ["arcsec", "urad", "ug*s"],
-    "value": ["arcsec", "m/s", "V", "mbar", "Hz", "s", "1"],
-}
+    "increment": ["arcsec", "rad", "m/s", "s"], "angle": ["arcsec", "deg", "rad", "m/s", "s"],
+    "count": ["arcsec", "urad", "ug*s"], "value": ["arcsec", "m/s", "V", "mbar", "Hz", "s", "1"],
+}  # fmt: skip
 NAMES = st.text(st.characters(exclude_categories=("Cs",)), max_size=12) | st.sampled_from(
     [
-        "time",
-        "t",
-        "rate",
-        "allanite",
-        "temperature",
-        "gx",
-        "gx [deg/s]",
-        "1",
-        "nan",
-        "a,b",
-        'say "x"',
-        "file",
+        "time", "t", "rate", "allanite", "temperature", "gx", "gx [deg/s]", "1", "nan", "a,b", 'say "x"', "file",
         "Gx",
         "#",
     ]
-)
+)  # fmt: skip
 POSITIVE = st.floats(1e-6, 1e9)
 FLOATS = st.floats(allow_nan=True, allow_infinity=True) | st.integers(-9, 9).map(float)
 

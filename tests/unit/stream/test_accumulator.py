@@ -15,6 +15,7 @@ from tests.rows import paired, rows
 import allanite as al
 from allanite.stream.accumulator import streamable
 from allanite.stream.coefficients import grid
+from allanite.stream.sums import basis
 
 RATE = 10.0
 N = 3000
@@ -234,3 +235,11 @@ def test_refusals_say_what_to_do():
         al.Accumulator(1.0, "deg/h").curve()
     with pytest.raises(al.UsageError, match="a noise model must be a Model"):
         stream.curve("auto").interval()
+
+
+def test_examples_of_the_parts_of_a_stream():
+    assert streamable() == ("oadev", "mdev", "tdev", "ohdev", "haar")
+    weights = basis(16)
+    assert weights.shape == (14, 32)
+    assert weights.sum(axis=1) == pytest.approx(0)
+    assert (weights**2).sum(axis=1) == pytest.approx(1)

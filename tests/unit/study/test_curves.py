@@ -66,14 +66,11 @@ def test_what_cannot_be_identified_has_limits_of_a_power_law_and_says_why(why):
     assert why in curve.supposed
 
 
-@rows(
-    ("noise", "words"),
-    [
-        (al.N(0.1, "deg/sqrt(h)"), "intervals under the given model N = 0.1 deg/sqrt(h)"),
-        ("auto", "intervals for the power law identified at each averaging time"),
-        (None, ""),
-    ],
-)
+@rows(("noise", "words"), [
+    (al.N(0.1, "deg/sqrt(h)"), "intervals under the given model N = 0.1 deg/sqrt(h)"),
+    ("auto", "intervals for the power law identified at each averaging time"),
+    (None, ""),
+])  # fmt: skip
 def test_a_curve_says_what_its_limits_suppose(noise, words):
     assert al.deviation(simulated(), noise=noise).supposed == words
 

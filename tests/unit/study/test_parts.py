@@ -42,7 +42,7 @@ def file(tmp_path_factory):
 
 @pytest.fixture(autouse=True)
 def short_parts(monkeypatch):
-    monkeypatch.setattr("allanite.readers.formats.numpy_file.HEAD", 20_000)
+    monkeypatch.setattr("allanite.readers.formats.numpy_file.HEAD_ROWS", 20_000)
     monkeypatch.setattr("allanite.readers.parts.AT_ONCE", 90_000)
 
 
@@ -186,20 +186,17 @@ def test_defects_are_found_wherever_they_are(tmp_path, monkeypatch):
         al.analyze(tmp_path / "worse.npy", PARTS)
 
 
-@rows(
-    ("recipe", "words"),
-    [
-        (
-            {"ranges": {"N": (0.1, 1.0)}, "method": "piecewise"},
-            "no method 'piecewise': only 'whittle', or allow more memory with memory=",
-        ),
-        ({"quiet_window": 100.0}, "no quiet_window: omit it"),
-        ({"method": "gls"}, "no method 'gls': only 'whittle'"),
-        ({"statistic": "theo1"}, "no 'theo1': choose one of oadev, mdev, tdev, ohdev, haar"),
-        ({"taus": "all"}, "the averaging times of taus= log or octave"),
-        ({"taus": (1.0, 10.0)}, "no averaging time 1 s; .* the nearest 0.96 s and 1.04 s"),
-    ],
-)
+@rows(("recipe", "words"), [
+    (
+        {"ranges": {"N": (0.1, 1.0)}, "method": "piecewise"},
+        "no method 'piecewise': only 'whittle', or allow more memory with memory=",
+    ),
+    ({"quiet_window": 100.0}, "no quiet_window: omit it"),
+    ({"method": "gls"}, "no method 'gls': only 'whittle'"),
+    ({"statistic": "theo1"}, "no 'theo1': choose one of oadev, mdev, tdev, ohdev, haar"),
+    ({"taus": "all"}, "the averaging times of taus= log or octave"),
+    ({"taus": (1.0, 10.0)}, "no averaging time 1 s; .* the nearest 0.96 s and 1.04 s"),
+])  # fmt: skip
 def test_what_needs_the_whole_is_refused_by_name(file, recipe, words):
     with pytest.raises(UsageError, match=words):
         al.analyze(file, Recipe(**HOW, memory="100kB", **recipe))

@@ -15,7 +15,10 @@ import allanite as al
 from allanite.cli import main
 from allanite.core.syntax import toml
 from allanite.reporting import plot, table
-from allanite.study.survey import Densities, survey
+from allanite.study.curves import of_record
+from allanite.study.modelled import PlanSettings, run_model_job
+from allanite.study.survey import Densities, Deviations, TheorySettings, expected_curves, survey
+from allanite.study.watching import lasting
 
 VERBS = {"deviation": "Curve", "spectrum": "Spectrum", "dynamic": "Surface"}
 
@@ -117,9 +120,7 @@ def test_dynamic_is_that_of_the_library(file):
     expected = al.dynamic(al.read(file)["x"], "adev", window=60.0, step=20.0).to("deg/h")
     assert [float(row["deviation"]) for row in found] == pytest.approx(expected.deviation.ravel().tolist())
     assert [float(row["time_s"]) for row in found[:: expected.tau.size]] == pytest.approx(expected.time.tolist())
-
-
-def test_a_long_table_is_cut_on_the_terminal_only(file):
+    # a long table is cut on the terminal only
     result = run("deviation", file, "--channels", "x", "--taus", "log", "--no-intervals")
     whole = cells(run("deviation", file, "--channels", "x", "--taus", "log", "--csv", "-").stdout)
     assert f"28 of {len(whole)} rows; --csv writes all" in result.stdout
@@ -267,3 +268,17 @@ def test_the_legend_stays_within_the_figure(record, fit, names):
         box = legend.get_window_extent()
         assert box.x0 >= 0
         assert box.x1 <= figure.bbox.x1
+
+
+def test_examples_of_the_parts_of_a_study():
+    words = of_record(al.Record([1.0, 3.0, 2.0, 5.0], rate=1.0, unit="deg/h")).words
+    assert words.startswith("intervals for the power law identified at each averaging time:")
+    plans = run_model_job(None, PlanSettings(sensor="fog"), al.Recipe(rate=100.0))
+    about = type(plans).__name__, plans[0].name, plans[0].result.names
+    assert about == ("RecordingPlans", "fog", ("Q", "N", "B", "K", "R"))
+    record = al.simulate(al.N(0.1, "deg/sqrt(h)"), 4000, 10.0, rng=np.random.default_rng(1), name="z")
+    values = survey(record, Deviations(("adev", "oadev"), intervals=False)).values
+    assert [(value.name, value.statistic) for value in values] == [("z", "adev"), ("z", "oadev")]
+    curves = expected_curves(None, TheorySettings(sensor="fog"), Deviations(("oadev", "ohdev"))).curves
+    assert [curve.statistic for curve in curves] == ["oadev", "ohdev"]
+    assert [lasting(seconds) for seconds in (5.3, 840.0, 7200.0)] == ["5.3 s", "14 min", "2 h"]

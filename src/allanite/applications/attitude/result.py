@@ -20,6 +20,7 @@ from allanite.extending import (
     UsageError,
     Value,
     chosen,
+    described,
     given,
     say,
     spelled,
@@ -38,6 +39,7 @@ SLOWER = 5.0
 """Time of the bias estimate over the time constant, where only the latter is given."""
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class VerticalSettings(VerticalChoices, Value):
     """Choices of a gyro-vertical.
@@ -46,18 +48,10 @@ class VerticalSettings(VerticalChoices, Value):
     ----------
     method : str
         A key of `FILTERS`.
-    time_constant : float, optional
-        s; by default the best for the identified noise.
     bias_time : float, optional
         1 / sqrt(k2), s, of a filter that estimates the gyro bias; by default five time constants where one is given.
-    gyro, accelerometer : str, optional
-        Noise models as `Model` reads them, instead of identified ones.
-    gate : float, optional
-        Innovation of the angle, deg, above which the accelerometers are ignored.
     samples : int
         Samples of the coning correction, 1 to 4.
-    keep_bias : bool
-        Whether the mean rates are kept; those of a static recording are subtracted otherwise.
     axes : str, optional
         Axes of the file that are forward, sideways and vertical, such as "y,-x,z"; by default "x,y,z", and a recording
         with gravity along another axis than z is refused.

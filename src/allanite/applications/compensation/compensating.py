@@ -28,13 +28,12 @@ from allanite.extending import (
     RecordResult,
     Source,
     deviation,
-    each_channel,
     inspect,
     join,
     noise_of,
     open_recording,
-    provenance_of,
     public,
+    run_together,
     say,
     stretches,
     trim,
@@ -227,11 +226,13 @@ def compensate_file(
         return replace(done, orders=tuple(orders))
 
     parts = 1 if apply_to is None else 2
-    channels = _each(here, saved or fitted, recipe, further=further, demand=True, progress=_part(progress, 0, parts))
-    provenance = provenance_of(here.signals)
+    study: CompensationStudy = _each(
+        partial(CompensationStudy, applied=(), settings=settings), here, saved or fitted, recipe, further=further,
+        demand=True, progress=_part(progress, 0, parts),
+    )  # fmt: skip
     if settings.beside is not None:
-        provenance |= {"regressors": here.along.source, "sha256 regressors": here.along.digest}
-    study = CompensationStudy(channels, recipe, here.findings, here.notes, provenance, (), settings)
+        beside = {"regressors": here.along.source, "sha256 regressors": here.along.digest}
+        study = replace(study, provenance=study.provenance | beside)
     if apply_to is None:
         return study
     other = _open(apply_to, recipe, replace(settings, beside=None), keys)
@@ -239,10 +240,10 @@ def compensate_file(
     findings = (replace(f, what=join(": ", (other.signals.source, f.what))) for f in other.findings)
     return replace(
         study,
-        applied=_each(other, known, recipe, progress=_part(progress, 1, parts)),
+        applied=_each(lambda channels, *_: channels, other, known, recipe, progress=_part(progress, 1, parts)),
         findings=(*study.findings, *findings),
         notes=tuple(dict.fromkeys((*study.notes, *other.notes))),
-        provenance=provenance | {"applied to": os.fspath(apply_to), "sha256 applied to": other.signals.digest},
+        provenance=study.provenance | {"applied to": os.fspath(apply_to), "sha256 applied to": other.signals.digest},
     )
 
 
@@ -268,6 +269,7 @@ def _open(path: Source, recipe: Recipe, settings: CompensationSettings, keys: tu
 
 
 def _each(
+    kind: Callable[..., Any],
     source: _Source,
     regressions: Mapping[str, Regression] | Callable[[Record], Regression],
     recipe: Recipe,
@@ -275,8 +277,8 @@ def _each(
     further: Callable[[Record, Compensated], Compensated] = lambda _, done: done,
     demand: bool = False,
     progress: Progress | None,
-) -> tuple[Compensated, ...]:
-    """Every channel corrected by the regression of its name, or by one that is fitted to it.
+) -> Any:
+    """What is made of every channel, corrected by the regression of its name or by one that is fitted to it.
 
     A record that follows a temperature may look as if it moved: whether it does is asked of what the correction leaves.
     """
@@ -307,10 +309,9 @@ def _each(
     def refused(seen: Inspected, why: str) -> Compensated:
         return Compensated(seen.record, refusal=why)
 
-    return each_channel(
-        [(record.name, (record,)) for record in source.signals], work, refused,
-        findings=source.findings, look=look, doing="correcting" if held else "fitting", demand=demand,
-        progress=progress,
+    return run_together(
+        kind, (source.signals,), recipe, work, refused, findings=source.findings, notes=source.along.notes, look=look,
+        doing="correcting" if held else "fitting", demand=demand, progress=progress,
     )  # fmt: skip
 
 

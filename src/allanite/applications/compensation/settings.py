@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from allanite.applications.choices import CompensationChoices, FitChoices
-from allanite.extending import TERMS, UsageError, Value, spelled
+from allanite.extending import TERMS, UsageError, Value, described, spelled
 
 from .regressor import TREND
 
@@ -13,6 +13,7 @@ ORDINARY = "QNBK"
 """Noise terms that may be present if none are named."""
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class FitSettings(FitChoices, Value):
     """How a regression is made.
@@ -23,14 +24,6 @@ class FitSettings(FitChoices, Value):
         Noise terms that may be present, for example "NK"; "auto" means QNBK. A ramp is not a noise: see the trend.
     smooth : float
         Length of the Hann window for derivatives, at least 60 s.
-    blocks : int
-        Blocks of the cross-validation.
-    every : bool
-        Keep every column; skip the selection by cross-validation.
-    split_gaps : bool
-        Fit the stretches between gaps, each with its own constant.
-    least : float
-        Effective samples required per regressor.
     """
 
     def __post_init__(self) -> None:
@@ -52,30 +45,17 @@ class FitSettings(FitChoices, Value):
         return ORDINARY if self.terms == "auto" else self.terms
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class CompensationSettings(CompensationChoices, Value):
     """The regressors and the settings of the fit.
 
     Attributes
     ----------
-    regressors : tuple of str
-        Channels that enter linearly.
-    degree : int
-        Highest power to try.
-    lags : tuple of float
-        Lags to try, s.
-    derivative_of : tuple of str
-        Channels whose time derivative enters.
-    trend : bool
-        Estimate a linear drift beside the regressors; it is never subtracted.
     fit : FitSettings
         For files, its noise terms are those of the recipe, unless it names some.
     beside : path or None
         File with the regressors, their units and times; by default the file of the record.
-    interpolate : bool
-        Interpolate regressors of another time base to the record's sample times.
-    use : path or None
-        A saved regression, used instead of a new fit.
     """
 
     fit: FitSettings = field(default_factory=FitSettings)

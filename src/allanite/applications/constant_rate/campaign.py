@@ -32,10 +32,10 @@ from allanite.extending import (
     Source,
     UsageError,
     Value,
-    each_channel,
+    described,
     open_recording,
-    provenance_of,
     public,
+    run_together,
     say,
     spelled,
     written,
@@ -51,6 +51,7 @@ FEWEST = 20
 """Intervals of a measuring time below which its scatter says little."""
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class RateSettings(RateChoices, Value):
     """What is measured of a recording.
@@ -59,20 +60,12 @@ class RateSettings(RateChoices, Value):
     ----------
     experiment : ExperimentSettings
         Intervals, methods, target; its `reference` is overruled by `latitude`.
-    noise : Model or None
-        The noise; identified if it is not given.
     signal : Signal or None
         The kind of sensor that `reference` and `bias` are of, if they are given.
     latitude : float or None
         Degrees. For a vertical axis the earth's rate is the reference, for a horizontal one north is found.
-    horizontal : bool
-        Whether the axis is horizontal.
-    turned, near : float
-        Degrees: from the first position to the second, and the approximate heading.
     position_method : str
         Estimator of the whole record, for north and the bias.
-    durations : tuple of float
-        Measuring times for the accuracy against time, s; none if empty.
     """
 
     experiment: ExperimentSettings = field(default_factory=ExperimentSettings)
@@ -210,15 +203,8 @@ def measure_rates(
     """
     recipe, settings = (recipe or Recipe()).but(choices), settings or RateSettings()
     recordings = [open_recording(s, recipe, progress=progress) for s in (source, second) if s is not None]
-    first = recordings[0]
-    groups = [(name, tuple(recording[name] for recording in recordings)) for name in first.channels]
-    findings = tuple(finding for recording in recordings for finding in recording.findings)
-    work = partial(_measured, recipe=recipe, settings=settings)
-    channels = each_channel(
-        groups, work, RateChannel.refused, findings=findings, doing="measuring", demand=True, progress=progress
-    )
-    notes = tuple(dict.fromkeys(note for recording in recordings for note in recording.notes))
-    return RateStudy(channels, recipe, findings, notes, provenance_of(*recordings), settings)
+    kind, work = partial(RateStudy, settings=settings), partial(_measured, recipe=recipe, settings=settings)
+    return run_together(kind, recordings, recipe, work, RateChannel.refused, doing="measuring", progress=progress)
 
 
 def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateChannel:

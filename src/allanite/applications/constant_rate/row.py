@@ -9,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from allanite.applications.choices import EstimatorChoices
-from allanite.extending import FloatArray, Model, Term, UsageError, Value, demand_name, say, spelled
+from allanite.extending import FloatArray, Model, Term, UsageError, Value, demand_name, described, say, spelled
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class EstimatorSettings(EstimatorChoices, Value):
     """Choices for individual estimators.
@@ -28,8 +29,6 @@ class EstimatorSettings(EstimatorChoices, Value):
         standard deviation of the slopes if omitted (the paper gives no value).
     quantum : float, optional
         For "staircase": size of a step of the angle, in the record's unit (for a rate: times s); counts need none.
-    certified : bool
-        For "staircase": search until no better staircase can exist, however long that takes.
     """
 
     allowed: float | None = None

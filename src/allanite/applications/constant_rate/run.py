@@ -19,6 +19,7 @@ from allanite.extending import (
     UsageError,
     Value,
     as_record,
+    described,
     given,
     join,
     public,
@@ -138,6 +139,7 @@ MOST = 120
 """Intervals of one measuring time, where times are compared: their scatter is known to 6.5 %; all seconds of 2 min."""
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class ExperimentSettings(IntervalChoices, Value):
     """Choices of an experiment.
@@ -148,14 +150,10 @@ class ExperimentSettings(IntervalChoices, Value):
         Length of an interval, s; the whole record if it is shorter.
     methods : tuple of str
         Names in `RATE_ESTIMATORS`.
-    target, dither, options
+    options
         As for `estimate`.
-    reference : float or None
-        The true rate, SI.
-    bias : float
-        A known bias, subtracted from every rate, SI.
-    most : int or None
-        Maximum number of intervals to measure, spread over the record.
+    reference, bias : float
+        The true rate, and a known bias, subtracted from every rate, SI.
     gaps : {"error", "split"}
         Whether to split the record at gaps, so that intervals contain no missing samples.
     """

@@ -35,17 +35,14 @@ _WRAPS = (8, 16, 32, 31)
 
 @dataclass(frozen=True, eq=False)
 class ClockSources:
-    """Sources of the sampling rate: time stamps and their unit, a counter of samples, a rate stated in the file.
-
-    `stated` is a nominal rate from lines of text, which applies only where there are no time stamps.
-    """
+    """Sources of the sampling rate: time stamps and their unit, a counter of samples, a rate stated in the file."""
 
     stamps: FileColumn | None = None
     unit: str = ""
     counter: FileColumn | None = None
     rate: float | None = None
     source: str = ""
-    stated: float | None = None
+    stated: float | None = None  # a nominal rate from lines of text, only for where there are no time stamps
     stated_source: str = ""
     notes: tuple[str, ...] = ()
 
@@ -115,15 +112,13 @@ def _by_name(columns: list[FileColumn]) -> tuple[FileColumn | None, str]:
         return (clocks[0][1], "") if clocks else (None, "")
     judged = [(steadiness(column.values), rank, i, column) for i, (rank, column) in enumerate(clocks)]
     best = min(judged, key=lambda item: (item[0].trouble, item[1], round(item[0].scatter, 1), item[2]))
-    said = join(
+    candidates = join(
         ", ", (say("{column} {quality}", column=column.label, quality=how.words) for how, _, _, column in judged)
     )
     return best[3], say(
         "{column} is used as the clock, of {count} candidates in the file: {candidates}",
-        column=best[3].label,
-        count=len(clocks),
-        candidates=said,
-    )
+        column=best[3].label, count=len(clocks), candidates=candidates,
+    )  # fmt: skip
 
 
 def _said(column: FileColumn) -> str:
@@ -166,13 +161,7 @@ def counting(columns: Iterable[FileColumn]) -> FileColumn | None:
 
 
 def unwrapped(values: NDArray[Any]) -> tuple[NDArray[Any], int]:
-    """Unwrapped integers that start again at a power of two, and the exponent; 0 if they never wrap.
-
-    Examples
-    --------
-    >>> unwrapped(np.array([250, 253, 0, 3, 6]))
-    (array([250, 253, 256, 259, 262]), 8)
-    """
+    """Unwrapped integers that start again at a power of two, and the exponent; 0 if they never wrap."""
     if not np.issubdtype(values.dtype, np.integer) or len(values) < 2:
         return values, 0
     steps = np.diff(values.astype(np.int64))
@@ -208,8 +197,6 @@ def counted_grid(column: FileColumn | None, interval: float) -> SampleGrid | Non
     if column is None or where is None:
         return None
     return SampleGrid(
-        interval,
-        None,
-        where,
+        interval, None, where,
         (lost_samples(where, interval, say("according to the counter {column}", column=column.label)),),
-    )
+    )  # fmt: skip

@@ -244,13 +244,7 @@ def drift(stamps: Stamps, departure: FloatArray) -> tuple[Finding, ...]:
 
 
 def duration(seconds: float) -> str:
-    """A short time with its unit.
-
-    Examples
-    --------
-    >>> duration(1.0), duration(0.0025), duration(2e-6), duration(0.0)
-    ('1 s', '2.5 ms', '2 us', '0 s')
-    """
+    """A short time with its unit."""
     for size, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us")):
         if abs(seconds) >= 0.9995 * size:
             return f"{seconds / size:.4g} {unit}"

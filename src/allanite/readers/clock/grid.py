@@ -22,31 +22,19 @@ RESOLUTIONS = (60.0, 10.0, 1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5, 1e-6)
 PART = 10_000
 """Number of time stamps around the middle of the record that decide between estimates of the interval."""
 
-AHEAD = (16, 1024, 1024, 1024)
+STAMPS_AHEAD = (16, 1024, 1024, 1024)
 """Number of time stamps that must stay close to the grid: a wrong interval drifts away within a few."""
 
 
 @dataclass(frozen=True, eq=False)
 class SampleGrid:
-    """An even grid of sampling times.
+    """An even grid of sampling times."""
 
-    `interval` is the time in s between the first and the last time stamp over the number of intervals, missing ones
-    included. `rows` are the rows kept, in order of time (None: all, in the order of the file), `places` their positions
-    on the grid (None: consecutive). `findings` describe defects of the time stamps, `trouble` why they give no rate
-    (empty: they do).
-
-    Examples
-    --------
-    >>> grid = SampleGrid(0.01, places=np.array([0, 1, 3]))
-    >>> grid.lost, grid.put(np.array([5.0, 6.0, 7.0]))
-    (1, array([ 5.,  6., nan,  7.]))
-    """
-
-    interval: float = 0.0
-    rows: Places | None = None
-    places: Places | None = None
-    findings: tuple[Finding, ...] = ()
-    trouble: str = ""
+    interval: float = 0.0  # s, between the first and the last time stamp over the intervals, missing ones included
+    rows: Places | None = None  # those kept, in order of time; None: all, in the order of the file
+    places: Places | None = None  # of the rows on the grid; None: consecutive
+    findings: tuple[Finding, ...] = ()  # defects of the time stamps
+    trouble: str = ""  # why they give no rate; empty if they do
 
     @property
     def lost(self) -> int:
@@ -77,13 +65,7 @@ ONE_AFTER_THE_OTHER = SampleGrid()
 
 
 def resolution(steps: FloatArray) -> float:
-    """The largest typical step of which all steps are multiples; 0 if there is none.
-
-    Examples
-    --------
-    >>> resolution(np.array([0.002, 0.003, 0.0, 0.002])), resolution(np.ones(3) / 7)
-    (0.001, 0.0)
-    """
+    """The largest typical step of which all steps are multiples; 0 if there is none."""
     ends = steps[steps > 0][:10_000]
     for step in RESOLUTIONS if ends.size else ():
         multiples = ends / step
@@ -97,7 +79,7 @@ class Pace(NamedTuple):
 
     interval: float
     shift: Places
-    left: FloatArray
+    residual: FloatArray
 
     @property
     def bursts(self) -> bool:
@@ -107,10 +89,8 @@ class Pace(NamedTuple):
 
 
 def pace(elapsed: FloatArray, rows: Places, slack: float) -> Pace:
-    """The grid of increasing time stamps in s, shape (n,), of rows with these numbers.
-
-    Deviations of up to `slack` intervals are not gaps.
-    """
+    """The grid of increasing time stamps in s, shape (n,), of rows with these numbers."""
+    # Deviations of up to `slack` intervals are not gaps.
     middle = slice(max(0, rows.size // 2 - PART), rows.size // 2 + PART)
     near, where = elapsed[middle], rows[middle]
     steps = np.diff(near) / np.diff(where)
@@ -119,22 +99,22 @@ def pace(elapsed: FloatArray, rows: Places, slack: float) -> Pace:
     for usual in (float(np.quantile(steps, share)) for share in (0.5, 0.1)):
         typical = steps[(steps > 0.4 * usual) & (steps < 1.6 * usual)]
         guesses.append(float(typical.mean()) if typical.size else usual)
-    found = [_refined(near, where, guess, slack) for guess in guesses if guess > 0]
+    paces = [_refined(near, where, guess, slack) for guess in guesses if guess > 0]
     floor = resolution(steps) / math.sqrt(12)
-    shortest = min(found, key=lambda one: _length(one, where, floor))
+    shortest = min(paces, key=lambda one: _length(one, where, floor))
     return _refined(elapsed, rows, shortest.interval, slack)
 
 
 def _length(found: Pace, rows: Places, floor: float) -> float:
     """For a description of the time stamps: the deviation beyond their rounding, and the occupied grid points."""
-    interval, shift, left = found
+    interval, shift, residual = found
     lost, count = int(shift[-1]), int(rows[-1] - rows[0])
     # any time stamps fit a grid of their own last digit; one step is then no more frequent than two
     if lost > 0.4 * (count + lost) and np.bincount(np.clip(np.diff(rows + shift), 0, 9)).argmax() != 1:
         return math.inf
-    off = np.where(np.diff(shift, prepend=0) < 0, 1.0, np.clip(left, -1, 1))
-    residual = max(interval * float(np.sqrt(np.square(off).mean())), floor, 1e-9 * interval)
-    return math.log(residual) + math.log(max(count + lost, 1))
+    off = np.where(np.diff(shift, prepend=0) < 0, 1.0, np.clip(residual, -1, 1))
+    scatter = max(interval * float(np.sqrt(np.square(off).mean())), floor, 1e-9 * interval)
+    return math.log(scatter) + math.log(max(count + lost, 1))
 
 
 def _refined(elapsed: FloatArray, rows: Places, interval: float, slack: float) -> Pace:
@@ -142,10 +122,10 @@ def _refined(elapsed: FloatArray, rows: Places, interval: float, slack: float) -
     from allanite.kernels.passing import followed
 
     span, count = float(elapsed[-1] - elapsed[0]), int(rows[-1] - rows[0])
-    for ahead in AHEAD:
+    for ahead in STAMPS_AHEAD:
         shift, _ = followed(elapsed / interval, rows, ahead, slack)
         counted = count + int(shift[-1])
         if counted < 1 or interval == span / counted:
             break
         interval = span / counted
-    return Pace(interval, *followed(elapsed / interval, rows, AHEAD[-1], slack))
+    return Pace(interval, *followed(elapsed / interval, rows, STAMPS_AHEAD[-1], slack))

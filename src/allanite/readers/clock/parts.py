@@ -18,7 +18,7 @@ from .grid import Places, SampleGrid
 from .sampling_rate import Beat, Stamped, settled, stamped
 from .stamps import Damage, fit, mended, seconds_since
 
-ENOUGH = 1024
+LEAST_ROWS = 1024
 """Rows of a part whose interval is found anew; in fewer rows, that of the head is used."""
 
 LONG = 1 << 16
@@ -30,12 +30,9 @@ Piece = tuple[int, list[NDArray[Any]]]
 
 @dataclass
 class Clock:
-    """Places the rows of successive parts on one grid; `beat` is what the whole says at the end.
+    """Places the rows of successive parts on one grid; `beat` is what the whole says at the end."""
 
-    `head` are the time stamps of the first rows, or the beat where there are none.
-    """
-
-    head: Stamped | Beat
+    head: Stamped | Beat  # the time stamps of the first rows, or the beat where there are none
     interval: float = 0.0
     rows: int = 0
     place: int = 0
@@ -77,9 +74,9 @@ class Clock:
             return settled(self.head, SampleGrid(trouble=self._trouble), 0)
         interval = self.interval if self.parts == 1 else self.elapsed / self.place
         lost = (self._lost(interval),) if self._holes.count else ()
-        found = (*self._damage.findings(self.head.column.label), *lost,
-                 *(self._words(*one) for one in self._found.values()), *self._drift())  # fmt: skip
-        return settled(self.head, SampleGrid(interval, findings=found), self._holes.lost)
+        findings = (*self._damage.findings(self.head.column.label), *lost,
+                 *(self._words(*counted) for counted in self._found.values()), *self._drift())  # fmt: skip
+        return settled(self.head, SampleGrid(interval, findings=findings), self._holes.lost)
 
     @property
     def history(self) -> tuple[str, ...]:
@@ -115,10 +112,10 @@ class Clock:
         first = grid.rows is None or not grid.rows.size or int(grid.rows[0]) == 0
         if not grid.trouble and not first:
             grid = replace(grid, trouble=say("rows are out of order over more than a part of the file"))
-        for one in grid.findings:
-            if one.name != "missing samples":
-                before, count = self._found.get(one.name, (self._at(one), 0))
-                self._found[one.name] = (before, count + 1)
+        for defect in grid.findings:
+            if defect.name != "missing samples":
+                before, count = self._found.get(defect.name, (self._at(defect), 0))
+                self._found[defect.name] = (before, count + 1)
         if grid.trouble:
             self._trouble = say("from row {row} on: {what}", row=self.rows + 1, what=grid.trouble)
             self.beat()  # an error, unless the rate is given
@@ -132,7 +129,7 @@ class Clock:
     def _short(self, elapsed: NDArray[np.float64]) -> SampleGrid | None:
         """The grid of a few rows, whose interval is known."""
         steps = np.diff(elapsed)
-        if len(elapsed) >= ENOUGH or not self.interval or not np.all(steps > 0):
+        if len(elapsed) >= LEAST_ROWS or not self.interval or not np.all(steps > 0):
             return None
         places = np.concatenate(([0], np.cumsum(np.maximum(1, np.rint(steps / self.interval)))))
         return SampleGrid(self.interval, None, places.astype(np.int64))

@@ -61,23 +61,21 @@ class Stamped(NamedTuple):
 
 
 def beat(sources: ClockSources, rate: float | None, repeated: Callable[[], NDArray[np.bool_]]) -> Beat:
-    """The sampling rate, and the grid of the rows: from the user's `rate`, otherwise from `sources`.
-
-    `repeated` marks rows with the same samples as the row before, shape (n - 1,).
-    """
-    seen = stamped(sources, rate)
-    if isinstance(seen, Beat):
-        return seen
-    elapsed = seconds_since(seen.stamps, seen.unit)
+    """The sampling rate, and the grid of the rows: from the user's `rate`, otherwise from `sources`."""
+    # `repeated` marks rows with the same samples as the row before, shape (n - 1,).
+    clock = stamped(sources, rate)
+    if isinstance(clock, Beat):
+        return clock
+    elapsed = seconds_since(clock.stamps, clock.unit)
     where = None if sources.counter is None else places(sources.counter)
     grid = None
     if where is not None and elapsed[-1] > 0 and np.isfinite(elapsed[-1]):
         grid = counted_grid(sources.counter, float(elapsed[-1]) / int(where[-1]))
-    grid = grid or fit(elapsed, seen.column.label, repeated)
-    if grid.trouble and not seen.given and not elapsed.any():
+    grid = grid or fit(elapsed, clock.column.label, repeated)
+    if grid.trouble and not clock.given and not elapsed.any():
         return Beat(questions=(say("{trouble} and give no rate: {advice}", trouble=grid.trouble, advice=_ask()),))
-    findings = (*seen.damage.findings(seen.column.label), *grid.findings)
-    return settled(seen, replace(grid, findings=findings), grid.lost)
+    findings = (*clock.damage.findings(clock.column.label), *grid.findings)
+    return settled(clock, replace(grid, findings=findings), grid.lost)
 
 
 def stamped(sources: ClockSources, rate: float | None) -> Stamped | Beat:
@@ -128,21 +126,16 @@ def settled(seen: Stamped, grid: SampleGrid, lost: int) -> Beat:
     """The beat of time stamps by their grid, on which so many samples are missing."""
     given, label = seen.given, seen.column.label
     if grid.trouble and not given:
-        raise DataError(
-            say(
-                "{trouble}; {advice}, or {option} for another column",
-                trouble=grid.trouble,
-                advice=_rows(),
-                option=spelled("--time COLUMN", "time=..."),
-            )
-        )
+        raise DataError(say(
+            "{trouble}; {advice}, or {option} for another column",
+            trouble=grid.trouble, advice=_rows(), option=spelled("--time COLUMN", "time=..."),
+        ))  # fmt: skip
     if grid.trouble:
         return Beat(
             float(given or 0),
             notes=(*seen.first, say("{trouble}; the rows are assumed to be evenly spaced", trouble=grid.trouble)),
-            grid=grid,
-            contradictions=seen.against,
-        )
+            grid=grid, contradictions=seen.against,
+        )  # fmt: skip
     measured = 1 / grid.interval
     if seen.rate and _apart(seen.rate, measured, REFUSED):
         raise UsageError(
@@ -150,8 +143,7 @@ def settled(seen: Stamped, grid: SampleGrid, lost: int) -> Beat:
                 "the rate given, {rate} Hz, contradicts the time stamps of {column}, {measured} Hz{guessed}: omit it, "
                 "or ignore the time stamps with {option}",
                 rate=_shown(seen.rate), column=label, measured=_shown(measured),
-                guessed=f" ({seen.guessed})" if seen.guessed else "",
-                option=spelled("--time none", "time='none'"),
+                guessed=f" ({seen.guessed})" if seen.guessed else "", option=spelled("--time none", "time='none'"),
             ),
             choice="time", cure=("", "--time none"),
         )  # fmt: skip
@@ -160,8 +152,8 @@ def settled(seen: Stamped, grid: SampleGrid, lost: int) -> Beat:
     if given is None and _apart(measured, stated, NOMINAL):
         differing = (_contradiction(measured, stated or 0.0, seen.sources.stated_source),)
     origin = seen.stamps[0] if grid.rows is None else seen.stamps[grid.rows[0]]
-    said = (*seen.first, *seen.again, *notes)
-    return Beat(given or measured, float(origin) * unit_of(seen.unit).factor, said, (), grid,
+    assumed = (*seen.first, *seen.again, *notes)
+    return Beat(given or measured, float(origin) * unit_of(seen.unit).factor, assumed, (), grid,
                 (*seen.against, *differing))  # fmt: skip
 
 
@@ -191,11 +183,10 @@ def _contradiction(rate: float, other: float, source: str, told: Sequence[str] =
         rate=_shown(rate), source=source, other=_shown(other), apart=apart,
     )  # fmt: skip
     return Finding(
-        say("given rate"),
-        join(", ", (used, *told)),
+        say("given rate"), join(", ", (used, *told)),
         say("if the other is right, averaging times are wrong by that ratio, and coefficients by a power of it"),
         say("find out which is right, and give it with {option}", option=spelled("--rate HZ", "rate=...")),
-    )
+    )  # fmt: skip
 
 
 def _unstamped(sources: ClockSources, given: float | None, notes: tuple[str, ...]) -> Beat:

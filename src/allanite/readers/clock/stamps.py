@@ -22,21 +22,15 @@ with one row and in time with the next."""
 RARE = 0.01
 """Share of rows, at most, that are damaged: a clock with more of them is not one that is otherwise even."""
 
-FEWEST = 10
+FEWEST_STAMPS = 10
 """Rows from which on it is known what the usual interval is."""
 
 
 @np.errstate(all="ignore")  # of stamps that no clock counts
 def mended(stamps: NDArray[Any], known: int = 0) -> tuple[NDArray[Any], Places]:
-    """The stamps with damaged ones set by their neighbours, and the rows of these, from 0; the `known` first are sound.
-
-    Examples
-    --------
-    >>> mended(np.array([10, 20, 30, 40, 5, 60, 70, 80, 90, 100]))
-    (array([ 10,  20,  30,  40,  50,  60,  70,  80,  90, 100]), array([4]))
-    """
+    """The stamps with damaged ones set by their neighbours, and the rows of these; the `known` first are sound."""
     size, none = len(stamps), np.zeros(0, dtype=np.int64)
-    if size < FEWEST:
+    if size < FEWEST_STAMPS:
         return stamps, none
     t = stamps.astype(np.float64)
     steps = np.diff(t)
@@ -101,7 +95,7 @@ TICKS = 0.2
 MOST_LOST = 0.9
 """Share of missing samples above which time stamps are not trusted: a clock that was set leaves such gaps."""
 
-LONGEST = 1e15
+LONGEST_TIME = 1e15
 """Seconds by which the time stamps of a recording differ at most; beyond, no clock has counted them, nor float64."""
 
 
@@ -125,7 +119,7 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
             column=label, count=int(bad.sum()), size=bad.size, where=where,
         )  # fmt: skip
         return SampleGrid(trouble=trouble)
-    if np.abs(elapsed).max() > LONGEST:
+    if np.abs(elapsed).max() > LONGEST_TIME:
         row = int(np.argmax(np.abs(elapsed[1:] / 2 - elapsed[:-1] / 2)))  # halves, whose difference is finite
         step = 2 * (elapsed[row + 1] / 2 - elapsed[row] / 2)
         trouble = say("the time stamps of {column} jump by {step:.3g} s before row {row} of the data", column=label,
@@ -148,8 +142,8 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
             "data",
             row=first + 1,
         )
-        found = finding("duplicate time stamps", what, consequence=say("each is used once"))
-        return replace(grid, rows=rows if grid.rows is None else rows[grid.rows], findings=(found, *grid.findings))
+        duplicate = finding("duplicate time stamps", what, consequence=say("each is used once"))
+        return replace(grid, rows=rows if grid.rows is None else rows[grid.rows], findings=(duplicate, *grid.findings))
     return _reversed(stamps) if stamps.steps.min() < 0 else _forward(stamps)
 
 
@@ -169,10 +163,10 @@ def _reversed(stamps: Stamps) -> SampleGrid:
     grid = None if ordered.steps.min() < 0.3 * float(np.median(ordered.steps)) else _forward(ordered)
     doubtful = {"jitter", "bursty time stamps", "coarse time stamps"}
     # the grid may show that this order is right
-    if grid is not None and not grid.trouble and doubtful.isdisjoint(found.name for found in grid.findings):
-        said = say("sorted, they are evenly spaced: the rows were out of order and have been sorted by time")
-        found = finding("reversed time stamps", what, consequence=said, remedy=say("check the logger"))
-        return replace(grid, rows=order, findings=(found, *grid.findings))
+    if grid is not None and not grid.trouble and doubtful.isdisjoint(defect.name for defect in grid.findings):
+        sorted_rows = say("sorted, they are evenly spaced: the rows were out of order and have been sorted by time")
+        reversed_stamps = finding("reversed time stamps", what, consequence=sorted_rows, remedy=say("check the logger"))
+        return replace(grid, rows=order, findings=(reversed_stamps, *grid.findings))
     if stamps.mean > 0 and -stamps.steps.min() < 10 * stamps.mean and np.abs(stamps.departure).max() < 20:
         return SampleGrid(stamps.mean, findings=(finding("reversed time stamps", what),))
     why = say("{what}: a clock that was set, two recordings in one file, or rows out of order", what=what)
@@ -188,8 +182,8 @@ def _forward(stamps: Stamps) -> SampleGrid:
     if np.abs(stamps.departure).max() <= EVEN and stamps.steps.max() < (1 + EVEN) * mean:
         return even
     rows = np.arange(stamps.elapsed.size)
-    found = pace(stamps.elapsed, rows, EVEN)
-    if found.bursts or float((np.abs(found.left) > EVEN).mean()) > 0.05:
+    fitted = pace(stamps.elapsed, rows, EVEN)
+    if fitted.bursts or float((np.abs(fitted.residual) > EVEN).mean()) > 0.05:
         steady = 1 / BURSTY < mean / float(np.median(stamps.steps)) < BURSTY
         long = PAUSE * float(np.quantile(stamps.steps, 0.99))
         if steady or stamps.steps.max() <= long:
@@ -197,10 +191,10 @@ def _forward(stamps: Stamps) -> SampleGrid:
         # the samples missing in pauses that bursts do not explain
         kept = pace(stamps.elapsed, rows, long / mean)
         return _with_losses(stamps, kept.interval, rows + kept.shift, (*again, bursty(stamps, kept.interval)))
-    places = rows + found.shift
-    wander = drift(stamps, stamps.elapsed / found.interval - places)
-    scatter = tuple(one for one in unsteady(stamps, found.left, found.interval) if one.name == "jitter")
-    return _with_losses(stamps, found.interval, places, (*again, *scatter, *wander))
+    places = rows + fitted.shift
+    wander = drift(stamps, stamps.elapsed / fitted.interval - places)
+    scatter = tuple(defect for defect in unsteady(stamps, fitted.residual, fitted.interval) if defect.name == "jitter")
+    return _with_losses(stamps, fitted.interval, places, (*again, *scatter, *wander))
 
 
 def _in_ticks(stamps: Stamps) -> SampleGrid:
@@ -210,38 +204,34 @@ def _in_ticks(stamps: Stamps) -> SampleGrid:
     if changes.size < 3:
         what = say(
             "the time stamps of {column} change {count} times in {size} rows",
-            column=label,
-            count=changes.size,
-            size=elapsed.size,
-        )
+            column=label, count=changes.size, size=elapsed.size,
+        )  # fmt: skip
         return SampleGrid(
             findings=(finding("coarse time stamps", what),), trouble=say("{what}: too coarse for the rate", what=what)
         )
-    found = pace(elapsed[changes], changes, 1 + EVEN)
+    fitted = pace(elapsed[changes], changes, 1 + EVEN)
     each = f"{elapsed.size / (changes.size + 1):.3g}"
-    if stamps.resolution > 0.5 * found.interval and not found.bursts:
+    if stamps.resolution > 0.5 * fitted.interval and not fitted.bursts:
         coarse = finding(
             "coarse time stamps",
             say(
                 "time stamps with a resolution of {length} in {column}, {each} rows per step",
-                length=duration(stamps.resolution),
-                column=label,
-                each=each,
+                length=duration(stamps.resolution), column=label, each=each,
             ),
-        )
+        )  # fmt: skip
     else:
         coarse = finding(
             "bursty time stamps",
             say("bursty time stamps in {column}: groups of {each} equal ones", column=label, each=each),
         )
-    if found.bursts or float((np.abs(found.left) > 1 + EVEN).mean()) > 0.05:
+    if fitted.bursts or float((np.abs(fitted.residual) > 1 + EVEN).mean()) > 0.05:
         span = float(elapsed[changes[-1]] - elapsed[changes[0]])
         return SampleGrid(span / int(changes[-1] - changes[0]), findings=(coarse,))
     ahead = np.zeros(elapsed.size, dtype=np.int64)
-    ahead[changes] = np.diff(found.shift, prepend=0)
+    ahead[changes] = np.diff(fitted.shift, prepend=0)
     places = np.arange(elapsed.size) + np.cumsum(ahead)
-    wander = drift(stamps, elapsed[changes] / found.interval - places[changes])
-    return _with_losses(stamps, found.interval, places, (coarse, *wander))
+    wander = drift(stamps, elapsed[changes] / fitted.interval - places[changes])
+    return _with_losses(stamps, fitted.interval, places, (coarse, *wander))
 
 
 def _with_losses(stamps: Stamps, interval: float, places: Places, found: tuple[Finding, ...]) -> SampleGrid:
@@ -250,20 +240,16 @@ def _with_losses(stamps: Stamps, interval: float, places: Places, found: tuple[F
     if gaps.min() < 1:
         what = say(
             "up to row {row} of the data there are more rows than the time stamps of {column} allow",
-            row=int(np.argmin(gaps)) + 2,
-            column=stamps.label,
-        )
+            row=int(np.argmin(gaps)) + 2, column=stamps.label,
+        )  # fmt: skip
         return SampleGrid(findings=(*found, finding("duplicate time stamps", what)), trouble=what)
     lost, row = int(places[-1]) + 1 - places.size, int(np.argmax(gaps))
     if lost > MOST_LOST * places[-1]:
         what = say(
             "the time stamps of {column} jump by {step:.6g} s before row {row} of the data, and {share:.4g} % "
             "of all samples would be missing: the clock was set, or the logger was stopped",
-            column=stamps.label,
-            step=stamps.steps[row],
-            row=row + 2,
-            share=100 * lost / int(places[-1]),
-        )
+            column=stamps.label, step=stamps.steps[row], row=row + 2, share=100 * lost / int(places[-1]),
+        )  # fmt: skip
         closed = finding(
             "missing samples", what, consequence=say("the rows are assumed to be evenly spaced, the jump is ignored")
         )

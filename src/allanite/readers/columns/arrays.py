@@ -19,14 +19,7 @@ RATE_NAMES = (
 
 
 def split(name: str, array: NDArray[Any], names: tuple[str, ...] = ()) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Headers and one-dimensional arrays; time runs along the longer side of a matrix.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> [(header, len(values)) for header, values in split("gyro [deg/s]", np.zeros((3, 50)))]
-    [('gyro 1 [deg/s]', 50), ('gyro 2 [deg/s]', 50), ('gyro 3 [deg/s]', 50)]
-    """
+    """Headers and one-dimensional arrays; time runs along the longer side of a matrix."""
     if array.dtype.names:
         for field in array.dtype.names:
             yield from split(field, array[field])

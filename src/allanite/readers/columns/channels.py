@@ -37,15 +37,12 @@ class SignalColumn(NamedTuple):
 
 
 class Left(NamedTuple):
-    """A column that cannot be used: the reason, and what to pass to use it (empty: it is not a signal).
-
-    `open`: what it lacks is a unit.
-    """
+    """A column that cannot be used: the reason, and what to pass to use it (empty: it is not a signal)."""
 
     column: FileColumn
     why: str
     ask: str = ""
-    open: bool = False
+    open: bool = False  # what it lacks is a unit
 
 
 @dataclass(frozen=True)
@@ -54,7 +51,7 @@ class Choice:
 
     signals: tuple[SignalColumn, ...]
     notes: tuple[str, ...]
-    left: tuple[str, ...]
+    omitted: tuple[str, ...]
     questions: tuple[str, ...]
     findings: tuple[Finding, ...] = ()
     unsaid: tuple[FileColumn, ...] = ()
@@ -77,25 +74,25 @@ def choose(
     """The signals among the columns: those chosen, or all that can be signals."""
     for column in chosen or ():
         column.demand_numbers()
-    found = _judged(columns, options, chosen, time)
-    signals = tuple(item for item in found if isinstance(item, SignalColumn))
-    left = [item for item in found if isinstance(item, Left)]
+    judged = _judged(columns, options, chosen, time)
+    signals = tuple(item for item in judged if isinstance(item, SignalColumn))
+    unused = [item for item in judged if isinstance(item, Left)]
     notes = (*_grouped((s.source, s.column) for s in signals if s.source), *_of_kind(signals, options))
     findings = tuple(stated.against_headers(map(attrgetter("column", "unit"), signals)))
-    reasons = _grouped((say("{reason}:", reason=item.why), item.column) for item in left)
-    if (signals and chosen is None) or not left:
+    reasons = _grouped((say("{reason}:", reason=item.why), item.column) for item in unused)
+    if (signals and chosen is None) or not unused:
         return Choice(
             signals, notes, tuple(say("left out, {reason}", reason=reason) for reason in reasons), (), findings
         )
     asked = [
         say("{columns}: {reason}; {remedy}", columns=names, reason=why, remedy=ask)
-        for (why, ask), names in _together(((i.why, i.ask), i.column) for i in left if i.ask)
+        for (why, ask), names in _together(((i.why, i.ask), i.column) for i in unused if i.ask)
     ]
     how = spelled("--channels gx,2", "channels=['gx', '2']")
     nothing = say("no column is recognized as an inertial signal; select columns with {option}", option=how)
-    others = _grouped((say("{reason}:", reason=item.why), item.column) for item in left if not item.ask)
+    others = _grouped((say("{reason}:", reason=item.why), item.column) for item in unused if not item.ask)
     return Choice(signals, notes, tuple(others), tuple(asked) or (nothing,),
-                  unsaid=tuple(i.column for i in left if i.open))  # fmt: skip
+                  unsaid=tuple(i.column for i in unused if i.open))  # fmt: skip
 
 
 NO_UNIT = say("no signal unit in the header, used as plain numbers:")
@@ -115,8 +112,8 @@ def beside(columns: tuple[FileColumn, ...]) -> tuple[tuple[SignalColumn, ...], t
 
 def drivers(columns: tuple[FileColumn, ...]) -> tuple[FileColumn, ...]:
     """Columns that may influence a sensor, by name or unit: temperatures, supplies; at most `MOST_DRIVERS`."""
-    found = (c for c in columns if not c.text and c.kind in ("", "rate") and headers.is_driver(c.name, c.unit))
-    return tuple(islice(found, MOST_DRIVERS))
+    likely = (c for c in columns if not c.text and c.kind in ("", "rate") and headers.is_driver(c.name, c.unit))
+    return tuple(islice(likely, MOST_DRIVERS))
 
 
 def _judged(
@@ -127,15 +124,15 @@ def _judged(
     if chosen is not None:
         return [_resolved(column, asked_of(column).options, applies=True) for column in chosen]
     pool = [column for column in columns if column is not time]
-    found = [_candidate(column, asked_of(column), pool) for column in pool]
-    if any(isinstance(item, SignalColumn) for item in found):
-        return found
+    judged = [_candidate(column, asked_of(column), pool) for column in pool]
+    if any(isinstance(item, SignalColumn) for item in judged):
+        return judged
     # where there is no signal, the columns with a unit of those that the user would also take
-    signals = [(item.column, headers.signal_of(item.column.unit)) for item in found if not item.column.text]
+    signals = [(item.column, headers.signal_of(item.column.unit)) for item in judged if not item.column.text]
     wanted = [column for column, signal in signals if signal is not None and signal.name in options.otherwise]
     certain = {column.position for column in wanted if not headers.is_other(column.name)}
     taken = certain or {column.position for column in wanted}
-    return [_resolved(i.column, options, applies=True) if i.column.position in taken else i for i in found]
+    return [_resolved(i.column, options, applies=True) if i.column.position in taken else i for i in judged]
 
 
 SENSORS = {"gyro": say("gyro"), "accelerometer": say("accelerometer")}
@@ -146,9 +143,9 @@ def _candidate(column: FileColumn, asked: Stated, pool: list[FileColumn]) -> Sig
     options, signal = asked.options, headers.signal_of(column.unit)
     # the header's unit is that of a signal requested by the user's unit: a current, by unit="A"
     requested = signal is not None and not signal.inertial and signal is headers.signal_of(options.unit or "")
-    said = bool(column.kind) or asked.named or (requested and not column.text)
+    stated_meaning = bool(column.kind) or asked.named or (requested and not column.text)
     refused = _no_value if options.kind == "value" else _no_signal
-    why = "" if said else refused(column, options) or _rises(column, options, pool)
+    why = "" if stated_meaning else refused(column, options) or _rises(column, options, pool)
     return Left(column, why) if why else _resolved(column, options, applies=asked.named or _applies(column, options))
 
 
@@ -222,9 +219,9 @@ def _applies(column: FileColumn, options: Options) -> bool:
 
 
 def _resolved(column: FileColumn, options: Options, *, applies: bool) -> SignalColumn | Left:
-    said = _said(column) if column.kind or options.kind == "value" or headers.signal_of(column.unit) else ""
+    stated_unit = _said(column) if column.kind or options.kind == "value" or headers.signal_of(column.unit) else ""
     own = options if applies else replace(options, unit=None, units=(), kind=None, scale=None)
-    unit = own.unit or said
+    unit = own.unit or stated_unit
     if not unit and headers.is_raw(column.header):
         option = spelled(f"--scale {SCALE}", "scale='0.01deg/s'")
         ask = say("pass the size of one count with its unit, {option}", option=option)
@@ -254,8 +251,8 @@ def _source(column: FileColumn, options: Options, unit: str, applies: bool) -> s
         return say("unit {unit} as requested, overriding the header of", unit=unit)
     if column.kind:
         plain = say("kind {kind} from the file for", kind=KIND_WORDS[column.kind])
-        said = {"kind": KIND_WORDS[column.kind], "scale": column.scale, "unit": unit}
-        return plain if column.scale is None else say("kind {kind} of {scale:g} {unit} from the file for", **said)
+        meaning = {"kind": KIND_WORDS[column.kind], "scale": column.scale, "unit": unit}
+        return plain if column.scale is None else say("kind {kind} of {scale:g} {unit} from the file for", **meaning)
     if known is not None:
         return say("unit {unit} by the definition of {family} for", unit=unit, family=known.family)
     if applies:
@@ -276,9 +273,9 @@ def _of_kind(signals: tuple[SignalColumn, ...], options: Options) -> list[str]:
 def _together(items: Iterable[tuple[T, FileColumn]]) -> list[tuple[T, str]]:
     """Each statement, with the names of all columns that it applies to."""
     groups: dict[T, list[str]] = {}
-    for said, column in items:
-        groups.setdefault(said, []).append(repr(column.header or column.name))
-    return [(said, some(names, 12)) for said, names in groups.items()]
+    for statement, column in items:
+        groups.setdefault(statement, []).append(repr(column.header or column.name))
+    return [(statement, some(names, 12)) for statement, names in groups.items()]
 
 
 def _grouped(items: Iterable[tuple[str, FileColumn]]) -> list[str]:

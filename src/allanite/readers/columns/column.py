@@ -15,23 +15,18 @@ from . import headers
 
 @dataclass(frozen=True, eq=False)
 class FileColumn:
-    """One column of a file.
+    """One column of a file."""
 
-    `values`, shape (n,), are float64 or int64, empty for text; `position` is the position in the file, counted from 1.
-    `name`, `unit`, `kind` and `scale` are stated in the file, empty or None if they are not, and `header` is the
-    unchanged header; `text` is the first entry of a column of text (empty for numbers), `history` the processing of the
-    samples before they were written.
-    """
-
-    values: NDArray[Any]
-    position: int
+    values: NDArray[Any]  # float64 or int64 of shape (n,), empty for text
+    position: int  # in the file, counted from 1
+    # what the file states, empty or None if it does not
     name: str = ""
     unit: str = ""
     kind: str = ""
     scale: float | None = None
-    header: str = ""
-    text: str = ""
-    history: tuple[str, ...] = ()
+    header: str = ""  # unchanged
+    text: str = ""  # the first entry of a column of text, empty for numbers
+    history: tuple[str, ...] = ()  # processing of the samples before they were written
 
     @property
     def label(self) -> str:
@@ -41,30 +36,19 @@ class FileColumn:
     def demand_numbers(self) -> None:
         """Refuse a column of text."""
         if self.text:
-            raise DataError(
-                say(
-                    "{column} holds text ({text!r}) instead of numbers; select another column",
-                    column=self.label,
-                    text=self.text,
-                )
-            )
+            raise DataError(say(
+                "{column} holds text ({text!r}) instead of numbers; select another column",
+                column=self.label, text=self.text,
+            ))  # fmt: skip
 
 
 def headed(values: NDArray[Any], position: int, header: str, *, unit: str = "", text: str = "") -> FileColumn:
-    """A column with the name, and unless given the unit, from its header.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> column = headed(np.array([1.0, 2.0]), 1, "gx [deg/s]")
-    >>> column.name, column.unit, column.label
-    ('gx', 'deg/s', "column 'gx [deg/s]'")
-    """
-    name, said = headers.split(header)
+    """A column with the name, and unless given the unit, from its header."""
+    name, stated = headers.split(header)
     if unit:
         unit = unit.strip("[](){} ")
-        name, said, header = header.strip(), unit.strip(), f"{header.strip()} [{unit}]".strip()
-    return FileColumn(values, position, name or f"column {position}", said, header=header.strip(), text=text)
+        name, stated, header = header.strip(), unit.strip(), f"{header.strip()} [{unit}]".strip()
+    return FileColumn(values, position, name or f"column {position}", stated, header=header.strip(), text=text)
 
 
 def unique(columns: tuple[FileColumn, ...]) -> tuple[FileColumn, ...]:
@@ -90,9 +74,9 @@ def lookup(columns: tuple[FileColumn, ...], key: str, choice: str = "channels") 
         return column
     names = [f"{column.position}: {column.header or column.name}" for column in columns]
     meant = nearest(wanted, [column.name for column in columns])
-    said = f"did you mean {meant}? Columns" if meant else "columns"
+    known = f"did you mean {meant}? Columns" if meant else "columns"
     cure = (wanted, meant) if meant else ("", "")
-    raise UsageError(f"no column {key!r}; {said}: {some(names, 30)}", choice=choice, cure=cure)
+    raise UsageError(f"no column {key!r}; {known}: {some(names, 30)}", choice=choice, cure=cure)
 
 
 def some(names: Sequence[str], most: int = 20) -> Phrase:

@@ -36,19 +36,21 @@ _SHORT = {
 def convention_of(column: FileColumn) -> Convention | None:
     """The convention that gave a column its unit; None if its header did."""
     every = (*CONVENTIONS, *_SHORT.values())
-    return next((one for one in every if _names(one, column) and column.unit == one.unit), None)
+    return next(
+        (convention for convention in every if _names(convention, column) and column.unit == convention.unit), None
+    )
 
 
 def applied(columns: tuple[FileColumn, ...]) -> tuple[FileColumn, ...]:
     """The columns with the units that their names define, where their headers have none."""
-    short = all(any(_names(one, column) for column in columns) for one in _SHORT.values())
+    short = all(any(_names(convention, column) for column in columns) for convention in _SHORT.values())
     known = (*CONVENTIONS, *(_SHORT.values() if short else ()))
     united = list[FileColumn]()
     for column in columns:
-        found = next((one for one in known if _names(one, column)), None)
+        named = next((convention for convention in known if _names(convention, column)), None)
         # gyro_rad[0] looks like an angle in rad
-        fits = found is not None and not column.kind and not column.text and column.unit in ("", "rad")
-        united.append(replace(column, unit=found.unit) if found is not None and fits else column)
+        fits = named is not None and not column.kind and not column.text and column.unit in ("", "rad")
+        united.append(replace(column, unit=named.unit) if named is not None and fits else column)
     return tuple(united)
 
 

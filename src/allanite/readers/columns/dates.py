@@ -19,65 +19,51 @@ PATTERNS = (*(rf"{date}[T_ ]+{TIME}" for date in DATES), *DATES, TIME)
 
 DAY = 86_400 * 10**9
 
-LONGEST = 100
+LONGEST_DATE = 100
 """Maximum number of characters of a date; over long runs of blanks the patterns take quadratic time."""
 
 Values = NDArray[Any]
 
 
 def pattern_of(word: str) -> str:
-    """The pattern that a word matches; empty if it is not a date or time.
-
-    Examples
-    --------
-    >>> bool(pattern_of("2018-04-25")), bool(pattern_of("15:20:24.125")), bool(pattern_of("25.4.2018 3:20 pm"))
-    (True, True, True)
-    >>> pattern_of("1.25"), pattern_of("GYRO")
-    ('', '')
-    """
+    """The pattern that a word matches; empty if it is not a date or time."""
     word = word.strip()
-    return next((p for p in PATTERNS if re.fullmatch(p, word)), "") if len(word) <= LONGEST else ""
+    return next((p for p in PATTERNS if re.fullmatch(p, word)), "") if len(word) <= LONGEST_DATE else ""
 
 
 def parsed(words: Any, pattern: str, label: str, first: int = 0, american: bool | None = None) -> Values:
-    """A column of words that match one pattern, from row `first` of the data on; NaT where a cell is empty.
-
-    ``datetime64[ns]`` for dates with time, ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day. Whether
-    the month and the day are in the other order than in the pattern is seen in the words, unless it is given.
-    """
+    """A column of words that match one pattern, from row `first` of the data on; NaT where a cell is empty."""
+    # ``datetime64[ns]`` for dates with time, ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day. Whether
+    # the month and the day are in the other order than in the pattern is seen in the words, unless it is given.
     import pyarrow as pa
     import pyarrow.compute as pc
 
     text = pc.utf8_trim_whitespace(words)
-    found = pc.extract_regex(pc.if_else(pc.equal(text, ""), None, text), rf"^(?:{pattern})$")
-    wrong = pc.and_(pc.and_(pc.is_valid(text), pc.not_equal(text, "")), pc.is_null(found))
+    fields = pc.extract_regex(pc.if_else(pc.equal(text, ""), None, text), rf"^(?:{pattern})$")
+    wrong = pc.and_(pc.and_(pc.is_valid(text), pc.not_equal(text, "")), pc.is_null(fields))
     if pc.any(wrong).as_py():
         row = pc.index(wrong, True).as_py()
-        raise DataError(
-            say(
-                "row {row} of the data, {column}: {text!r} is not a date or time of the same format as the others",
-                row=first + row + 1,
-                column=label,
-                text=text[row].as_py()[:40],
-            )
-        )
+        raise DataError(say(
+            "row {row} of the data, {column}: {text!r} is not a date or time of the same format as the others",
+            row=first + row + 1, column=label, text=text[row].as_py()[:40],
+        ))  # fmt: skip
 
     def part(name: str) -> Values:
         if f"<{name}>" not in pattern:
             return np.zeros(len(words), dtype=np.int64)
-        field = pc.struct_field(found, name)
+        field = pc.struct_field(fields, name)
         if name == "f":
             field = pc.utf8_rpad(field, 9, "0")
         return np.asarray(pc.fill_null(pc.if_else(pc.equal(field, ""), "0", field), "0").cast(pa.int64()))
 
-    empty = np.asarray(pc.is_null(found))
+    empty = np.asarray(pc.is_null(fields))
     days = _days(part("y"), part("m"), part("d"), label, american) if "<y>" in pattern else None
     if "<H>" not in pattern:
         assert days is not None  # noqa: S101 - a pattern has a date, a time, or both
         return np.where(empty, np.datetime64("NaT", "D"), days)
     hours = part("H")
     if "<p>" in pattern:  # of the twelve-hour clock
-        letter = pc.fill_null(pc.utf8_lower(pc.struct_field(found, "p")), "")
+        letter = pc.fill_null(pc.utf8_lower(pc.struct_field(fields, "p")), "")
         after, before = (np.asarray(pc.equal(letter, which)) for which in "pa")
         hours = np.asarray(np.where(after | before, hours % 12 + 12 * after, hours))
     time = (((hours * 60 + part("M")) * 60 + part("S")) * 10**9 + part("f")).astype("timedelta64[ns]")
@@ -91,22 +77,18 @@ def is_american(words: Any, pattern: str) -> bool:
     import pyarrow as pa
     import pyarrow.compute as pc
 
-    found = pc.extract_regex(pc.utf8_trim_whitespace(words), rf"^(?:{pattern})$")
-    return int(pc.max(pc.struct_field(found, "m").cast(pa.int64())).as_py() or 0) > 12
+    fields = pc.extract_regex(pc.utf8_trim_whitespace(words), rf"^(?:{pattern})$")
+    return int(pc.max(pc.struct_field(fields, "m").cast(pa.int64())).as_py() or 0) > 12
 
 
 def _days(year: Values, month: Values, day: Values, label: str, american: bool | None) -> Values:
     if month.max(initial=1) > 12 if american is None else american:
         month, day = day, month
     if month.max(initial=1) > 12 or day.max(initial=1) > 31:
-        raise DataError(
-            say(
-                "{column} holds dates with a month {month} or a day {day}",
-                column=label,
-                month=month.max(),
-                day=day.max(),
-            )
-        )
+        raise DataError(say(
+            "{column} holds dates with a month {month} or a day {day}",
+            column=label, month=month.max(), day=day.max(),
+        ))  # fmt: skip
     months = (year - 1970) * 12 + np.maximum(month, 1) - 1
     return np.asarray(
         months.astype("datetime64[M]").astype("datetime64[D]") + (np.maximum(day, 1) - 1).astype("timedelta64[D]")
@@ -114,13 +96,7 @@ def _days(year: Values, month: Values, day: Values, label: str, american: bool |
 
 
 def continued(stamps: Values, last: Values) -> Values:
-    """Nanoseconds since the first midnight that continue others, as if `past_midnight` had seen all of them at once.
-
-    Examples
-    --------
-    >>> continued(np.array([1, 2]) * 3600 * 10**9, np.array([95]) * 3600 * 10**9) // (3600 * 10**9)
-    array([97, 98])
-    """
+    """Nanoseconds since the first midnight that continue others, as if `past_midnight` had seen all of them at once."""
     if not last.size or np.isnan(last[-1]):
         return stamps
     days, time = divmod(int(last[-1]), DAY)
@@ -128,13 +104,6 @@ def continued(stamps: Values, last: Values) -> Values:
 
 
 def past_midnight(time: Values) -> Values:
-    """Nanoseconds since the first midnight from times of day that restart at midnight.
-
-    Examples
-    --------
-    >>> hours = np.array([22, 23, 0, 1], dtype="timedelta64[h]").astype("timedelta64[ns]")
-    >>> past_midnight(hours) // (3600 * 10**9)
-    array([22, 23, 24, 25])
-    """
+    """Nanoseconds since the first midnight from times of day that restart at midnight."""
     stamps = time.astype(np.int64)
     return np.asarray(stamps + DAY * np.cumsum(np.diff(stamps, prepend=stamps[:1]) < -DAY // 2))

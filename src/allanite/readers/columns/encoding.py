@@ -18,7 +18,7 @@ _JUDGED = 1 << 16
 _BLOCK = 1 << 20
 """Bytes that are tested at once."""
 
-LONGEST = 1 << 26
+LONGEST_LINE = 1 << 26
 """Bytes of a line beyond which a file is no table."""
 
 _SIGNS = frozenset("°µ²³·±×№«»–—‘’“”„…•™\u00a0")
@@ -122,8 +122,8 @@ def encoding_of(chunks: Callable[[], Iterable[bytes]]) -> tuple[str, str]:
             size += len(lines[-1])
         if size >= _JUDGED:
             break
-    found = _encoding(b"\n".join(dict.fromkeys(lines)))
-    return found.codec, found.name
+    encoding = _encoding(b"\n".join(dict.fromkeys(lines)))
+    return encoding.codec, encoding.name
 
 
 def decoded(chunks: Iterable[bytes], codec: str, name: str) -> Iterator[bytes]:
@@ -149,8 +149,8 @@ def whole_lines(chunks: Iterable[bytes]) -> Iterator[bytes]:
             yield b"".join((*rest, chunk[:at]))
             rest = []
         rest.append(chunk[at:])
-        if sum(map(len, rest)) > LONGEST:
-            raise DataError(f"a line of the text is longer than {LONGEST} bytes; expected one row per sample")
+        if sum(map(len, rest)) > LONGEST_LINE:
+            raise DataError(f"a line of the text is longer than {LONGEST_LINE} bytes; expected one row per sample")
     if any(rest):
         yield b"".join(rest)
 
@@ -158,23 +158,21 @@ def whole_lines(chunks: Iterable[bytes]) -> Iterator[bytes]:
 def _encoding(lines: bytes) -> _Encoding:
     """The only encoding in which the lines are plausible, or the only one with words that such files have."""
     plausible = list[tuple[_Encoding, str]]()
-    for one in _ENCODINGS:
+    for encoding in _ENCODINGS:
         with suppress(UnicodeDecodeError):
-            text = lines.decode(one.codec)
-            if one.plausible(text):
-                plausible.append((one, text))
-    telling = [one for one, text in plausible if one.words and one.words.search(text)]
-    fitting = [one for one, _ in plausible]
+            text = lines.decode(encoding.codec)
+            if encoding.plausible(text):
+                plausible.append((encoding, text))
+    telling = [encoding for encoding, text in plausible if encoding.words and encoding.words.search(text)]
+    fitting = [encoding for encoding, _ in plausible]
     for some in (fitting, telling):
         if len(some) == 1:
             return some[0]
     what = (
-        "may be " + " or ".join(one.name for one in telling or fitting)
+        "may be " + " or ".join(encoding.name for encoding in telling or fitting)
         if fitting
-        else "is neither " + ", ".join(one.name for one in _ENCODINGS[:-1]) + f" nor {_ENCODINGS[-1].name}"
+        else "is neither " + ", ".join(encoding.name for encoding in _ENCODINGS[:-1]) + f" nor {_ENCODINGS[-1].name}"
     )
     sample = next((line for line in lines.splitlines() if line.strip()), b"")[:40]
-    raise DataError(
-        f"the encoding of the text cannot be determined: it is not UTF-8, and {what} ({sample!r}); save it as UTF-8, "
-        "for example with iconv -f GB18030 -t UTF-8, or -f CP1251"
-    )
+    raise DataError(f"the encoding of the text cannot be determined: it is not UTF-8, and {what} ({sample!r}); save it "
+                    "as UTF-8, for example with iconv -f GB18030 -t UTF-8, or -f CP1251")  # fmt: skip

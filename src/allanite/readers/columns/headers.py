@@ -9,7 +9,7 @@ from allanite.core.units import Signal, Unit, latin, signal_with, unit_of
 _INSIDE = re.compile(r"[^\[\](){}]*(?:\([^()]*\)[^\[\](){}]*)*")
 """Content of the brackets of a unit: no brackets except pairs of round ones."""
 
-LONGEST = 200
+LONGEST_HEADER = 200
 """Maximum number of characters of a header, and of a unit."""
 
 _TIME = unit_of("s").dimension
@@ -76,15 +76,9 @@ _FULL_WIDTH = str.maketrans("（）［］：，／　", "()[]:,/ ")
 
 
 def split(header: str) -> tuple[str, str]:
-    """The name and the unit in a header; the unit is empty if there is none.
-
-    Examples
-    --------
-    >>> split("gx [deg/s]"), split("acc_x_mps2"), split("gyro_rad[0]")
-    (('gx', 'deg/s'), ('acc_x_mps2', 'm/s^2'), ('gyro_rad[0]', 'rad'))
-    """
+    """The name and the unit in a header; the unit is empty if there is none."""
     header = header.translate(_FULL_WIDTH).strip()
-    if len(header) > LONGEST:
+    if len(header) > LONGEST_HEADER:
         return header, ""
     name, unit = _bracketed(header)
     if unit is None:  # it may stand after a comma, as in Russian tables: ``Время, с``
@@ -117,7 +111,7 @@ def _bracketed(header: str) -> tuple[str, str | None]:
 def known(unit: str) -> Unit | None:
     """The unit; None if it is unknown or empty."""
     try:
-        return unit_of(unit) if len(unit) <= LONGEST else None
+        return unit_of(unit) if len(unit) <= LONGEST_HEADER else None
     except UnitError:
         return None
 
@@ -157,18 +151,9 @@ def clock_unit(name: str) -> str:
 
 
 def is_other(name: str, unit: str = "") -> bool:
-    """Whether a name is that of something other than an inertial signal: a temperature, a counter, a compass.
-
-    A unit of an inertial sensor overrides it, as in ``yaw [deg/s]``, except for the compass, whose G is the gauss, for
-    temperatures, and for the length of a vector.
-
-    Examples
-    --------
-    >>> is_other("Temp1"), is_other("yaw", "deg/s"), is_other("yaw_rate"), is_other("mag_x", "G")
-    (True, False, False, True)
-    >>> is_other("gyro_device_id"), is_other("gyro_integral_dt"), is_other("gyro_counts_x")
-    (True, True, False)
-    """
+    """Whether a name is that of something other than an inertial signal: a temperature, a counter, a compass."""
+    # A unit of an inertial sensor overrides it, as in ``yaw [deg/s]``, except for the compass, whose G is the gauss,
+    # for temperatures, and for the length of a vector.
     bare = _bare(name)
     if _TEMPERATURE.search(bare) or _LENGTH.match(bare) or (identifies(name) and not inertial(unit)):
         return True
@@ -180,13 +165,7 @@ def is_other(name: str, unit: str = "") -> bool:
 
 
 def is_driver(name: str, unit: str = "") -> bool:
-    """Whether a name or unit is that of a possible influence on a sensor: a temperature, a pressure, a supply.
-
-    Examples
-    --------
-    >>> is_driver("Temp1"), is_driver("baro", "hPa"), is_driver("seq"), is_driver("yaw", "deg")
-    (True, True, False, False)
-    """
+    """Whether a name or unit is that of a possible influence on a sensor: a temperature, a pressure, a supply."""
     signal = signal_of(unit)
     if signal is not None:
         return signal.name in ("temperature", "voltage", "current", "pressure")
@@ -195,13 +174,7 @@ def is_driver(name: str, unit: str = "") -> bool:
 
 
 def identifies(name: str) -> bool:
-    """Whether a name is that of an identifier, a state or a count, not of samples.
-
-    Examples
-    --------
-    >>> identifies("header.frame_id"), identifies("deltaAngleDt"), identifies("accel_clip_count"), identifies("gyro_x")
-    (True, True, True, False)
-    """
+    """Whether a name is that of an identifier, a state or a count, not of samples."""
     return bool(_IDENTIFIER.search(_bare(re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name))))
 
 

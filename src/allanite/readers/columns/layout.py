@@ -4,8 +4,8 @@ import csv
 import re
 from collections import Counter
 from dataclasses import dataclass
-from itertools import accumulate
-from typing import NamedTuple
+from functools import cached_property
+from itertools import accumulate, chain, islice
 
 from allanite.core.errors import DataError
 from allanite.phrases.phrase import say, say_count
@@ -17,22 +17,28 @@ MISSING = frozenset(("", "nan", "null", "na", "n/a", "#n/a", "-nan", "none", "1.
 _NUMBER = re.compile(r"[-+]?(?:(?:\d+(?:\.\d*)?|\.\d+)(?:e[-+]?\d+)?|nan|inf|infinity)", re.IGNORECASE)
 
 
-class Row(NamedTuple):
-    """A line of the file: its number from 1, its offset, its cells."""
+@dataclass
+class Row:
+    """A line of the file: its number from 1, its offset, its text, delimiter and decimal sign."""
 
     line: int
     offset: int
-    cells: list[str]
+    text: str
+    style: tuple[str, str]
+
+    @cached_property
+    def cells(self) -> list[str]:
+        """Its cells."""
+        return cells(self.text, self.style[0])
+
+    @cached_property
+    def has_number(self) -> bool:
+        """Whether a cell is a number."""
+        return any(is_number(cell, self.style[1]) for cell in self.cells)
 
 
 def is_number(cell: str, decimal: str = ".") -> bool:
-    """Whether a cell is a number.
-
-    Examples
-    --------
-    >>> is_number("-1.5e-3"), is_number("1,5", ","), is_number("1_000"), is_number("0x10")
-    (True, True, False, False)
-    """
+    """Whether a cell is a number."""
     return bool(_NUMBER.fullmatch(cell if decimal == "." else cell.replace(decimal, ".", 1)))
 
 
@@ -56,13 +62,11 @@ def decoded(raw: bytes) -> str:
         return raw.decode("latin-1")
 
 
-def has_number(row: Row, decimal: str) -> bool:
-    """Whether a row contains a number."""
-    return any(is_number(cell, decimal) for cell in row.cells)
-
-
 HEAD = 1 << 17
 """Bytes at the beginning of a file from which its layout is determined."""
+
+JUDGED_ROWS, FEW_ROWS = 200, 600
+"""Rows by which the columns are judged, and rows of which all are looked at for them."""
 
 MARKS = ("#", "%", "//", ";")
 """Prefixes of comment lines; a semicolon is not one if it is the delimiter."""
@@ -78,22 +82,17 @@ _BLANK_HEADER = re.compile(r"\S{1,99}?(?: ?\[[^\]]{0,99}\]| ?\([^)]{0,99}\))|\S+
 
 @dataclass(frozen=True)
 class Layout:
-    """The layout of a text file.
-
-    `names` and `units` have one entry per column (empty if the file has none), `text` the positions of columns
-    of words, `offset` and `line` (from 1) the start of the first row of numbers, `notes` what was skipped. `nominal` is
-    the sampling rate in Hz that the lines above state, None if they state none, with its place.
-    """
+    """The layout of a text file."""
 
     delimiter: str
     decimal: str
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # names and units have one entry per column, empty if the file has none
     units: tuple[str, ...]
-    text: frozenset[int]
-    offset: int
+    text: frozenset[int]  # positions of columns of words
+    offset: int  # of the first row of numbers, as is its line from 1
     line: int
-    notes: tuple[str, ...] = ()
-    nominal: tuple[float | None, str] = (None, "")
+    notes: tuple[str, ...] = ()  # what was skipped
+    nominal: tuple[float | None, str] = (None, "")  # sampling rate, Hz, that the lines above state, with its place
 
     @property
     def width(self) -> int:
@@ -105,20 +104,19 @@ def find(data: bytes) -> Layout:
     """The layout of a text; refused if there are no rows of numbers near the beginning, or more names than columns."""
     lines = numbered_lines(data)
     if not lines:
-        raise DataError(
-            say(
-                "the first line is longer than {size} bytes; expected one row per sample, each on its own line",
-                size=HEAD,
-            )
-        )
+        raise DataError(say(
+            "the first line is longer than {size} bytes; expected one row per sample, each on its own line",
+            size=HEAD,
+        ))  # fmt: skip
     delimiter, decimal = _style_of([text for _, _, text in lines if text])
     marks = marks_of(delimiter)
     # a line with a word is not one of numbers
     worded = ((n, text) for n, _, text in lines if any(map(str.isalpha, _LETTER.findall(text))))
     rated = [line for line in worded if preamble.statement(*line, decimal)]
-    lines = [line for line in lines if line[0] not in dict(rated)]
+    stating = {number for number, _ in rated}
+    lines = [line for line in lines if line[0] not in stating]
     comments = [(number, text) for number, _, text in lines if text.startswith(marks)]
-    rows = [Row(n, at, cells(text, delimiter)) for n, at, text in lines if text and not text.startswith(marks)]
+    rows = [Row(*line, (delimiter, decimal)) for line in lines if line[2] and not line[2].startswith(marks)]
     first, text = _first_row(rows, decimal)
     names, units, notes = _named(rows[: first + 1], comments, delimiter, decimal)
     if not any(names) and _numbered(rows[first], rows[first + 1 :]):
@@ -126,10 +124,9 @@ def find(data: bytes) -> Layout:
         notes = (
             say(
                 "line {line} with the numbers {names}.. is used as column names",
-                line=rows[first - 1].line,
-                names=", ".join(names[:3]),
+                line=rows[first - 1].line, names=", ".join(names[:3]),
             ),
-        )
+        )  # fmt: skip
     if decimal == ",":
         notes = (*notes, say("the decimal sign is a comma"))
     rate, places = preamble.nominal((line for line in rated if line[0] < rows[first].line), decimal)
@@ -143,7 +140,7 @@ def find(data: bytes) -> Layout:
 def _style_of(texts: list[str]) -> tuple[str, str]:
     """Delimiter and decimal sign of all but comments, among which lines of cells between semicolons may be."""
     plain = [text for text in texts if not text.startswith(MARKS)]
-    return style([*plain[:1], *plain[-200:]] or [text for text in texts if not text.startswith(MARKS[:3])])
+    return style([*plain[:1], *plain[-JUDGED_ROWS:]] or [text for text in texts if not text.startswith(MARKS[:3])])
 
 
 def marks_of(delimiter: str) -> tuple[str, ...]:
@@ -159,16 +156,23 @@ def numbered_lines(data: bytes) -> list[tuple[int, int, str]]:
         raw = raw[:-1]
     starts = accumulate((len(line) for line in raw), initial=0)
     # a tab at either end is an empty cell, unless all lines have it
-    texts = (decoded(line).strip(" \r\n") for line in raw)
+    texts = (line.strip(" \r\n") for line in _decoded_lines(raw))
     return [(i, at, text if text.strip() else "") for i, (at, text) in enumerate(zip(starts, texts, strict=False), 1)]
+
+
+def _decoded_lines(lines: list[bytes]) -> list[str]:
+    try:
+        return [line.decode("utf-8") for line in lines]
+    except UnicodeDecodeError:
+        return list(map(decoded, lines))
 
 
 def style(lines: list[str]) -> tuple[str, str]:
     """Delimiter and decimal sign: those that make the largest share of the cells numbers, and then the most numbers."""
 
     def score(style: tuple[str, str]) -> tuple[float, int]:
-        found = [is_number(cell, style[1]) for line in lines for cell in cells(line, style[0]) if cell]
-        return (sum(found) / max(1, len(found)), sum(found))
+        numbers = [is_number(cell, style[1]) for line in lines for cell in cells(line, style[0]) if cell]
+        return (sum(numbers) / max(1, len(numbers)), sum(numbers))
 
     best = max(_STYLES, key=score)
     # mixed tabs and blanks: if blanks give as many cells in every line, header included, no cell is empty or contains
@@ -179,24 +183,38 @@ def style(lines: list[str]) -> tuple[str, str]:
 
 def _first_row(rows: list[Row], decimal: str) -> tuple[int, frozenset[int]]:
     """Index of the first row of numbers, and the positions of the columns of words."""
-    numbers = [has_number(row, decimal) for row in rows]
-    numeric = [row for row, has in zip(rows, numbers, strict=True) if has]
-    if not numeric:
-        seen = say("it contains only comments or blank lines")
-        seen = say("its first line is {text!r}", text=rows[0].cells[0][:40]) if rows else seen
-        raise DataError(say("no rows of numbers were found ({seen}); a text file needs one row per sample", seen=seen))
-    width, text = _columns(numeric[len(numeric) // 2 :][:200], decimal)
+    width, text = _columns(_judged(rows), decimal)
 
     def fits(row: Row) -> bool:
         checked = (cell for i, cell in enumerate(row.cells) if i not in text and cell.lower() not in MISSING)
         return all(is_number(cell, decimal) for cell in checked)
 
-    wide = [has and len(row.cells) == width for row, has in zip(rows, numbers, strict=True)]
-    first = next((i for i, row in enumerate(rows) if wide[i] and fits(row)), wide.index(True))
+    def wide(row: Row) -> bool:
+        return row.has_number and len(row.cells) == width
+
+    wide_rows = (i for i, row in enumerate(rows) if wide(row))
+    first = next(wide_rows)
+    first = next((i for i in chain((first,), wide_rows) if fits(rows[i])), first)
     # a row with numbers directly above, without a header between, is damaged, not a preamble: refused by name later
-    while first and wide[first - 1]:
+    while first and wide(rows[first - 1]):
         first -= 1
     return first, text
+
+
+def _judged(rows: list[Row]) -> list[Row]:
+    """The rows by which the columns are judged, from the middle of those with numbers; refused if there are none."""
+    first = next((i for i, row in enumerate(rows) if row.has_number), None)
+    if first is None:
+        shown = say("it contains only comments or blank lines")
+        shown = say("its first line is {text!r}", text=rows[0].cells[0][:40]) if rows else shown
+        raise DataError(say("no rows of numbers were found ({seen}); a text file needs one row per sample", seen=shown))
+    # below the first row with numbers nearly all have some: few are looked at
+    middle = first + (len(rows) - first) // 2
+    numeric = list(islice((row for row in rows[middle:] if row.has_number), JUDGED_ROWS))
+    if len(rows) > FEW_ROWS and len(numeric) == JUDGED_ROWS:
+        return numeric
+    numeric = [row for row in rows if row.has_number]
+    return numeric[len(numeric) // 2 :][:JUDGED_ROWS]
 
 
 def _columns(rows: list[Row], decimal: str) -> tuple[int, frozenset[int]]:
@@ -221,7 +239,7 @@ def _named(
 ) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
     """Names, units and notes from the lines above the first row of numbers, which is the last of `rows`."""
     above, width = rows[:-1], len(rows[-1].cells)
-    worded = [row for row in above[-2:] if not has_number(row, decimal)]
+    worded = [row for row in above[-2:] if not row.has_number]
     blank = ("",) * width
     units = blank
     # the second of two lines of words may be one of units
@@ -239,10 +257,10 @@ def _named(
         return named, units, _passed(passed, above[0]) + unnamed
     commented = [(number, text) for number, text in comments if number < rows[-1].line][-1:]
     for number, text in commented:
-        said = _commented(text, width, delimiter, decimal)
-        if said is not None:
+        header = _commented(text, width, delimiter, decimal)
+        if header is not None:
             return (
-                said,
+                header,
                 blank,
                 (*_passed(len(above), rows[0]), say("column names from the comment on line {number}", number=number)),
             )
@@ -257,14 +275,10 @@ def _names(row: list[str], width: int, delimiter: str) -> tuple[str, ...] | None
     while len(row) > width and not row[-1]:
         row = row[:-1]
     if len(row) > width:
-        raise DataError(
-            say(
-                "the header names {count} columns ({names}..) but the rows below have {width}",
-                count=len(row),
-                names=", ".join(row[:8]),
-                width=width,
-            )
-        )
+        raise DataError(say(
+            "the header names {count} columns ({names}..) but the rows below have {width}",
+            count=len(row), names=", ".join(row[:8]), width=width,
+        ))  # fmt: skip
     return tuple(row + [""] * (width - len(row))) if len(row) > 1 or width == 1 else None
 
 

@@ -15,7 +15,7 @@ from allanite.readers.options import Options
 from . import encoding, layout, shapes
 from .table import FileTable
 
-BLOCK = 1 << 23
+BLOCK_BYTES = 1 << 23
 """Bytes that are read at a time."""
 
 FIRST = 1 << 22
@@ -30,7 +30,7 @@ def chunks_of(path: str) -> Chunks:
 
     def chunks() -> Iterator[bytes]:
         with Path(path).open("rb", buffering=0) as file:
-            while chunk := file.read(BLOCK):
+            while chunk := file.read(BLOCK_BYTES):
                 yield chunk
 
     return chunks
@@ -54,17 +54,15 @@ class TextLines:
     name: str
 
     def blocks(self) -> Iterator[tuple[bytes, bool]]:
-        """Blocks of whole lines, and whether it is the last one, which ends as the file does.
-
-        The first one has at least `FIRST` bytes, and the last one more than a line, if the file has.
-        """
+        """Blocks of whole lines, and whether it is the last one, which ends as the file does."""
+        # The first one has at least `FIRST` bytes, and the last one more than a line, if the file has.
         held, least, dollar = b"", FIRST, False
         for lines in encoding.whole_lines(self._plain()):
             dollar = dollar or (not held and least == FIRST and lines.lstrip().startswith(b"$"))
             block = shapes.without_checksums(lines) if dollar else lines
-            if len(held) >= least and len(block) > BLOCK // 64:
+            if len(held) >= least and len(block) > BLOCK_BYTES // 64:
                 yield held, False
-                held, least = b"", BLOCK // 2
+                held, least = b"", BLOCK_BYTES // 2
             held += block
         if held:
             yield held.removesuffix(b"\x1a"), True
@@ -92,16 +90,13 @@ class TextLines:
 
 @dataclass(frozen=True)
 class Rows:
-    """Rows of numbers of one type after `offset` bytes; `shape` is (rows,) or (rows, columns).
-
-    With `bycolumn` the columns are stored one after the other. A structured type has a column for each number.
-    """
+    """Rows of numbers of one type after `offset` bytes; a structured type has a column for each number."""
 
     path: str
     dtype: np.dtype[Any]
     offset: int
-    shape: tuple[int, ...]
-    bycolumn: bool = False
+    shape: tuple[int, ...]  # (rows,) or (rows, columns)
+    bycolumn: bool = False  # the columns are stored one after the other
 
     def blocks(self, wanted: Sequence[int], rows: int) -> Iterator[list[NDArray[Any]]]:
         """Columns of so many rows at a time."""
@@ -126,14 +121,14 @@ class Rows:
     def _numbers(self, file: Any, place: tuple[int, int], shape: tuple[int, ...]) -> NDArray[Any]:
         """So many numbers from a place on."""
         begin, count = place
-        found = np.empty(count, self.dtype)
-        data, filled = found.view(np.uint8).reshape(-1).data, 0
+        part = np.empty(count, self.dtype)
+        data, filled = part.view(np.uint8).reshape(-1).data, 0
         file.seek(self.offset + begin * self.dtype.itemsize)
         while filled < len(data) and (more := file.readinto(data[filled:])):
             filled += more
         if filled < len(data):
             raise DataError(f"the file ends in the middle of its numbers, at byte {file.tell()}")
-        return found.reshape(shape)
+        return part.reshape(shape)
 
 
 def columns_of(rows: NDArray[Any]) -> list[NDArray[Any]]:
@@ -143,7 +138,7 @@ def columns_of(rows: NDArray[Any]) -> list[NDArray[Any]]:
     return list(rows.reshape(len(rows), -1).T)
 
 
-HEAD = 1 << 18
+HEAD_ROWS = 1 << 18
 """Rows by which columns, units and the clock are recognized."""
 
 Blocks = Callable[[Sequence[int], int], Iterator[list[NDArray[Any]]]]
@@ -152,13 +147,9 @@ Blocks = Callable[[Sequence[int], int], Iterator[list[NDArray[Any]]]]
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """A file that can be read in parts.
+    """A file that can be read in parts."""
 
-    `head` is the table of its first rows, `rows` their number in the whole file, `blocks` reads columns of `head` from
-    the beginning, and `options` are those of the head, which a container may have narrowed.
-    """
-
-    head: FileTable
-    rows: int
-    blocks: Blocks
-    options: Options
+    head: FileTable  # of its first rows
+    rows: int  # in the whole file
+    blocks: Blocks  # reads columns of the head from the beginning
+    options: Options  # those of the head, which a container may have narrowed

@@ -17,10 +17,10 @@ from .layout import MISSING, Layout, cells, decoded, is_number, marks_of
 
 _NULLS = [*MISSING, "NaN", "NAN", "NULL", "None", "NA", "N/A", "#N/A", "-NaN", "1.#QNAN", "-1.#IND"]
 
-FEW = 16
+FEW_WORDS = 16
 """Maximum number of different words in a column that may distinguish rows."""
 
-HEAD = 1 << 20
+JUDGED_BYTES = 1 << 20
 """Bytes of the rows that show whether it has more."""
 
 Values = NDArray[Any]
@@ -38,29 +38,22 @@ Parsed = Values | Tags | str | None
 
 @dataclass
 class Forms:
-    """What the first rows show of the columns of words, by position, so that later rows are read alike.
+    """What the first rows show of the columns of words, by position, so that later rows are read alike."""
 
-    `types` are those of pyarrow, `patterns` those of dates (empty for other words), `american` the dates whose month
-    and day are in the other order. `rows` is the number of rows so far.
-    """
-
-    types: dict[int, Any] = field(default_factory=dict)
-    patterns: dict[int, str] = field(default_factory=dict)
-    american: set[int] = field(default_factory=set)
-    rows: int = 0
+    types: dict[int, Any] = field(default_factory=dict)  # those of pyarrow
+    patterns: dict[int, str] = field(default_factory=dict)  # of dates, empty for other words
+    american: set[int] = field(default_factory=set)  # the dates whose month and day are in the other order
+    rows: int = 0  # so far
 
 
 def columns(
     data: bytes, layout: Layout, forms: Forms | None = None, *, last: bool = True
 ) -> tuple[list[Parsed], tuple[str, ...]]:
-    """The columns of the rows from ``layout.offset`` on, and notes on what was skipped.
-
-    With `forms` of the rows above, the text is a part of one, perhaps the `last`.
-
-    A column is float64 or int64 of shape (n,), NaN where a cell is empty; ``datetime64[ns]`` for dates with time,
-    ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day; `Tags` for a few words, the first entry for many;
-    None if it is empty. Anything else is refused, with its line.
-    """
+    """The columns of the rows from ``layout.offset`` on, and notes on what was skipped."""
+    # With `forms` of the rows above, the text is a part of one, perhaps the `last`.
+    # A column is float64 or int64 of shape (n,), NaN where a cell is empty; ``datetime64[ns]`` for dates with time,
+    # ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day; `Tags` for a few words, the first entry for
+    # many; None if it is empty. Anything else is refused, with its line.
     body, notes = clean_rows(data, layout, last=last)
     many = {} if forms else _of_many_words(body, layout)
     table = _table(body, layout, forms, many)
@@ -105,10 +98,8 @@ def count(body: bytes | memoryview) -> int:
 
 
 def clean_rows(data: bytes, layout: Layout, *, last: bool = True) -> tuple[bytes | memoryview, tuple[str, ...]]:
-    """The rows as they are parsed, and notes on what was left out at the end of the `last`.
-
-    They have no comments, and single blanks between cells; line numbers are preserved.
-    """
+    """The rows as they are parsed, and notes on what was left out at the end of the `last`."""
+    # They have no comments, and single blanks between cells; line numbers are preserved.
     marks = marks_of(layout.delimiter)
     body: bytes | memoryview = memoryview(data)[layout.offset :]
     # most files have no comments among the numbers: a search is much cheaper than the substitution
@@ -146,9 +137,9 @@ def _holds(data: bytes, mark: bytes, start: int) -> bool:
 
 def _of_many_words(body: bytes | memoryview, layout: Layout) -> dict[int, str]:
     """The first words of the columns of many words by position: of these, nothing else is kept."""
-    if not layout.text or len(body) < HEAD:
+    if not layout.text or len(body) < JUDGED_BYTES:
         return {}
-    head = bytes(body[:HEAD])
+    head = bytes(body[:JUDGED_BYTES])
     rows: Any = _table(head[: head.rfind(b"\n") + 1] or body, layout, None)
     words = {i: rows.column(i) for i in layout.text if str(rows.column(i).type) == "string"}
     return {i: _first_word(column) for i, column in words.items() if _has_many(column)}
@@ -224,14 +215,14 @@ def words_of(column: Any, label: str) -> Parsed:
         return first
     codes = column.combine_chunks().dictionary_encode()
     words = tuple(str(word) for word in codes.dictionary.to_pylist())
-    return Tags(words, np.asarray(codes.indices.fill_null(-1))) if len(words) <= FEW else first
+    return Tags(words, np.asarray(codes.indices.fill_null(-1))) if len(words) <= FEW_WORDS else first
 
 
 def _has_many(column: Any) -> bool:
     """Whether a column of words has too many to distinguish rows, and they are no dates."""
     import pyarrow.compute as pc
 
-    return not dates.pattern_of(_first_word(column)) and len(pc.unique(column[: FEW * 100])) > FEW
+    return not dates.pattern_of(_first_word(column)) and len(pc.unique(column[: FEW_WORDS * 100])) > FEW_WORDS
 
 
 def _first_word(column: Any) -> str:
@@ -247,26 +238,17 @@ def _blame(body: bytes | memoryview, layout: Layout, otherwise: str) -> NoReturn
             continue
         where = say("line {line}", line=layout.line + i)
         if len(row) != layout.width:
-            raise DataError(
-                say(
-                    "{where} has {count} columns instead of {width}: {line!r}",
-                    where=where,
-                    count=len(row),
-                    width=layout.width,
-                    line=line[:60],
-                )
-            )
+            raise DataError(say(
+                "{where} has {count} columns instead of {width}: {line!r}",
+                where=where, count=len(row), width=layout.width, line=line[:60],
+            ))  # fmt: skip
         for place, cell in enumerate(row):
             if place not in layout.text and not is_number(cell, layout.decimal) and cell.lower() not in MISSING:
                 name = layout.names[place] or say("column {position}", position=place + 1)
-                raise DataError(
-                    say(
-                        "{where}, column {name!r}: {cell!r} is not a number; correct or remove the line",
-                        where=where,
-                        name=name,
-                        cell=cell[:40],
-                    )
-                )
+                raise DataError(say(
+                    "{where}, column {name!r}: {cell!r} is not a number; correct or remove the line",
+                    where=where, name=name, cell=cell[:40],
+                ))  # fmt: skip
     raise DataError(say("the rows of numbers cannot be read: {reason}", reason=otherwise.splitlines()[0][:200]))
 
 

@@ -37,20 +37,12 @@ class StatedRate(NamedTuple):
 
 
 def statement(line: int, text: str, decimal: str = ".") -> StatedRate | None:
-    """The sampling rate that a line states; None if it states none.
-
-    Examples
-    --------
-    >>> statement(1, "// Update Rate: 100.0Hz").rate, statement(2, "Sample interval: 0.01 s").rate
-    (100.0, 100.0)
-    >>> statement(3, "FS = 250 dps"), statement(4, "rate: 115200 baud")
-    (None, None)
-    """
-    found = _STATED.search(text) if len(text) <= headers.LONGEST else None
-    if found is None or (found["fraction"] or "").startswith(",") > (decimal == ","):
+    """The sampling rate that a line states; None if it states none."""
+    stated = _STATED.search(text) if len(text) <= headers.LONGEST_HEADER else None
+    if stated is None or (stated["fraction"] or "").startswith(",") > (decimal == ","):
         return None
-    number, unit = float(found["number"].replace(",", ".")), found["after"] or found["before"] or ""
-    if found["rate"]:
+    number, unit = float(stated["number"].replace(",", ".")), stated["after"] or stated["before"] or ""
+    if stated["rate"]:
         value = number * _HERTZ.get(unit.lower(), 0.0 if unit else 1.0)
     else:  # a number without unit may be seconds or milliseconds
         value = 1 / (number * unit_of(unit).factor) if headers.is_time(unit) and number else 0.0
@@ -59,11 +51,13 @@ def statement(line: int, text: str, decimal: str = ".") -> StatedRate | None:
 
 def nominal(lines: Iterable[tuple[int, str]], decimal: str) -> tuple[float | None, Phrase]:
     """The rate that the lines above the numbers state, with its place; no rate if they contradict each other."""
-    found = [said for line, text in lines if (said := statement(line, text, decimal))]
+    statements = [stated for line, text in lines if (stated := statement(line, text, decimal))]
     places = join(" ", ())
-    if found:
-        places = join(", ", (say("line {line} ({text!r})", line=said.line, text=said.text) for said in found))
-    rates = [said.rate for said in found]
+    if statements:
+        places = join(
+            ", ", (say("line {line} ({text!r})", line=stated.line, text=stated.text) for stated in statements)
+        )
+    rates = [stated.rate for stated in statements]
     if not rates or max(rates) > 1.001 * min(rates):
         return None, places
     return rates[0], places

@@ -15,7 +15,7 @@ from allanite.phrases.phrase import say, say_count
 FAINT = 0.5
 """Deviation of the amplitude from its median, relative to it, beyond which a sample is not one of sine and cosine."""
 
-FEW = 0.01
+FEW_DROPOUTS = 0.01
 """Largest share of such samples, which are marked as missing."""
 
 LARGEST_STEP = math.pi / 2
@@ -27,7 +27,7 @@ MEANS = 8
 SECTORS = 36
 """Number of sectors of a turn."""
 
-ENOUGH = 27
+LEAST_SECTORS = 27
 """Sectors that the angle must reach, for offsets and gains to be told from the angle."""
 
 LEAST_ERROR = 1e-5
@@ -38,36 +38,27 @@ def with_angles(recording: Recording, pairs: int, kind: str) -> Recording:
     """The recording whose first 2 `pairs` records, sine and cosine in turn, are replaced by their angles."""
     records, notes, findings = [], list(recording.notes), list(recording.findings)
     for sine, cosine in zip(*(islice(recording.records, i, 2 * pairs, 2) for i in (0, 1)), strict=True):
-        angle, found, note = angle_of(sine, cosine, kind)
+        angle, defects, note = angle_of(sine, cosine, kind)
         records.append(angle)
         notes.append(note)
-        findings += found
+        findings += defects
     others = recording.records[2 * pairs :]
     return replace(recording, records=(*records, *others), notes=tuple(notes), findings=tuple(findings))
 
 
 def angle_of(sine: Record, cosine: Record, kind: str = "value") -> tuple[Record, list[Finding], str]:
-    """The unwrapped angle in rad, findings about sine and cosine, and what could be checked.
-
-    Examples
-    --------
-    >>> true = np.linspace(0.0, 20.0, 201)
-    >>> sine, cosine = (Record(3 * f(true), rate=10.0, unit="V", name=f.__name__) for f in (np.sin, np.cos))
-    >>> angle, findings, _ = angle_of(sine, cosine)
-    >>> bool(np.allclose(angle.values, true)), angle.unit, findings
-    (True, 'rad', [])
-    """
+    """The unwrapped angle in rad, findings about sine and cosine, and what could be checked."""
     s, c = (np.asarray(record.values, dtype=np.float64) for record in (sine, cosine))
     name = f"angle {sine.name} {cosine.name}"
     size = np.hypot(s, c)
-    there, findings = _loud(size, sine, name)
-    wrapped = np.arctan2(s[there], c[there])
+    loud, findings = _loud(size, sine, name)
+    wrapped = np.arctan2(s[loud], c[loud])
     values = np.full(s.size, np.nan)
-    values[there] = _unwrapped(wrapped, there, sine.rate, name)
-    found, note = _errors(values[there], size[there], name)
+    values[loud] = _unwrapped(wrapped, loud, sine.rate, name)
+    errors, note = _errors(values[loud], size[loud], name)
     history = (*sine.history, say("angle of sine {sine!r} and cosine {cosine!r}", sine=sine.name, cosine=cosine.name))
     angle = Record(values, sine.rate, "rad", kind, name=name, start=sine.start, history=history)
-    return angle, findings + found, note
+    return angle, findings + errors, note
 
 
 def _loud(size: FloatArray, sine: Record, name: str) -> tuple[IntArray, list[Finding]]:
@@ -78,28 +69,22 @@ def _loud(size: FloatArray, sine: Record, name: str) -> tuple[IntArray, list[Fin
     usual = float(np.median(size[known]))
     wrong = known & ~(np.abs(size - usual) <= FAINT * usual)
     count = int(wrong.sum())
-    if usual == 0 or count > FEW * known.sum():
-        raise DataError(
-            say(
-                "{name} are not the sine and cosine of an angle: their amplitude is {least:.4g} to {most:.4g} with a "
-                "median of {usual:.4g}; name the sine first and subtract offsets of the converter",
-                name=name,
-                least=float(size[known].min()),
-                most=float(size[known].max()),
-                usual=usual,
-            )
-        )
-    there = np.flatnonzero(known & ~wrong)
+    if usual == 0 or count > FEW_DROPOUTS * known.sum():
+        raise DataError(say(
+            "{name} are not the sine and cosine of an angle: their amplitude is {least:.4g} to {most:.4g} with a "
+            "median of {usual:.4g}; name the sine first and subtract offsets of the converter",
+            name=name, least=float(size[known].min()), most=float(size[known].max()), usual=usual,
+        ))  # fmt: skip
+    loud = np.flatnonzero(known & ~wrong)
     if not count:
-        return there, []
+        return loud, []
     what = say_count(
         count,
         "{name}: {count} sample without the amplitude of sine and cosine, the first at {start:.6g} s",
         "{name}: {count} samples without the amplitude of sine and cosine, the first at {start:.6g} s",
-        name=name,
-        start=int(wrong.argmax()) / sine.rate,
-    )
-    return there, [Finding("amplitude", what, say("they are treated as missing"))]
+        name=name, start=int(wrong.argmax()) / sine.rate,
+    )  # fmt: skip
+    return loud, [Finding("amplitude", what, say("they are treated as missing"))]
 
 
 def _unwrapped(wrapped: FloatArray, there: IntArray, rate: float, name: str) -> FloatArray:
@@ -107,51 +92,39 @@ def _unwrapped(wrapped: FloatArray, there: IntArray, rate: float, name: str) -> 
     steps, apart = np.remainder(np.diff(wrapped) + np.pi, 2 * np.pi) - np.pi, np.diff(there)
     fast = np.flatnonzero((apart == 1) & (np.abs(steps) > LARGEST_STEP))
     if fast.size:
-        raise DataError(
-            say(
-                "{name}: the angle turns by {step:.3g} deg from {start:.6g} s to the next sample ({count} such steps); "
-                "beyond 90 deg turns cannot be counted with certainty: sample faster, or name the sine first",
-                name=name,
-                step=math.degrees(abs(steps[fast[0]])),
-                start=there[fast[0]] / rate,
-                count=fast.size,
-            )
-        )
+        raise DataError(say(
+            "{name}: the angle turns by {step:.3g} deg from {start:.6g} s to the next sample ({count} such steps); "
+            "beyond 90 deg turns cannot be counted with certainty: sample faster, or name the sine first",
+            name=name, step=math.degrees(abs(steps[fast[0]])), start=there[fast[0]] / rate, count=fast.size,
+        ))  # fmt: skip
     # the fastest rotation in rad per sample, as a mean over a few steps
     near = steps[apart == 1]
     means = near if near.size < MEANS else np.convolve(near, np.full(MEANS, 1 / MEANS), mode="valid")
     speed = float(np.abs(means).max(initial=0.0))
     wide = np.flatnonzero((apart > 1) & (np.maximum(speed * apart, np.abs(steps)) > LARGEST_STEP))
     if wide.size:
-        raise DataError(
-            say(
-                "{name}: the angle may have turned by more than 90 deg while samples are missing, from {start:.6g} s "
-                "to {end:.6g} s, so that its turns cannot be counted; read the parts before and after as files of "
-                "their own",
-                name=name,
-                start=there[wide[0]] / rate,
-                end=there[wide[0] + 1] / rate,
-            )
-        )
+        raise DataError(say(
+            "{name}: the angle may have turned by more than 90 deg while samples are missing, from {start:.6g} s "
+            "to {end:.6g} s, so that its turns cannot be counted; read the parts before and after as files of "
+            "their own",
+            name=name, start=there[wide[0]] / rate, end=there[wide[0] + 1] / rate,
+        ))  # fmt: skip
     return np.concatenate((wrapped[:1], wrapped[0] + np.cumsum(steps)))
 
 
 def _errors(angle: FloatArray, size: FloatArray, name: str) -> tuple[list[Finding], str]:
-    """The angle errors by offsets, unequal gains and a phase that is not 90 deg, from the amplitude over a turn.
-
-    To first order they change the amplitude as much as the angle: offsets once per turn, the others twice.
-    """
+    """The angle errors by offsets, unequal gains and a phase that is not 90 deg, from the amplitude over a turn."""
+    # To first order they change the amplitude as much as the angle: offsets once per turn, the others twice.
     read = say("{name}: sine and cosine are used as an angle in rad", name=name)
     turn = np.remainder(angle, 2 * np.pi)
     sectors = np.unique((turn * (SECTORS / (2 * np.pi))).astype(np.int64)).size
-    if sectors < ENOUGH:
+    if sectors < LEAST_SECTORS:
         reach = math.degrees(float(np.ptp(angle)))
         return [], say(
             "{note}; it covers {reach:.3g} deg, too little to check offsets and gains: a difference of the gains of "
             "1 % changes its scale by up to 1 %, an offset adds to it",
-            note=read,
-            reach=min(reach, 360.0),
-        )
+            note=read, reach=min(reach, 360.0),
+        )  # fmt: skip
     waves = np.stack([np.ones_like(turn), *(f(k * turn) for k in (1, 2) for f in (np.cos, np.sin))], axis=1)
     mean, *rest = np.linalg.lstsq(waves, size, rcond=None)[0]
     cos1, sin1, cos2, sin2 = np.array(rest) / mean
@@ -167,7 +140,6 @@ def _errors(angle: FloatArray, size: FloatArray, name: str) -> tuple[list[Findin
     )  # fmt: skip
     effect = say(
         "errors of the angle of up to {once:.3g} arcsec once and {twice:.3g} arcsec twice per turn",
-        once=once,
-        twice=twice,
-    )
+        once=once, twice=twice,
+    )  # fmt: skip
     return [Finding("imbalance", what, effect, say("correct sine and cosine before they are recorded"))], read

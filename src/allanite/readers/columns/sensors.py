@@ -14,7 +14,7 @@ from . import headers
 from .column import FileColumn
 from .parse import Tags
 
-MOST = 8
+MOST_SENSORS = 8
 """Maximum number of sensors with alternating rows."""
 
 _ID = re.compile(r"(^|[^a-z])(sensor|type|id|source|name|tag|device)([^a-z]|$)|sensor_?(id|type|name)")
@@ -30,11 +30,9 @@ class Turns(NamedTuple):
 
 
 def turns(columns: list[FileColumn], tags: dict[int, Tags]) -> Turns | None:
-    """The column that distinguishes the rows of several sensors; None if all rows belong to one.
-
-    A column of a few words is one if they change often; a column of numbers
-    if its header says so, or if they repeat in the same order, which samples do not.
-    """
+    """The column that distinguishes the rows of several sensors; None if all rows belong to one."""
+    # A column of a few words is one if they change often; a column of numbers if its header says so, or if they repeat
+    # in the same order, which samples do not.
     for place, column in enumerate(columns):
         named = bool(_ID.search(column.header.lower()))
         if place in tags:
@@ -43,13 +41,13 @@ def turns(columns: list[FileColumn], tags: dict[int, Tags]) -> Turns | None:
             continue
         else:
             numbers = np.unique(column.values[:1000])
-            if not 2 <= numbers.size <= MOST or np.any(~np.isin(column.values, numbers)):
+            if not 2 <= numbers.size <= MOST_SENSORS or np.any(~np.isin(column.values, numbers)):
                 continue
             ids, codes = tuple(map(str, numbers)), np.searchsorted(numbers, column.values)
             around = codes.size > 4 * len(ids) and np.array_equal(codes[len(ids) :], codes[: -len(ids)])
             if not named and not (column.header == "" and around):
                 continue
-        if 2 <= len(ids) <= MOST and codes.min() >= 0 and (np.diff(codes) != 0).mean() > 0.1:
+        if 2 <= len(ids) <= MOST_SENSORS and codes.min() >= 0 and (np.diff(codes) != 0).mean() > 0.1:
             return Turns(place, ids, codes)
     return None
 
@@ -67,8 +65,8 @@ def apart(columns: list[FileColumn], by: Turns) -> tuple[list[list[FileColumn]],
             values = column.values[rows]
             if values.dtype.kind == "f" and np.all(np.isnan(values)):
                 continue
-            said = f"{name} {column.header or column.name}"
-            group.append(replace(column, values=values, name=f"{name} {column.name}", header=said, position=position))
+            header = f"{name} {column.header or column.name}"
+            group.append(replace(column, values=values, name=f"{name} {column.name}", header=header, position=position))
         groups.append(group)
     label = columns[by.place].label
     sizes = join(
@@ -81,11 +79,9 @@ def apart(columns: list[FileColumn], by: Turns) -> tuple[list[list[FileColumn]],
     return groups, (
         say(
             "the rows belong to {count} sensors according to {column}: {sizes}",
-            count=len(by.ids),
-            column=label,
-            sizes=sizes,
+            count=len(by.ids), column=label, sizes=sizes,
         ),
-    )
+    )  # fmt: skip
 
 
 def between(columns: list[FileColumn]) -> tuple[list[FileColumn], tuple[str, ...]]:
@@ -110,7 +106,7 @@ def between(columns: list[FileColumn]) -> tuple[list[FileColumn], tuple[str, ...
         for k in range(1, width)
     }
     result = [replace(column, name=names.get(column.position, column.name)) for column in named]
-    said = join(
+    places = join(
         ", ",
         (
             say("{position} (always {number})", position=columns[i].position, number=number)
@@ -119,7 +115,8 @@ def between(columns: list[FileColumn]) -> tuple[list[FileColumn], tuple[str, ...
     )
     return result, (
         say(
-            "columns {columns} are used as ids of sensors, and the columns after each are named after it", columns=said
+            "columns {columns} are used as ids of sensors, and the columns after each are named after it",
+            columns=places,
         ),
     )
 
@@ -130,11 +127,9 @@ def _constant(column: FileColumn) -> bool:
 
 
 def wanted(groups: list[list[FileColumn]], keys: tuple[str, ...] | None) -> list[FileColumn]:
-    """The columns of the sensors selected by the user; of all sensors if they have the same number of rows.
-
-    By default, if the sensors have different numbers of rows, those with inertial
-    names are kept if their numbers agree; otherwise all, which the table then refuses.
-    """
+    """The columns of the sensors selected by the user; of all sensors if they have the same number of rows."""
+    # By default, if the sensors have different numbers of rows, those with inertial names are kept if their numbers
+    # agree; otherwise all, which the table then refuses.
     if keys is not None:
         asked = {key.strip().lower() for key in keys}
         chosen = [g for g in groups if any(asked & {c.name.lower(), c.header.lower(), str(c.position)} for c in g)]
@@ -150,11 +145,9 @@ _PER_SECOND = {"n": 10**9, "u": 10**6, "nano": 10**9, "micro": 10**6}
 
 
 def joined(columns: tuple[FileColumn, ...], options: Options) -> tuple[tuple[FileColumn, ...], tuple[Phrase, ...]]:
-    """The columns with each pair of seconds and fractions as one clock, and notes; those named by the user stay apart.
-
-    Both are whole numbers, such as ``header.stamp.sec`` and ``header.stamp.nanosec`` of ROS, and are added as such:
-    a float64 has no room for the nanoseconds of an epoch.
-    """
+    """The columns with each pair of seconds and fractions as one clock, and notes; those that are named stay apart."""
+    # Both are whole numbers, such as header.stamp.sec and header.stamp.nanosec of ROS, and are added as such: a float64
+    # has no room for the nanoseconds of an epoch.
     named = _named(options)
     wanted = [c for c in columns if not c.kind and not named & {c.name.lower(), c.header.lower(), str(c.position)}]
     endings = ((column, *_ending(column, _PARTS)) for column in wanted if not column.text)
@@ -169,14 +162,14 @@ def joined(columns: tuple[FileColumn, ...], options: Options) -> tuple[tuple[Fil
         stamps = _added(seconds.values, column.values, size)
         if stamps is None:
             continue
-        said = {"seconds": seconds.label, "fraction": column.label}
+        labels = {"seconds": seconds.label, "fraction": column.label}
         if not stamps.size:
-            notes.append(say("{seconds} and {fraction} are not joined: the latter is not a part of a second", **said))
+            notes.append(say("{seconds} and {fraction} are not joined: the latter is not a part of a second", **labels))
             continue
         stem = seconds.name[: len(stem)].strip() or "time"
         clock = replace(seconds, values=stamps, name=stem, unit="ns", header=f"{seconds.header} + {column.header}")
         columns = tuple(clock if c is seconds else c for c in columns if c is not column)
-        notes.append(say("{seconds} and {fraction} are joined to one clock in ns", **said))
+        notes.append(say("{seconds} and {fraction} are joined to one clock in ns", **labels))
     return columns, tuple(notes)
 
 
@@ -199,13 +192,13 @@ def _added(seconds: NDArray[Any], parts: NDArray[Any], size: int) -> NDArray[np.
 def _ending(column: FileColumn, units: re.Pattern[str]) -> tuple[str, str]:
     """A name without the unit at its end and the signs between, and the unit; both are empty if there is none."""
     name = column.name.strip().lower()
-    found = units.search(name)
-    if found is None:
+    ending = units.search(name)
+    if ending is None:
         return "", ""
-    end = found.start()
+    end = ending.start()
     while end and not (name[end - 1].isascii() and name[end - 1].isalnum()):
         end -= 1
-    return name[:end], found[1]
+    return name[:end], ending[1]
 
 
 def _whole(values: NDArray[Any]) -> NDArray[np.int64] | None:

@@ -12,7 +12,7 @@ from allanite.phrases.phrase import say
 
 from .layout import HEAD, MARKS, cells, decoded, is_number, style
 
-FILLED, FEWEST = 0.5, 32
+FILLED, FEWEST_SAMPLES = 0.5, 32
 """Share of every k-th row that must have a sample, and samples: of fewer the distance may be chance."""
 
 
@@ -20,10 +20,10 @@ def stride(records: Sequence[Record]) -> tuple[int, int]:
     """First row with a sample, and the distance of such rows: 1 unless all channels have samples in every k-th only."""
     if any(complete(record.values) for record in records):
         return 0, 1
-    there = np.flatnonzero(np.logical_or.reduce([np.isfinite(record.values) for record in records]))
-    step = int(np.gcd.reduce(np.diff(there))) if there.size > 1 else 1
-    filled = there.size >= FEWEST and there.size * step > FILLED * len(records[0].values)
-    return (int(there[0]), step) if step > 1 and filled else (0, 1)
+    sampled = np.flatnonzero(np.logical_or.reduce([np.isfinite(record.values) for record in records]))
+    step = int(np.gcd.reduce(np.diff(sampled))) if sampled.size > 1 else 1
+    filled = sampled.size >= FEWEST_SAMPLES and sampled.size * step > FILLED * len(records[0].values)
+    return (int(sampled[0]), step) if step > 1 and filled else (0, 1)
 
 
 def thinned(records: Sequence[Record], first: int, step: int) -> tuple[Record, ...]:
@@ -48,7 +48,7 @@ def note(records: Sequence[Record], step: int) -> str:
     )  # fmt: skip
 
 
-WIDEST = 1000
+WIDEST_LINE = 1000
 """Numbers per line above which the line is a channel and not a sample."""
 
 _CHECKSUM = re.compile(rb"\*[0-9A-Fa-f]{2}(?=\r?\n|$)")
@@ -60,7 +60,7 @@ def straightened(data: bytes) -> tuple[bytes, tuple[str, ...]]:
         data = without_checksums(data)
     # lines of thousands of numbers become columns
     head = data[:HEAD]
-    if head.count(b"\n") * WIDEST > len(head):
+    if head.count(b"\n") * WIDEST_LINE > len(head):
         return _joined(data)
     lines = [line for line in _lines(data) if line]
     plain = [line for line in lines if not line.startswith(MARKS[:3])]
@@ -68,16 +68,16 @@ def straightened(data: bytes) -> tuple[bytes, tuple[str, ...]]:
         return _joined(data)
     delimiter, decimal = style([line[:4000] for line in plain])
     rows = [cells(line.strip(delimiter + " "), delimiter) for line in plain]
-    if min(map(len, rows)) <= WIDEST or len({len(row) for row in rows}) > 1:
+    if min(map(len, rows)) <= WIDEST_LINE or len({len(row) for row in rows}) > 1:
         return _joined(data)
     names = all(not is_number(row[0], decimal) for row in rows)
     body = "\n".join(map(";".join, zip(*rows, strict=True)))
     length = len(rows[0]) - names
-    said = say("the line of {length} numbers is used as one channel", length=length)
+    note = say("the line of {length} numbers is used as one channel", length=length)
     if len(rows) > 1:
-        said = say("the {count} lines of {length} numbers are used as channels", count=len(rows), length=length)
+        note = say("the {count} lines of {length} numbers are used as channels", count=len(rows), length=length)
     comments = "".join(line + "\n" for line in lines if line.startswith(MARKS[:3]))
-    return (comments + body + "\n").encode(), (said,)
+    return (comments + body + "\n").encode(), (note,)
 
 
 def without_checksums(data: bytes) -> bytes:
@@ -104,9 +104,8 @@ def _joined(data: bytes) -> tuple[bytes, tuple[str, ...]]:
     names = [mark.join(kept[:first])] if first == period else kept[:first]
     note = say(
         "{count} lines of {sizes} numbers are used as one row per sample",
-        count=period,
-        sizes=", ".join(map(str, numeric[:period])),
-    )
+        count=period, sizes=", ".join(map(str, numeric[:period])),
+    )  # fmt: skip
     return "\n".join([*above, *names, *rows, ""]).encode(), (note,)
 
 

@@ -50,8 +50,8 @@ def apart(
     sensors = KINDS_OF_SENSORS.values()
     units = {name: lookup(columns, name) for name, _ in options.units if name not in sensors}
     own = {units[name]: unit for name, unit in options.units if units.get(name) in theirs}
-    left = tuple((name, unit) for name, unit in options.units if units.get(name) not in own)
-    return own, replace(options, units=left) if own else options
+    others = tuple((name, unit) for name, unit in options.units if units.get(name) not in own)
+    return own, replace(options, units=others) if own else options
 
 
 def _columns_of(columns: tuple[FileColumn, ...], sensor: str, unit: str) -> list[FileColumn]:
@@ -61,9 +61,9 @@ def _columns_of(columns: tuple[FileColumn, ...], sensor: str, unit: str) -> list
         signal = headers.inertial(column.unit)
         other = column.text or headers.is_other(column.name, column.unit) or headers.is_time(column.unit)
         types[column] = "" if other else signal.name if signal else headers.sensor_by_name(column.name)
-    found = [column for column, theirs in types.items() if theirs == sensor]
-    if found:
-        return found
+    members = [column for column, theirs in types.items() if theirs == sensor]
+    if members:
+        return members
     shown = (f"{c.position}: {c.header or c.name}" + (f" ({theirs})" if theirs else "") for c, theirs in types.items())
     first = next((c.position for c, theirs in types.items() if not theirs and headers.clock_rank(c.name) == 2), 1)
     raise UsageError(

@@ -39,19 +39,14 @@ SOURCE = say("the description in the file")
 
 @dataclass(frozen=True, eq=False)
 class FileTable:
-    """The columns of a file in its order, what the file states about them, and the assumptions so far.
-
-    `rate` in Hz and `start`, the time of the first sample in s, are None if the file does not state them;
-    `rate_source` is the place where it states the rate. `nominal` is one that applies only without time stamps, in Hz,
-    with its place.
-    """
+    """The columns of a file in its order, what the file states about them, and the assumptions so far."""
 
     columns: tuple[FileColumn, ...]
-    rate: float | None = None
-    rate_source: str = ""
+    rate: float | None = None  # Hz; None if the file does not state it
+    rate_source: str = ""  # the place where it does
     notes: tuple[str, ...] = field(default=())
-    start: float | None = None
-    nominal: tuple[float | None, str] = (None, "")
+    start: float | None = None  # time of the first sample, s
+    nominal: tuple[float | None, str] = (None, "")  # a rate, Hz, that applies only without time stamps, and its place
 
     def recording(self, options: Options) -> Recording:
         """The channels as records with common sample times."""
@@ -64,21 +59,21 @@ class FileTable:
             raise DataError(
                 say("the file contains fewer than 2 rows of numbers; a record needs thousands, one row per sample")
             )
-        seen = self.sense(options)
-        time = seen.sources.stamps
-        signals = [signal.column for signal in seen.signals]
+        sense = self.sense(options)
+        time = sense.sources.stamps
+        signals = [signal.column for signal in sense.signals]
         _demand_rows([*signals, *([time] if time else [])])
-        beat = clock.beat(seen.sources, options.rate, lambda: repeated([column.values for column in signals]))
-        seen.demand(beat)
-        records = tuple(_record(signal, beat, self.start) for signal in seen.signals)
-        around = [c for c in seen.columns if c is not time and len(c.values) == len(signals[0].values)]
+        beat = clock.beat(sense.sources, options.rate, lambda: repeated([column.values for column in signals]))
+        sense.demand(beat)
+        records = tuple(_record(signal, beat, self.start) for signal in sense.signals)
+        around = [c for c in sense.columns if c is not time and len(c.values) == len(signals[0].values)]
         drivers = channels.beside(channels.drivers(tuple(c for c in around if c not in signals)))[0]
         others = tuple(_record(signal, beat, self.start) for signal in drivers)
-        notes, (first, step) = seen.notes(beat), shapes.stride(records)
+        notes, (first, step) = sense.notes(beat), shapes.stride(records)
         if step > 1:
             notes = (*notes, shapes.note(records, step))
             records, others = (shapes.thinned(some, first, step) for some in (records, others))
-        return Recording(records, notes=notes, findings=seen.findings(beat), others=others)
+        return Recording(records, notes=notes, findings=sense.findings(beat), others=others)
 
     def sense(self, options: Options) -> "Sense":
         """What the columns are: which of them are signals, and which are the clock."""
@@ -93,10 +88,10 @@ class FileTable:
         )  # fmt: skip
         taken = channels.named(columns, options.along) or ()
         units, options = stated.apart(columns, taken, options)
-        along, said = channels.beside(tuple(replace(c, unit=units.get(c, c.unit)) for c in taken))
+        along, plain = channels.beside(tuple(replace(c, unit=units.get(c, c.unit)) for c in taken))
         open_to_choice = tuple(column for column in columns if column not in taken)
         choice = channels.choose(open_to_choice, options, chosen, sources.stamps)
-        return Sense(columns, sources, choice, along, ((*self.notes, *joined), said), options)
+        return Sense(columns, sources, choice, along, ((*self.notes, *joined), plain), options)
 
     def _unmarked(self, options: Options) -> "FileTable":
         """The table whose selected columns have no unit and kind: sine and cosine in any unit have the same angle."""
@@ -107,13 +102,13 @@ class FileTable:
 
 @dataclass(frozen=True, eq=False)
 class Sense:
-    """The meaning of the columns of a table: clock, signals, and columns to read in addition; `said` by its steps."""
+    """The meaning of the columns of a table: clock, signals, columns to read in addition; `assumed` by its steps."""
 
     columns: tuple[FileColumn, ...]
     sources: clocks.ClockSources
     choice: channels.Choice
     along: tuple[channels.SignalColumn, ...]
-    said: tuple[tuple[str, ...], tuple[str, ...]]
+    assumed: tuple[tuple[str, ...], tuple[str, ...]]
     options: Options
 
     @property
@@ -126,9 +121,9 @@ class Sense:
         questions = [*beat.questions, *self.choice.questions]
         if questions:
             asked, why = self._proposed(beat)
-            left = self.choice.left if beat.questions or not self.choice.unsaid else ()
+            omitted = self.choice.omitted if beat.questions or not self.choice.unsaid else ()
             raise UsageError(
-                "; ".join((*questions, *why, *left)), choice="rate" if beat.questions else "unit", cure=asked
+                "; ".join((*questions, *why, *omitted)), choice="rate" if beat.questions else "unit", cure=asked
             )
 
     def _proposed(self, beat: clock.Beat) -> tuple[Cure, tuple[str, ...]]:
@@ -140,15 +135,17 @@ class Sense:
         rising = [c for c in free if self.options.time is None and channels.climbs(c, self.options, self.columns)]
         proposals = [proposal.clock(rising, self.sources)] if beat.questions else []
         proposals += [proposal.units(unsaid, proposals[0].rate if proposals else beat.rate)] if unsaid else []
-        return ("", " ".join(one.words for one in proposals)), tuple(why for one in proposals for why in one.why)
+        return ("", " ".join(proposed.words for proposed in proposals)), tuple(
+            why for proposed in proposals for why in proposed.why
+        )
 
     def notes(self, beat: clock.Beat) -> tuple[str, ...]:
         """The assumptions."""
-        before, after = self.said
+        before, after = self.assumed
         rates = (signal_of_kind(s.unit, s.kind) for s in self.choice.signals if s.kind == "rate")
         # samples of an inertial sensor that are dropped are not in the others
         slow = 0 < beat.rate <= SLOW and any(what is not None and what.inertial for what in rates)
-        return (*before, *beat.notes, *([DROPPED] if slow else []), *self.choice.notes, *self.choice.left, *after)
+        return (*before, *beat.notes, *([DROPPED] if slow else []), *self.choice.notes, *self.choice.omitted, *after)
 
     def findings(self, beat: clock.Beat) -> tuple[Finding, ...]:
         """The findings about the clock, and about the meaning of the columns."""
@@ -166,13 +163,10 @@ def _record(signal: channels.SignalColumn, beat: clock.Beat, stated: float | Non
     start, history = stated if beat.start is None else beat.start, signal.column.history
     # a float this large becomes another integer without an error
     if signal.kind == "count" and values.dtype.kind == "f" and np.any(np.abs(values) >= 2.0**63):
-        raise DataError(
-            say(
-                "{column} contains counts beyond the range of 64-bit integers; use {option}",
-                column=signal.column.label,
-                option=spelled("--kind increment", "kind=increment"),
-            )
-        )
+        raise DataError(say(
+            "{column} contains counts beyond the range of 64-bit integers; use {option}",
+            column=signal.column.label, option=spelled("--kind increment", "kind=increment"),
+        ))  # fmt: skip
     put, kind = beat.grid.put(values), signal.kind
     if beat.grid.lost and kind == "count":  # a gap is not an integer: the same numbers, as increments
         kind = "increment"
@@ -186,22 +180,16 @@ def _demand_rows(columns: list[FileColumn]) -> None:
         which = join(
             ", ", (say("{column} has {length}", column=label, length=length) for label, length in lengths.items())
         )
-        raise DataError(
-            say(
-                "the columns have different lengths ({which}); select columns of one length with {option}",
-                which=which,
-                option=spelled("--channels", "channels=..."),
-            )
-        )
+        raise DataError(say(
+            "the columns have different lengths ({which}); select columns of one length with {option}",
+            which=which, option=spelled("--channels", "channels=..."),
+        ))  # fmt: skip
     for label, length in lengths.items():
         if length < 2:
-            raise DataError(
-                say(
-                    "{column} contains {length} numbers; a record needs thousands, one row per sample",
-                    column=label,
-                    length=length,
-                )
-            )
+            raise DataError(say(
+                "{column} contains {length} numbers; a record needs thousands, one row per sample",
+                column=label, length=length,
+            ))  # fmt: skip
 
 
 def described(recording: Recording, headers: Sequence[str]) -> str:
@@ -212,9 +200,11 @@ def described(recording: Recording, headers: Sequence[str]) -> str:
         | {"integers": record.values.dtype.kind == "i", "history": list(record.history)}
         for record, header in zip(recording, headers, strict=True)
     ]
-    said = {KEY: 1, "type": "Recording", "rate": recording[0].rate, "start": recording[0].start, "channels": channels}
+    description = {
+        KEY: 1, "type": "Recording", "rate": recording[0].rate, "start": recording[0].start, "channels": channels,
+    }  # fmt: skip
     # behind a separator a spreadsheet computes what begins with such a sign
-    return re.sub("(?<=[,;])[=+@-]", lambda sign: f"\\u{ord(sign[0]):04x}", json.dumps(said))
+    return re.sub("(?<=[,;])[=+@-]", lambda sign: f"\\u{ord(sign[0]):04x}", json.dumps(description))
 
 
 def keys(recording: Recording) -> list[str]:
@@ -232,23 +222,25 @@ def restored(table: FileTable, text: str | bytes) -> FileTable:
     if not text:
         return table
     try:
-        said = json.loads(text)
+        description = json.loads(text)
         columns = list[FileColumn]()
-        for column, channel in zip(_ordered(table.columns, said["channels"]), said["channels"], strict=True):
+        for column, channel in zip(
+            _ordered(table.columns, description["channels"]), description["channels"], strict=True
+        ):
             kind, unit, scale = str(channel["kind"]), str(channel["unit"]), channel["scale"]
             if signal_of_kind(unit, kind) is None or column.text:
                 raise ValueError(unit)
             # JSON text may contain 1.0 as an integer
             values = column.values if channel["integers"] else column.values.astype(np.float64)
             scale, history = None if scale is None else _positive(scale), channel["history"]
-            columns.append(
-                replace(
-                    column, values=values, name=str(channel["name"]), unit=unit, kind=kind, scale=scale,
-                    history=tuple(join("", [str(step)]) for step in history),
-                )
-            )  # fmt: skip
-        start = None if said["start"] is None else float(said["start"])
-        return replace(table, columns=tuple(columns), rate=_positive(said["rate"]), rate_source=SOURCE, start=start)
+            columns.append(replace(
+                column, values=values, name=str(channel["name"]), unit=unit, kind=kind, scale=scale,
+                history=tuple(join("", [str(step)]) for step in history),
+            ))  # fmt: skip
+        start = None if description["start"] is None else float(description["start"])
+        return replace(
+            table, columns=tuple(columns), rate=_positive(description["rate"]), rate_source=SOURCE, start=start
+        )
     except (AllaniteError, ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError):
         note = say(
             "{source} does not match its columns (were they changed since it was written?) and is ignored",
@@ -260,12 +252,12 @@ def restored(table: FileTable, text: str | bytes) -> FileTable:
 def _ordered(columns: Sequence[FileColumn], channels: Sequence[dict[str, Any]]) -> Sequence[FileColumn]:
     """The columns in the order in which they were written: other programs may sort them, or list them by name."""
     written: list[Any] = [channel.get("header") for channel in channels]
-    found = [column.header for column in columns]
-    if written == found or None in written or not any(found):
+    headers = [column.header for column in columns]
+    if written == headers or None in written or not any(headers):
         return columns
-    if sorted(written) != sorted(found) or len(set(found)) < len(found):
-        raise ValueError(found)
-    return [columns[found.index(header)] for header in written]
+    if sorted(written) != sorted(headers) or len(set(headers)) < len(headers):
+        raise ValueError(headers)
+    return [columns[headers.index(header)] for header in written]
 
 
 def _positive(number: Any) -> float:

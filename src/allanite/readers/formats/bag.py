@@ -16,27 +16,22 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say, spelled
-from allanite.readers.columns import headers, streams
+from allanite.readers.columns import headers
 from allanite.readers.columns.arrays import numbers
 from allanite.readers.columns.column import FileColumn, some
-from allanite.readers.columns.lines import HEAD, Parts
+from allanite.readers.columns.containers import Stream, any_inertial, arranged_stream, mean_rate, stream_recording
+from allanite.readers.columns.lines import HEAD_ROWS, Parts
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
-from allanite.readers.sandbox.process import Process, demand_size, demand_start, worded
+from allanite.readers.sandbox.process import Process, demand_size, worded
 from allanite.readers.sandbox.source import head_of
+
+from .registry import ZSTD
 
 TITLE = "ROS bags .bag, .db3 and .mcap (needs rosbags)"
 
-_MAGIC = (b"#ROSBAG V", b"\x89MCAP0\r\n", b"SQLite format 3\0")
-_PACKED = b"\x28\xb5\x2f\xfd"
-
 _AXIS = re.compile(r"(?:.*\.)?(angular_velocity|linear_acceleration)\.([xyz])")
 _LETTERS = {"angular_velocity": "g", "linear_acceleration": "a"}
-
-
-def sniff(head: bytes, suffix: str) -> bool:
-    """Whether the first bytes, or the name, are those of a bag."""
-    return head.startswith((*_MAGIC, _PACKED)) or suffix in (".bag", ".db3", ".mcap")
 
 
 def read(path: str, options: Options) -> Recording:
@@ -44,20 +39,20 @@ def read(path: str, options: Options) -> Recording:
     _demand_bag(path)
     with Process("bag", path, options.progress) as process:
         with worded():
-            topics = [_topic(item) for item in process.said["topics"]]
-            found = [_stream(topic, [other.name for other in topics], path, process) for topic in topics]
-        return streams.recording(found, options)
+            topics = [_topic(item) for item in process.contents["topics"]]
+            streams = [_stream(topic, [other.name for other in topics], path, process) for topic in topics]
+        return stream_recording(streams, options)
 
 
 def parts(path: str, options: Options) -> Parts:
     """The messages of one topic, which are decoded one part after the other."""
     _demand_bag(path)
     with Process("bag", path) as process, worded():
-        topics = [_topic(item) for item in process.said["topics"]]
+        topics = [_topic(item) for item in process.contents["topics"]]
     names = [topic.name for topic in topics]
-    found = {stream.name: (stream, topic) for topic in topics for stream in (_stream(topic, names, path),)}
-    stream, table, options = streams.arranged([one for one, _ in found.values()], options)
-    topic = found[stream.name][1]
+    streams = {stream.name: (stream, topic) for topic in topics for stream in (_stream(topic, names, path),)}
+    stream, table, options = arranged_stream([stream for stream, _ in streams.values()], options)
+    topic = streams[stream.name][1]
     order = [*list(topic.units)[1:], next(iter(topic.units))]
 
     def blocks(wanted: Sequence[int], rows: int) -> Iterator[list[NDArray[Any]]]:
@@ -75,53 +70,43 @@ def _blocks(topic: "_Topic", path: str, rows: int) -> Iterator[dict[str, NDArray
         for part in process.parts(f"{topic.name} ({topic.type})", (topic.count,), topic.dtype, rows):
             values = _ordered({name: part[name] for name in topic.units})
             if last is not None and values[first][0] < last:
-                raise DataError(
-                    say(
-                        "messages of {topic} are stored before earlier ones, over more than a part of the bag; sort "
-                        "it (rosbag, ros2 bag convert, mcap sort), or read it as a whole with {option}",
-                        topic=topic.name, option=spelled("--memory", "memory="),
-                    )
-                )  # fmt: skip
+                raise DataError(say(
+                    "messages of {topic} are stored before earlier ones, over more than a part of the bag; sort "
+                    "it (rosbag, ros2 bag convert, mcap sort), or read it as a whole with {option}",
+                    topic=topic.name, option=spelled("--memory", "memory="),
+                ))  # fmt: skip
             last = values[first][-1]
             yield values
 
 
 def _demand_bag(path: str) -> None:
-    head = head_of(path)
-    if head.startswith(_PACKED) and not os.path.isdir(path):
-        raise DataError(
-            say(
-                "the file is compressed with zstd; of a ROS 2 bag, give the folder that holds it and its "
-                "metadata.yaml; unpack any other file with zstd -d"
-            )
-        )
-    demand_start(head, (*_MAGIC, _PACKED), say("a ROS bag"))
+    if head_of(path).startswith(ZSTD) and not os.path.isdir(path):
+        raise DataError(say(
+            "the file is compressed with zstd; of a ROS 2 bag, give the folder that holds it and its "
+            "metadata.yaml; unpack any other file with zstd -d"
+        ))  # fmt: skip
 
 
 @dataclass(frozen=True)
 class _Topic:
-    """A topic: type, number of messages, seconds between the first and the last, and names and units of its columns.
-
-    `dtype` is the type of a row, `left` are the fields that are not read, `beside` the files of definitions used, and
-    `why` says why there are no columns.
-    """
+    """A topic: type, number of messages, seconds between the first and the last, and names and units of its columns."""
 
     name: str
     type: str
     count: int
     span: float
-    dtype: np.dtype[Any]
+    dtype: np.dtype[Any]  # of a row
     units: dict[str, str]
-    left: tuple[str, ...]
-    beside: tuple[str, ...]
-    why: str
+    unread: tuple[str, ...]  # fields
+    beside: tuple[str, ...]  # files of definitions used
+    why: str  # there are no columns
 
     @property
     def fits(self) -> int:
         """2 if some numbers have the unit of an inertial sensor, 1 if some have its name, otherwise 0."""
         if any(map(headers.inertial, self.units.values())):
             return 2
-        return int(streams.inertial(name.rpartition(".")[2] for name in self.units))
+        return int(any_inertial(name.rpartition(".")[2] for name in self.units))
 
     @property
     def called(self) -> dict[str, str]:
@@ -131,36 +116,29 @@ class _Topic:
         return axes | {name: "seq" for name in self.units if name.endswith("header.seq")}
 
 
-def _topic(said: Mapping[str, Any]) -> _Topic:
-    columns = [(str(name), str(kind), str(unit)) for name, kind, unit in said["columns"]]
+def _topic(item: Mapping[str, Any]) -> _Topic:
+    columns = [(str(name), str(kind), str(unit)) for name, kind, unit in item["columns"]]
     dtype = np.dtype([(name, kind) for name, kind, _ in columns])
-    about = (str(said["topic"]), str(said["type"]), max(0, int(said["count"])), float(said["span"]))
+    about = (str(item["topic"]), str(item["type"]), max(0, int(item["count"])), float(item["span"]))
     units = {name: unit for name, _, unit in columns}
-    return _Topic(*about, dtype, units, tuple(said["left"]), tuple(said.get("beside", ())), str(said["why"]))
+    return _Topic(*about, dtype, units, tuple(item["left"]), tuple(item.get("beside", ())), str(item["why"]))
 
 
-def _stream(topic: _Topic, names: Sequence[str], path: str, process: Process | None = None) -> streams.Stream:
-    """The stream of a topic, with its type in the name if messages of several types have the same topic.
-
-    Without a process its table is that of the first messages.
-    """
+def _stream(topic: _Topic, names: Sequence[str], path: str, process: Process | None = None) -> Stream:
+    """The stream of a topic, with its type in the name if messages of several types have the same topic."""
+    # Without a process its table is that of the first messages.
 
     def load() -> FileTable:
         if process is None:
-            return _table(topic, next(_blocks(topic, path, HEAD)))
+            return _table(topic, next(_blocks(topic, path, HEAD_ROWS)))
         demand_size(topic.count * topic.dtype.itemsize, process.path, f"topic {topic.name!r}")
         return _table(topic, _ordered(process.fields(f"{topic.name} ({topic.type})", topic.count, topic.dtype)))
 
-    return streams.Stream(
+    return Stream(
         topic.name if names.count(topic.name) == 1 else f"{topic.name}/{topic.type}",
-        topic.count,
-        (*topic.units, *topic.called.values()),
-        load,
-        streams.mean_rate(topic.count, topic.span),
-        topic.fits,
-        topic.type,
-        topic.why,
-    )
+        topic.count, (*topic.units, *topic.called.values()), load, mean_rate(topic.count, topic.span), topic.fits,
+        topic.type, topic.why,
+    )  # fmt: skip
 
 
 def _ordered(values: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
@@ -168,7 +146,7 @@ def _ordered(values: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     received = next(iter(values.values()))
     if np.any(received[1:] < received[:-1]):
         order = np.argsort(received, kind="stable")
-        values = {name: one[order] for name, one in values.items()}
+        values = {name: column[order] for name, column in values.items()}
     return values
 
 
@@ -186,6 +164,6 @@ def _table(topic: _Topic, values: dict[str, NDArray[Any]]) -> FileTable:
     notes = (
         (units, say("{units} by the definition of the message", units=units)),
         (topic.beside, say("defined by {files} beside the bag", files=", ".join(topic.beside))),
-        (topic.left, say("left out, no signal or of no fixed number: {left}", left=some(topic.left))),
+        (topic.unread, say("left out, no signal or of no fixed number: {left}", left=some(topic.unread))),
     )
     return FileTable(tuple(columns), notes=tuple(note for names, note in notes if names))

@@ -15,8 +15,8 @@ from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES
 from allanite.readers.columns.column import some
-from allanite.readers.columns.datasets import Dataset, arranged, rated, recording
-from allanite.readers.columns.lines import HEAD, Parts, Rows, columns_of
+from allanite.readers.columns.containers import Dataset, arranged_datasets, rated
+from allanite.readers.columns.lines import HEAD_ROWS, Parts, Rows, columns_of
 from allanite.readers.columns.table import KEY
 from allanite.readers.options import Options
 from allanite.readers.sandbox.process import Process, demand_size, worded
@@ -28,16 +28,18 @@ NAMES: dict[str, Any] = {"rates": RATE_NAMES, "text": KEY}
 def contained(form: str, path: str, options: Options, *, transposed: bool = False) -> Recording:
     """The channels of a file that `sandbox.worker` opens; with `transposed`, its arrays are transposed."""
     with Process(form, path, options.progress, NAMES) as process:
-        found = _listed(process, transposed=transposed)
-        return recording(rated(found, process.said["numbers"]), options, _left(process), process.said["description"])
+        datasets = _listed(process, transposed=transposed)
+        numbers, text = process.contents["numbers"], process.contents["description"]
+        table, options, _ = arranged_datasets(rated(datasets, numbers), options, _left(process), text)
+        return table.recording(options)
 
 
 def contained_parts(form: str, path: str, options: Options) -> Parts | None:
     """The rows of datasets that are read side by side; None if they have no rows in common."""
     with Process(form, path, names=NAMES) as process:
-        places = {str(item["path"]): item.get("offset") for item in process.said["datasets"]}
-        found = _listed(process)
-        numbers, notes, text = process.said["numbers"], _left(process), process.said["description"]
+        places = {str(item["path"]): item.get("offset") for item in process.contents["datasets"]}
+        datasets = _listed(process)
+        numbers, notes, text = process.contents["numbers"], _left(process), process.contents["description"]
 
     def source(dataset: Dataset, rows: int, stack: ExitStack) -> Iterator[NDArray[Any]]:
         # the rows of the file itself, or sent by a process of its own
@@ -49,10 +51,10 @@ def contained_parts(form: str, path: str, options: Options) -> Parts | None:
 
     def first_rows(dataset: Dataset) -> NDArray[Any]:
         with ExitStack() as stack:
-            return next(source(dataset, HEAD, stack))
+            return next(source(dataset, HEAD_ROWS, stack))
 
-    found = [replace(dataset, load=partial(first_rows, dataset)) for dataset in found]
-    table, options, family = arranged(rated(found, numbers), options, notes, text)
+    datasets = [replace(dataset, load=partial(first_rows, dataset)) for dataset in datasets]
+    table, options, family = arranged_datasets(rated(datasets, numbers), options, notes, text)
     shapes = {dataset.shape[0] for dataset in family}
     if len(shapes) > 1 or any(len(d.shape) == 2 and d.shape[0] < d.shape[1] for d in family):
         return None
@@ -62,8 +64,8 @@ def contained_parts(form: str, path: str, options: Options) -> Parts | None:
         used = sorted({owners[k][0] for k in wanted})
         with ExitStack() as stack:
             sources = [source(family[i], rows, stack) for i in used]
-            for found in zip(*sources, strict=True):
-                columns = dict(zip(used, map(columns_of, found), strict=True))
+            for rows_of_each in zip(*sources, strict=True):
+                columns = dict(zip(used, map(columns_of, rows_of_each), strict=True))
                 yield [columns[owners[k][0]][owners[k][1]] for k in wanted]
 
     return Parts(table, shapes.pop(), blocks, options)
@@ -72,13 +74,14 @@ def contained_parts(form: str, path: str, options: Options) -> Parts | None:
 def _listed(process: Process, *, transposed: bool = False) -> list[Dataset]:
     with worded():
         return [
-            _dataset(item, process.said["texts"], process, transposed=transposed) for item in process.said["datasets"]
+            _dataset(item, process.contents["texts"], process, transposed=transposed)
+            for item in process.contents["datasets"]
         ]
 
 
 def _left(process: Process) -> list[str]:
-    left = [str(name) for name in process.said["left"]]
-    return [say("left out, not numbers: {names}", names=some(left))] if left else []
+    names = [str(name) for name in process.contents["left"]]
+    return [say("left out, not numbers: {names}", names=some(names))] if names else []
 
 
 def _dataset(item: Mapping[str, Any], texts: Mapping[str, Any], process: Process, *, transposed: bool) -> Dataset:

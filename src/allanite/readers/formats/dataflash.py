@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from allanite.core.record import Recording
 from allanite.phrases.phrase import Phrase, say
-from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.column import FileColumn, some
+from allanite.readers.columns.containers import Stream, mean_rate, stream_recording
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 from allanite.readers.sandbox.process import demand_size, worded
@@ -143,12 +143,12 @@ class TextLog:
     @cached_property
     def _lines(self) -> dict[str, list[str]]:
         """The lines of each name, without it."""
-        found = dict[str, list[str]]()
+        lines = dict[str, list[str]]()
         for line in self.data.decode("latin-1").splitlines():
             name, comma, rest = line.partition(",")
             if comma:
-                found.setdefault(name, []).append(rest)
-        return found
+                lines.setdefault(name, []).append(rest)
+        return lines
 
     @cached_property
     def kinds(self) -> list[Kind]:
@@ -202,20 +202,20 @@ def units(log: Log) -> dict[int, Units]:
         kind is None or not fields <= set(kind.dtype.names or ()) for kind, fields in zip(about, needed, strict=True)
     ):
         return {}
-    said, labels, factors = (log.rows(kind) for kind in about if kind is not None)
+    kinds_of_units, labels, factors = (log.rows(kind) for kind in about if kind is not None)
     label = {chr(int(row["Id"]) % 256): _LABELS.get(word(row["Label"]), "") for row in labels}
     factor = {chr(int(row["Id"]) % 256): float(row["Mult"]) for row in factors}
-    kinds, found = {kind.number: kind for kind in log.kinds}, dict[int, Units]()
-    for row in said:
+    kinds, units = {kind.number: kind for kind in log.kinds}, dict[int, Units]()
+    for row in kinds_of_units:
         kind = kinds.get(int(row["FmtType"]))
         if kind is not None:
             fields = zip(kind.dtype.names or (), kind.letters, word(row["UnitIds"]), word(row["MultIds"]), strict=False)
-            found[kind.number] = {
+            units[kind.number] = {
                 name: _scaled(label[unit], 1.0 if letter in log.scaled else factor.get(times, 1.0))
                 for name, letter, unit, times in fields
                 if label.get(unit)
             }
-    return found
+    return units
 
 
 def _scaled(unit: str, factor: float) -> tuple[str, float]:
@@ -250,17 +250,17 @@ def read(path: str, options: Options) -> Recording:
         BinaryLog(np.asarray(np.memmap(path, np.uint8, mode="r"))) if binary else TextLog(path, Path(path).read_bytes())
     )
     with worded():
-        said = units(log)
-        found = [stream for kind in log.kinds for stream in _streams(log, kind, said.get(kind.number, {}))]
-    return streams.recording([*_batches(log), *found], options, log.notes)
+        stated = units(log)
+        streams = [stream for kind in log.kinds for stream in _streams(log, kind, stated.get(kind.number, {}))]
+    return stream_recording([*_batches(log), *streams], options, log.notes)
 
 
-def _streams(log: Log, kind: Kind, said: Units) -> Iterator[streams.Stream]:
+def _streams(log: Log, kind: Kind, stated: Units) -> Iterator[Stream]:
     """A stream for each instance of a kind of message."""
     names = tuple(kind.dtype.names or ())
     if not _inertial(names):
         if not kind.name.startswith("ISB") and names:
-            yield streams.Stream(kind.name, kind.count, names, lambda: _table(kind, log.rows(kind), said), fits=False)
+            yield Stream(kind.name, kind.count, names, lambda: _table(kind, log.rows(kind), stated), likely=False)
         return
     rows = log.rows(kind)
     instances = np.unique(rows["I"]) if "I" in names else [None]
@@ -270,36 +270,36 @@ def _streams(log: Log, kind: Kind, said: Units) -> Iterator[streams.Stream]:
         name = kind.name if instance is None else f"{kind.name}/{instance}"
         stamp = next((field for field in ("TimeUS", "SampleUS", "TimeMS") if field in names), None)
         span = 0 if stamp is None or not own.size else int(own[stamp][-1]) - int(own[stamp][0])
-        rate = streams.mean_rate(own.size, span * (1e-3 if stamp == "TimeMS" else 1e-6))
-        yield streams.Stream(name, own.size, names, partial(_table, kind, own, said, lost), rate)
+        rate = mean_rate(own.size, span * (1e-3 if stamp == "TimeMS" else 1e-6))
+        yield Stream(name, own.size, names, partial(_table, kind, own, stated, lost), rate)
 
 
 def _inertial(names: tuple[str, ...]) -> bool:
     return any(_UNITS.get(name, "") in ("rad/s", "m/s^2") for name in names)
 
 
-def _table(kind: Kind, rows: Rows, said: Units, lost: int = 0) -> FileTable:
+def _table(kind: Kind, rows: Rows, stated: Units, lost: int = 0) -> FileTable:
     """The numbers of messages; of those with inertial sensors only these, time stamps and temperature."""
     names = tuple(rows.dtype.names or ())
     known = _inertial(names)
     kept = [name for name in names if rows.dtype[name].kind in "iuf" and (name in _UNITS or not known)]
-    left = [name for name in names if name not in kept]
+    unused = [name for name in names if name not in kept]
     notes = []
     if lost:
         notes.append(say("the log is damaged: {count} lines of {name} cannot be read", count=lost, name=kind.name))
-    if said.keys() & kept:
+    if stated.keys() & kept:
         notes.append(say("units by the definitions in the log"))
-    if left:
-        notes.append(say("left out, not used of the table: {fields}", fields=some(left)))
+    if unused:
+        notes.append(say("left out, not used of the table: {fields}", fields=some(unused)))
     made = []
     for name in kept:
-        unit, factor = said.get(name, (_UNITS.get(name, ""), 1.0))
+        unit, factor = stated.get(name, (_UNITS.get(name, ""), 1.0))
         values = rows[name] if factor == 1 else rows[name].astype(np.float64) * factor
         made.append(column(name, values, names.index(name) + 1, unit=unit))
     return FileTable(tuple(made), notes=tuple(notes))
 
 
-def _batches(log: Log) -> Iterator[streams.Stream]:
+def _batches(log: Log) -> Iterator[Stream]:
     """A stream for each sensor that was sampled in batches."""
     heads, parts = named(log, "ISBH"), named(log, "ISBD")
     needed = {"N", "type", "instance", "mul", "smp_cnt", "SampleUS", "smp_rate"}
@@ -307,23 +307,20 @@ def _batches(log: Log) -> Iterator[streams.Stream]:
         return
     if not {"N", "seqno", "x", "y", "z"} <= set(parts.dtype.names or ()):
         return
-    said, samples = log.rows(heads), log.rows(parts)
-    said = said[np.unique(said["N"], return_index=True)[1]]
-    said = said[(said["mul"] > 0) & (said["smp_rate"] > 0)]
-    samples = samples[np.isin(samples["N"], said["N"])]
-    about = said[np.searchsorted(said["N"], samples["N"])]
+    headers, samples = log.rows(heads), log.rows(parts)
+    headers = headers[np.unique(headers["N"], return_index=True)[1]]
+    headers = headers[(headers["mul"] > 0) & (headers["smp_rate"] > 0)]
+    samples = samples[np.isin(samples["N"], headers["N"])]
+    about = headers[np.searchsorted(headers["N"], samples["N"])]
     for number, instance in product((0, 1), np.unique(about["instance"])):
         own = (about["type"] == number) & (about["instance"] == instance)
         if own.any():
             sensor, unit = _BATCH[number]
             sizes = about["smp_cnt"][own].astype(np.int64) - 32 * samples["seqno"][own].astype(np.int64)
-            yield streams.Stream(
-                f"ISBD/{sensor}{instance}",
-                int(sizes.clip(0, 32).sum()),
-                ("SampleUS", "x", "y", "z"),
-                partial(_unrolled, about[own], samples[own], unit),
-                float(about["smp_rate"][own][0]),
-            )
+            yield Stream(
+                f"ISBD/{sensor}{instance}", int(sizes.clip(0, 32).sum()), ("SampleUS", "x", "y", "z"),
+                partial(_unrolled, about[own], samples[own], unit), float(about["smp_rate"][own][0]),
+            )  # fmt: skip
 
 
 def _unrolled(about: Rows, parts: Rows, unit: str) -> FileTable:

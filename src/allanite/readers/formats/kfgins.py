@@ -47,21 +47,16 @@ def read(path: str, options: Options) -> Recording:
     """The six channels ``gx gy gz ax ay az`` as increments, and their clock."""
     # refuse to read what was not asked for: rows in degrees, or of rates and g at 10 Hz, look the same
     if options.dtype is None:
-        raise UsageError(
-            say(
-                "rows of seven doubles, which may be KF-GINS binary: time in s, increments in rad and m/s; if they "
-                "are, use {option}; if not, {other} reads them as plain numbers",
-                option=spelled("--dtype kfgins", "dtype='kfgins'"),
-                other=spelled("--dtype 7f8", "dtype='7f8'"),
-            )
-        )
+        raise UsageError(say(
+            "rows of seven doubles, which may be KF-GINS binary: time in s, increments in rad and m/s; if they "
+            "are, use {option}; if not, {other} reads them as plain numbers",
+            option=spelled("--dtype kfgins", "dtype='kfgins'"), other=spelled("--dtype 7f8", "dtype='7f8'"),
+        ))  # fmt: skip
     if (options.columns, options.offset) != (None, None):
-        raise UsageError(
-            say(
-                "KF-GINS binary has rows of seven doubles and no header; omit {option}",
-                option=spelled("--columns and --offset", "columns and offset"),
-            )
-        )
+        raise UsageError(say(
+            "KF-GINS binary has rows of seven doubles and no header; omit {option}",
+            option=spelled("--columns and --offset", "columns and offset"),
+        ))  # fmt: skip
     count, rest = divmod(os.path.getsize(path), _WIDTH)
     rows = np.fromfile(path, "<f8", 7 * count).reshape(count, 7)
     columns = [FileColumn(np.ascontiguousarray(rows[:, 0]), 1, "time", "s", header="time")]

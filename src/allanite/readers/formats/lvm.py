@@ -24,7 +24,7 @@ from allanite.readers.sandbox.process import worded
 
 TITLE = "LabVIEW measurement text .lvm"
 
-_MAGIC, _END = b"LabVIEW Measurement", "***End_of_Header***"
+_END = "***End_of_Header***"
 _SEPARATORS = {"tab": "\t", "comma": ","}
 
 Header = dict[str, list[str]]
@@ -54,11 +54,6 @@ class _Segment:
     line: int
 
 
-def sniff(head: bytes, suffix: str) -> bool:
-    """Whether the first line is that of a LabVIEW measurement file."""
-    return head.removeprefix(b"\xef\xbb\xbf").startswith(_MAGIC)
-
-
 def read(path: str, options: Options) -> Recording:
     """The channels of all segments, with units, times and time step from the headers."""
     with worded():
@@ -73,14 +68,14 @@ def read(path: str, options: Options) -> Recording:
             general.get(key, [usual])[0] for key, usual in (("Decimal_Separator", "."), ("X_Columns", "One"))
         )
         style = _Style(mark, decimal or ".", times.lower())
-        found = list(_segments(lines, ends, style))
-        first = found[0]
-        kept = [one for one in found if one.names == first.names and one.rows]
+        segments = list(_segments(lines, ends, style))
+        first = segments[0]
+        kept = [segment for segment in segments if segment.names == first.names and segment.rows]
         if not kept:
             raise DataError(say("the file contains no rows of numbers; check that the recording was saved"))
-        other = len(found) - len(kept)
-        left = say("{number} segments without rows or with other channels are left out", number=other)
-        table = _joined(kept, style, (left,) if other else ())
+        other = len(segments) - len(kept)
+        omitted = say("{number} segments without rows or with other channels are left out", number=other)
+        table = _joined(kept, style, (omitted,) if other else ())
     return table.recording(options)
 
 
@@ -130,8 +125,8 @@ def _values(segment: _Segment, style: _Style) -> tuple[NDArray[np.int64], list[N
     # a comment may follow the numbers in some rows
     body = "\n".join(style.mark.join(row.split(style.mark)[:width]) for row in segment.rows) + "\n"
     layout = Layout(style.mark, style.decimal, names, ("",) * width, frozenset(), 0, segment.line)
-    found = [np.asarray(values, np.float64) for values in parse.columns(body.encode(), layout)[0]]
-    x = found[0]
+    columns = [np.asarray(values, np.float64) for values in parse.columns(body.encode(), layout)[0]]
+    x = columns[0]
     if style.times == "no" or not np.all(np.isfinite(x)):
         steps = np.arange(x.size, dtype=np.float64)
         x = np.add(style.number(segment.about, "X0"), style.number(segment.about, "Delta_X") * steps)
@@ -140,4 +135,4 @@ def _values(segment: _Segment, style: _Style) -> tuple[NDArray[np.int64], list[N
         start = int(np.datetime64(f"{day.replace('/', '-')}T{time[:18]}", "ns").astype(np.int64))
     except ValueError:  # the header has no time
         start = 0
-    return start + np.rint(x.clip(-1e9, 1e9) * 1e9).astype(np.int64), found[1::first]
+    return start + np.rint(x.clip(-1e9, 1e9) * 1e9).astype(np.int64), columns[1::first]

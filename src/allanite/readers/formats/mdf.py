@@ -1,81 +1,60 @@
 """MDF files of ASAM, versions 3 and 4: the channels that have common time stamps."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
-from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.column import some
+from allanite.readers.columns.containers import Stream, any_inertial, mean_rate, stream_recording
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
-from allanite.readers.sandbox.process import Process, demand_size, demand_start, worded
-from allanite.readers.sandbox.source import head_of
+from allanite.readers.sandbox.process import Process, demand_size, worded
 
 TITLE = "ASAM MDF 3 and 4 .mf4 (needs asammdf)"
-
-_MAGIC = (b"MDF     ", b"UnFinMF ")
 
 Item = Mapping[str, Any]
 
 
-def sniff(head: bytes, suffix: str) -> bool:
-    """Whether the signature is that of an MDF file, or the name."""
-    return head.startswith(_MAGIC) or suffix in (".mf4", ".mdf")
-
-
 def read(path: str, options: Options) -> Recording:
     """The channels of a group, or of several with the same time stamps; formulas of the file are not evaluated."""
-    demand_start(head_of(path), _MAGIC, say("an MDF file"))
     with Process("mdf", path, options.progress) as process:
         with worded():
             # the channels with common time stamps, named after the first group that has them
             groups: dict[str, list[Item]] = {}
-            for item in process.said["datasets"]:
+            for item in process.contents["datasets"]:
                 groups.setdefault(str(item["clock"]) or f"group {item['group']}", []).append(item)
             titles = [str(own[0]["title"]) for own in groups.values()]
-            found = []
+            streams = []
             for title, own in zip(titles, groups.values(), strict=True):
                 name = title if title and titles.count(title) == 1 else f"group {own[0]['group']}"
-                found.append(_Group(tuple(own), process).stream(name))
-            left = [str(name) for name in process.said["left"]]
-        said = say("left out, no numbers, or numbers converted by a formula: {names}", names=some(left))
-        notes = [said] if left else []
-        return streams.recording(found, options, notes)
+                streams.append(_stream(name, own, process))
+            names = [str(name) for name in process.contents["left"]]
+        omitted = say("left out, no numbers, or numbers converted by a formula: {names}", names=some(names))
+        notes = [omitted] if names else []
+        return stream_recording(streams, options, notes)
 
 
-@dataclass(frozen=True, eq=False)
-class _Group:
-    """Channels with common time stamps."""
+def _stream(name: str, items: Sequence[Item], process: Process) -> Stream:
+    """The stream of channels with common time stamps."""
+    length, names = int(items[0]["length"]), tuple(str(item["name"]) for item in items)
+    likely = any_inertial(names, (str(item["unit"]) for item in items))
+    rate = mean_rate(length, float(items[0]["span"]))
+    return Stream(name, length, names, partial(_table, items, length, process), rate, likely)
 
-    items: tuple[Item, ...]
-    process: Process
 
-    @property
-    def length(self) -> int:
-        """Number of samples."""
-        return int(self.items[0]["length"])
-
-    def stream(self, name: str) -> streams.Stream:
-        """The stream that loads them."""
-        rate = streams.mean_rate(self.length, float(self.items[0]["span"]))
-        names = tuple(str(item["name"]) for item in self.items)
-        fits = streams.inertial(names, (str(item["unit"]) for item in self.items))
-        return streams.Stream(name, self.length, names, self.table, rate, fits)
-
-    def table(self) -> FileTable:
-        """Time stamps and samples."""
-        demand_size(8 * self.length * (1 + len(self.items)), self.process.path, "the group")
-        kind, shape = np.dtype(np.float64), (self.length,)
-        columns = []
-        if self.items[0]["clock"]:
-            times = self.process.load(str(self.items[0]["group"]), shape, kind)
-            columns.append(column("time", times, 1, unit="s"))
-        for place, item in enumerate(self.items, 2):
-            values = self.process.load(str(item["path"]), shape, kind)
-            columns.append(column(str(item["name"]), values, place, unit=str(item["unit"])))
-        return FileTable(tuple(columns))
+def _table(items: Sequence[Item], length: int, process: Process) -> FileTable:
+    """Time stamps and samples."""
+    demand_size(8 * length * (1 + len(items)), process.path, "the group")
+    kind, shape = np.dtype(np.float64), (length,)
+    columns = []
+    if items[0]["clock"]:
+        columns.append(column("time", process.load(str(items[0]["group"]), shape, kind), 1, unit="s"))
+    for place, item in enumerate(items, 2):
+        values = process.load(str(item["path"]), shape, kind)
+        columns.append(column(str(item["name"]), values, place, unit=str(item["unit"])))
+    return FileTable(tuple(columns))

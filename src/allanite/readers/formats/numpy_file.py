@@ -13,8 +13,8 @@ from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES, column, split, turned, turned_note
 from allanite.readers.columns.column import FileColumn
-from allanite.readers.columns.datasets import WIDEST
-from allanite.readers.columns.lines import HEAD, Parts, Rows
+from allanite.readers.columns.containers import WIDEST
+from allanite.readers.columns.lines import HEAD_ROWS, Parts, Rows
 from allanite.readers.columns.table import KEY, FileTable, described, keys, restored
 from allanite.readers.options import Options
 from allanite.readers.sandbox.process import demand_members, demand_size, demand_start, worded
@@ -52,7 +52,7 @@ def parts(path: str, options: Options) -> Parts | None:
     if mapped.ndim not in (1, 2):
         return None
     upright = mapped.T if turned(mapped) else mapped
-    first = np.array(upright[:HEAD])
+    first = np.array(upright[:HEAD_ROWS])
     columns = [values for _, values in split("", first)] if first.shape[0] >= first[:1].size else []
     if not columns:
         return None
@@ -110,24 +110,20 @@ def _members(path: str) -> list[tuple[str, NDArray[Any]]]:
     form: Any = np.lib.format
     members = demand_members(path, "the archive")
     if len(members) > WIDEST:
-        raise DataError(
-            f"the archive has {len(members)} arrays, but a recording has at most {WIDEST}; store the channels as "
-            "columns of one array"
-        )
+        raise DataError(f"the archive has {len(members)} arrays, but a recording has at most {WIDEST}; store the "
+                        "channels as columns of one array")  # fmt: skip
     with zipfile.ZipFile(path) as archive:
         for member in members:
             claimed = 0
             with archive.open(member) as stream:
                 if member.filename.endswith(".npy"):
-                    one = form.read_magic(stream) == (1, 0)
-                    shape, _, dtype = (form.read_array_header_1_0 if one else form.read_array_header_2_0)(stream)
+                    short = form.read_magic(stream) == (1, 0)
+                    shape, _, dtype = (form.read_array_header_1_0 if short else form.read_array_header_2_0)(stream)
                     # objects are refused below
                     claimed = 0 if dtype.hasobject else math.prod(shape) * max(1, dtype.itemsize)
             if claimed > member.file_size:
-                raise DataError(
-                    f"array {member.filename!r} claims {claimed} bytes, but its member of the archive has "
-                    f"{member.file_size}: the file is damaged"
-                )
+                raise DataError(f"array {member.filename!r} claims {claimed} bytes, but its member of the archive has "
+                                f"{member.file_size}: the file is damaged")  # fmt: skip
     # NumPy leaves a file with a damaged archive open if it opened the file itself
     with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as archive:
         arrays = []

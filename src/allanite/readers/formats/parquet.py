@@ -12,24 +12,18 @@ from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES, column, is_number, of_arrow
 from allanite.readers.columns.column import FileColumn, headed
-from allanite.readers.columns.datasets import WIDEST
-from allanite.readers.columns.lines import HEAD, Parts
+from allanite.readers.columns.containers import WIDEST
+from allanite.readers.columns.lines import HEAD_ROWS, Parts
 from allanite.readers.columns.table import KEY, FileTable, described, restored, with_units
 from allanite.readers.options import Options
 from allanite.readers.sandbox.process import demand_size, worded
 
 TITLE = "Apache Parquet .parquet"
 
-_MAGIC = b"PAR1"
 BUFFER = 1 << 20
 """Bytes of a column that are read ahead; without it a whole row group would be."""
 
 _UNIT_NAMES = (b"unit", b"units", b"Unit", b"Units")
-
-
-def sniff(head: bytes, suffix: str) -> bool:
-    """Whether the first bytes, or else the name, are those of a Parquet file."""
-    return head.startswith(_MAGIC) or suffix in (".parquet", ".pq")
 
 
 def read(path: str, options: Options) -> Recording:
@@ -49,7 +43,7 @@ def parts(path: str, options: Options) -> Parts:
     with worded(), parquet.ParquetFile(path, pre_buffer=False, buffer_size=BUFFER) as file:
 
         def first_rows(field: Any, before: int) -> Any:
-            first = next(file.iter_batches(HEAD, columns=[field.name], use_threads=False), None)
+            first = next(file.iter_batches(HEAD_ROWS, columns=[field.name], use_threads=False), None)
             batches, schema = ([], None) if first is None else ([first], first.schema)
             return pa.Table.from_batches(batches, schema).column(before)
 
@@ -80,10 +74,10 @@ def _table(file: Any, path: str, load: Callable[[Any, int], Any]) -> FileTable:
     groups = map(file.metadata.row_group, range(file.metadata.num_row_groups))
     demand_size(sum(max(0, group.total_byte_size) for group in groups), path, "the table")
     rate, text, index = _metadata(schema.metadata or {})
-    columns, left = list[FileColumn](), list[str]()
+    columns, nested = list[FileColumn](), list[str]()
     for place, field in enumerate(schema, 1):
         if pa.types.is_nested(field.type):
-            left.append(field.name)
+            nested.append(field.name)
             continue
         before, about = schema.names[: place - 1].count(field.name), field.metadata or {}
         unit = next((about[name].decode() for name in _UNIT_NAMES if name in about), "")
@@ -94,7 +88,7 @@ def _table(file: Any, path: str, load: Callable[[Any, int], Any]) -> FileTable:
             first = next(file.iter_batches(1, columns=[field.name], use_threads=False), None)
             word = None if first is None or not first.num_rows else first.column(before)[0].as_py()
             columns.append(headed(np.empty(0), place, field.name, text=str(word or "text")[:100]))
-    notes = (say("left out, lists or structures: {names}", names=", ".join(left)),) if left else ()
+    notes = (say("left out, lists or structures: {names}", names=", ".join(nested)),) if nested else ()
     table = FileTable(tuple(c for c in columns if c.name not in index), rate, say("the metadata of the file"), notes)
     return restored(table, text)
 
@@ -114,16 +108,16 @@ def write(recording: Recording, path: str) -> None:
     parquet.write_table(table, path, compression="zstd", use_dictionary=False)
 
 
-def _metadata(said: dict[bytes, bytes]) -> tuple[float | None, bytes, set[str]]:
+def _metadata(metadata: dict[bytes, bytes]) -> tuple[float | None, bytes, set[str]]:
     """Sampling rate, stored description and the columns that are only an index, as pandas writes it without a name."""
-    rates = [said[name.encode()] for name in RATE_NAMES if name.encode() in said]
+    rates = [metadata[name.encode()] for name in RATE_NAMES if name.encode() in metadata]
     try:
         rate = float(rates[0]) if rates else None
     except ValueError:
         rate = None
     try:
-        names = json.loads(said.get(b"pandas", b"{}")).get("index_columns", [])
+        names = json.loads(metadata.get(b"pandas", b"{}")).get("index_columns", [])
     except (ValueError, AttributeError, RecursionError):
         names = []
     index = {name for name in names if isinstance(name, str) and name.startswith("__index_level_")}
-    return rate if rate and 0 < rate < float("inf") else None, said.get(KEY.encode(), b""), index
+    return rate if rate and 0 < rate < float("inf") else None, metadata.get(KEY.encode(), b""), index

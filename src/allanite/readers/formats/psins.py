@@ -1,5 +1,6 @@
 """PSINS text: the increments of a strapdown unit, as the toolbox of Yan Gongmin (NWPU Xi'an) logs them."""
 
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns import parse
 from allanite.readers.columns.column import FileColumn
-from allanite.readers.columns.layout import Layout, is_number, numbered_lines
+from allanite.readers.columns.layout import Layout, decoded, is_number, numbered_lines
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 
@@ -24,17 +25,18 @@ def sniff(head: bytes, suffix: str) -> bool:
     lines = head.splitlines()
     if lines and lines[0].lstrip().startswith(b"%") and b"PSINS" in lines[0]:
         return True
-    rows = _rows(head)[:3]
-    if len(rows) < 3 or not all(len(row) == 6 and all(map(is_number, row)) for _, _, row in rows):
+    texts = (decoded(line).strip() for line in lines)
+    rows = list(islice((text.split() for text in texts if text and not text.startswith("%")), 3))
+    if len(rows) < 3 or not all(len(row) == 6 and all(map(is_number, row)) for row in rows):
         return False
-    place, scales = [float(cell) for cell in rows[1][2]], [float(cell) for cell in rows[2][2]]
+    place, scales = ([float(cell) for cell in row] for row in rows[1:])
     return _GRAVITY[0] < place[5] < _GRAVITY[1] and place[4] > 0 and abs(place[0]) <= 90 and min(scales) > 0
 
 
 def read(path: str, options: Options) -> Recording:
     """The six channels ``gx gy gz ax ay az`` as counts; interval and scale factors are in the file."""
     data = Path(path).read_bytes()
-    rows = _rows(data)
+    rows = [(n, at, text.split()) for n, at, text in numbered_lines(data) if text and not text.lstrip().startswith("%")]
     if len(rows) < 4:
         raise DataError(
             f"a PSINS file has three header rows and then the increments, but {len(rows)} rows of numbers were found"
@@ -59,13 +61,6 @@ def read(path: str, options: Options) -> Recording:
     ]
     where = say("the interval of {interval:g} ms in the second header row", interval=interval)
     return FileTable(
-        tuple(columns),
-        1000 / interval,
-        where,
+        tuple(columns), 1000 / interval, where,
         (say("local gravity in the header: {gravity:g} m/s^2", gravity=gravity), *notes),
-    ).recording(options)
-
-
-def _rows(head: bytes) -> list[tuple[int, int, list[str]]]:
-    """Line number, offset and cells of the lines that are neither blank nor comments."""
-    return [(n, at, text.split()) for n, at, text in numbered_lines(head) if text and not text.lstrip().startswith("%")]
+    ).recording(options)  # fmt: skip

@@ -10,16 +10,11 @@ from allanite.core.errors import DataError, UsageError, given
 from allanite.core.record import Recording
 from allanite.phrases.phrase import spelled
 from allanite.readers.columns.arrays import column
-from allanite.readers.columns.lines import HEAD, Parts, Rows, columns_of
+from allanite.readers.columns.lines import HEAD_ROWS, Parts, Rows, columns_of
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 
 TITLE = "raw binary (give its dtype)"
-
-
-def sniff(head: bytes, suffix: str) -> bool:
-    """Never: any bytes may be numbers."""
-    return False
 
 
 def read(path: str, options: Options) -> Recording:
@@ -31,26 +26,26 @@ def read(path: str, options: Options) -> Recording:
 def parts(path: str, options: Options) -> Parts:
     """The rows, which are read one after the other."""
     row, offset, count = _layout(path, options)
-    head = _table(np.array(np.memmap(path, row, mode="r", offset=offset, shape=(min(count, HEAD),))))
+    head = _table(np.array(np.memmap(path, row, mode="r", offset=offset, shape=(min(count, HEAD_ROWS),))))
     return Parts(head, count, Rows(path, row.base, offset, (count, *row.shape)).blocks, options)
 
 
 def _layout(path: str, options: Options) -> tuple[np.dtype[Any], int, int]:
     """The type of a row, the bytes before the first one, and their number."""
-    said, columns, offset = options.dtype or "", options.columns, options.offset or 0
+    dtype, columns, offset = options.dtype or "", options.columns, options.offset or 0
     try:
-        row = np.dtype(said)
+        row = np.dtype(dtype)
     except (TypeError, ValueError, SyntaxError, OverflowError):
         row = np.dtype(object)
     if not _real(row) or not row.itemsize:
         raise UsageError(
-            f"unknown number type {given(said)}; types are written as in NumPy: i1 i2 i4 i8, u1 u2 u4 u8, f4 f8, with "
+            f"unknown number type {given(dtype)}; types are written as in NumPy: i1 i2 i4 i8, u1 u2 u4 u8, f4 f8, with "
             "> in front for big-endian, as in '>i2'; 'u4,6i2' for rows of mixed types"
         )
     if columns is not None:
         option = spelled(f"--columns {columns}", f"columns={columns}")
         if row.names:
-            raise UsageError(f"the type {said!r} describes a whole row; omit {option}")
+            raise UsageError(f"the type {dtype!r} describes a whole row; omit {option}")
         try:
             row = np.dtype((row, (columns,)))
         except (ValueError, OverflowError):

@@ -1,4 +1,4 @@
-"""The formats that can be read and written: a line of `READERS` names a module with TITLE, sniff and read.
+"""The formats that can be read and written: a line of `READERS` names a module with TITLE and read.
 
 Readers of other packages are entry points of the group ``allanite.readers``.
 """
@@ -8,16 +8,18 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.record import Recording
+from allanite.phrases.phrase import say
 from allanite.plugins import broken, leave_out, plugins
 from allanite.readers.options import FrameLike, Options
+from allanite.readers.sandbox.process import demand_start
 
 
 class FormatReader(Protocol):
-    """A format that can be read: its name, a test of the first bytes and suffix, and its reader."""
+    """A format that can be read: its name, and its reader; and of a plugin a test of the first bytes and suffix."""
 
     @property
     def TITLE(self) -> str:
@@ -37,26 +39,63 @@ class Writer(Protocol):
         """Write a recording whose records have common sample times and one length."""
 
 
-READERS: dict[str, str] = {  # tried in this order; plugins come before text, which is the least specific
-    "numpy": "numpy_file",
-    "ulog": "ulog",
-    "dataflash": "dataflash",
-    "xlsx": "xlsx",
-    "tdms": "tdms",
-    "lvm": "lvm",
-    "sentences": "sentences",
-    "mdf": "mdf",
-    "psins": "psins",
-    "parquet": "parquet",
-    "hdf5": "hdf5",
-    "mat": "mat",
-    "r": "r",
-    "bag": "bag",
-    "kfgins": "kfgins",
-    "raw": "raw",
-    "text": "text",
+ZSTD = b"\x28\xb5\x2f\xfd"
+"""First bytes of what zstd has packed, which of a bag are its parts."""
+
+R_BINARY = (b"RDX2\nX\n", b"RDX3\nX\n", b"X\n\0\0\0\2", b"X\n\0\0\0\3")
+"""First bytes of the only form of R that is read."""
+
+
+class Format(NamedTuple):
+    """A format of this package, and how its files are recognized."""
+
+    module: str  # imported when a file is read
+    starts: tuple[bytes, ...] = ()  # first bytes
+    suffixes: tuple[str, ...] = ()  # of files that may begin with other bytes
+    what: str = ""  # what a file must begin like, whatever its suffix; empty where the reader says it
+    looks: bool = False  # whether the `sniff` of its module looks at more than that
+
+    @property
+    def TITLE(self) -> str:
+        """Name of the format."""
+        return str(_module(self.module).TITLE)
+
+    def sniff(self, head: bytes, suffix: str) -> bool:
+        """Whether the first bytes and the suffix of a file look like it."""
+        if head.startswith(self.starts) or suffix in self.suffixes:
+            return True
+        return self.looks and bool(_module(self.module).sniff(head, suffix))
+
+    def reader(self, head: bytes) -> FormatReader:
+        """The reader of a file that begins like this."""
+        if self.what:
+            demand_start(head, self.starts, self.what)
+        reader: FormatReader = _module(self.module)
+        return reader
+
+
+READERS: dict[str, Format] = {  # tried in this order; plugins come before text, which is the least specific
+    "numpy": Format("numpy_file", looks=True),
+    "ulog": Format("ulog", (b"ULog\x01\x12\x35",), (".ulg",), say("a PX4 log")),
+    "dataflash": Format("dataflash", looks=True),
+    "xlsx": Format("xlsx", looks=True),
+    "tdms": Format("tdms", (b"TDSm",), (".tdms",), say("a TDMS file")),
+    "lvm": Format("lvm", (b"LabVIEW Measurement", b"\xef\xbb\xbfLabVIEW Measurement")),
+    "sentences": Format("sentences", looks=True),
+    "mdf": Format("mdf", (b"MDF     ", b"UnFinMF "), (".mf4", ".mdf"), say("an MDF file")),
+    "psins": Format("psins", looks=True),
+    "parquet": Format("parquet", (b"PAR1",), (".parquet", ".pq")),
+    "hdf5": Format("hdf5", looks=True),
+    "mat": Format("mat", looks=True),
+    "r": Format("r", (*R_BINARY, b"RDA2\n", b"RDA3\n", b"RDB2\n", b"RDB3\n"), (".rda", ".rdata", ".rds")),
+    "bag": Format(
+        "bag", (b"#ROSBAG V", b"\x89MCAP0\r\n", b"SQLite format 3\0", ZSTD), (".bag", ".db3", ".mcap"), say("a ROS bag")
+    ),
+    "kfgins": Format("kfgins", looks=True),
+    "raw": Format("raw"),  # any bytes may be numbers
+    "text": Format("text", looks=True),
 }
-"""Name of a format: its module, which is imported when a file is read."""
+"""The formats by name."""
 
 TYPES = ("kfgins",)
 """Formats without a signature: each is read if its name is given as the type of raw binary."""
@@ -92,6 +131,10 @@ class ReaderPlugin:
             leave_out(self.entry, f"sniff failed: {type(error).__name__}: {error}")
             return False
 
+    def reader(self, head: bytes) -> FormatReader:
+        """Itself: what its module does wrong is said by `read`."""
+        return self
+
     def read(self, path: str, options: Options) -> Recording:
         """The recording returned by the plugin."""
         try:
@@ -123,7 +166,7 @@ def added() -> tuple[ReaderPlugin, ...]:
 
 def reader_named(name: str) -> FormatReader:
     """The reader of a format of the table."""
-    reader: FormatReader = _module(READERS[name])
+    reader: FormatReader = _module(READERS[name].module)
     return reader
 
 
@@ -142,36 +185,32 @@ def _module(name: str) -> Any:
     return import_module(f"{__package__}.{name}")
 
 
-def candidates() -> Iterator[FormatReader]:
-    """The readers in the order in which they are tried."""
-    yield from (reader_named(name) for name in READERS if name != "text")
+def candidates() -> Iterator[Format | ReaderPlugin]:
+    """The formats in the order in which they are tried."""
+    yield from (row for name, row in READERS.items() if name != "text")
     yield from added()
-    yield reader_named("text")
+    yield READERS["text"]
 
 
 def reader_for(head: bytes, suffix: str) -> FormatReader:
     """The first reader that recognizes the first bytes or the suffix of the file."""
-    for reader in candidates():
-        if reader.sniff(head, suffix):
-            return reader
-    titles = "; ".join(reader.TITLE for reader in candidates())
-    raise DataError(
-        f"unknown file format (the file begins with {head[:8]!r}); readable formats: {titles}; and any of these in "
-        "a .zip, .gz, .bz2 or .xz"
-    )
+    for candidate in candidates():
+        if candidate.sniff(head, suffix):
+            return candidate.reader(head)
+    titles = "; ".join(candidate.TITLE for candidate in candidates())
+    raise DataError(f"unknown file format (the file begins with {head[:8]!r}); readable formats: {titles}; and any of "
+                    "these in a .zip, .gz, .bz2 or .xz")  # fmt: skip
 
 
 def readable(head: bytes, suffix: str) -> bool:
     """Whether there is a reader for such a file."""
-    return any(reader.sniff(head, suffix) for reader in candidates())
+    return any(candidate.sniff(head, suffix) for candidate in candidates())
 
 
 def writer_for(suffix: str) -> Writer:
     """The format written to files with that suffix."""
     if suffix not in WRITERS:
-        raise UsageError(
-            f"no format can be written to files with suffix {suffix!r}; suffixes that can be written: "
-            f"{', '.join(WRITERS)}"
-        )
+        raise UsageError(f"no format can be written to files with suffix {suffix!r}; suffixes that can be written: "
+                         f"{', '.join(WRITERS)}")  # fmt: skip
     writer: Writer = _module(WRITERS[suffix])
     return writer

@@ -15,7 +15,8 @@ import numpy as np
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import Phrase, say, say_count
-from allanite.readers.columns import parse, streams
+from allanite.readers.columns import parse
+from allanite.readers.columns.containers import Stream, any_inertial, stream_recording
 from allanite.readers.columns.layout import Layout, is_number
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
@@ -66,17 +67,17 @@ def read(path: str, options: Options) -> Recording:
     """The channels of the sentences of one name; those with a wrong checksum are gaps."""
     with worded():
         kinds, bad = _sorted(Path(path).read_bytes())
-        found = list[streams.Stream]()
+        streams = list[Stream]()
         for name, kind in kinds.items():
             right = [fields for fields in kind.fields if fields is not None]
             widths = [fields.count(",") + 1 for fields in right]
             width = int(np.bincount(widths).argmax()) if max(widths) < 1000 else max(widths)
             names = _FIELDS.get(name, ())
             names = names if len(names) == width else ("",) * width
-            load, fits = partial(_table, name, kind, names), streams.inertial(names)
+            load, fits = partial(_table, name, kind, names), any_inertial(names)
             if len(kind.fields) > 1:
-                found.append(streams.Stream(name, len(right), names, load, fits=fits))
-    if not found:
+                streams.append(Stream(name, len(right), names, load, likely=fits))
+    if not streams:
         raise DataError(say("no sentence has a valid checksum; {count} are damaged", count=bad))
     notes = [
         say_count(
@@ -85,7 +86,7 @@ def read(path: str, options: Options) -> Recording:
             "{count} sentences have a wrong checksum or are incomplete, and are left out",
         )
     ]
-    return streams.recording(found, options, notes if bad else [])
+    return stream_recording(streams, options, notes if bad else [])
 
 
 def _sorted(data: bytes) -> tuple[dict[str, _Kind], int]:
@@ -97,13 +98,13 @@ def _sorted(data: bytes) -> tuple[dict[str, _Kind], int]:
         at = line.find(b"$")
         if at < 0:
             continue
-        found = _SENTENCE.fullmatch(line)
-        if found is None or not _right(line[at + 1 : line.rfind(b"*")], found[4]):
+        sentence = _SENTENCE.fullmatch(line)
+        if sentence is None or not _right(line[at + 1 : line.rfind(b"*")], sentence[4]):
             before, fields, bad = "", None, bad + 1
             last = kinds.get(line[at + 1 : at + 6].decode("latin-1"), last)
         else:
-            before, fields = found[1].decode("latin-1").strip(" ,;\t"), found[3].decode("latin-1")
-            last = kinds.setdefault(found[2].decode(), _Kind())
+            before, fields = sentence[1].decode("latin-1").strip(" ,;\t"), sentence[3].decode("latin-1")
+            last = kinds.setdefault(sentence[2].decode(), _Kind())
         if last is not None:
             last.before.append(before)
             last.fields.append(fields)
@@ -144,8 +145,8 @@ def _table(name: str, kind: _Kind, names: tuple[str, ...]) -> FileTable:
         gap, other = "," * (len(names) - 1), right.count(False)
         rows = [fields or "" if fine else gap for fields, fine in zip(kind.fields, right, strict=True)]
         heads, words = names, frozenset[int]()
-        said = say("{number} damaged sentences of {name} are gaps of one sample each", number=other, name=name)
-        notes += [said] if other else []
+        gaps = say("{number} damaged sentences of {name} are gaps of one sample each", number=other, name=name)
+        notes += [gaps] if other else []
     layout = Layout(",", ".", heads, ("",) * len(heads), words, 0, 1)
     values, _ = parse.columns(("\n".join(rows) + "\n").encode(), layout)
     columns, _, joined = text.of_parsed(values, heads, layout.units)

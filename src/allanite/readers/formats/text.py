@@ -57,37 +57,35 @@ def parts(path: str, options: Options) -> Parts | None:
 
 
 def streamed(chunks: lines.Chunks, options: Options) -> Parts | None:
-    """The rows of a text whose bytes are read like this; None if its lines are not the rows of one sensor.
-
-    It is read once to count the rows, to see its encoding and the order of its dates.
-    """
+    """The rows of a text whose bytes are read like this; None if its lines are not the rows of one sensor."""
+    # It is read once to count the rows, to see its encoding and the order of its dates.
     text = lines.TextLines(chunks, *encoding.encoding_of(chunks))
     first, whole = next(text.blocks(), (b"", True))
     if shapes.straightened(first)[1]:
         return None
-    found, comment = _layout(first), _COMMENT.match(first)
-    forms = parse.forms_of(first, found, last=whole)
+    form, comment = _layout(first), _COMMENT.match(first)
+    forms = parse.forms_of(first, form, last=whole)
     rows, passed = 0, tuple[str, ...]()
-    for block, part, last in text.rows(found):
+    for block, part, last in text.rows(form):
         body, passed = parse.clean_rows(block, part, last=last)
         rows += parse.count(body)
         parse.see_order(body, part, forms)
-    values = parse.columns(first, found, last=whole)[0]
-    columns, tags, said = of_parsed(values, found.names, found.units)
+    values = parse.columns(first, form, last=whole)[0]
+    columns, tags, joined = of_parsed(values, form.names, form.units)
     if sensors.turns(columns, tags) is not None:
         return None
-    notes = (*encoding.noted(text.codec, text.name), *found.notes, *passed, *said)
-    head = restored(arranged(Parsed(columns, tags, notes, found.nominal), options), comment[1] if comment else "")
+    notes = (*encoding.noted(text.codec, text.name), *form.notes, *passed, *joined)
+    head = restored(arranged(Parsed(columns, tags, notes, form.nominal), options), comment[1] if comment else "")
 
     def blocks(wanted: Sequence[int], at_once: int) -> Iterator[list[NDArray[Any]]]:
-        seen, before = replace(forms), dict[int, NDArray[Any]]()
+        known, before = replace(forms), dict[int, NDArray[Any]]()
 
         def past_midnight(time: NDArray[Any], position: int) -> NDArray[Any]:
             before[position] = dates.continued(_stamps(time), before.get(position, np.empty(0)))
             return before[position]
 
-        for block, part, last in text.rows(found):
-            values = _dated(parse.columns(block, part, seen, last=last)[0], list(part.names))[0]
+        for block, part, last in text.rows(form):
+            values = _dated(parse.columns(block, part, known, last=last)[0], list(part.names))[0]
             made = list[NDArray[Any]]()
             for column in (head.columns[i] for i in wanted):
                 entry: Any = values[column.position - 1]
@@ -125,25 +123,25 @@ def write(recording: Recording, path: str) -> None:
 
 def sheet_of(path: str) -> tuple[list[FileColumn], tuple[str, ...]]:
     """The columns of a text file, of any kind, and the assumptions; errors are those of `read`."""
-    found = columns_of(*_opened(path))
-    return found.columns, found.notes
+    parsed = columns_of(*_opened(path))
+    return parsed.columns, parsed.notes
 
 
 def columns_of(data: bytes, notes: tuple[str, ...] = ()) -> Parsed:
     """The columns of a text in UTF-8, after these notes."""
-    found = _layout(data)
-    values, passed = parse.columns(data, found)
-    columns, tags, said = of_parsed(values, found.names, found.units)
-    return Parsed(columns, tags, (*notes, *found.notes, *passed, *said), found.nominal)
+    form = _layout(data)
+    values, passed = parse.columns(data, form)
+    columns, tags, joined = of_parsed(values, form.names, form.units)
+    return Parsed(columns, tags, (*notes, *form.notes, *passed, *joined), form.nominal)
 
 
 def _layout(data: bytes) -> layout.Layout:
-    found = layout.find(data)
-    if found.width > shapes.WIDEST:
+    form = layout.find(data)
+    if form.width > shapes.WIDEST_LINE:
         raise DataError(
-            f"line {found.line} contains {found.width} numbers; expected one row per sample, each on its own line"
+            f"line {form.line} contains {form.width} numbers; expected one row per sample, each on its own line"
         )
-    return found
+    return form
 
 
 def _opened(path: str) -> tuple[bytes, tuple[str, ...]]:
@@ -186,11 +184,10 @@ def _dated(values: list[parse.Parsed], names: list[str]) -> tuple[list[parse.Par
                 (
                     say(
                         "columns {first} and {second} are used as date and time of day",
-                        first=first + 1,
-                        second=second + 1,
+                        first=first + 1, second=second + 1,
                     ),
                 ),
-            )
+            )  # fmt: skip
     return values, names, ()
 
 

@@ -12,17 +12,15 @@ from numpy.typing import NDArray
 
 from allanite.core.record import Recording
 from allanite.phrases.phrase import Phrase, say, say_count
-from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.column import FileColumn, some
+from allanite.readers.columns.containers import Stream, mean_rate, stream_recording
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
-from allanite.readers.sandbox.process import Process, demand_size, demand_start, worded
-from allanite.readers.sandbox.source import head_of
+from allanite.readers.sandbox.process import Process, demand_size, worded
 
 TITLE = "PX4 flight log .ulg (needs pyulog)"
 
-_MAGIC = b"ULog\x01\x12\x35"
 _XYZ, _THREE = ("x", "y", "z"), ("[0]", "[1]", "[2]")
 _STAMPS = ("timestamp_sample", "timestamp")
 _WHOLE = 0.02
@@ -33,16 +31,13 @@ Rows = NDArray[Any]
 
 @dataclass(frozen=True)
 class _Signal:
-    """Fields of a topic that are a sensor's: their common stem, endings, unit, and the field of the integration time.
-
-    With `increment` they are integrals over that time, otherwise means over it.
-    """
+    """Fields of a topic that are a sensor's: common stem, endings, unit, and the field of the integration time."""
 
     stem: str
     ends: tuple[str, ...]
     unit: str
     over: str = ""
-    increment: bool = False
+    increment: bool = False  # they are integrals over that time, otherwise means over it
 
 
 _TOPICS: Mapping[str, tuple[_Signal, ...]] = {
@@ -61,19 +56,13 @@ _BATCHES: Mapping[str, str] = {"sensor_gyro_fifo": "rad/s", "sensor_accel_fifo":
 """Topics with several samples in a message, and the unit of their scale factor."""
 
 
-def sniff(head: bytes, suffix: str) -> bool:
-    """Whether the signature is that of a ULog file, or the name."""
-    return head.startswith(_MAGIC) or suffix == ".ulg"
-
-
 def read(path: str, options: Options) -> Recording:
     """The channels of a topic of a PX4 log; with several instances of a topic, each is ``topic/0``, ``topic/1``."""
-    demand_start(head_of(path), (_MAGIC,), say("a PX4 log"))
     with Process("ulog", path, options.progress) as process:
         with worded():
-            found = [_topic(item, process) for item in process.said["datasets"]]
+            streams = [_topic(item, process) for item in process.contents["datasets"]]
             # what the log says about its own losses
-            drops = [float(milliseconds) for milliseconds in process.said["dropouts"]]
+            drops = [float(milliseconds) for milliseconds in process.contents["dropouts"]]
             lost = say_count(
                 len(drops),
                 "the log reports a dropout of its writer, of {total:.4g} s",
@@ -81,11 +70,11 @@ def read(path: str, options: Options) -> Recording:
                 total=sum(drops) / 1e3,
             )
             damaged = say("the log is damaged in places; the messages there are left out")
-            notes = [note for note, holds in ((lost, drops), (damaged, process.said["damaged"])) if holds]
-        return streams.recording(found, options, notes)
+            notes = [note for note, holds in ((lost, drops), (damaged, process.contents["damaged"])) if holds]
+        return stream_recording(streams, options, notes)
 
 
-def _topic(item: Mapping[str, Any], process: Process) -> streams.Stream:
+def _topic(item: Mapping[str, Any], process: Process) -> Stream:
     name, count = str(item["path"]), int(item["shape"][0])
     kinds = {str(field): np.dtype(str(kind)) for field, kind, _ in item["fields"]}
     topic, batches = name.rpartition("/")[0], "samples" in kinds and "scale" in kinds
@@ -97,8 +86,8 @@ def _topic(item: Mapping[str, Any], process: Process) -> streams.Stream:
         return process.load(name, (count,), dtype)
 
     span = float(item["span"]) * 1e-6
-    rate, fits = streams.mean_rate(count, span), topic in _TOPICS or topic in _BATCHES
-    return streams.Stream(name, count, tuple(kinds), lambda: build(topic, list(kinds), fetch), rate, fits)
+    rate, fits = mean_rate(count, span), topic in _TOPICS or topic in _BATCHES
+    return Stream(name, count, tuple(kinds), lambda: build(topic, list(kinds), fetch), rate, fits)
 
 
 def _plain(topic: str, fields: list[str], fetch: Callable[[list[str]], Rows]) -> FileTable:
@@ -115,10 +104,10 @@ def _plain(topic: str, fields: list[str], fetch: Callable[[list[str]], Rows]) ->
     notes = list[Phrase]()
     for signal in signals:
         if signal.over in fields:
-            integrated, said = _integrated(signal, columns, rows)
-            columns, notes = columns | integrated, notes + said
-    left = [field for field in fields if field not in (*columns, *beside)]
-    notes += [say("left out, not used of the table: {fields}", fields=some(left))] if left else []
+            integrated, remarks = _integrated(signal, columns, rows)
+            columns, notes = columns | integrated, notes + remarks
+    unused = [field for field in fields if field not in (*columns, *beside)]
+    notes += [say("left out, not used of the table: {fields}", fields=some(unused))] if unused else []
     return FileTable(tuple(columns.values()), notes=tuple(notes))
 
 
@@ -134,15 +123,11 @@ def _integrated(
     own = {name: made for name, made in columns.items() if name.startswith(signal.stem)}
     notes = []
     if abs(share - 1) > _WHOLE:
-        notes.append(
-            say(
-                "{stem} covers {over:.4g} ms of the {step:.4g} ms between messages: what the sensor did in the rest of "
-                "the time is not in the log",
-                stem=signal.stem,
-                over=usual / 1e3,
-                step=step / 1e3,
-            )
-        )
+        notes.append(say(
+            "{stem} covers {over:.4g} ms of the {step:.4g} ms between messages: what the sensor did in the rest of "
+            "the time is not in the log",
+            stem=signal.stem, over=usual / 1e3, step=step / 1e3,
+        ))  # fmt: skip
     if not signal.increment:
         return own, notes
     if not notes:
@@ -173,5 +158,5 @@ def _batched(topic: str, fields: list[str], fetch: Callable[[list[str]], Rows]) 
         counts = np.column_stack([rows[name] for name in names[:most]]).astype(np.float64)
         values = (counts * rows["scale"].astype(np.float64)[:, np.newaxis])[used]
         columns.append(FileColumn(values, place, axis, _BATCHES[topic], header=axis))
-    said = say("{number} messages with up to {most} samples each", number=len(rows), most=int(count.max(initial=0)))
-    return FileTable(tuple(columns), notes=(said,))
+    batches = say("{number} messages with up to {most} samples each", number=len(rows), most=int(count.max(initial=0)))
+    return FileTable(tuple(columns), notes=(batches,))

@@ -9,7 +9,8 @@ import numpy as np
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
-from allanite.readers.columns import layout, streams
+from allanite.readers.columns import layout
+from allanite.readers.columns.containers import Stream, any_inertial, stream_recording
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 from allanite.readers.sandbox.process import Process, demand_members, demand_size, worded
@@ -36,18 +37,18 @@ def read(path: str, options: Options) -> Recording:
             demand_size(size, process.path, f"sheet {name!r}")
             return text.arranged(text.columns_of(process.load(name, (size,), np.dtype(np.uint8)).tobytes()), options)
 
-        found = list[streams.Stream]()
+        streams = list[Stream]()
         with worded("the workbook"):
-            for item in process.said["datasets"]:
+            for item in process.contents["datasets"]:
                 name, size, rows = str(item["path"]), int(item["size"]), int(item["rows"])
                 with suppress(DataError):  # a sheet without rows of numbers
                     head = layout.find(str(item["head"]).encode())
-                    fits = streams.inertial(head.names, head.units)
+                    fits = any_inertial(head.names, head.units)
                     count = rows - head.line + 1
-                    found.append(streams.Stream(name, count, head.names, partial(load, name, size), fits=fits))
-        if not found:
+                    streams.append(Stream(name, count, head.names, partial(load, name, size), likely=fits))
+        if not streams:
             raise DataError(
                 say("no sheet of the workbook has rows of numbers; formulas are read only if their results are stored")
             )
-        likely = [stream for stream in found if stream.fits]
-        return streams.recording(found if likely else [replace(one, fits=True) for one in found], options)
+        likely = [stream for stream in streams if stream.likely]
+        return stream_recording(streams if likely else [replace(stream, likely=True) for stream in streams], options)

@@ -23,7 +23,7 @@ from rosbags.typesys import get_types_from_idl, get_types_from_msg
 
 Definition = runpy.run_path(os.path.join(os.path.dirname(__file__), "bag_messages.py"))["Definition"]
 
-MOST_TOPICS, LONGEST = 1000, 1 << 20
+MOST_TOPICS, LONGEST_DEFINITION = 1000, 1 << 20
 BATCH, BYTES = 4096, 8 << 20
 """Messages, and their bytes, that are decoded together."""
 
@@ -62,12 +62,12 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
             how = "copy those of the sensor to a bag of their own with rosbag filter, ros2 bag convert or mcap filter"
             sys.exit(f"too many topics: {len(groups)}, and at most {MOST_TOPICS} are read; {how}")
         topics = [Topic(reader, group, path) for group in groups.values()]
-    named = {f"{topic.said['topic']} ({topic.said['type']})": topic for topic in topics}
+    named = {f"{topic.contents['topic']} ({topic.contents['type']})": topic for topic in topics}
 
     def load(where: str, fields: list[str]) -> tuple[int, Iterator[Any]]:
         return COST * int(sys.argv[5]), named[where].blocks()
 
-    return {"topics": [topic.said for topic in topics]}, load
+    return {"topics": [topic.contents for topic in topics]}, load
 
 
 @contextmanager
@@ -78,47 +78,47 @@ def _worded() -> Iterator[None]:
     except MemoryError:
         raise
     except Exception as error:
-        said = " ".join(str(error).split()) or "its records contradict each other"
-        sys.exit(said[:200])
+        reason = " ".join(str(error).split()) or "its records contradict each other"
+        sys.exit(reason[:200])
 
 
 class Topic:
-    """A topic of a bag: what is `said` of it, and its numbers."""
+    """A topic of a bag: its `contents` without the numbers, and these."""
 
     def __init__(self, reader: Any, connections: list[Any], path: str) -> None:
         self.reader, self.connections = reader, connections
         first, self.count = connections[0], sum(connection.msgcount for connection in connections)
-        self.said = {"topic": first.topic, "type": first.msgtype.replace("/msg/", "/"), "count": self.count}
+        self.contents = {"topic": first.topic, "type": first.msgtype.replace("/msg/", "/"), "count": self.count}
         span = float(getattr(reader, "metadata", reader).duration)
-        self.said |= {"span": span * 1e-9, "columns": [], "left": [], "why": ""}
+        self.contents |= {"span": span * 1e-9, "columns": [], "left": [], "why": ""}
         types = Types(path)
         try:
             types.update(_parsed(first.msgdef.format, first.msgdef.data, first.msgtype))
             self.definition = Definition(types, first.msgtype, aligned=not isinstance(reader, Chunks))
         except Exception as error:  # the parser and what it is given may fail in any way; other topics remain
-            self.said["why"] = str(error)[:200] or type(error).__name__
+            self.contents["why"] = str(error)[:200] or type(error).__name__
             return
         columns = {RECEIVED: ("<i8", "ns")} | self.definition.columns
         self.dtype = np.dtype([(name, kind) for name, (kind, _) in columns.items()])
-        self.said["columns"] = [(name, *about) for name, about in columns.items()]
-        self.said["left"], self.said["beside"] = self.definition.left[:20], types.beside
+        self.contents["columns"] = [(name, *about) for name, about in columns.items()]
+        self.contents["left"], self.contents["beside"] = self.definition.left[:20], types.beside
 
     def blocks(self) -> Iterator[Any]:
         """The bytes of rows with the columns."""
-        batch, times, size, left = list[bytes](), list[int](), 0, self.count
+        batch, times, size, missing = list[bytes](), list[int](), 0, self.count
         with _worded():
             for _, time, data in self.reader.messages(self.connections):
                 batch.append(data)
                 times.append(time)
-                size, left = size + len(data), left - 1
-                if left < 0:
+                size, missing = size + len(data), missing - 1
+                if missing < 0:
                     break
                 if len(batch) == BATCH or size > BYTES:
                     yield self._rows(batch, times)
                     batch, times, size = [], [], 0
-            if left:
-                found = "more" if left < 0 else self.count - left
-                raise ValueError(f"{self.count} messages are announced, but {found} are there")
+            if missing:
+                count = "more" if missing < 0 else self.count - missing
+                raise ValueError(f"{self.count} messages are announced, but {count} are there")
             if batch:
                 yield self._rows(batch, times)
 
@@ -141,7 +141,7 @@ class Types(dict[str, Any]):
         match = _NAME.fullmatch(name)
         places = (f"{match[2]}.msg", f"{match[1]}/msg/{match[2]}.msg") if match else ()
         for file in (self.folder / place for place in places):
-            if file.is_file() and file.stat().st_size < LONGEST:
+            if file.is_file() and file.stat().st_size < LONGEST_DEFINITION:
                 self.update({**get_types_from_msg(file.read_text(encoding="utf-8"), name), **self})
                 self.beside.append(file.name)
                 return self[name]
@@ -154,7 +154,7 @@ class Types(dict[str, Any]):
 @cache
 def _parsed(form: Any, text: str, name: str) -> dict[str, Any]:
     """The definitions in a text."""
-    if len(text) > LONGEST:
+    if len(text) > LONGEST_DEFINITION:
         raise ValueError("its definition is too long")
     if form == MessageDefinitionFormat.MSG:
         return get_types_from_msg(text, name)
@@ -179,7 +179,8 @@ class Chunks(Reader1):
         super().open()
         counts = [chunk.connection_counts for chunk in self.chunk_infos]
         self.connections = [
-            one._replace(msgcount=sum(count.get(one.id, 0) for count in counts)) for one in self.connections
+            connection._replace(msgcount=sum(count.get(connection.id, 0) for count in counts))
+            for connection in self.connections
         ]
 
     def read_index_data(self, pos: int, indexes: Any) -> None:
@@ -187,7 +188,7 @@ class Chunks(Reader1):
 
     def messages(self, connections: Any = (), start: Any = None, stop: Any = None) -> Any:
         """Connections, times in ns and bytes of the messages, in the order in which they were written."""
-        wanted = {one.id: one for one in connections}
+        wanted = {connection.id: connection for connection in connections}
         bio: Any = self.bio
         for chunk in sorted(self.chunk_infos, key=lambda one: (one.start_time, one.pos)):
             if wanted.keys().isdisjoint(chunk.connection_counts):

@@ -33,7 +33,7 @@ NUMBERS |= dict.fromkeys(("bool", "byte", "char"), np.dtype("uint8"))
 
 _ZSTD = b"\x28\xb5\x2f\xfd"
 
-MOST_STEPS, MOST_COLUMNS, LONGEST = 10_000, 500, 64
+MOST_STEPS, MOST_COLUMNS, LONGEST_ARRAY = 10_000, 500, 64
 """Maximum number of fields and columns of a definition, and of elements of an array that become columns."""
 
 
@@ -99,7 +99,7 @@ class Definition:
                 return [self._stamp(where, taken=taken)]
             return self._message(inner, where, unit, taken=taken)
         element, size = inner
-        if what == Nodetype.SEQUENCE or size > LONGEST:
+        if what == Nodetype.SEQUENCE or size > LONGEST_ARRAY:
             self.left += [where] if taken else []
             taken = False
         if what == Nodetype.SEQUENCE:
@@ -201,14 +201,11 @@ class Walk:
             return
         formats, offsets = zip(*self.places.values(), strict=True)
         about: Any = {
-            "names": list(self.places),
-            "formats": formats,
-            "offsets": offsets,
-            "itemsize": self.rows.shape[1],
-        }
-        found = self.rows.reshape(-1).view(np.dtype(about))
+            "names": list(self.places), "formats": formats, "offsets": offsets, "itemsize": self.rows.shape[1],
+        }  # fmt: skip
+        numbers = self.rows.reshape(-1).view(np.dtype(about))
         for name in self.places:
-            values = found[name]
+            values = numbers[name]
             if values.dtype.names:
                 values = values["s"].astype(np.int64) * 1_000_000_000 + values["ns"]
             out[name][where] = values

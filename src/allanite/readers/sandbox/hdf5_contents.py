@@ -23,11 +23,11 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
     file = h5py.File(path, "r", rdcc_nbytes=BLOCK)
 
     def load(where: str, fields: list[str]) -> tuple[int, Iterator[Any]]:
-        found = file[where]
-        chunks = min(_chunks(found), os.path.getsize(path) // 8)  # no more than the file has room for
-        return found.size * found.dtype.itemsize + chunks * COST, _blocks(found, fields)
+        dataset = file[where]
+        chunks = min(_chunks(dataset), os.path.getsize(path) // 8)  # no more than the file has room for
+        return dataset.size * dataset.dtype.itemsize + chunks * COST, _blocks(dataset, fields)
 
-    return Listing(file, most, {*names["rates"], *WANTED}, names["text"]).said, load
+    return Listing(file, most, {*names["rates"], *WANTED}, names["text"]).contents, load
 
 
 class Listing:
@@ -36,7 +36,7 @@ class Listing:
     def __init__(self, file: Any, most: int, wanted: set[str], text: str) -> None:
         self.most, self.wanted, self.text = most, wanted, text
         self.seen: set[Any] = set()
-        self.said: dict[str, Any] = {"datasets": [], "numbers": {}, "texts": {}, "left": [], "description": ""}
+        self.contents: dict[str, Any] = {"datasets": [], "numbers": {}, "texts": {}, "left": [], "description": ""}
         self._attributes(file, "")
         self._group(file, "", 0)
 
@@ -47,59 +47,59 @@ class Listing:
                 continue
             # other links may refer to any file on this machine
             if depth > DEEPEST or not isinstance(group.get(name, getlink=True), h5py.HardLink):
-                self.said["left"].append(where)
+                self.contents["left"].append(where)
                 continue
-            found = group[name]
-            info = h5py.h5o.get_info(found.id)
+            item = group[name]
+            info = h5py.h5o.get_info(item.id)
             token = (info.fileno, info.addr)
             if token not in self.seen:
                 self.seen.add(token)
                 if len(self.seen) > MOST_OBJECTS:
                     how = "copy the datasets to a file of their own with h5copy"
                     sys.exit(f"too many objects: more than {MOST_OBJECTS}; {how}")
-                if isinstance(found, h5py.Group):
-                    self._attributes(found, where)
-                    self._group(found, where, depth + 1)
-                elif isinstance(found, h5py.Dataset):
-                    self._dataset(found, where)
+                if isinstance(item, h5py.Group):
+                    self._attributes(item, where)
+                    self._group(item, where, depth + 1)
+                elif isinstance(item, h5py.Dataset):
+                    self._dataset(item, where)
 
     def _attributes(self, found: Any, path: str) -> dict[str, Any]:
-        said = {name: _plain(found.attrs[name]) for name in found.attrs if name.lower() in self.wanted}
-        for name, value in said.items():
+        attributes = {name: _plain(found.attrs[name]) for name in found.attrs if name.lower() in self.wanted}
+        for name, value in attributes.items():
             if isinstance(value, float):
-                self.said["numbers"][f"{path}/{name}".lstrip("/")] = value
-        return {name.lower(): value for name, value in said.items()}
+                self.contents["numbers"][f"{path}/{name}".lstrip("/")] = value
+        return {name.lower(): value for name, value in attributes.items()}
 
     def _dataset(self, dataset: Any, path: str) -> None:
-        said = self._attributes(dataset, path)
+        attributes = self._attributes(dataset, path)
         kind = dataset.dtype
         if (
             dataset.shape is None
             or dataset.is_virtual
             or dataset.external
-            or "matlab_empty" in said
-            or said.get("matlab_class") in ("char", "cell", "struct", "function_handle", "logical")
+            or "matlab_empty" in attributes
+            or attributes.get("matlab_class") in ("char", "cell", "struct", "function_handle", "logical")
         ):
-            self.said["left"].append(path)
+            self.contents["left"].append(path)
         elif kind.kind in "iuf" and dataset.size == 1:
-            self.said["numbers"][path] = float(np.asarray(dataset[()]).reshape(-1)[0])
+            self.contents["numbers"][path] = float(np.asarray(dataset[()]).reshape(-1)[0])
         elif kind.kind in "OS" and dataset.size <= 1000 and dataset.size * kind.itemsize < 1 << 20:
             self._words(dataset, path)
         elif _fields(kind) and kind.itemsize * math.prod(dataset.chunks or ()) > self.most:
             sys.exit(f"the chunks {dataset.chunks} of {path!r} are larger than the file can hold")
         elif _fields(kind):
             place = {"path": path, "shape": dataset.shape, "fields": _fields(kind), "offset": _offset(dataset)}
-            self.said["datasets"].append(said | place)
+            self.contents["datasets"].append(attributes | place)
         else:
-            self.said["left"].append(path)
+            self.contents["left"].append(path)
 
     def _words(self, dataset: Any, path: str) -> None:
         if not h5py.check_string_dtype(dataset.dtype):
-            self.said["left"].append(path)
+            self.contents["left"].append(path)
         elif path == self.text and not dataset.shape:
-            self.said["description"] = str(dataset.asstr()[()])
+            self.contents["description"] = str(dataset.asstr()[()])
         else:
-            self.said["texts"][path] = _plain(dataset[()])
+            self.contents["texts"][path] = _plain(dataset[()])
 
 
 def _fields(kind: Any) -> list[list[Any]]:
@@ -111,10 +111,8 @@ def _fields(kind: Any) -> list[list[Any]]:
 
 
 def _offset(dataset: Any) -> int | None:
-    """Offset of the numbers of a dataset in the file, if they are stored contiguously and as NumPy has them.
-
-    Integers of fewer bits than their width, and floats of another layout, have the width of a type of NumPy as well.
-    """
+    """Offset of the numbers of a dataset in the file, if they are stored contiguously and as NumPy has them."""
+    # Integers of fewer bits than their width, and floats of another layout, have the width of a type of NumPy as well.
     whole = dataset.size * dataset.dtype.itemsize
     if dataset.chunks or dataset.dtype.names or dataset.compression or dataset.id.get_storage_size() != whole:
         return None

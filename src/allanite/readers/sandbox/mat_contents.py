@@ -15,12 +15,10 @@ _NOT_VARIABLES = ("__header__", "__version__", "__globals__", "__function_worksp
 
 
 def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:
-    """Numeric arrays and the fields of structures, with their paths, and a function that sends them; see `worker.main`.
-
-    The fields of an array of several structures are ``name/1/field``, ``name/2/field``. Cells, texts, truth values,
-    complex and sparse arrays, functions and objects of classes are omitted.
-    """
-    said: dict[str, Any] = {"datasets": [], "numbers": {}, "texts": {}, "left": [], "description": ""}
+    """The numeric arrays and the fields of structures, and a function that sends them; see `worker.main`."""
+    # The fields of an array of several structures are name/1/field, name/2/field. Cells, texts, truth values, complex
+    # and sparse arrays, functions and objects of classes are omitted.
+    contents: dict[str, Any] = {"datasets": [], "numbers": {}, "texts": {}, "left": [], "description": ""}
     with warnings.catch_warnings(record=True) as doubts:
         arrays = dict(_variables(path, mat_dtype=True))
     if any(issubclass(doubt.category, np.exceptions.ComplexWarning) for doubt in doubts):
@@ -29,15 +27,17 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
         arrays |= {where: leaf for where, leaf in stored if np.iscomplexobj(leaf)}
     for where, leaf in arrays.items():
         if type(leaf) is not np.ndarray or leaf.dtype.kind not in "iufU":
-            said["left"].append(where)
+            contents["left"].append(where)
         elif leaf.dtype.kind == "U":
-            said["description"] = str(leaf[0]) if where == names["text"] and leaf.size == 1 else said["description"]
+            contents["description"] = (
+                str(leaf[0]) if where == names["text"] and leaf.size == 1 else contents["description"]
+            )
         elif leaf.size == 1:
-            said["numbers"][where] = float(leaf.item())
+            contents["numbers"][where] = float(leaf.item())
         else:
             shape = (max(leaf.shape),) if leaf.ndim == 2 and min(leaf.shape) == 1 else leaf.shape
-            said["datasets"].append({"path": where, "shape": shape, "fields": [["", leaf.dtype.str, ()]]})
-    return said, lambda where, fields: (arrays[where].nbytes, [np.ascontiguousarray(arrays[where]).data])
+            contents["datasets"].append({"path": where, "shape": shape, "fields": [["", leaf.dtype.str, ()]]})
+    return contents, lambda where, fields: (arrays[where].nbytes, [np.ascontiguousarray(arrays[where]).data])
 
 
 def _variables(path: str, *, mat_dtype: bool) -> Iterator[tuple[str, Any]]:

@@ -12,22 +12,22 @@ from typing import Any
 import numpy as np
 from asammdf import MDF
 
-MOST = 5000
+MOST_CHANNELS = 5000
 """Maximum number of channels."""
 
 
 def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:
     """The channels of numbers with a hash of their times, and a function that sends one; see `worker.main`."""
     file: Any = MDF(path)
-    if sum(len(group.channels) for group in file.groups) > MOST:
-        sys.exit(f"too many channels: more than {MOST}; export those of the sensor as CSV")
-    said: dict[str, Any] = {"datasets": [], "left": []}
+    if sum(len(group.channels) for group in file.groups) > MOST_CHANNELS:
+        sys.exit(f"too many channels: more than {MOST_CHANNELS}; export those of the sensor as CSV")
+    contents: dict[str, Any] = {"datasets": [], "left": []}
     for number, group in enumerate(file.groups):
         master = file.masters_db.get(number)
         if group.channel_group.cycles_nr < 2:
             continue
         if master is not None and _linear(file, group.channels[master]) is None:
-            said["left"].append(f"group {number}")
+            contents["left"].append(f"group {number}")
             continue
         title = getattr(group.channel_group, "acq_name", None) or ""
         about = {"group": number, "title": title, "clock": "", "span": 0.0}
@@ -39,26 +39,28 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
             about |= {"clock": hashlib.sha256(times.data).hexdigest(), "span": span if np.isfinite(span) else 0.0}
         for place, channel in enumerate(group.channels):
             if place != master:
-                _list(said, file, (number, place, channel), about)
+                _list(contents, file, (number, place, channel), about)
 
     def load(where: str, fields: list[str]) -> tuple[int, list[Any]]:
         number, _, place = where.partition("/")
         values = _values(file, int(number), int(place)) if place else _times(file, int(number))
         return values.nbytes, [values.data]
 
-    return said, load
+    return contents, load
 
 
-def _list(said: dict[str, Any], file: Any, at: tuple[int, int, Any], about: dict[str, Any]) -> None:
+def _list(contents: dict[str, Any], file: Any, at: tuple[int, int, Any], about: dict[str, Any]) -> None:
     """Add a channel to the contents."""
     number, place, channel = at
     first = file.get(group=number, index=place, raw=True, samples_only=True, record_count=1)[0]
     if first.dtype.kind not in "iuf" or first.ndim != 1 or _linear(file, channel) is None:
-        said["left"].append(channel.name)
+        contents["left"].append(channel.name)
         return
     unit = file.get_channel_unit(group=number, index=place) or ""
     length = int(file.groups[number].channel_group.cycles_nr)
-    said["datasets"].append(about | {"path": f"{number}/{place}", "name": channel.name, "unit": unit, "length": length})
+    contents["datasets"].append(
+        about | {"path": f"{number}/{place}", "name": channel.name, "unit": unit, "length": length}
+    )
 
 
 def _linear(file: Any, channel: Any) -> tuple[float, float] | None:

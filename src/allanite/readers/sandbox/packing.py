@@ -15,7 +15,7 @@ from typing import IO, Any, NamedTuple
 from allanite.core.errors import DataError, UsageError
 
 from .process import UnpackedPath, demand_size, most, worded
-from .source import HEAD, SEPARATOR, demand_directory, head_of
+from .source import FIRST_BYTES, SEPARATOR, demand_directory, head_of
 
 DEPTH = 3
 """Maximum number of nested layers."""
@@ -44,11 +44,9 @@ class Packing(NamedTuple):
 
 
 class _Streams:
-    """Reads a file of one or several packed streams, and nothing else behind them, as bz2 and lzma do not.
+    """Reads a file of one or several packed streams, and nothing else behind them, as bz2 and lzma do not."""
 
-    `begun` makes the decoder of a stream; `between` may stand between streams.
-    """
-
+    # `begun` makes the decoder of a stream; `between` may stand between streams
     def __init__(self, file: IO[bytes], begun: Callable[[], Any], between: bytes = b"") -> None:
         self._file, self._begun, self._between = file, begun, between
         self._decoder = begun()
@@ -66,9 +64,9 @@ class _Streams:
                 self._decoder = self._begun()
             elif self._decoder.needs_input and not (fresh := self._file.read(_BLOCK)):
                 raise EOFError("the end is missing")
-            found: bytes = self._decoder.decompress(fresh, size)
-            if found:
-                return found
+            content: bytes = self._decoder.decompress(fresh, size)
+            if content:
+                return content
 
 
 PACKINGS = (
@@ -86,11 +84,9 @@ ZIP = Packing(re.compile(rb"PK\x03\x04"), ".zip", zipfile.ZipFile)
 
 @contextmanager
 def unpacked(path: str, member: str, judge: Judge, *, only_by_suffix: bool = False) -> Iterator[str]:
-    """The path of the unpacked file; `path` itself if it is not packed, or a format of its own.
-
-    `member` names a file in an archive (empty: the only one that `judge` finds readable, by first bytes and
-    suffix). With `only_by_suffix`, a file that merely begins like a packed one is left unchanged, as raw numbers may.
-    """
+    """The path of the unpacked file; `path` itself if it is not packed, or a format of its own."""
+    # `member` names a file in an archive (empty: the only one that `judge` finds readable, by first bytes and suffix).
+    # With `only_by_suffix`, a file that merely begins like a packed one is left unchanged, as raw numbers may.
     with ExitStack() as stack:
         for _ in range(DEPTH):
             packing = packing_of(path, judge, only_by_suffix)
@@ -123,10 +119,9 @@ def packing_of(path: str, judge: Judge, only_by_suffix: bool) -> Packing | None:
 
 
 class PackedFile:
-    """A packed file whose content is read from the beginning, again and again, without a copy on the disk.
+    """A packed file whose content is read from the beginning, again and again, without a copy on the disk."""
 
-    Arguments are those of `unpacked`; `suffix` is that of the content. An archive within another packing is refused.
-    """
+    # arguments are those of `unpacked`, `suffix` is that of the content; an archive within another packing is refused
 
     def __init__(self, path: str, member: str, judge: Judge, *, only_by_suffix: bool = False) -> None:
         self.path, self.suffix = path, os.path.splitext(path)[1].lower()
@@ -150,7 +145,7 @@ class PackedFile:
     @property
     def head(self) -> bytes:
         """The first bytes of the content."""
-        return next(self.chunks(HEAD), b"")[:HEAD]
+        return next(self.chunks(FIRST_BYTES), b"")[:FIRST_BYTES]
 
     def chunks(self, size: int = _BLOCK) -> Iterator[bytes]:
         """The content, from the beginning."""
@@ -209,10 +204,8 @@ def _chosen(path: str, member: str, judge: Judge) -> str:
                 raise DataError(f"the archive contains no file of a readable format; it contains {_listed(names)}")
             member = readable[0]
             if len(readable) > 1:
-                raise UsageError(
-                    f"the archive contains {len(readable)} readable files: {_listed(readable)}; select one as in "
-                    f"{'FILE.zip'}{SEPARATOR}{member}"
-                )
+                raise UsageError(f"the archive contains {len(readable)} readable files: {_listed(readable)}; select "
+                                 f"one as in {'FILE.zip'}{SEPARATOR}{member}")  # fmt: skip
         demand_size(archive.getinfo(member).file_size, path, f"member {member!r}")
         return member
 

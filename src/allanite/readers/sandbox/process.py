@@ -27,7 +27,7 @@ from .source import demand_directory, size_of
 RATIO = 100
 """Bytes of samples per byte of a file: coarse samples compress 30-fold, a decompression bomb 1000-fold."""
 
-ROOM = 32 << 20
+UNPACKED_ROOM = 32 << 20
 """Bytes that any file may unpack to, whatever its size."""
 
 
@@ -45,18 +45,16 @@ class UnpackedPath(str):
 
 def most(path: str) -> int:
     """Maximum size in bytes of the contents of a file, and of what is unpacked from it."""
-    here = RATIO * size_of(path) + ROOM
+    here = RATIO * size_of(path) + UNPACKED_ROOM
     return min(here, path.limit) if isinstance(path, UnpackedPath) else here
 
 
 def demand_size(size: int, path: str, what: str) -> None:
     """Refuse a claimed size larger than the file can hold (`most`), before memory is allocated."""
     if size > most(path):
-        raise DataError(
-            f"{what} claims {size / 1e6:.6g} MB, over the {most(path) / 1e6:.3g} MB that a file of this size may "
-            f"unpack to ({RATIO} times its size): it is damaged or a decompression bomb; if it is neither, write it "
-            "again without compression"
-        )
+        raise DataError(f"{what} claims {size / 1e6:.6g} MB, over the {most(path) / 1e6:.3g} MB that a file of this "
+                        f"size may unpack to ({RATIO} times its size): it is damaged or a decompression bomb; if it is "
+                        "neither, write it again without compression")  # fmt: skip
 
 
 def demand_members(path: str, what: str) -> list[zipfile.ZipInfo]:
@@ -84,48 +82,40 @@ def worded(what: str = "the file") -> Iterator[None]:
     except Exception as error:
         if isinstance(error, OSError) and error.errno in DISK:
             reason = error.strerror or str(error)
-            raise DataError(
-                f"there is no room for {what} in the folder {tempfile.gettempdir()!r} ({reason}): free some, or set "
-                "TMPDIR to another folder"
-            ) from None
+            raise DataError(f"there is no room for {what} in the folder {tempfile.gettempdir()!r} ({reason}): free "
+                            "some, or set TMPDIR to another folder") from None  # fmt: skip
         raise DataError(f"{what} is damaged or was cut off; copy or download it again") from None
 
 
 def demand_start(head: bytes, starts: tuple[bytes, ...], what: str) -> None:
     """Refuse a file whose first bytes are none of `starts`, which files of a format begin with."""
     if not head.startswith(starts):
-        raise DataError(
-            say(
-                "the file does not begin like {what} (it begins with {head!r}); check that it is complete",
-                what=what,
-                head=head[:8],
-            )
-        )
+        raise DataError(say(
+            "the file does not begin like {what} (it begins with {head!r}); check that it is complete",
+            what=what, head=head[:8],
+        ))  # fmt: skip
 
 
 Progress = Callable[[float], None]
 
-WAIT, SPEED = 20.0, 5e5
+ANSWER_TIME, DISK_SPEED = 20.0, 5e5
 """Seconds that an answer may take, and bytes per second of a slow disk; the processor time is limited separately."""
 
 
-BLOCK = 1 << 20
+RECEIVED_BYTES = 1 << 20
 """Bytes of a dataset that are received at a time."""
 
-SHARE = "share"
+SHARE_KEY = "share"
 """Key of a line in which a worker only tells which share of the structure it has read; see `worker.main`."""
 
 
 class Library(NamedTuple):
-    """What opens a format: the package, the extra that installs it, advice for a file that it cannot open, and speed.
-
-    The speed is that of opening a file, in bytes per second at least, on a slow disk.
-    """
+    """What opens a format: the package, the extra that installs it, and advice for a file that it cannot open."""
 
     package: str
     extra: str
     remedy: str
-    speed: float = SPEED
+    speed: float = DISK_SPEED  # of opening a file, bytes per second at least, on a slow disk
 
 
 LIBRARIES = {
@@ -150,7 +140,7 @@ _TIMEOUTS = (9, 24)
 
 
 class Process:
-    """A running worker that looks for `names`; in a ``with`` statement, `said` lists the contents of the file.
+    """A running worker that looks for `names`; in a ``with`` statement, `contents` are those of the file.
 
     `progress` is called with the share, 0 to 1, that has been read.
     """
@@ -161,38 +151,30 @@ class Process:
         self.path, self._library = path, LIBRARIES[form]
         self._tell = progress or (lambda share: None)
         demand_extra(self._library.extra, self._library.package)
-        self._wait = WAIT + size_of(path) / self._library.speed
+        self._wait = ANSWER_TIME + size_of(path) / self._library.speed
         # what a library leaves when the process is ended, and what it says; both are removed by __exit__
         self._folder = tempfile.TemporaryDirectory(prefix="allanite-", ignore_cleanup_errors=True)
         self._errors = tempfile.TemporaryFile(dir=self._folder.name)  # noqa: SIM115
         # -P: modules in the folder of the worker have names of standard modules
         self._process = subprocess.Popen(  # noqa: S603  our own program, and no shell
             [
-                sys.executable,
-                "-P",
-                str(WORKER),
-                form,
-                str(Path(path).absolute()),
-                str(most(path)),
-                json.dumps(names or {}),
-                str(size_of(path)),
+                sys.executable, "-P", str(WORKER), form,
+                str(Path(path).absolute()), str(most(path)), json.dumps(names or {}), str(size_of(path)),
             ],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=self._errors,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors,
             env=os.environ | dict.fromkeys(("TMPDIR", "TEMP", "TMP"), self._folder.name),
-        )
+        )  # fmt: skip
 
     def __enter__(self) -> "Process":
         try:
-            self.said: dict[str, Any] = {SHARE: 0.0}
+            self.contents: dict[str, Any] = {SHARE_KEY: 0.0}
             with self._deadline(self._wait):
-                while SHARE in self.said:
-                    self._tell(self.said[SHARE])
+                while SHARE_KEY in self.contents:
+                    self._tell(self.contents[SHARE_KEY])
                     line = self._stdout.readline(1 << 24)
                     if not line.endswith(b"\n"):
                         raise self._broken("while reading its structure")
-                    self.said = dict(json.loads(line))
+                    self.contents = dict(json.loads(line))
         except BaseException:
             self.__exit__()
             raise
@@ -209,15 +191,15 @@ class Process:
         array = np.empty(shape, dtype)
         data = array.reshape(-1).view(np.uint8)
         with self._sending(path, dtype, data.size):
-            for begin in range(0, data.size, BLOCK):
-                self._fill(data[begin : begin + BLOCK], path)
-                self._tell(min(1.0, (begin + BLOCK) / data.size))
+            for begin in range(0, data.size, RECEIVED_BYTES):
+                self._fill(data[begin : begin + RECEIVED_BYTES], path)
+                self._tell(min(1.0, (begin + RECEIVED_BYTES) / data.size))
         return array
 
     def fields(self, path: str, count: int, dtype: np.dtype[Any]) -> dict[str, NDArray[Any]]:
         """Each field of a dataset of `count` rows; only a block of whole rows is in memory at a time."""
         columns = {name: np.empty(count, dtype[name]) for name in dtype.names or ()}
-        rows = np.empty(min(count, max(1, BLOCK // dtype.itemsize)), dtype)
+        rows = np.empty(min(count, max(1, RECEIVED_BYTES // dtype.itemsize)), dtype)
         with self._sending(path, dtype, count * dtype.itemsize):
             for begin in range(0, count, max(1, rows.size)):
                 part = rows[: count - begin]
@@ -238,7 +220,7 @@ class Process:
     @contextmanager
     def _sending(self, path: str, dtype: np.dtype[Any], size: int) -> Iterator[None]:
         """Ask for a dataset of `size` bytes, which must be here in time."""
-        with self._deadline(self._wait + size / SPEED):
+        with self._deadline(self._wait + size / DISK_SPEED):
             stdin: Any = self._process.stdin
             try:
                 stdin.write(json.dumps({"path": path, "fields": list(dtype.names or ())}).encode() + b"\n")
@@ -274,12 +256,10 @@ class Process:
         """Why the worker ended, as text: its last message, or how it died."""
         code = self._process.wait()
         self._errors.seek(0)
-        said = self._errors.read()[-4000:].decode("utf-8", "replace").strip().splitlines()
+        lines = self._errors.read()[-4000:].decode("utf-8", "replace").strip().splitlines()
         died = "it ended early" if code >= 0 else "it took too long" if -code in _TIMEOUTS else f"signal {-code}"
-        reason = re.sub(r"^[\w.]+(Error|Exception): ", "", said[-1])[:200] if said else died
+        reason = re.sub(r"^[\w.]+(Error|Exception): ", "", lines[-1])[:200] if lines else died
         if reason.startswith(LIMIT):
             return DataError(reason)
-        return DataError(
-            f"the file is damaged or incomplete: {self._library.package} failed {where}: {reason}; if other "
-            f"programs can read it, {self._library.remedy}"
-        )
+        return DataError(f"the file is damaged or incomplete: {self._library.package} failed {where}: {reason}; if "
+                         f"other programs can read it, {self._library.remedy}")  # fmt: skip

@@ -23,7 +23,7 @@ from rdata.parser._parser import Parser  # noqa: E402  the door of the parser al
 if _spec is not None:
     del sys.modules["rdata"]  # any other import of the package gets all of it
 
-MOST, NAMES = 100_000, 1000
+MOST_LISTS, NAMES = 100_000, 1000
 """Maximum number of lists and other objects in a file, and of texts kept of a vector."""
 
 _CHAR = 9
@@ -35,7 +35,7 @@ class Reader(Parser):  # type: ignore[misc, unused-ignore]
 
     def __init__(self, data: bytes) -> None:
         super().__init__()
-        self.data, self.at, self.left = memoryview(data), data.index(b"X\n") + 2, MOST
+        self.data, self.at, self.left = memoryview(data), data.index(b"X\n") + 2, MOST_LISTS
 
     def take(self, size: int) -> memoryview:
         """The next bytes."""
@@ -56,7 +56,9 @@ class Reader(Parser):  # type: ignore[misc, unused-ignore]
         """The next object."""
         self.left -= 1
         if self.left < 0:
-            sys.exit(f"too many lists: more than {MOST}; save only the numbers: saveRDS(as.matrix(x), 'again.rds')")
+            sys.exit(
+                f"too many lists: more than {MOST_LISTS}; save only the numbers: saveRDS(as.matrix(x), 'again.rds')"
+            )
         return super().parse_R_object(*given, **named)
 
     def _parse_array_values(self, dtype: Any, length: int) -> Any:
@@ -85,12 +87,12 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
     sys.setrecursionlimit(20_000)  # a list of pairs is recursive in the parser
     gc.disable()  # a million objects and no cycles
     top = Reader(data).parse_all().object
-    said: dict[str, Any] = {"datasets": [], "numbers": {}, "texts": {}, "left": [], "description": ""}
+    contents: dict[str, Any] = {"datasets": [], "numbers": {}, "texts": {}, "left": [], "description": ""}
     arrays = {}
     for name, item in _pairs(top) if data.startswith(b"RDX") else [("", top)]:
         for where, leaf, about in _leaves(name, item):
             if leaf.size == 1:
-                said["numbers"][where] = float(leaf[0])
+                contents["numbers"][where] = float(leaf[0])
             else:
                 dim = _numbers(about["dim"]) if "dim" in about else None
                 shape = [leaf.size] if dim is None else [int(side) for side in dim]
@@ -98,8 +100,8 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
                     sys.exit(f"{where!r} claims the dimensions {shape}, but has {leaf.size} numbers")
                 arrays[where or "x"] = leaf.reshape(shape, order="F")
                 place = {"path": where or "x", "shape": shape, "fields": [["", leaf.dtype.str, ()]]}
-                said["datasets"].append(place | _said(about))
-    return said, lambda where, fields: (arrays[where].nbytes, [np.ascontiguousarray(arrays[where]).data])
+                contents["datasets"].append(place | _said(about))
+    return contents, lambda where, fields: (arrays[where].nbytes, [np.ascontiguousarray(arrays[where]).data])
 
 
 def _leaves(path: str, item: Any) -> Iterator[tuple[str, Any, dict[str, Any]]]:
@@ -135,7 +137,7 @@ def _numbers(item: Any) -> Any:
 
 def _texts(item: Any) -> list[str]:
     """The texts of a vector; empty if it does not hold texts."""
-    return [_text(one) for one in item.value] if item is not None and item.info.type == Type.STR else []
+    return [_text(text) for text in item.value] if item is not None and item.info.type == Type.STR else []
 
 
 def _text(item: Any) -> str:
@@ -145,13 +147,13 @@ def _text(item: Any) -> str:
 def _said(about: dict[str, Any]) -> dict[str, Any]:
     """Unit, names of columns and rate of an array, from its attributes."""
     unit = next((words[0] for name in ("units", "unit") if (words := _texts(about.get(name)))), "")
-    said: dict[str, Any] = {"units": _SECONDS.get(unit, unit)}
+    attributes: dict[str, Any] = {"units": _SECONDS.get(unit, unit)}
     if "POSIXct" in _texts(about.get("class")):
-        said["units"] = "s"
+        attributes["units"] = "s"
     names = about.get("dimnames")
     if names is not None and names.info.type == Type.VEC and len(names.value) == 2:
-        said["columns"] = _texts(names.value[1])
+        attributes["columns"] = _texts(names.value[1])
     series = _numbers(about["tsp"]) if "tsp" in about else None
     if series is not None and series.size == 3 and series[2] > 0:
-        said["rate"] = float(series[2])
-    return said
+        attributes["rate"] = float(series[2])
+    return attributes

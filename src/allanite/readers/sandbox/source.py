@@ -26,10 +26,10 @@ STDIN = "-"
 STDIN_NAME = "standard input"
 """What messages and results call it."""
 
-HEAD = 1 << 16
+FIRST_BYTES = 1 << 16
 """Number of bytes used to detect a format."""
 
-LONGEST = 1 << 20
+LARGEST_DIRECTORY = 1 << 20
 """Maximum size of a directory in bytes: some ten thousand members."""
 
 METADATA = "metadata.yaml"
@@ -128,7 +128,7 @@ def size_of(name: str) -> int:
 def head_of(name: str) -> bytes:
     """The first bytes of a file, or of the first file of a folder."""
     with Path(parts(name)[0]).open("rb") as file:
-        return file.read(HEAD)
+        return file.read(FIRST_BYTES)
 
 
 def digest_of(name: str) -> str:
@@ -163,8 +163,6 @@ def demand_directory(path: str) -> None:
     (size,) = struct.unpack_from("<I", tail, at + 12)
     if at >= 76 and tail[at - 20 : at - 16] == _LARGE:  # the ZIP64 end record of a large archive
         (size,) = struct.unpack_from("<Q", tail, at - 76 + 40)
-    if size > LONGEST:
-        raise DataError(
-            f"the directory of the archive claims {size / 1e6:.3g} MB, too much for any set of recordings; unpack "
-            "it and read one file"
-        )
+    if size > LARGEST_DIRECTORY:
+        raise DataError(f"the directory of the archive claims {size / 1e6:.3g} MB, too much for any set of recordings; "
+                        "unpack it and read one file")  # fmt: skip

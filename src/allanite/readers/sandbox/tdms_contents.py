@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from nptdms import TdmsFile
 
-MOST = 10_000
+MOST_CHANNELS = 10_000
 """Maximum number of channels that are listed."""
 BLOCK = 1 << 20
 UNITS = ("unit_string", "NI_UnitDescription", "unit", "units", "Unit")
@@ -16,7 +16,7 @@ UNITS = ("unit_string", "NI_UnitDescription", "unit", "units", "Unit")
 def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:
     """The channels with their units and time steps, and a function that sends one; see `worker.main`."""
     file = TdmsFile.open(open(path, "rb"))  # noqa: SIM115  by name it would also open an index beside the file
-    channels = [channel for group in file.groups() for channel in group.channels()][:MOST]
+    channels = [channel for group in file.groups() for channel in group.channels()][:MOST_CHANNELS]
     made = {f"{i}": channel for i, channel in enumerate(channels)}
     datasets = []
     for where, channel in made.items():

@@ -24,7 +24,7 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
         span = int(stamps[-1]) - int(stamps[0])  # us
         datasets.append({"path": name, "shape": [len(stamps)], "fields": kinds, "span": span})
     drops = [drop.duration for drop in log.dropouts]
-    said = {"datasets": datasets, "damaged": log.file_corruption, "dropouts": drops}
+    contents = {"datasets": datasets, "damaged": log.file_corruption, "dropouts": drops}
 
     def load(where: str, fields: list[str]) -> tuple[int, list[Any]]:
         rows = np.empty(len(topics[where][fields[0]]), [(name, topics[where][name].dtype) for name in fields])
@@ -32,4 +32,4 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
             rows[name] = topics[where][name]
         return rows.nbytes, [rows.view(np.uint8).data]
 
-    return said, load
+    return contents, load

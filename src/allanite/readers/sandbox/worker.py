@@ -27,12 +27,10 @@ ROOM = 48 << 20
 
 
 def main() -> None:
-    """Serve one file; the arguments are the format, path, bytes that it may unpack to, names to look for, and its size.
-
-    ``opened(path, most, names)`` returns the contents of the file as a dictionary for JSON, and a function that takes
-    the path and the fields of a dataset and returns its size in bytes, by which the time is limited, and an iterator
-    of its blocks.
-    """
+    """Serve one file; the arguments are format, path, bytes that it may unpack to, names to look for, and its size."""
+    # `opened(path, most, names)` returns the contents of the file as a dictionary for JSON, and a function that takes
+    # the path and the fields of a dataset and returns its size in bytes, by which the time is limited, and an iterator
+    # of its blocks.
     form, path, most, names = sys.argv[1], sys.argv[2], int(sys.argv[3]), json.loads(sys.argv[4])
     opened = runpy.run_path(os.path.join(os.path.dirname(__file__), f"{form}_contents.py"))["opened"]
     try:  # limit the memory that the process may use, and what it may write, such as what is unpacked to a file
@@ -47,8 +45,8 @@ def main() -> None:
         pass  # the parent limits what it requests and how long it waits, on every system
     _allow(int(sys.argv[5]) / FORMATS[form])
     try:
-        said, load = opened(path, most, names)
-        _send([json.dumps(said).encode() + b"\n"])
+        contents, load = opened(path, most, names)
+        _send([json.dumps(contents).encode() + b"\n"])
         for line in sys.stdin:
             request = json.loads(line)
             size, blocks = load(request["path"], request["fields"])

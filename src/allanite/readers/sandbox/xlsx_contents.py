@@ -11,7 +11,7 @@ from typing import Any
 os.environ["OPENPYXL_LXML"] = "False"  # the parser of the standard library limits what entities expand to
 from openpyxl import load_workbook
 
-HEAD = 200
+HEAD_LINES = 200
 """Number of lines of a sheet that are listed."""
 
 OFTEN = 1000
@@ -24,12 +24,12 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
     count = len(book.worksheets)
     sheets = {sheet.title: _lines(sheet, (i, count)) for i, sheet in enumerate(book.worksheets)}
     texts = {title: "\n".join((*lines, "")).encode() for title, lines in sheets.items()}
-    said = [
-        {"path": title, "size": len(texts[title]), "rows": len(lines), "head": "\n".join(lines[:HEAD])[:20_000]}
+    listed = [
+        {"path": title, "size": len(texts[title]), "rows": len(lines), "head": "\n".join(lines[:HEAD_LINES])[:20_000]}
         for title, lines in sheets.items()
         if lines
     ]
-    return {"datasets": said}, lambda where, fields: (len(texts[where]), [texts[where]])
+    return {"datasets": listed}, lambda where, fields: (len(texts[where]), [texts[where]])
 
 
 class _Lines(list[str]):
