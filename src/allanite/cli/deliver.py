@@ -25,7 +25,6 @@ from .streams import complain, hand_over, show, while_read
 
 if TYPE_CHECKING:
     from allanite.core.record import Recording
-    from allanite.parallel.sharing import Work
     from allanite.reporting.first import First
     from allanite.study.recipe import Recipe
 
@@ -60,32 +59,20 @@ def _encodes(text: str, encoding: str) -> bool:
 
 def rendered(value: Any, name: str, path: str, lang: str, command: str = "") -> str | bytes:
     """A result in the form that option `name` writes; a page says the command line that made it."""
-    from allanite.parallel.sharing import made
-
-    return made(work_of(value, name, path, lang, command))
-
-
-def work_of(value: Any, name: str, path: str, lang: str, command: str = "") -> "Work[str | bytes]":
-    """The making of the same, of which processes can share a page and the results of channels."""
     from allanite import reporting
-    from allanite.parallel.sharing import Work
-    from allanite.reporting.json import json_of
+    from allanite.reporting.json import to_json
 
-    def drawn(_: Any) -> bytes:
+    if name == "json":
+        return to_json(value)
+    if name in ("csv", "coefficients"):
+        return reporting.to_csv(value, coefficients=name == "coefficients")
+    if name == "plot":
         from allanite.reporting.style import encode
 
         with speaking(lang):
             return encode(reporting.plot(value, lang=lang), Path(path).suffix.lower().lstrip("."))
-
-    if name == "json":
-        return json_of(value)
-    if name in ("csv", "coefficients"):
-        return Work((), lambda _: reporting.to_csv(value, coefficients=name == "coefficients"))
-    if name == "plot":
-        return Work((), drawn)
-    if path.lower().endswith(".pdf"):
-        return Work((), lambda _: reporting.document(value, command=command, lang=lang))
-    return reporting.page_of(value, command=command, lang=lang)
+    form = reporting.document if path.lower().endswith(".pdf") else reporting.page
+    return form(value, command=command, lang=lang)
 
 
 Settings = TypeVar("Settings")
@@ -220,33 +207,22 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
 
     The files are written even if nobody reads standard output to its end.
     """
-    from allanite.parallel.sharing import Work, done
-
     more, context = extra or Extra(), click.get_current_context(silent=True)
     command = "" if context is None else context.meta.get(LINE, "")
     places = [(name, *place) for name, path in out.paths.items() for place in _places(value, path)]
-    forms = [place for place in places if place[0] not in more.recordings]
-    shown = not (out.quiet or out.piped)
-
-    def work(place: tuple[str, str, Any]) -> Work[str | bytes]:
-        name, path, part = place
-        if name in more.data:
-            return Work((), lambda _: more.data[name](part))
-        return work_of(part, name, path, out.lang, command)
-
     with _warnings(FontWarning):
-        text = [Work.one(lambda: text_of(value, out, more.first))] if shown else []
-        made = done(*text, *map(work, forms))
-        if shown:
+        if not (out.quiet or out.piped):
+            text = text_of(value, out, more.first)
             with while_read():
-                hand_over(next(made))
-        for name, path, _ in places:
-            if name not in more.recordings:
-                put(path, next(made), force=out.force)
-            else:
+                hand_over(text)
+        for name, path, part in places:
+            if name in more.recordings:
                 from allanite.readers import write as write_recording
 
                 write_recording(more.recordings[name](value), path, force=out.force)
+            else:
+                made = more.data[name](part) if name in more.data else rendered(part, name, path, out.lang, command)
+                put(path, made, force=out.force)
             if path != STDOUT and not out.quiet:
                 with while_read():
                     (complain if out.piped else show)(f"{name}: {path}")

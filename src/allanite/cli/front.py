@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -23,9 +23,6 @@ from allanite.plugins import PluginWarning
 from .options import demand_filled
 from .signals import ended, ended_by
 from .streams import begin, complain, lost, while_read
-
-if TYPE_CHECKING:
-    from .tasks import VerbTask
 
 DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
 BLAS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -59,7 +56,7 @@ class Verb:
     group: str  # the heading of the help that it stands below: one of the others', or a new one
     # the command; or module in `allanite.cli` and name of it, imported when it is requested
     command: str | click.Command
-    task: "str | VerbTask" = ""  # likewise what the page runs; empty if it does not
+    task: Any = ""  # likewise the `VerbTask` that the page runs; empty if it does not
     synonyms: tuple[str, ...] = ()  # other names by which it is asked for; they are suggested, not taken
 
     def imported(self, part: str = "command") -> Any:

@@ -48,24 +48,6 @@ class VerbTask:
         return getattr(import_module(f"allanite.{module}"), name) if name else None
 
 
-def jobs() -> list[str]:
-    """The verbs that the page can run."""
-    from . import VERBS
-
-    return [name for name, verb in VERBS.items() if verb.task]
-
-
-def task_of(verb: str) -> VerbTask:
-    """The task of a verb."""
-    from allanite.core.names import demand_name
-
-    from . import VERBS
-
-    demand_name("job", verb, jobs())
-    task: VerbTask = VERBS[verb].imported("task")
-    return task
-
-
 def perform(task: VerbTask, files: Sequence[str], choices: dict[str, Any]) -> Any:
     """Do a task with the options given, and deliver the result."""
     out = outputs(choices, [*files, choices["recipe"]])

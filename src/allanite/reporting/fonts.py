@@ -13,6 +13,9 @@ from .language import ENGLISH
 OWN = "DejaVu Sans"
 """The font that comes with matplotlib; it has Latin, Greek and Cyrillic letters."""
 
+ON_PAGE = "'DejaVu Sans',Verdana,sans-serif"
+"""The fonts of a page; Verdana has the same widths."""
+
 FURTHER: dict[str, dict[str, str]] = {
     "zh": {
         "Noto Sans CJK SC": "noto *sans *cjk|noto *sans *sc",

@@ -10,8 +10,7 @@ from allanite.phrases.phrase import join, say
 
 from .digits import printable
 from .language import tr
-from .matplotlib_svg import Picture
-from .sheet import Card, Drawing, Face, Fold, Part, Table, on_page
+from .sheet import Card, Drawing, Face, Fold, Part, Picture, Table, on_page
 from .text import text_of, wrapped
 from .words import capital
 

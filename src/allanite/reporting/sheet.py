@@ -12,7 +12,6 @@ from allanite.phrases.phrase import join, say
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from .matplotlib_svg import Picture
     from .sketch.chart import Chart
 
 Kind = Literal["name", "symbol", "number", "interval", "unit", "text", "status", "formula"]
@@ -93,10 +92,19 @@ class Plot(Protocol):
 
 
 @dataclass(frozen=True)
+class Picture:
+    """A figure as SVG, before the page around it is known: `wide` points; the same for narrow screens."""
+
+    text: str
+    wide: float
+    narrow: "Picture | None" = None
+
+
+@dataclass(frozen=True)
 class Drawing:
     """A figure that is drawn only where it is shown."""
 
-    draw: "Callable[[], Plot | Picture]"
+    draw: Callable[[], Plot | Picture]
     label: str
     caption: str = ""
     title: str = ""
@@ -158,15 +166,6 @@ def on_page(parts: "Iterable[Part]") -> "Iterator[Part]":
             yield part
     if box is not None:
         yield box
-
-
-def drawings(parts: "Iterable[Part]") -> Iterator[Drawing]:
-    """The figures of a page, also those that are folded away."""
-    for part in on_page(parts):
-        if isinstance(part, Drawing):
-            yield part
-        elif isinstance(part, Fold):
-            yield from drawings(part.parts)
 
 
 @dataclass(frozen=True)

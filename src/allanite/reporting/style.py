@@ -21,7 +21,7 @@ from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from allanite.core.errors import UsageError
-from allanite.core.files import demand_writable, write
+from allanite.core.files import PathLike, demand_writable, write
 from allanite.terms import TERMS
 
 from . import fonts
@@ -29,8 +29,6 @@ from .digits import printable
 from .language import spoken, tr
 from .sketch.chart import Chart, Look
 from .sketch.marks import line_of
-
-PathLike = str | os.PathLike[str]
 
 SERIES = ("#2E5C94", "#C1272D", "#008F6B", "#B97700", "#AA4499", "#444B54")
 """Colors of curves in one panel, in this order; their order of brightness differs too."""

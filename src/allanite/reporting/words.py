@@ -11,6 +11,7 @@ from allanite.core.kinds import KIND_WORDS, title_of
 from allanite.core.model import coefficient_factor
 from allanite.core.plain import Header
 from allanite.core.record import Record
+from allanite.core.units import unit_of
 from allanite.core.validity import UNEXPLAINED, graded
 from allanite.identification.methods import METHODS
 from allanite.phrases.phrase import Catalogue, Phrase, join, say, say_count
@@ -21,6 +22,8 @@ from allanite.terms import TERMS
 from .digits import Digits, digits, printed_unit
 
 title = title_of
+
+ARCSEC = unit_of("arcsec").factor
 
 
 def grade(fit: Fit) -> str:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from allanite.cli.tasks import jobs
+from allanite.cli import jobs
 from allanite.core.choices import choices_of
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError

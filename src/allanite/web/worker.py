@@ -26,9 +26,8 @@ from allanite.study.parts import in_parts
 from allanite.study.recipe import READING, Recipe
 
 from . import faces, trace
-from .requests import Request, problem_of
+from .requests import PROBLEM, Request, problem_of
 from .store import overfull
-from .workers import PROBLEM
 
 KEPT = 2
 """Recordings that stay in memory."""

@@ -11,11 +11,10 @@ from allanite.core.errors import DataError
 from allanite.parallel.processes import EndedError, Process, Tell, ready_context
 from allanite.phrases.phrase import spelled
 
+from .requests import PROBLEM
+
 MOST = 4
 """Processes at once, unless more are busy."""
-
-PROBLEM = "problem"
-"""Kind of the message that a request was refused."""
 
 Result = TypeVar("Result")
 

@@ -16,7 +16,7 @@ from tests.rows import rows
 import allanite as al
 from allanite.reporting import style
 from allanite.reporting.figures.drawing import draw_titles
-from allanite.reporting.html import drawn
+from allanite.reporting.matplotlib_svg import drawn
 from allanite.reporting.sheet import Drawing, Fold
 from allanite.reporting.sketch.axis import Side, Unsketched, plain
 from allanite.reporting.sketch.chart import Chart, Look

@@ -12,13 +12,9 @@ from allanite.applications.angle import Gimbals, Harmonics, Scan, Solution
 from allanite.applications.angle.calibration import Result, parts_of
 from allanite.applications.angle.harmonics import waves
 from allanite.applications.angle.solve import quantile
-from allanite.core.units import unit_of
 from allanite.phrases.phrase import say
 from allanite.reporting import style
-from allanite.reporting.words import percent
-
-ARCSEC = unit_of("arcsec").factor
-
+from allanite.reporting.words import ARCSEC, percent
 
 PALETTE = ("#0072B2", "#C1272D", "#008F6B", "#AA4499", "#B97700", "#555B63", "#56B4E9", "#7F5539")
 

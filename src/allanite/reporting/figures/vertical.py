@@ -15,10 +15,10 @@ from allanite.applications.attitude.scenarios import ScenarioErrors
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.reporting import style
+from allanite.reporting.words import ARCSEC
 
 from .drawing import color_of
 
-ARCSEC = math.pi / 648_000
 MOST_POINTS = 4000
 """Points of a line over time."""
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.units import RAISED
+from allanite.reporting.fonts import ON_PAGE
 from allanite.reporting.language import tr
 
 from .axis import Unsketched
@@ -59,9 +60,6 @@ def _font(bold: bool) -> Any:
 if hasattr(os, "register_at_fork"):  # processes that share an open file move each other's place in it
     os.register_at_fork(after_in_child=_font.cache_clear)
 
-
-FONT = "'DejaVu Sans',Verdana,sans-serif"
-"""Verdana has the same widths."""
 
 FAR = 20_000.0
 """Points beyond which a coordinate is not drawn any farther: browsers count in single precision."""
@@ -162,7 +160,7 @@ def words(  # noqa: PLR0913 - each has a default, and is a property of its own
     _, height = size_of(lines, size, spacing=spacing)
     above = {"baseline": -ABOVE * size, "top": 0.0, "center": -height / 2, "bottom": -height}[va] + ABOVE * size
     look = style(
-        font=f"{'bold ' if bold else ''}{size:g}px {FONT}",
+        font=f"{'bold ' if bold else ''}{size:g}px {ON_PAGE}",
         text_anchor=ANCHORS[ha] if ha != "left" else None,
         fill=hexadecimal(color),
     )

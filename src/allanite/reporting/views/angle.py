@@ -14,15 +14,15 @@ from allanite.applications.angle.harmonics import NUISANCES
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.syntax import toml
-from allanite.core.units import convert, unit_of
+from allanite.core.units import convert
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Plot, Sheet, Table, header_of
+from allanite.reporting.words import ARCSEC
 
 from . import view, view_of
 
-ARCSEC = unit_of("arcsec").factor
 BRAND = say("harmonic errors of angle sensors")
 
 ENCODER = {

@@ -8,8 +8,8 @@ from pathlib import Path
 from allanite.papers.paper import AGREES, DIFFERS, DRAWN, VERDICTS, Compared, Reproduction
 from allanite.phrases.phrase import Phrase, say, say_count
 from allanite.reporting.first import DETAILS, First
-from allanite.reporting.matplotlib_svg import Picture, stored
-from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Table, one_sheet
+from allanite.reporting.matplotlib_svg import stored
+from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Picture, Table, one_sheet
 
 from . import Rows, view
 

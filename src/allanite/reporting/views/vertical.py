@@ -16,12 +16,11 @@ from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of, one_sheet
+from allanite.reporting.words import ARCSEC
 from allanite.study.job import provenance_of
 
 from . import Rows, view
 from .jobs import channel_sheet, job_face, source_of
-
-ARCSEC = math.pi / 648_000
 
 BRAND = say("roll and pitch from gyros and accelerometers")
 KEY = say(
