@@ -107,8 +107,8 @@ def outputs(choices: dict[str, Any], inputs: Sequence[str | None], *, also: Sequ
     """Take the output options out of `choices`, and refuse before any work what could not be written afterwards."""
     named = ((name, choices.pop(name, None)) for name in ("report", "plot", *PRINTED, *also))
     paths = {name: path for name, path in named if path is not None}
-    found = Outputs(paths, **{name: choices.pop(name) for name in (*FLAGS, "threads") if name in choices})
-    catalogue(found.lang)  # an unknown language is refused now
+    out = Outputs(paths, **{name: choices.pop(name) for name in (*FLAGS, "threads") if name in choices})
+    catalogue(out.lang)  # an unknown language is refused now
     if list(paths.values()).count(STDOUT) > 1:
         raise UsageError("only one result can be written to standard output; give a file for the other one")
     taken = {os.path.realpath(path): "the input" for path in inputs if path is not None}
@@ -122,12 +122,12 @@ def outputs(choices: dict[str, Any], inputs: Sequence[str | None], *, also: Sequ
         if name == "plot":
             from allanite.reporting.style import demand_figure_path
 
-            demand_figure_path(path, force=found.force)
+            demand_figure_path(path, force=out.force)
         elif name == "report" and os.path.splitext(path)[1].lower() not in ("", ".html", ".htm", ".pdf"):
             raise UsageError(f"a report is written as .html or .pdf, by its suffix, not as {path!r}")
         else:
-            demand_writable(path, force=found.force)
-    return found
+            demand_writable(path, force=out.force)
+    return out
 
 
 def demand_recording(path: str | None) -> None:
@@ -165,13 +165,13 @@ def carry_out(job: Callable[[Progress], Any], out: Outputs, extra: "Extra | None
     drawn = {"report", "plot"} & out.paths.keys()
     with processes(out.threads), importing(FIGURES if drawn else ()):
         with progress(out) as tell:
-            found = job(tell)
-        deliver(found, out, extra)
-    if out.strict and found.rejected:
-        names = ", ".join(name or "the record" for name in found.rejected)
+            result = job(tell)
+        deliver(result, out, extra)
+    if out.strict and result.rejected:
+        names = ", ".join(name or "the record" for name in result.rejected)
         complain(f"not explained, or without a result: {names}")
         raise click.exceptions.Exit(DATA)
-    return found
+    return result
 
 
 @contextmanager
@@ -203,10 +203,7 @@ class Extra:
 
 
 def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
-    """Print a result, unless --quiet is given or standard output is taken, and write the requested files.
-
-    The files are written even if nobody reads standard output to its end.
-    """
+    """Print a result, unless --quiet is given or standard output is taken, and write the requested files."""
     more, context = extra or Extra(), click.get_current_context(silent=True)
     command = "" if context is None else context.meta.get(LINE, "")
     places = [(name, *place) for name, path in out.paths.items() for place in _places(value, path)]

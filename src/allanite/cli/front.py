@@ -61,10 +61,10 @@ class Verb:
 
     def imported(self, part: str = "command") -> Any:
         """The command, or the task."""
-        found = getattr(self, part)
-        if not isinstance(found, str):
-            return found
-        module, _, name = found.partition(".")
+        row = getattr(self, part)
+        if not isinstance(row, str):
+            return row
+        module, _, name = row.partition(".")
         return getattr(import_module(f"allanite.cli.{module}"), name)
 
 

@@ -33,12 +33,12 @@ def _quantities(text: str, option: str, example: str, *, defaults: tuple[float, 
     from allanite.core.errors import UsageError
     from allanite.core.syntax import split_quantities
 
-    found = split_quantities(text.split())
-    missing = len(split_quantities(example.split())) - len(found)
+    quantities = split_quantities(text.split())
+    missing = len(split_quantities(example.split())) - len(quantities)
     if not 0 <= missing <= len(defaults):
         raise UsageError(f"--{option} has the form {example!r}, not {text!r}")
-    found += [(value, "") for value in defaults[len(defaults) - missing :]]
-    return [(value / 100, "") if unit == "%" else (value, unit) for value, unit in found]
+    quantities += [(value, "") for value in defaults[len(defaults) - missing :]]
+    return [(value / 100, "") if unit == "%" else (value, unit) for value, unit in quantities]
 
 
 def turning_rate(text: str | None) -> float:
@@ -107,10 +107,10 @@ def _quantizer(text: str) -> tuple[str, float, str]:
     from allanite.core.syntax import split_quantities
 
     what, *rest = text.split() or [""]
-    found = split_quantities(rest) if what in ("rate", "angle") else []
-    if len(found) != 1 or not found[0][1]:
+    quantities = split_quantities(rest) if what in ("rate", "angle") else []
+    if len(quantities) != 1 or not quantities[0][1]:
         raise UsageError(f"--quantize has the form 'rate 0.01 deg/s' or 'angle 0.2 arcsec', not {text!r}")
-    return what, *found[0]
+    return what, *quantities[0]
 
 
 def quantizer_unit(text: str | None) -> str | None:

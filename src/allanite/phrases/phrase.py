@@ -46,10 +46,10 @@ class Phrase(str):
         return _filled(self._template(catalogue), fields)
 
     def _template(self, catalogue: Catalogue) -> str:
-        one, many = self.templates[0], self.templates[-1]
-        if not one:  # of nothing, a catalogue tells its own header
-            return one
-        return catalogue.gettext(one) if one is many else catalogue.ngettext(one, many, int(self.fields["count"]))
+        first, last = self.templates[0], self.templates[-1]
+        if not first:  # of nothing, a catalogue tells its own header
+            return first
+        return catalogue.gettext(first) if first is last else catalogue.ngettext(first, last, int(self.fields["count"]))
 
 
 PLAIN = 1e7

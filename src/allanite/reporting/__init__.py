@@ -165,10 +165,7 @@ def first_screen(
     brief: bool = False,
     first: "First | None" = None,
 ) -> str:
-    """The answer on a first screen, or with `brief` on a line for each channel; with `ascii` without signs.
-
-    `first` is used in place of what the view makes of the result.
-    """
+    """The answer, or with `brief` a line for each channel; `first` is shown in place of what the view makes."""
     from .first import condensed
     from .language import speaking
     from .screen import render, render_brief
@@ -212,10 +209,7 @@ def numbers(value: Any, *, level: float | None = None, coefficients: bool = Fals
 
 
 def to_csv(value: Any, *, level: float | None = None, coefficients: bool = False) -> str:
-    """The numbers of a result as CSV, unrounded; of a study its curves, or its coefficients and readings.
-
-    A name that a spreadsheet would compute (``=1+1``) has an apostrophe before it, as spreadsheets write text.
-    """
+    """The numbers of a result as CSV, unrounded; of a study its curves, or its coefficients and readings."""
     import csv
     import io
 

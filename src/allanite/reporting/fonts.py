@@ -55,8 +55,8 @@ def further(lang: str) -> str:
         for path in sorted(findSystemFonts()):
             if re.search("|".join(wanted.values()), Path(path).stem, re.IGNORECASE):
                 fontManager.addfont(path)
-    there = {font.name for font in fontManager.ttflist}
-    return next((name for name in wanted if name in there), "")
+    installed = {font.name for font in fontManager.ttflist}
+    return next((name for name in wanted if name in installed), "")
 
 
 def missing(lang: str) -> str:

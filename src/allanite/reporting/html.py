@@ -46,10 +46,7 @@ def fragment(face: Face, figure: "Figure | None" = None) -> str:
 
 
 def pieces(face: Face) -> tuple[str, list[str]]:
-    """What a face has besides its sheets, and each of its sheets, without figures and styles.
-
-    The color of a term is an attribute ``data-color``, for pages that allow no style in their text.
-    """
+    """What a face has besides its sheets, and each of these, without figures; colors of terms as ``data-color``."""
     template = _environment().get_template("sheet.html.j2")
     rest = template.render(one=None, items=(*face.parts, *face.close))
     made = [rest, *(template.render(one=sheet, items=()) for sheet in face.sheets)]

@@ -13,10 +13,7 @@ PATIENCE = 1.0
 
 @contextmanager
 def bar(shown: bool) -> Iterator[Callable[[str, float], None]]:
-    """Give a function to be called with the current step and the completed fraction.
-
-    Forks of this process have no bar, and must not wait for a lock that its thread held: in them it does nothing.
-    """
+    """Give a function to be called with the current step and the completed fraction; in forks it does nothing."""
     if not shown:
         yield lambda what, fraction: None
         return
@@ -31,7 +28,7 @@ def bar(shown: bool) -> Iterator[Callable[[str, float], None]]:
     own = os.getpid()
 
     def tell(what: str, fraction: float) -> None:
-        if os.getpid() == own:
+        if os.getpid() == own:  # a fork must not wait for a lock that the bar's thread held
             progress.update(task, description=escape(printable(what)), completed=fraction)
 
     timer = threading.Timer(PATIENCE, progress.start)

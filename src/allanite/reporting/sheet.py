@@ -69,16 +69,13 @@ class Table:
 
 @dataclass(frozen=True)
 class Note:
-    """A sentence, with `points` below it, a line each.
-
-    By an "alert" a number is wrong or missing, a "warning" affects the numbers, a "remark" does not; "good" is
-    reassuring, "fair" less so, "quiet" is small print. On a page warnings and remarks are points of the note before.
-    """
+    """A sentence, with `points` below it, a line each."""
 
     text: str
+    # by an alert a number is wrong or missing, a warning affects the numbers, a remark does not; quiet is small print
     level: Literal["alert", "warning", "remark", "good", "fair", "note", "strong", "quiet"] = "note"
     where: Where = ""
-    points: Sequence[str] = ()
+    points: Sequence[str] = ()  # on a page also the warnings and remarks that follow
 
 
 class Plot(Protocol):
@@ -180,19 +177,16 @@ class Card:
 
 @dataclass(frozen=True)
 class Sheet:
-    """The results of one channel.
-
-    `verdicts` stand at the top of the page, with the name before them; `doubt` marks them there, `fair` less so.
-    A sheet with a `card` has that at the top instead.
-    """
+    """The results of one channel."""
 
     name: str
     about: Sequence[str] = ()
     parts: Sequence[Part] = ()
-    verdicts: Sequence[str] = ()
+    verdicts: Sequence[str] = ()  # at the top of the page, with the name before them
+    # how verdicts are marked
     doubt: bool = False
     fair: bool = False
-    card: Card | None = None
+    card: Card | None = None  # in place of the verdicts
 
 
 @dataclass(frozen=True)

@@ -165,8 +165,8 @@ def _table(table: Table, width: int) -> Iterator[RenderableType]:
             grid.add_row(*cells, style=STYLES[mark])
         yield Padding(grid, (0, 0, 0, 2))
     if len(kept) < len(table.rows):
-        left = say("{shown} of {total} rows; --csv writes all", shown=len(kept), total=len(table.rows))
-        yield Text(f"  {_plain(left)}", style="dim")
+        omitted = say("{shown} of {total} rows; --csv writes all", shown=len(kept), total=len(table.rows))
+        yield Text(f"  {_plain(omitted)}", style="dim")
 
 
 def _blocks(table: Table, width: int) -> list[list[int]]:

@@ -111,8 +111,8 @@ def check_statistic(row: Statistic) -> None:
     x = np.concatenate(([0.0], np.cumsum(np.random.default_rng(1).standard_normal(SIZE))))
     sums = row.sums(x, m)
     line = np.arange(SIZE + 1.0) ** (row.order - 1)
-    left = np.abs(row.sums(line, m)) / (np.abs(line).max() ** 2 * row.count(SIZE, m))
-    assert np.all(left < 1e-12), f"{about} order is {row.order}, but t^{row.order - 1} is not left out"
+    rest = np.abs(row.sums(line, m)) / (np.abs(line).max() ** 2 * row.count(SIZE, m))
+    assert np.all(rest < 1e-12), f"{about} order is {row.order}, but t^{row.order - 1} is not left out"
     if row.window is not None and row.span[0] and not row.extreme:
         for factor, total in zip(m.tolist(), sums, strict=True):
             of_windows = _by_windows(row, x, factor)
@@ -196,11 +196,11 @@ def _check_way_back(target: Target, about: str) -> None:
         made = export(models, target.name, rate=RATE)
         path = Path(folder, f"file{made.suffix}")
         made.write(path)
-        found = read_noise(path, target.name, rate=RATE)
+        noise = read_noise(path, target.name, rate=RATE)
     for sensor, sizes in COEFFICIENTS.items():
         fields = {field.term for field in target.fields if field.sensor == sensor}
         written = {symbol: size for symbol, size in zip("NK", sizes, strict=True) if symbol in fields}
-        model = getattr(found, sensor) or ()
+        model = getattr(noise, sensor) or ()
         values = {term.symbol: term.value for term in model}
         same = values.keys() == written.keys()
         same = same and all(math.isclose(values[symbol], size, rel_tol=1e-12) for symbol, size in written.items())

@@ -92,10 +92,10 @@ class Jobs:
     def job(self, name: str) -> State:
         """A job by its id."""
         state = self.store.state(known(name.partition("-")[0]))
-        found: State | None = state["jobs"].get(name)
-        if found is None:
+        job: State | None = state["jobs"].get(name)
+        if job is None:
             raise MissingError(f"there is no job {name!r} in this workspace; run it again")
-        return found
+        return job
 
     def cancel(self, name: str) -> None:
         """End a job; of a stream that is watched, the results so far are computed first."""
@@ -179,17 +179,17 @@ class Jobs:
             while not self.ready.wait(WAITING) and not ended():  # two processes that compile the same take longer
                 if self.preparing:
                     tell("progress", self.preparing)
-            found = worker.ask("run", self._arguments(job), tell, ended)
+            answer = worker.ask("run", self._arguments(job), tell, ended)
             value, shown = self._paths(job["id"])
-            write(value, found["json"].encode("utf-8", "replace"), force=True)
-            write(shown, json.dumps(found["faces"] | {"exit": found["exit"]}).encode(), force=True)
+            write(value, answer["json"].encode("utf-8", "replace"), force=True)
+            write(shown, json.dumps(answer["faces"] | {"exit": answer["exit"]}).encode(), force=True)
         except ProblemError as problem:
             self._fail(job, live, problem.data)
         except Exception as error:
             self._fail(job, live, problem_of(error))
         else:
             self._set(job, "done")
-            live.tell("done", {"exit": found["exit"]})
+            live.tell("done", {"exit": answer["exit"]})
 
     def _fail(self, job: State, live: Live, problem: dict[str, Any]) -> None:
         if problem["error"] != "cancelled":  # what the end of the server has cancelled begins once more

@@ -151,7 +151,7 @@ def workspace(name: str) -> Any:
 
     def own(state: Any) -> Any:
         ids = [*state["files"].items(), *state["jobs"].items()]
-        if state["id"] != name or any(key != one["id"] or not key.startswith(f"{name}-") for key, one in ids):
+        if state["id"] != name or any(key != row["id"] or not key.startswith(f"{name}-") for key, row in ids):
             raise ValueError(f"it has ids of another workspace than {name}")
         return state
 
@@ -161,10 +161,10 @@ def workspace(name: str) -> Any:
 def plain(data: bytes, deepest: int = DEEPEST) -> Any:
     """JSON that can be written and read again."""
     try:
-        found = from_json(data, allow_inf_nan=False)
+        value = from_json(data, allow_inf_nan=False)
     except ValueError as error:
         raise UsageError(f"this is not JSON: {error}") from None
-    layer, deep = [found], 0
+    layer, deep = [value], 0
     while layer:
         if any(isinstance(v, (int, float)) and abs(v) > sys.float_info.max for v in layer):
             raise UsageError(f"a number is larger than {sys.float_info.max:.3g}")
@@ -173,7 +173,7 @@ def plain(data: bytes, deepest: int = DEEPEST) -> Any:
             raise UsageError(f"lists and objects are nested more than {deepest} deep")
         parts = (v.values() if isinstance(v, dict) else v for v in layer if isinstance(v, (dict, list)))
         layer = [v for part in parts for v in part]
-    return found
+    return value
 
 
 def fitting(schema: Any, data: bytes, deepest: int = DEEPEST) -> Any:
@@ -186,7 +186,7 @@ def fitting(schema: Any, data: bytes, deepest: int = DEEPEST) -> Any:
 
 def faults(error: Any) -> str:
     """What does not fit, of the validation of a request or of a file."""
-    return "; ".join(f"{'.'.join(map(str, one['loc'])) or 'the request'}: {one['msg']}" for one in error.errors())
+    return "; ".join(f"{'.'.join(map(str, fault['loc'])) or 'the request'}: {fault['msg']}" for fault in error.errors())
 
 
 def log(words: str) -> None:

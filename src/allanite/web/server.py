@@ -188,22 +188,22 @@ def _asked(address: dict[str, Any], path: str, body: dict[str, str]) -> Any:
     headers = {"Origin": f"http://{host}", "Authorization": f"Bearer {address['secret']}"}
     connection.request("POST", f"/api/{path}", json.dumps(body), headers)
     answer = connection.getresponse()
-    found = json.loads(answer.read())
+    data = json.loads(answer.read())
     if answer.status >= 400:
-        raise UsageError(found["error"])
-    return found
+        raise UsageError(data["error"])
+    return data
 
 
 def listen(port: int) -> socket.socket:
     """A socket at a port of this machine."""
-    found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     if sys.platform != "win32":
-        found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        found.bind((HOST, port))
-        found.listen(AT_ONCE)
+        listener.bind((HOST, port))
+        listener.listen(AT_ONCE)
     except OSError as error:
-        found.close()
+        listener.close()
         words = f"{port} cannot be used ({error.strerror}); give another, or 0 for any that is free"
         raise UsageError(f"{spelled('--port', 'port')} {words}") from None
-    return found
+    return listener

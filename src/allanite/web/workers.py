@@ -99,9 +99,9 @@ class Workers:
                 self.lanes[lane] = Worker()
             worker = self.lanes[lane]
             worker.waiting += 1
-            found = worker.turns.submit(copy_context().run, work, worker)
-        found.add_done_callback(lambda _: self._done(worker))
-        return found
+            future = worker.turns.submit(copy_context().run, work, worker)
+        future.add_done_callback(lambda _: self._done(worker))
+        return future
 
     def _done(self, worker: Worker) -> None:
         with self.lock:

@@ -16,7 +16,7 @@ from allanite.core.fit import Fit, Goodness
 from allanite.core.readings import Reading, Readings
 from allanite.core.units import convert, signal_named
 from allanite.core.validity import LowPass, Scope
-from allanite.interpretation.device import REFERENCES, SCALES
+from allanite.interpretation.device import GRADES, REFERENCES, bounds_of, grade_of
 from allanite.interpretation.sentences import least, meaning, sentences, spans
 
 GYRO = signal_named("gyro")
@@ -95,15 +95,13 @@ def test_an_unknown_device_is_refused_before_anything_is_read(name):
 
 
 def test_grades_follow_each_other():
-    for scale in SCALES:
-        bounds = [grade.below for grade in scale.grades]
-        assert bounds == sorted(bounds)
-        assert math.isinf(bounds[-1])
-        assert scale.source
-        for i, grade in enumerate(scale.grades[:-1]):
-            assert scale.of(grade.below * 0.999, scale.unit) is grade
-            assert scale.of(grade.below, scale.unit) is scale.grades[i + 1]
-            assert f"{grade.below:g}" in scale.words(grade)
+    names, bounds = [*GRADES], [*GRADES.values()]
+    assert bounds == sorted(bounds)
+    assert math.isinf(bounds[-1])
+    for i, below in enumerate(bounds[:-1]):
+        assert [grade_of(below * 0.999), grade_of(below)] == names[i : i + 2]
+        assert f"{below:g}" in bounds_of(names[i])
+    assert grade_of(1.2) == "Tactical grade"
 
 
 def test_crossings_are_those_of_the_formulas():

@@ -124,10 +124,7 @@ COLUMN = 5.4
 
 
 def stacked(new_figure: style.NewFigure, lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
-    """A figure of columns with so many panels; those of a column share the abscissa, and its labels stand below it.
-
-    Columns that have no room side by side stand below each other.
-    """
+    """A figure of columns with so many panels, which share the abscissa; below each other where there is no room."""
     count, rows = len(lengths), max(lengths)
     if count > 1 and COLUMN * count > new_figure.room:
         figure = new_figure(COLUMN, 0.6 + 3.6 * sum(lengths))
@@ -161,12 +158,8 @@ NAME, GRADE = 9.5, 8.5
 
 
 def draw_titles(ax: Axes, parts: Iterable[str], fit: Fit | None, *, before: str = "", room: float = 0.0) -> None:
-    """Say above a panel what it shows, and at the right how well the model explains that.
-
-    `parts` are in one line if they have room beside the grade, else in lines of their own, above it if need be; `room`
-    is the width of the panel in points, by default about that of an equal share of the figure.
-    """
-    said = join("; ", filter(None, (before, words.grade(fit) if fit is not None else "")))
+    """Above a panel what it shows, in a line or in several, and how well the model explains it; `room` is in points."""
+    grade = join("; ", filter(None, (before, words.grade(fit) if fit is not None else "")))
     known = [printable(part) for part in parts if part]
     room = room or _inside(ax)[0]
     lines = []
@@ -174,12 +167,12 @@ def draw_titles(ax: Axes, parts: Iterable[str], fit: Fit | None, *, before: str 
         long = _long(part)
         lines += [part] if long <= room else textwrap.wrap(part, max(1, int(len(part) * room / long)))
     lines = lines or [""]
-    beside = room - GRADE * wide(tr(said)) - GRADE
+    beside = room - GRADE * wide(tr(grade)) - GRADE
     layouts = (["   ".join(known)], lines)
     fitting = (layout for layout in layouts if _long(layout[-1]) <= beside)
     name = "\n".join(next(fitting, [*lines, " "]))
     ax.set_title(name, loc="left", fontweight="bold", fontsize=NAME, parse_math=False)
-    ax.set_title(said, loc="right", color=GRADES["" if fit is None else fit.validity], fontsize=GRADE)
+    ax.set_title(grade, loc="right", color=GRADES["" if fit is None else fit.validity], fontsize=GRADE)
 
 
 def _long(text: str) -> float:
@@ -188,9 +181,9 @@ def _long(text: str) -> float:
 
 def shade(ax: Axes, spans: Iterable[tuple[float, float]], why: str) -> None:
     """Shade parts of the abscissa where the terms alone do not make the curve, and say `why`."""
-    left, right = ax.get_xlim()
+    start, end = ax.get_xlim()
     for low, high in spans:
-        a, b = max(low, left), min(high, right)
+        a, b = max(low, start), min(high, end)
         if a < b:
             ax.axvspan(a, b, color=style.SHADE, lw=0, zorder=0.5, label=why)
 

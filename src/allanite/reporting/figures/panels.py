@@ -26,20 +26,16 @@ ZEROS = 1000.0
 
 
 class CurvePanel(NamedTuple):
-    """A curve and what explains it.
-
-    `readings` have its minimum, `facts` are its file, rate and length, `wanted` are units asked for. A curve
-    that is the expectation of a `model` has no fit: its terms are those of the model. `brief` labels have no intervals.
-    """
+    """A curve and what explains it."""
 
     name: str
     curve: Curve
     fit: Fit | None
-    readings: Readings | None = None
-    facts: str = ""
-    wanted: Sequence[str] = ()
-    model: Model | None = None
-    brief: bool = False
+    readings: Readings | None = None  # with its minimum
+    facts: str = ""  # its file, rate and length
+    wanted: Sequence[str] = ()  # units that were asked for
+    model: Model | None = None  # whose expectation the curve is: it has no fit then
+    brief: bool = False  # whether labels have no intervals
 
     @property
     def drawn(self) -> Model | None:
@@ -127,10 +123,10 @@ def span(panel: CurvePanel) -> tuple[tuple[float, float], tuple[float, float]]:
 
 def panels_of(value: Any, fit: Fit | None = None, *, demand: bool = True) -> list[CurvePanel]:
     """What is drawn of a Curve, Fit, Channel or Study, or of a sequence of them."""
-    found = _panels(value, fit)
-    if demand and not found:
+    panels = _panels(value, fit)
+    if demand and not panels:
         raise UndrawnError("there is no curve to draw; give a Curve, a Study, or a Fit that carries its curve")
-    return found
+    return panels
 
 
 def _panels(value: Any, fit: Fit | None) -> list[CurvePanel]:

@@ -100,11 +100,11 @@ def plot_residuals(new_figure: style.NewFigure, residuals: Residuals) -> Figure:
     figure = new_figure(7.2, 6.0)
     halves: Any = figure.subfigures(2, 1, height_ratios=[1.3, 1.0])
     above, below = halves
-    said = residuals.statement
-    color = {EXPLAINED: style.INK, APPROXIMATE: style.FAIR, UNEXPLAINED: style.ALARM}[said.grade]
+    statement = residuals.statement
+    color = {EXPLAINED: style.INK, APPROXIMATE: style.FAIR, UNEXPLAINED: style.ALARM}[statement.grade]
     if residuals.goodness is not None:
         upper, lower = above.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
-        title = say("{grade}, goodness of fit {p}", grade=graded(said.grade), p=chance(residuals.goodness.p))
+        title = say("{grade}, goodness of fit {p}", grade=graded(statement.grade), p=chance(residuals.goodness.p))
         title = join("   ", filter(None, (printable(residuals.name), title)))
         draw_ratio(upper, residuals.goodness)
         draw_surprise(lower, residuals.goodness)

@@ -128,23 +128,17 @@ class PanelFrame:
             legend = key.svg(left, self.box.top + IN_CORNER / LEADING, self.panel.ink)
         return "".join(
             (
-                f'<clipPath id="c{number}"><rect{rectangle}/></clipPath>',
-                *self._grid(),
-                f'<g clip-path="url(#c{number})">',
-                *(mark.draw(place) for mark in marks),
-                "</g>",
-                *self._ticks(),
-                f"<rect{rectangle} {ink.stroke(self.edge, EDGE_WIDTH)}/>",
-                *self._names(),
-                legend,
+                f'<clipPath id="c{number}"><rect{rectangle}/></clipPath>', *self._grid(),
+                f'<g clip-path="url(#c{number})">', *(mark.draw(place) for mark in marks), "</g>", *self._ticks(),
+                f"<rect{rectangle} {ink.stroke(self.edge, EDGE_WIDTH)}/>", *self._names(), legend,
             )
-        )
+        )  # fmt: skip
 
     def _at(self, places: list[float], *, across: bool) -> list[float]:
         side = self.panel.xaxis if across else self.panel.yaxis
         share = side.share(np.array(places)) if places else np.empty(0)
-        found = self.box.left + self.box.width * share if across else self.box.top + self.box.height * (1 - share)
-        return [float(at) for at in found]
+        points = self.box.left + self.box.width * share if across else self.box.top + self.box.height * (1 - share)
+        return [float(at) for at in points]
 
     def _grid(self) -> Iterator[str]:
         left, top, width, height = (ink.number(value) for value in self.box)

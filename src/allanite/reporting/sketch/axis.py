@@ -133,10 +133,10 @@ class Side:
         if self.limits:
             return self.limits
         known = np.concatenate([np.empty(0), *self.known, np.array(self._fixed or [])])
-        seen = known[(np.abs(known) < LARGEST) & ((known > 1 / LARGEST) | (self.scale == "linear"))]
-        if not seen.size:
+        inside = known[(np.abs(known) < LARGEST) & ((known > 1 / LARGEST) | (self.scale == "linear"))]
+        if not inside.size:
             return (1.0, 10.0) if self.scale == "log" else (0.0, 1.0)
-        low, high = float(self.place(seen.min())), float(self.place(seen.max()))
+        low, high = float(self.place(inside.min())), float(self.place(inside.max()))
         room = MARGIN * (high - low)
         if not room:
             room = 0.5 if self.scale == "log" else abs(low) * MARGIN or MARGIN

@@ -140,13 +140,13 @@ class Chart:
                 panel.figure = self
                 panel.labelled = not sharex or i == rows - 1
         self.ratios = (list(width_ratios or [1.0] * columns), list(height_ratios or [1.0] * rows))
-        found = np.empty((rows, columns), dtype=object)
+        panels = np.empty((rows, columns), dtype=object)
         for i, row in enumerate(self.grid):
             for j, panel in enumerate(row):
-                found[i, j] = panel
+                panels[i, j] = panel
         if not squeeze:
-            return found
-        return found.item() if found.size == 1 else found.squeeze()
+            return panels
+        return panels.item() if panels.size == 1 else panels.squeeze()
 
     def legend(
         self, handles: Sequence[Mark], labels: Sequence[str], *, loc: str, ncols: int, columnspacing: float

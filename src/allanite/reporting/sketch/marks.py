@@ -77,8 +77,8 @@ class Marker:
     def at(self, x: FloatArray, y: FloatArray) -> str:
         """At points of the page."""
         shape = SHAPES[self.shape](self.size / 2)
-        there = np.isfinite(x) & np.isfinite(y) & (np.abs(x) < ink.FAR) & (np.abs(y) < ink.FAR)
-        places = zip(x[there].tolist(), y[there].tolist(), strict=True)
+        visible = np.isfinite(x) & np.isfinite(y) & (np.abs(x) < ink.FAR) & (np.abs(y) < ink.FAR)
+        places = zip(x[visible].tolist(), y[visible].tolist(), strict=True)
         d = "".join(f"M{ink.number(a)} {ink.number(b)}{shape}" for a, b in places)
         edge = ink.hexadecimal(self.edge) if self.width else None
         inside = "none" if self.shape in BARE else ink.hexadecimal(self.inside)
@@ -146,8 +146,8 @@ class Area:
     def draw(self, place: Place) -> str:
         """See `Mark`."""
         (x, low), (_, high) = place(self.x, self.low, DATA), place(self.x, self.high, DATA)
-        there = np.isfinite(x) & np.isfinite(low) & np.isfinite(high)
-        edges = np.flatnonzero(np.diff(there, prepend=False, append=False)).reshape(-1, 2).tolist()
+        known = np.isfinite(x) & np.isfinite(low) & np.isfinite(high)
+        edges = np.flatnonzero(np.diff(known, prepend=False, append=False)).reshape(-1, 2).tolist()
         d = "".join(
             ink.path(np.r_[x[a:b], x[a:b][::-1]], np.r_[low[a:b], high[a:b][::-1]], closed=True) for a, b in edges
         )

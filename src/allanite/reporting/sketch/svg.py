@@ -83,10 +83,10 @@ def path(x: FloatArray, y: FloatArray, *, closed: bool = False) -> str:
     >>> path(np.array([0.0, 1.0, np.nan, 2.0, 3.0]), np.array([0.0, 1.5, 0.0, 2.0, 0.0]))
     'M0 0L1 1.5M2 2L3 0'
     """
-    there = np.isfinite(x) & np.isfinite(y)
+    finite = np.isfinite(x) & np.isfinite(y)
     x, y = (np.clip(np.round(values, 1), -FAR, FAR) + 0.0 for values in (x, y))
     parts, last = [], False
-    for known, at, level in zip(there.tolist(), x.tolist(), y.tolist(), strict=True):
+    for known, at, level in zip(finite.tolist(), x.tolist(), y.tolist(), strict=True):
         if known:
             parts.append(f"{'L' if last else 'M'}{at:g} {level:g}")
         last = known
@@ -110,12 +110,9 @@ def stroke(color: str, width: float, dash: Sequence[float] = (), opacity: float 
     """The style of a line; dashes are in widths of it."""
     dashes = ",".join(f"{width * part:.4g}" for part in dash) or None
     return style(
-        fill="none",
-        stroke=hexadecimal(color),
-        stroke_width=f"{width:.4g}",
-        stroke_dasharray=dashes,
+        fill="none", stroke=hexadecimal(color), stroke_width=f"{width:.4g}", stroke_dasharray=dashes,
         stroke_opacity=opacity,
-    )
+    )  # fmt: skip
 
 
 def fill(color: str, opacity: float | None = None) -> str:
@@ -130,8 +127,8 @@ def element(d: str, styled: str) -> str:
 
 def shown(text: str) -> list[str]:
     """Lines of a text as they are read, in the language that is spoken; powers of ten in raised digits."""
-    said = _POWER.sub(lambda found: f"{found[1]}10{found[2].translate(RAISED)}", str(tr(text)))
-    return said.splitlines()
+    raised = _POWER.sub(lambda found: f"{found[1]}10{found[2].translate(RAISED)}", str(tr(text)))
+    return raised.splitlines()
 
 
 def size_of(lines: Iterable[str], size: float, *, bold: bool = False, spacing: float = 1.2) -> tuple[float, float]:

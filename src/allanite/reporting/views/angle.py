@@ -79,16 +79,16 @@ def _verdict(result: Result, level: float, doubt: bool) -> str:
         for h, k in rows
         if h.found(k)
     ]  # fmt: skip
-    found = join(", ", amplitudes)
+    present = join(", ", amplitudes)
     absent = [say("{order} of {angle}", order=k, angle=h.name or say("the angle")) for h, k in rows if not h.found(k)]
-    if not found:
-        said = [say("No harmonic was found.")]
+    if not present:
+        sentences = [say("No harmonic was found.")]
     elif any(h.status(k) == "weak" for h, k in rows):
-        said = [say("Doubtful are {harmonics}.", harmonics=found)]
+        sentences = [say("Doubtful are {harmonics}.", harmonics=present)]
     else:
-        said = [say("Found are {harmonics}.", harmonics=found)]
-    said += [say("Not found: {harmonics}.", harmonics=join(", ", absent))] if absent and found else []
-    return join(" ", [*said, say("Read the warnings before using the numbers.")] if doubt else said)
+        sentences = [say("Found are {harmonics}.", harmonics=present)]
+    sentences += [say("Not found: {harmonics}.", harmonics=join(", ", absent))] if absent and present else []
+    return join(" ", [*sentences, say("Read the warnings before using the numbers.")] if doubt else sentences)
 
 
 def _compared(result: Result, solution: Solution, level: float) -> Iterator[Part]:
@@ -299,21 +299,15 @@ def _plan_sheet(plan: AnglePlan, title: str, compared: Scan | None = None) -> Sh
         prior = say("known before to {amplitudes:g} (amplitudes) and {rest:g}", amplitudes=known[0], rest=known[1])
     when = say(
         "from {start} after h = 0 for {length}, every {interval:g} s: h from {low:.2f} to {high:.2f} deg",
-        start=words.duration(plan.start),
-        length=words.duration(chosen.duration),
-        interval=chosen.interval,
-        low=low,
+        start=words.duration(plan.start), length=words.duration(chosen.duration), interval=chosen.interval, low=low,
         high=high,
-    )
+    )  # fmt: skip
     where = say(
         "latitude {latitude:.6g} deg, q by the {law} law, noise of one sample {sigma:g}; {prior}; condition "
         "{condition:.4g}",
-        latitude=math.degrees(chosen.latitude),
-        law=LAWS[chosen.q_law],
-        sigma=chosen.sigma,
-        prior=prior,
+        latitude=math.degrees(chosen.latitude), law=LAWS[chosen.q_law], sigma=chosen.sigma, prior=prior,
         condition=plan.condition,
-    )
+    )  # fmt: skip
     alerts = [Note(str(finding), "warning") for finding in plan.findings]
     total = say_count(
         plan.amplitudes,
@@ -379,12 +373,9 @@ def scan_view(scan: Scan, level: float) -> Face:
         "standard deviations of the {count} amplitude add up to {total:.3g}.",
         "The best window of {length} begins {start} after h = 0, h from {low:.1f} to {high:.1f} deg: the expected "
         "standard deviations of the {count} amplitudes add up to {total:.3g}.",
-        length=words.duration(best.settings.duration),
-        start=words.duration(best.start),
-        low=low,
-        high=high,
+        length=words.duration(best.settings.duration), start=words.duration(best.start), low=low, high=high,
         total=best.total,
-    )
+    )  # fmt: skip
     marks: list[Mark] = ["strong" if i == scan.totals.argmin() else "" for i in range(len(scan.starts))]
     parts: list[Part] = [
         Drawing(lambda: figures.plot_scan(scan), say("expected accuracy by the start of the interval"), SCANNED),

@@ -44,13 +44,13 @@ LARGE = 0.5
 
 def _alike(value: Drift) -> list[tuple[str, DriftCourse]]:
     """Each quantity with its name; heading and attitude together where they are the same."""
-    found = {name: value[name] for name in value.quantities}
-    heading, attitude = found.get("heading"), found.get("attitude")
+    courses = {name: value[name] for name in value.quantities}
+    heading, attitude = courses.get("heading"), courses.get("attitude")
     if heading is None or attitude is None or not np.allclose(heading.sigma, attitude.sigma, rtol=1e-9):
-        return [(course.title, course) for course in found.values()]
+        return [(course.title, course) for course in courses.values()]
     return [
         (say("heading, attitude"), heading),
-        *((course.title, course) for name, course in found.items() if name not in ("heading", "attitude")),
+        *((course.title, course) for name, course in courses.items() if name not in ("heading", "attitude")),
     ]
 
 

@@ -49,11 +49,8 @@ def paper_view(value: Reproduction, _: float) -> Face:
         Drawing(partial(_figure, Path(value.folder, name)), caption, caption) for name, caption in value.figures.items()
     ]
     parts: list[Part] = [
-        Note(value.data),
-        _table(value.items),
-        *figures,
-        Code("\n".join(value.commands), say("commands")),
-    ]
+        Note(value.data), _table(value.items), *figures, Code("\n".join(value.commands), say("commands")),
+    ]  # fmt: skip
     return one_sheet(value.title, BRAND, value.name, parts, about=(say("source: {source}", source=value.source),))
 
 
