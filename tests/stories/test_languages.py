@@ -142,8 +142,9 @@ def shown(value, monkeypatch, drawn, lang="xx"):
         parts = {name: without_code(getattr(face, name)) for name in ("parts", "close", "how")}
         face = replace(face, sheets=sheets, choices="", **parts)
         found += text.render(face).splitlines()
-        pictured = lambda drawing: found.extend(words_of(drawing.draw().printed())) or ""
-        monkeypatch.setattr(html, "drawer", lambda: pictured)
+        monkeypatch.setattr(
+            html, "drawer", lambda: lambda drawing: found.extend(words_of(drawing.draw().printed())) or ""
+        )
         found += Shown(html.render(replace(face, command="allanite", data=b"x"))).texts
         found += [html.tr(drawn.label) for drawn in drawings(face)]
     if drawn and view_of(value).plot is not None:

@@ -79,15 +79,13 @@ def test_half_a_request_is_closed(loop, sent):
     assert transport.closed
 
 
-def test_a_whole_request_has_all_the_time(loop):
+def test_whole_requests_have_all_the_time_and_half_ones_are_closed(loop):
     made, transport = connected(loop, slow)
     made.data_received(WHOLE[:9])
     made.data_received(WHOLE[9:])
     turn(loop)
     assert not transport.closed
-
-
-def test_half_of_the_next_request_is_closed_too(loop):
+    # half of the next request is closed too
     made, transport = connected(loop, prompt)
     made.data_received(WHOLE)
     turn(loop)

@@ -231,7 +231,7 @@ def test_names_of_files_are_words(client, folder):
     client.http.delete(f"/api/workspaces/{workspace}")
 
 
-def test_names_of_channels_are_words(client, tmp_path):
+def test_names_of_channels_and_other_verbs(client, tmp_path):
     (tmp_path / "a.csv").write_text("<img src=x onerror=alert(1)> [deg/h]\n" + "1\n2\n4\n" * 500)
     workspace = client.workspace()
     job, last = client.run(workspace, "info", [client.upload(workspace, tmp_path / "a.csv")], {"rate": 10.0})
@@ -240,6 +240,12 @@ def test_names_of_channels_are_words(client, tmp_path):
     assert "<img" not in channel["html"]
     assert "&lt;img" in channel["html"] + channel["name"].replace("<", "&lt;")
     client.http.delete(f"/api/workspaces/{workspace}")
+    # other verbs are refused
+    workspace = client.workspace()
+    for verb in ("simulate", "export", "batch", "serve", "example", "--help", ""):
+        answer = client.post(f"/api/workspaces/{workspace}/jobs", {"verb": verb, "files": [], "recipe": {}})
+        assert answer.status_code == 400
+        assert answer.json()["error"].startswith("unknown job")
 
 
 @rows("key", ["report", "json", "csv", "plot", "force", "recipe", "threads", "lang", "debug", "limits"])
@@ -252,14 +258,6 @@ def test_no_choice_writes_or_reads_another_file(client, key, tmp_path):
     assert answer.status_code == 400
     assert f"unknown key '{key}' in the recipe" in answer.json()["error"]
     assert not target.exists()
-
-
-def test_other_verbs_are_refused(client):
-    workspace = client.workspace()
-    for verb in ("simulate", "export", "batch", "serve", "example", "--help", ""):
-        answer = client.post(f"/api/workspaces/{workspace}/jobs", {"verb": verb, "files": [], "recipe": {}})
-        assert answer.status_code == 400
-        assert answer.json()["error"].startswith("unknown job")
 
 
 @rows("body", [b"", b"{", b"[1]", b"null", b"\xff\xfe", b'{"verb": 3, "files": 7}', b"x" * 2_000_000])

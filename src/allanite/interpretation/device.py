@@ -7,7 +7,7 @@ from itertools import pairwise
 from allanite.phrases.phrase import say
 
 # none by angle random walk: the bounds of overviews contradict the data sheets of tactical sensors
-GRADES = {
+GRADES: dict[str, float] = {
     say("Navigation grade"): 0.01,
     say("Tactical grade"): 5.0,
     say("Industrial grade"): 360.0,

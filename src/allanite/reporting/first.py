@@ -232,7 +232,7 @@ def _differ(a: Remark, b: Remark) -> bool:
 def merged(remarks: Iterable[Remark], every: int = 0) -> list[Remark]:
     """Remarks, of which those of one kind are one, about all their channels."""
     groups = ((alike[0], [(r.about, str(r.clauses[0])) for r in alike]) for alike in kinds(remarks))
-    return [replace(first, about=sharing(places, every)) for first, places in groups]
+    return [replace(first, about=channels_named(places, every)) for first, places in groups]
 
 
 def told_of(notes: Iterable[tuple[str, Finding]], every: int) -> list[Remark]:
@@ -240,7 +240,7 @@ def told_of(notes: Iterable[tuple[str, Finding]], every: int) -> list[Remark]:
     return merged((Remark.about_finding(name, finding) for name, finding in notes), every)
 
 
-def sharing(places: Sequence[tuple[str, str]], every: int) -> str:
+def channels_named(places: Sequence[tuple[str, str]], every: int) -> str:
     """The channels that a remark is about: all with the same one, or the first and others with one of its kind."""
     names = list(dict.fromkeys(name for name, _ in places))
     if len({what for _, what in places}) == 1:

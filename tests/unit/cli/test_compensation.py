@@ -136,16 +136,27 @@ def test_an_autopilot_corrects_as_the_corrected_record(soak, autopilot, tmp_path
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_the_recipe_of_a_compensation_repeats_it(days, tmp_path):
+def test_what_was_saved_and_what_a_recipe_says_is_used(days, tmp_path):
     asked = ("--regressors", "temp", "--channels", "gx", "--degree", 2, "--lags", 60, "--from", 200, "--apply", days[1])
     first = run("compensate", days[0], *asked, "--outliers", "mark", "--split-gaps", "--level", 0.9, "--json", "-")
     data = json.loads(first.stdout)
     recipe = tmp_path / "recipe.toml"
     recipe.write_text(toml(data["recipe"]), encoding="utf-8")
     assert json.loads(run("compensate", days[0], "--recipe", recipe, "--json", "-").stdout) == data
+    # what was saved is used
+    saved = tmp_path / "r.json"
+    run("compensate", days[0], "--regressors", "temp", "--channels", "gx", "--save", saved, "--quiet")
+    done = run("compensate", days[1], "--use", saved, "--channels", "gx,gy", "--json", "-")
+    data = json.loads(done.stdout)
+    assert data["channels"][0]["gain"]["met"] is True
+    assert data["channels"][1]["refusal"].startswith("no regression of this name")
+    assert run("compensate", days[1], "--use", saved, "--regressors", "temp").exit_code == 2
+    assert run("compensate", days[1], "--use", days[0]).exit_code == 3
+    # what is read is never overwritten
+    assert run("compensate", days[1], "--use", saved, "--json", saved, "--force").exit_code == 2
 
 
-def test_a_channel_that_moves_is_refused(days, tmp_path):
+def test_motion_is_refused_and_outliers_of_regressors_are_kept(days, tmp_path):
     rows = np.loadtxt(days[0], delimiter=",", skiprows=1)
     rows[1200:1400, 1] += 3e5
     path = tmp_path / "moved.csv"
@@ -156,6 +167,19 @@ def test_a_channel_that_moves_is_refused(days, tmp_path):
     assert done.exit_code == 3
     assert "the body moved" in " ".join(done.stderr.split())
     assert run("compensate", path, "--regressors", "temp", "--channels", "gx").exit_code == 3
+    # outliers of regressors are not marked
+    rows = np.loadtxt(days[0], delimiter=",", skiprows=1)[:, [0, 1, 3]]
+    rows[500, 1] += 1e6
+    rows[700, 2] += 500
+    path = tmp_path / "spikes.csv"
+    np.savetxt(path, rows, delimiter=",", fmt="%.9g", header="time [s],gx [deg/h],temp [degC]", comments="")
+    both = open_recording(path, al.Recipe(outliers="mark"), along=("temp",))
+    assert np.flatnonzero(np.isnan(both["gx"].values)).tolist() == [500]
+    assert np.isfinite(both["temp"].values).all()
+    # a channel that does not follow is said to
+    done = run("compensate", days[0], "--regressors", "temp", "--derivative-of", "temp", "--channels", "gy")
+    assert "gy shows no dependence on temp, d temp/dt" in done.stdout
+    assert "absent" in done.stdout
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -176,7 +200,7 @@ def test_a_warm_up_is_no_motion(tmp_path):
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_regressors_of_another_file_are_cut_with_the_record(days, tmp_path):
+def test_regressors_of_another_file(days, tmp_path):
     beside = tmp_path / "beside.csv"
     rows = np.loadtxt(days[0], delimiter=",", skiprows=1)[:, [0, 3]]
     np.savetxt(beside, rows, delimiter=",", fmt="%.9g", header="time [s],temp [degC]", comments="")
@@ -186,53 +210,7 @@ def test_regressors_of_another_file_are_cut_with_the_record(days, tmp_path):
         for more in ((), ("--beside", beside))
     ]
     assert effects[0] == effects[1]
-
-
-def test_outliers_of_regressors_are_not_marked(days, tmp_path):
-    rows = np.loadtxt(days[0], delimiter=",", skiprows=1)[:, [0, 1, 3]]
-    rows[500, 1] += 1e6
-    rows[700, 2] += 500
-    path = tmp_path / "spikes.csv"
-    np.savetxt(path, rows, delimiter=",", fmt="%.9g", header="time [s],gx [deg/h],temp [degC]", comments="")
-    both = open_recording(path, al.Recipe(outliers="mark"), along=("temp",))
-    assert np.flatnonzero(np.isnan(both["gx"].values)).tolist() == [500]
-    assert np.isfinite(both["temp"].values).all()
-
-
-@pytest.mark.slow("seconds of analyses")
-def test_progress_of_a_correction_of_another_file_ends_once(days):
-    told = []
-    settings = CompensationSettings(("temp",), fit=FitSettings(terms="N"))
-    al.compensate_file(
-        days[0], al.Recipe(channels=("gx",)), settings, apply_to=days[1],
-        progress=lambda what, fraction: told.append(fraction),
-    )  # fmt: skip
-    assert told == sorted(told)
-    assert (told[0], told[-1], told.count(1.0)) == (0.0, 1.0, 1)
-
-
-def test_a_channel_that_does_not_follow_is_said_to(days):
-    done = run("compensate", days[0], "--regressors", "temp", "--derivative-of", "temp", "--channels", "gy")
-    assert "gy shows no dependence on temp, d temp/dt" in done.stdout
-    assert "absent" in done.stdout
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_what_was_saved_is_used(days, tmp_path):
-    saved = tmp_path / "r.json"
-    run("compensate", days[0], "--regressors", "temp", "--channels", "gx", "--save", saved, "--quiet")
-    done = run("compensate", days[1], "--use", saved, "--channels", "gx,gy", "--json", "-")
-    data = json.loads(done.stdout)
-    assert data["channels"][0]["gain"]["met"] is True
-    assert data["channels"][1]["refusal"].startswith("no regression of this name")
-    assert run("compensate", days[1], "--use", saved, "--regressors", "temp").exit_code == 2
-    assert run("compensate", days[1], "--use", days[0]).exit_code == 3
-    # what is read is never overwritten
-    assert run("compensate", days[1], "--use", saved, "--json", saved, "--force").exit_code == 2
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_regressors_of_another_file_are_interpolated_only_if_asked(days, tmp_path):
+    # regressors of another file are interpolated only if asked
     slow = tmp_path / "slow.csv"
     rows = np.loadtxt(days[0], delimiter=",", skiprows=1)[::10, [0, 3]]
     np.savetxt(slow, rows, delimiter=",", fmt="%.9g", header="time [s],temp [degC]", comments="")
@@ -245,6 +223,18 @@ def test_regressors_of_another_file_are_interpolated_only_if_asked(days, tmp_pat
     done = run(*asked, "--interpolate", "--split-gaps")
     assert done.exit_code == 0, done.stderr
     assert "gx depends on temp" in done.stdout
+
+
+@pytest.mark.slow("seconds of analyses")
+def test_progress_of_a_correction_of_another_file_ends_once(days):
+    told = []
+    settings = CompensationSettings(("temp",), fit=FitSettings(terms="N"))
+    al.compensate_file(
+        days[0], al.Recipe(channels=("gx",)), settings, apply_to=days[1],
+        progress=lambda what, fraction: told.append(fraction),
+    )  # fmt: skip
+    assert told == sorted(told)
+    assert (told[0], told[-1], told.count(1.0)) == (0.0, 1.0, 1)
 
 
 REFUSED = [

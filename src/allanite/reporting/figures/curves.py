@@ -136,9 +136,7 @@ def _draw_minimum(ax: Axes, panel: CurvePanel, placed: list[drawing.LabelBox], l
     ax.plot(readings.minimum.tau, deviation, shape, ms=6.5, color=style.INK, zorder=5)
     anchor = drawing.fractions(ax, np.array([[readings.minimum.tau, deviation]]))
     data = (np.asarray(line.get_xydata()) for line in ax.lines)
-    drawn = np.concatenate(
-        [points for points in data if len(points) > 2]
-    )  # no rules, whose ordinates are fractions
+    drawn = np.concatenate([points for points in data if len(points) > 2])  # no rules, whose ordinates are fractions
     placed.append(
         drawing.draw_label(ax, ("", text), anchor, drawing.fractions(ax, drawn[(drawn > 0).all(axis=1)]), placed)
     )

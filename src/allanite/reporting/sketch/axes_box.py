@@ -8,7 +8,7 @@ import numpy as np
 
 from . import svg as ink
 from .axis import Ticks
-from .marks import Mark
+from .marks import Artist
 from .panel import Panel, place_in
 
 SIZE = 8.0
@@ -21,7 +21,7 @@ KEY, GAP, LEADING = 2.0 * SIZE, 0.8 * SIZE, 1.5 * SIZE
 class Legend:
     """Keys with words, filled column by column; columns `spacing` letters apart."""
 
-    def __init__(self, handles: Sequence[Mark], labels: Sequence[str], columns: int, spacing: float = 2.0) -> None:
+    def __init__(self, handles: Sequence[Artist], labels: Sequence[str], columns: int, spacing: float = 2.0) -> None:
         self.labels = [" ".join(ink.shown(label)) for label in labels]
         count = max(1, min(columns, len(labels)))
         self.columns = [part.tolist() for part in np.array_split(np.arange(len(labels)), count)]

@@ -8,7 +8,7 @@ import numpy as np
 from . import svg as ink
 from .axes_box import LABEL, TICK, Box, Legend, PanelFrame
 from .axis import Side, Unsketched, limited
-from .marks import Mark
+from .marks import Artist
 from .panel import Panel
 
 EDGE, BETWEEN = 3.0, 8.0
@@ -149,7 +149,7 @@ class Chart:
         return panels.item() if panels.size == 1 else panels.squeeze()
 
     def legend(
-        self, handles: Sequence[Mark], labels: Sequence[str], *, loc: str, ncols: int, columnspacing: float
+        self, handles: Sequence[Artist], labels: Sequence[str], *, loc: str, ncols: int, columnspacing: float
     ) -> Legend:
         """What the lines of all panels are, above them."""
         if loc != "outside upper center":

@@ -33,7 +33,7 @@ CLOSE = 1.2
 AT_MOST = ("--at-most", say("the claim as upper bounds"))
 
 _OUTCOMES = say("agrees"), say("differs"), say("exceeds"), say("not claimed"), say("not shown")
-OUTCOME_WORDS = {word: word for word in _OUTCOMES}
+OUTCOME_WORDS: dict[str, Phrase] = {word: word for word in _OUTCOMES}
 
 HOW = (
     say(

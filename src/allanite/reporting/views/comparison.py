@@ -11,7 +11,7 @@ from allanite.comparison.pooled import Pool, PooledChannel
 from allanite.core.display_units import readable_unit
 from allanite.core.fit import chance
 from allanite.core.units import convert
-from allanite.phrases.phrase import join, say, say_count
+from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.first import DETAILS, FIGURES, ChannelRow, Channels, First, Remark, merged
@@ -26,7 +26,8 @@ from .jobs import job_face
 WITH_VALUES = 2
 """Channels side by side with the coefficients before and after."""
 
-OUTCOME_WORDS = {word: word for word in (say("smaller"), say("larger"), say("no change"), say("not resolvable"))}
+_OUTCOMES = say("smaller"), say("larger"), say("no change"), say("not resolvable")
+OUTCOME_WORDS: dict[str, Phrase] = {word: word for word in _OUTCOMES}
 
 
 def first_of_comparison(value: Comparison, level: float) -> First:

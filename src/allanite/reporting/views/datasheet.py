@@ -60,11 +60,12 @@ def card_of(channel: Channel, level: float) -> Card | None:
     """The main numbers of a channel; None where nothing was asked."""
     if channel.fit is None:
         return Card(say("✗ no result"), "alert", note=channel.refusal) if channel.refusal else None
+    minimum = tuple((words.capital(name), value) for name, value in _minimum(channel))
     grade = channel.noise.validity if channel.noise else ""
     badge = join(" ", (SIGNS[grade], graded(grade, channel.fit.scope))) if grade else ""
     if grade == UNEXPLAINED:
         points = channel.noise.statement.points if channel.noise else ()
-        return Card(badge, "alert", tuple(_capital(channel)), join("; ", (say("Coefficients not valid"), *points[:1])))
+        return Card(badge, "alert", minimum, join("; ", (say("Coefficients not valid"), *points[:1])))
     rows = []
     for e in (e for e in channel.fit if e.valued):
         # with the half width of its interval as a share: ``0.119 deg/√h ± 1 %``
@@ -77,7 +78,7 @@ def card_of(channel: Channel, level: float) -> Card | None:
     others = [_without_value(e, level) for e in channel.fit if not e.valued]
     length = words.duration(channel.record.duration)
     note = say("Not identified in {length}: {symbols}", length=length, symbols=join(", ", others)) if others else ""
-    return Card(badge, LEVELS.get(grade, ""), (*rows, *_capital(channel)), note)
+    return Card(badge, LEVELS.get(grade, ""), (*rows, *minimum), note)
 
 
 def _without_value(estimate: Estimate, level: float) -> str:
@@ -97,11 +98,6 @@ def _minimum(channel: Channel) -> Iterator[tuple[str, str]]:
     most = "" if readings.inside else "≤ "
     size, tau = f"{most}{number} {unit}", readings.minimum.tau
     yield IN_RUN, say("{value} at {tau}", value=size, tau=words.averaging(tau))
-
-
-def _capital(channel: Channel) -> Iterator[tuple[str, str]]:
-    """The rows of a card."""
-    yield from ((words.capital(name), value) for name, value in _minimum(channel))
 
 
 def alternative(channel: Channel, curve: Curve, level: float) -> str:

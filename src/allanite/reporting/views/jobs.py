@@ -13,7 +13,7 @@ from allanite.core.units import convert
 from allanite.core.validity import APPROXIMATE, EXPLAINED, MOTION, UNEXPLAINED, Finding
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import words
-from allanite.reporting.first import ABOVE, Remark, kinds, sharing, told_of
+from allanite.reporting.first import ABOVE, Remark, channels_named, kinds, told_of
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of
 from allanite.study.job import Job
 from allanite.study.results import Channel, Noise
@@ -35,7 +35,7 @@ def job_face(
 ) -> Face:
     """The face of a job: title and brand, findings and other parts, sheets, how it came about; `more` fields."""
     title, brand = names
-    once, kept = told_once(sheets)
+    once, kept = split_common(sheets)
     face = Face(
         title, brand, kept, header_of(job.provenance, job.notes),
         parts=[*(Note(str(finding), "warning") for finding in job.findings), *once, *parts],
@@ -44,7 +44,7 @@ def job_face(
     return replace(face, **more)
 
 
-def told_once(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:
+def split_common(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:
     """Warnings that several sheets have in common, with the names of the channels, and the sheets without them."""
     where: dict[Note, list[str]] = {}
     for sheet in sheets:
@@ -125,7 +125,7 @@ def doubts(channels: Sequence[Any]) -> Iterator[Remark]:
         if not c.refusal and c.noise is not None and not c.noise.explained
     ]
     for alike in kinds(told):
-        named = sharing([(why.about, str(why.clauses[0])) for why in alike], len(channels))
+        named = channels_named([(why.about, str(why.clauses[0])) for why in alike], len(channels))
         what = say_count(len(alike), "{channel} DOES NOT FIT", "{channel} DO NOT FIT", channel=named)
         yield replace(alike[0], about=what)
 
