@@ -16,7 +16,7 @@ from tests.rows import rows
 from allanite.cli import main
 from allanite.cli.front import EXCEEDED
 from allanite.reporting.digits import printable
-from allanite.web.access import AGE, LINKS, Door
+from allanite.web.access import MAX_LINK_AGE_S, MAX_LINKS, Door
 from allanite.web.server import ROUTES
 
 from .served import Client, served
@@ -96,10 +96,10 @@ def test_links_are_few_and_grow_old():
     door = Door(None, port=1, clock=lambda: now[0])
     links = [door.link() for _ in range(1000)]
     assert len(set(links)) == 1000
-    assert list(door.tokens) == [link.partition("token=")[2] for link in links[-LINKS:]]
-    now[0] = AGE / 2
+    assert list(door.tokens) == [link.partition("token=")[2] for link in links[-MAX_LINKS:]]
+    now[0] = MAX_LINK_AGE_S / 2
     newer = door.link()
-    now[0] = AGE
+    now[0] = MAX_LINK_AGE_S
     last = door.link()
     assert list(door.tokens) == [link.partition("token=")[2] for link in (newer, last)]
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from allanite.reporting.first import First
     from allanite.study.recipe import Recipe
 
-WIDTH = 120
+DEFAULT_COLUMNS = 120
 """Width of text where no terminal limits it."""
 
 
@@ -37,7 +37,7 @@ def text_of(value: Any, out: "Outputs", first: "Callable[[], First] | None" = No
     from allanite.reporting import first_screen, table
 
     terminal, encoding = sys.stdout.isatty(), sys.stdout.encoding or "utf-8"
-    width = shutil.get_terminal_size().columns if terminal else WIDTH
+    width = shutil.get_terminal_size().columns if terminal else DEFAULT_COLUMNS
     form: dict[str, Any] = {
         "width": width, "color": terminal and "NO_COLOR" not in os.environ, "ascii": not _encodes(WRITTEN, encoding),
         "lang": out.lang,

@@ -28,13 +28,13 @@ DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
 BLAS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """One thread each unless something else is set: products here are short, and handing them to threads takes longer."""
 
-OBJECTS = 100_000
+MIN_OBJECTS = 100_000
 """New objects after which those that refer to each other are looked for; imports alone make more than the usual 700."""
 
 LINE = "allanite.line"
 """Key of the command line in the context."""
 
-ADDRESSES = 2_500_000_000
+ADDRESS_SPACE_BYTES = 2_500_000_000
 """Address space, bytes, that the program takes with its libraries: 1.9 to 2.2 GB, most of which is never filled."""
 
 TRACKER = "https://github.com/allanite/allanite/issues"
@@ -129,7 +129,7 @@ class Front(click.Group):
     def main(self, *args: Any, **extra: Any) -> Any:
         """Parse, run, and end the program."""
         extra |= {"standalone_mode": False, "prog_name": "allanite"}
-        gc.set_threshold(OBJECTS)
+        gc.set_threshold(MIN_OBJECTS)
         atexit.register(gc.freeze)  # the system takes all memory back; going through every object takes up to 0.7 s
         for threads in BLAS:
             os.environ.setdefault(threads, "1")
@@ -192,8 +192,8 @@ def _demand_addresses() -> None:
     except ImportError:  # a system without such limits
         return
     most, _ = getrlimit(RLIMIT_AS)
-    if most not in (RLIM_INFINITY, -1) and most < ADDRESSES:
-        need = f"needs about {ADDRESSES / 1e9:g} GB of address space with its libraries"
+    if most not in (RLIM_INFINITY, -1) and most < ADDRESS_SPACE_BYTES:
+        need = f"needs about {ADDRESS_SPACE_BYTES / 1e9:g} GB of address space with its libraries"
         raise Failure(f"not enough memory: allanite {need}, and {most / 1e9:.3g} GB are allowed (ulimit -v)", DATA)
 
 

@@ -11,7 +11,7 @@ from types import FrameType
 ENDS = ("SIGINT", "SIGTERM", "SIGHUP")
 """Signals that end the program, where the system has them."""
 
-SOON, LATER = 0.01, 0.25
+RESEND_PERIOD_S, END_PERIOD_S = 0.01, 0.25
 """Seconds after which a signal that had to wait is sent again, and one that should have ended the program."""
 
 IMPORTER = "<frozen importlib"
@@ -61,7 +61,7 @@ class _Ending:
             whole = str(at.f_globals.get("__name__")).partition(".")[0] in WHOLE
             at = at.f_back
         now = not whole and ended_by(sys.exc_info()[1]) is None
-        self.send(number, LATER if now else SOON)
+        self.send(number, END_PERIOD_S if now else RESEND_PERIOD_S)
         if now:
             raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(128 + number)  # as of a shell
 

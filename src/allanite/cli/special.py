@@ -144,7 +144,7 @@ def _autopilot(name: str | None, instance: int | None, out: Outputs) -> "Thermal
 DESIGNING = ("duration", "gyro_bias", "accelerometer_bias", "scenarios", "seed")
 """Options that apply without a recording."""
 
-USUAL_DURATION = 3600.0
+USUAL_DURATION_S = 3600.0
 """Horizon without a recording, s."""
 
 
@@ -209,7 +209,7 @@ def _design(choices: dict[str, Any]) -> "VerticalDesign":
     noise = Model(choices["gyro"]), Model(choices["accelerometer"])
     bias = choices["gyro_bias"] or 0.0, choices["accelerometer_bias"] or 0.0
     optimum = optimal_time_constant(
-        *noise, duration=choices["duration"] or USUAL_DURATION, rate=choices["rate"], gyro_bias=bias[0],
+        *noise, duration=choices["duration"] or USUAL_DURATION_S, rate=choices["rate"], gyro_bias=bias[0],
         accelerometer_bias=bias[1],
     )  # fmt: skip
     seed, rate = choices["seed"], choices["rate"]

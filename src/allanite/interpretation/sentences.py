@@ -23,7 +23,7 @@ from allanite.terms import TERMS, WHITE
 from .device import Cause, bounds_of, grade_of
 from .devices import device as named
 
-DENSE = 1000
+POINTS_PER_DECADE = 1000
 """Points of a decade at which humps are held against lines."""
 
 
@@ -74,7 +74,7 @@ def spans(estimates: Sequence[Estimate], start: float, end: float) -> tuple[Span
     present = [e for e in estimates if e.claimed and e.value and lasting(e)]
     if not present or not start < end:
         return ()
-    tau = np.geomspace(start, end, 2 + math.ceil(DENSE * math.log10(end / start)))
+    tau = np.geomspace(start, end, 2 + math.ceil(POINTS_PER_DECADE * math.log10(end / start)))
     top = np.argmax([_line(e, tau) for e in present], axis=0)
     edges = np.flatnonzero(np.diff(top)) + 1
     bounds = [start]
@@ -90,7 +90,7 @@ def spans(estimates: Sequence[Estimate], start: float, end: float) -> tuple[Span
 def least(estimates: Sequence[Estimate], start: float, end: float) -> tuple[float, float] | None:
     """Averaging time and Allan deviation, SI, at the minimum of all terms together; None at an end of the range."""
     present = [e for e in estimates if e.claimed and e.value and lasting(e)]
-    tau = np.geomspace(start, end, 2 + math.ceil(DENSE * math.log10(end / start)))
+    tau = np.geomspace(start, end, 2 + math.ceil(POINTS_PER_DECADE * math.log10(end / start)))
     variance = np.sum([_line(e, tau) ** 2 for e in present], axis=0) if present else np.zeros(tau.size)
     at = int(np.argmin(variance))
     return (float(tau[at]), math.sqrt(variance[at])) if 0 < at < tau.size - 1 else None
@@ -169,7 +169,7 @@ def meaning(
     return Meaning(fit.name, texts, device, symbols, row.note)
 
 
-HUMP = 0.37
+HUMP_PERIODS = 0.37
 """Averaging time of the first hump of a damped oscillation, in its periods."""
 
 
@@ -325,7 +325,7 @@ def _time_constants(fit: Fit, found: dict[str, Estimate]) -> Iterator[str]:
         yield say(
             "A damped oscillation of {frequency:.3g} Hz with a damping ratio of {damping:.2g} was identified: look for "
             "a control loop, a resonance or sway with this frequency; it makes a hump near {time}.",
-            frequency=frequency, damping=damping, time=averaging(HUMP / frequency),
+            frequency=frequency, damping=damping, time=averaging(HUMP_PERIODS / frequency),
         )  # fmt: skip
     if fit.scope is not None and fit.scope.filter is not None:
         cutoff = fit.scope.filter.cutoff

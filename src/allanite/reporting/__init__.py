@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .first import First
     from .views import Rows
 
-MOST_DATA = 300_000
+MAX_DATA_BYTES = 300_000
 """Bytes of compressed JSON that a page carries at most."""
 
 
@@ -142,7 +142,7 @@ def page(value: Any, *, level: float | None = None, command: str = "", lang: str
         warn_of_page(lang)
         face = view_of(value).face(value, level_of(value, level))
         data = gzip.compress(encoded(to_json(value)), mtime=0)
-        return render(replace(face, command=command, data=data if len(data) < MOST_DATA else b""))
+        return render(replace(face, command=command, data=data if len(data) < MAX_DATA_BYTES else b""))
 
 
 def table(value: Any, *, level: float | None = None, lang: str = "en", **form: Any) -> str:

@@ -16,7 +16,7 @@ from .sheet import Code, Column, Face, Note, Part, Table
 _OPTION = re.compile(r"(?:\(|: )(--[a-z][^);]*)")
 
 
-NAMED = 32
+MAX_NAMES_LENGTH = 32
 """Characters that the names of channels may take in a remark."""
 
 DETAILS, FIGURES = ("--details", say("all numbers")), ("--report page.html", say("figures"))
@@ -251,7 +251,7 @@ def channels_named(places: Sequence[tuple[str, str]], every: int) -> str:
 def listed(names: Sequence[str]) -> str:
     """The names, or where they are long the first and how many more."""
     every = ", ".join(names)
-    if len(every) <= NAMED or len(names) == 1:
+    if len(every) <= MAX_NAMES_LENGTH or len(names) == 1:
         return every
     return say("{names} and {count} more", names=names[0], count=len(names) - 1)
 

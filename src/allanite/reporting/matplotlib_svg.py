@@ -22,7 +22,7 @@ def variable(color: str) -> str:
     return f"--{color.lower().lstrip('#')}"
 
 
-NARROW = 4.6
+PHONE_INCHES = 4.6
 """Inches of a figure on a phone, whose letters are then as large as those of the text."""
 
 
@@ -43,7 +43,7 @@ def drawn(drawing: Drawing) -> Picture:
     if isinstance(plot, Picture):
         return plot
     try:
-        broad, narrow = plot.sketched(), plot.sketched(NARROW)
+        broad, narrow = plot.sketched(), plot.sketched(PHONE_INCHES)
         return Picture(broad.svg(), broad.width, Picture(narrow.svg(), narrow.width))
     except Unsketched:
         return picture(plot.printed())

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 from allanite.reporting.digits import printable
 
-PATIENCE = 1.0
+DELAY_S = 1.0
 """Seconds before the bar appears: what is over by then needs none."""
 
 
@@ -31,7 +31,7 @@ def bar(shown: bool) -> Iterator[Callable[[str, float], None]]:
         if os.getpid() == own:  # a fork must not wait for a lock that the bar's thread held
             progress.update(task, description=escape(printable(what)), completed=fraction)
 
-    timer = threading.Timer(PATIENCE, progress.start)
+    timer = threading.Timer(DELAY_S, progress.start)
     timer.daemon = True
     timer.start()
     try:

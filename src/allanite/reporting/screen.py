@@ -21,16 +21,16 @@ from .text import wrapped
 LINES, COLUMNS = 20, 100
 """The size of a first screen."""
 
-FEWEST = 2
+MIN_REMARK_LINES = 2
 """Lines of remarks for which rows of limits give way."""
 
-GRAVEST = 6
+MAX_GRAVE_LINES = 6
 """Lines of grave remarks for which any row of the answer gives way."""
 
 _END = re.compile(r"[;；。]|(?<=[^.\s]{3})\.(?=\s+[A-ZА-Я])| (?=\([^()]*\)(?:$|[:;；。]|\.\s))")
 """Where a clause ends, or an aside begins that ends it."""
 
-SHORTEST = 12
+MIN_TITLE_COLUMNS = 12
 """Columns to which titles may be cut before they are left out."""
 
 
@@ -56,8 +56,8 @@ def _printed(lines: Iterable[tuple[str, str]], *, color: bool) -> str:
 def _wanted(told: "Sequence[tuple[list[str], str]]") -> int:
     """Lines of remarks for which rows of the answer give way: those that are grave, and a count of the others."""
     every = sum(len(lines) for lines, _ in told)
-    grave = min(sum(len(lines) for lines, style in told if style), GRAVEST)
-    return max(min(every, FEWEST), grave + (every > grave))
+    grave = min(sum(len(lines) for lines, style in told if style), MAX_GRAVE_LINES)
+    return max(min(every, MIN_REMARK_LINES), grave + (every > grave))
 
 
 def _ends(text: str) -> list[int]:
@@ -325,7 +325,7 @@ class _Screen:
         self.omitted += [row.label for row in channels.rows if row not in rows and row.label not in self.omitted]
         longest = max((cell_len(self.text(row.title)) for row in rows), default=0)
         excess = max(self.wide(replace(channels, rows=rows).table()) - self.width, 0)
-        if longest - excess >= SHORTEST:
+        if longest - excess >= MIN_TITLE_COLUMNS:
             cut = [replace(row, title=self.cut(row.title, longest - excess)) for row in rows]
             return self.table(replace(channels, rows=cut).table())
         channels = replace(channels, rows=rows)

@@ -26,10 +26,10 @@ NOTES = {
     "alert": "bold red", "warning": "bold red", "remark": "", "good": "green", "fair": "yellow", "note": "",
     "strong": "bold", "quiet": "dim",
 }  # fmt: skip
-LABEL = 10
+LABEL_COLUMNS = 10
 """Columns of the header's labels."""
 
-_WIDE = 10_000
+_COLUMNS = 10_000
 """Columns of the console that tables are laid out in: a number is never torn in two."""
 
 _ASCII = ContextVar("_ASCII", default=False)
@@ -82,7 +82,7 @@ def text_of(parts: Iterable[Part], width: int) -> str:
 def _printed(lines: Iterable[RenderableType], *, color: bool = False) -> str:
     out = io.StringIO()
     system: Literal["standard"] | None = "standard" if color else None
-    console = Console(file=out, width=_WIDE, force_terminal=color, color_system=system, markup=False, emoji=False)
+    console = Console(file=out, width=_COLUMNS, force_terminal=color, color_system=system, markup=False, emoji=False)
     for item in lines:
         console.print(item, soft_wrap=isinstance(item, Text), highlight=False)
     return "".join(f"{line.rstrip()}\n" for line in out.getvalue().splitlines())
@@ -90,7 +90,7 @@ def _printed(lines: Iterable[RenderableType], *, color: bool = False) -> str:
 
 def _lines(face: Face, width: int) -> Iterator[RenderableType]:
     labels = [_plain(label) for label, _ in face.header]
-    wide = max([LABEL, *(cell_len(label) + 1 for label in labels)])
+    wide = max([LABEL_COLUMNS, *(cell_len(label) + 1 for label in labels)])
     for label, (_, text) in zip(labels, face.header, strict=True):
         yield from prose(text, width, first=pad(label, wide), indent=wide)
     yield from _parts(face.parts, width)

@@ -35,7 +35,7 @@ HEADERS = {
 ENTRY = "/api/enter"
 """Where the token of a link is exchanged for the secret."""
 
-LINKS, AGE = 16, 3600.0
+MAX_LINKS, MAX_LINK_AGE_S = 16, 3600.0
 """Links that can be open at once, the newest ones, and seconds until one is too old."""
 
 
@@ -52,8 +52,8 @@ class Door:
     def link(self) -> str:
         """A link that opens the page once; its token is in the fragment, which is in no request and no referrer."""
         token = secrets.token_urlsafe(24)
-        newest = list(self._valid().items())[1 - LINKS :]
-        self.tokens = {**dict(newest), token: self.clock() + AGE}
+        newest = list(self._valid().items())[1 - MAX_LINKS :]
+        self.tokens = {**dict(newest), token: self.clock() + MAX_LINK_AGE_S}
         return f"http://127.0.0.1:{self.port}/#token={token}"
 
     def _valid(self) -> dict[str, float]:

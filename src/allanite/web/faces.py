@@ -31,7 +31,7 @@ from allanite.terms import TERMS
 
 from .requests import accepted
 
-FINE = 200
+MODEL_POINTS = 200
 """Points of the curves of a model."""
 
 
@@ -72,7 +72,7 @@ def panel_of(curve: Curve, fit: Any = None) -> CurvePanel:
 def drawn(panel: CurvePanel, level: float, lang: str) -> dict[str, Any]:
     """The points of a curve with its band, its model, and each term of that, in the unit that is shown."""
     shown = points(panel, level)
-    tau = np.geomspace(float(shown.tau[0]), float(shown.tau[-1]), FINE)
+    tau = np.geomspace(float(shown.tau[0]), float(shown.tau[-1]), MODEL_POINTS)
     model = panel.drawn
     scope = panel.fit.scope if panel.fit is not None else None
     with speaking(lang):

@@ -142,10 +142,10 @@ def drop_file(request: Request, name: str, file: str) -> dict[str, Any]:
     return {}
 
 
-QUIET = 0.05
+EVENTS_PERIOD_S = 0.05
 """Seconds between looks for new events."""
 
-ALIVE = 10.0
+HEARTBEAT_PERIOD_S = 10.0
 """Seconds after which a stream of events without any says that it is there."""
 
 
@@ -195,11 +195,11 @@ async def _stream(jobs: Jobs, job: dict[str, Any]) -> AsyncIterator[str]:
                 yield _event(kind, data)
         if over:
             return
-        quiet += QUIET
-        if quiet >= ALIVE:
+        quiet += EVENTS_PERIOD_S
+        if quiet >= HEARTBEAT_PERIOD_S:
             quiet = 0.0
             yield ": still there\n\n"
-        await asyncio.sleep(QUIET)
+        await asyncio.sleep(EVENTS_PERIOD_S)
 
 
 def _event(kind: str, data: dict[str, Any]) -> str:

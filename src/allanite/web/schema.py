@@ -14,10 +14,10 @@ from allanite.core.files import reason
 from allanite.core.names import demand_name
 from allanite.reporting.language import LANGUAGES
 
-DEEPEST = 50
+MAX_DEPTH = 50
 """How deep a request is nested at most."""
 
-DEEPER = 60
+MAX_KEPT_DEPTH = 60
 """How deep a file is that is kept at most: a few levels more than the requests in it."""
 
 
@@ -158,7 +158,7 @@ def workspace(name: str) -> Any:
     return Annotated[Workspace, AfterValidator(own)]
 
 
-def plain(data: bytes, deepest: int = DEEPEST) -> Any:
+def plain(data: bytes, deepest: int = MAX_DEPTH) -> Any:
     """JSON that can be written and read again."""
     try:
         value = from_json(data, allow_inf_nan=False)
@@ -176,7 +176,7 @@ def plain(data: bytes, deepest: int = DEEPEST) -> Any:
     return value
 
 
-def fitting(schema: Any, data: bytes, deepest: int = DEEPEST) -> Any:
+def fitting(schema: Any, data: bytes, deepest: int = MAX_DEPTH) -> Any:
     """JSON as its schema says."""
     try:
         return TypeAdapter(schema).validate_python(plain(data, deepest))
@@ -197,7 +197,7 @@ def log(words: str) -> None:
 def kept(path: Path, schema: Any, tell: Callable[[str], None] = log) -> Any:
     """What a file of the page holds; None if there is none, or if it is damaged and has another name from now on."""
     try:
-        return fitting(schema, path.read_bytes(), DEEPER)
+        return fitting(schema, path.read_bytes(), MAX_KEPT_DEPTH)
     except FileNotFoundError:
         return None
     except (OSError, UsageError) as error:

@@ -23,16 +23,16 @@ from . import schema
 FACTOR = 16
 """Samples of a stretch, and stretches of the next longer one."""
 
-FEWEST = 1024
+MIN_STRETCHES = 1024
 """Stretches of the coarsest level at least."""
 
-BYTES = 4 * (1 + 2 / (FACTOR - 1))
+MAX_SAMPLE_BYTES = 4 * (1 + 2 / (FACTOR - 1))
 """Bytes of a sample in the trace at most: a number of 32 bits, and two of them for each stretch of each level."""
 
-MOST = 2000
+MAX_LISTED = 2000
 """Gaps and outliers that are listed."""
 
-MOST_POINTS = 20_000
+MAX_POINTS = 20_000
 
 USUAL, ROOM = (0.02, 0.98), 1.0
 """Shares of the stretches whose extremes are the usual range, and what is shown beyond it, in widths of that."""
@@ -48,7 +48,7 @@ def build(
     if _meta(place).get("key") == key:
         return room
     room += sum(path.stat().st_size for path in place.glob("*"))
-    room -= sum(BYTES * record.size for record in recording)
+    room -= sum(MAX_SAMPLE_BYTES * record.size for record in recording)
     if room < 0:
         shutil.rmtree(place, ignore_errors=True)
         return None
@@ -74,7 +74,7 @@ def _write(folder: Path, i: int, record: Record, raw: Sequence[str]) -> dict[str
     low = high = (values - offset).astype(np.float32)
     np.save(folder / f"{i}.0.npy", low)
     levels = 0
-    while low.size >= FACTOR * FEWEST:
+    while low.size >= FACTOR * MIN_STRETCHES:
         starts = np.arange(0, low.size, FACTOR)
         low, high = np.fmin.reduceat(low, starts), np.fmax.reduceat(high, starts)
         levels += 1
@@ -84,8 +84,8 @@ def _write(folder: Path, i: int, record: Record, raw: Sequence[str]) -> dict[str
     return {
         "name": record.name, "rate": record.rate, "size": record.size, "offset": offset,
         "unit": "" if plain else unit, "raw": list(raw),
-        "levels": levels, "gaps": gaps[:MOST], "gap_count": len(gaps),
-        "outliers": (far[:MOST] / record.rate).tolist(), "outlier_count": int(far.size),
+        "levels": levels, "gaps": gaps[:MAX_LISTED], "gap_count": len(gaps),
+        "outliers": (far[:MAX_LISTED] / record.rate).tolist(), "outlier_count": int(far.size),
     }  # fmt: skip
 
 
@@ -98,7 +98,7 @@ def window(folder: Path, channel: str, start: float | None, end: float | None, p
     if channel and channel not in names:
         raise UsageError(f"no channel {channel!r}; channels: {', '.join(names)}")
     i = names.index(channel) if channel else 0
-    stored, points = meta["channels"][i], min(max(points, 2), MOST_POINTS)
+    stored, points = meta["channels"][i], min(max(points, 2), MAX_POINTS)
     most = stored["size"]
     first = int(min(max(0.0, (start or 0.0) * stored["rate"]), most - 1))
     last = int(np.ceil(most if end is None else min(max(first + 1, end * stored["rate"]), most)))

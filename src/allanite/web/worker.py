@@ -29,10 +29,10 @@ from . import faces, trace
 from .requests import PROBLEM, Request, problem_of
 from .store import overfull
 
-KEPT = 2
+MAX_RECORDINGS = 2
 """Recordings that stay in memory."""
 
-SAID = 0.05
+PROGRESS_PERIOD_S = 0.05
 """Seconds between reports of progress."""
 
 ASSUMED: dict[str, dict[str, Any]] = {
@@ -40,7 +40,7 @@ ASSUMED: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 """With what a file is read, to draw its numbers, whose unit, kind or rate is not known."""
 
-SEEN = 1.0
+CURVES_PERIOD_S = 1.0
 """Seconds between the curves of a stream."""
 
 Answer = dict[str, Any]
@@ -62,7 +62,7 @@ class Held:
     def tell(self, what: str, fraction: float) -> None:
         """Report progress, not too often."""
         now = time.monotonic()
-        if now - self.said >= SAID or fraction >= 1.0:
+        if now - self.said >= PROGRESS_PERIOD_S or fraction >= 1.0:
             self.said = now
             word = "preparing" if what == PREPARING else None
             self.send("progress", {"what": what, "word": word, "fraction": fraction})
@@ -71,7 +71,7 @@ class Held:
         """Report what happens in a stream, and its curves so far."""
         self.send("words", {"text": words})
         now = time.monotonic()
-        if now - self.seen >= SEEN:
+        if now - self.seen >= CURVES_PERIOD_S:
             self.seen = now
             curves = [channel.curve for channel in watch.latest or () if channel.curve is not None]
             self.send("live", {"channels": [faces.drawn(faces.panel_of(curve), 0.95, self.lang) for curve in curves]})
@@ -90,7 +90,7 @@ class Held:
                 return path
         key = json.dumps(recipe.to_dict(READING), sort_keys=True, default=str)
         if (path, key) not in self.recordings:
-            while len(self.recordings) >= KEPT:
+            while len(self.recordings) >= MAX_RECORDINGS:
                 self.recordings.pop(next(iter(self.recordings)))
             try:
                 recording = whole_recording(path, recipe, progress=self.tell)

@@ -13,7 +13,7 @@ from allanite.phrases.phrase import spelled
 
 from .requests import PROBLEM
 
-MOST = 4
+MAX_PROCESSES = 4
 """Processes at once, unless more are busy."""
 
 Result = TypeVar("Result")
@@ -94,7 +94,7 @@ class Workers:
         with self.lock:
             if lane not in self.lanes:
                 idle = [(worker.used, name) for name, worker in self.lanes.items() if not worker.waiting]
-                if len(self.lanes) >= MOST and idle:  # the one that was idle longest
+                if len(self.lanes) >= MAX_PROCESSES and idle:  # the one that was idle longest
                     threading.Thread(target=self.lanes.pop(min(idle)[1]).close).start()
                 self.lanes[lane] = Worker()
             worker = self.lanes[lane]

@@ -18,10 +18,10 @@ from allanite.reporting.words import ARCSEC, percent
 
 PALETTE = ("#0072B2", "#C1272D", "#008F6B", "#AA4499", "#B97700", "#555B63", "#56B4E9", "#7F5539")
 
-MOST = 3000
+MAX_INNOVATIONS = 3000
 """Innovations that are drawn."""
 
-SEEN = 60
+MAX_PERIODS = 60
 """Periods of an error that can be told apart in one panel."""
 
 LAGS = 40
@@ -63,7 +63,7 @@ def plot_error_in_time(
     figure = new_figure(7.2, 1.1 + 2.0 * len(panels))
     axes = figure.subplots(len(panels), 1, squeeze=False)[:, 0]
     for ax, (sensor, part) in zip(axes, panels, strict=True):
-        keep = part[np.linspace(0, part.size - 1, min(part.size, MOST)).astype(np.int64)]
+        keep = part[np.linspace(0, part.size - 1, min(part.size, MAX_INNOVATIONS)).astype(np.int64)]
         time, angle = gimbals.time[keep] / 60, np.asarray(getattr(gimbals, sensor.name))[keep]
         rows = waves(angle, sensor.orders)
         error = sensor.at(angle) / ARCSEC
@@ -88,12 +88,12 @@ def plot_error_in_time(
 
 
 def _parts(gimbals: Gimbals, found: Harmonics) -> list[NDArray[np.int64]]:
-    """Samples of the panels of an error: all, and where it has more than `SEEN` periods the first and the last."""
+    """Samples of the panels of an error: all, or of more than `MAX_PERIODS` periods the first and the last."""
     whole, order = np.arange(gimbals.time.size), max(found.orders)
     period, length = gimbals.mean_period(found.name, order), gimbals.time[-1] - gimbals.time[0]
-    if length < SEEN * period:
+    if length < MAX_PERIODS * period:
         return [whole]
-    near = SEEN / 5 * period
+    near = MAX_PERIODS / 5 * period
     first, last = gimbals.time <= gimbals.time[0] + near, gimbals.time >= gimbals.time[-1] - near
     return [whole, whole[first], whole[last]]
 
@@ -137,7 +137,7 @@ def _numbered(solution: Solution) -> bool:
 def plot_innovations(new_figure: style.NewFigure, solution: Solution) -> Figure:
     """Innovations in standard deviations, and their autocorrelation."""
     innovations = solution.innovations
-    keep = np.linspace(0, innovations.size - 1, min(innovations.size, MOST)).astype(np.int64)
+    keep = np.linspace(0, innovations.size - 1, min(innovations.size, MAX_INNOVATIONS)).astype(np.int64)
     lags = min(LAGS, innovations.size // 4)
     centred = innovations - innovations.mean()
     r = np.array([centred[k:] @ centred[: innovations.size - k] for k in range(1, lags + 1)]) / (centred @ centred)

@@ -56,7 +56,7 @@ def plot_budgets(new_figure: style.NewFigure, budgets: Sequence[Budget]) -> Figu
 
 BEFORE, AFTER, TAKEN = style.OTHER, style.SERIES[0], style.SERIES[1]
 
-POINTS = 400
+MAX_MEANS = 400
 """Means over time that are drawn."""
 
 
@@ -86,7 +86,7 @@ def plot_compensated(new_figure: style.NewFigure, channels: Sequence[Compensated
         else:
             y, corrected = (rate / factor for rate in channel.rates)
             bias = float(np.nanmean(corrected))
-            m = max(1, y.size // POINTS)
+            m = max(1, y.size // MAX_MEANS)
             t = (np.arange(y.size // m) + 0.5) * m / channel.record.rate / 60
             style.grid(bottom)
             bottom.plot(t, _means(y - bias, m), color=BEFORE, lw=0.9, label=say("before"))
@@ -105,7 +105,7 @@ def _means(y: FloatArray, m: int) -> FloatArray:
     return np.asarray(y[: count * m].reshape(count, m).mean(axis=1))
 
 
-MOST_MARKED = 40
+MAX_MARKED = 40
 """Intervals up to which each is marked."""
 
 
@@ -126,7 +126,7 @@ def plot_rates(new_figure: style.NewFigure, channels: Sequence[tuple[Experiment,
         t = (experiment.start + experiment.duration / 2) / 60
         style.grid(ax)
         ax.axhline(0.0, color=style.INK, lw=0.8, zorder=2)
-        marker = "o" if t.size <= MOST_MARKED else ""
+        marker = "o" if t.size <= MAX_MARKED else ""
         for method, errors in zip(experiment.methods, experiment.errors / unit_of(unit).factor, strict=True):
             ax.plot(
                 t, errors, color=RATE_ESTIMATORS[method].color, lw=0.9, marker=marker, ms=2.5, label=method, zorder=3
@@ -169,10 +169,10 @@ def _draw_accuracy(ax: Axes, series: tuple[Experiment, ...]) -> None:
     style.plain_ticks(ax.xaxis, ax.yaxis)
 
 
-STAIRS = 10
+MAX_STAIRS = 10
 """Quanta of the staircase that are drawn: more are not seen."""
 
-MOST = 6000
+MAX_COUNTS = 6000
 """Counts whose residuals are drawn."""
 
 
@@ -189,7 +189,7 @@ def plot_closeups(new_figure: style.NewFigure, closeups: Sequence[Closeup]) -> F
         _draw_slopes(column[0], closeup)
         if closeup.counts.size:
             _draw_stairs(column[1], closeup)
-            kept = np.linspace(0, closeup.misfit.size - 1, min(closeup.misfit.size, MOST)).astype(np.int64)
+            kept = np.linspace(0, closeup.misfit.size - 1, min(closeup.misfit.size, MAX_COUNTS)).astype(np.int64)
             misfit = column[2]
             misfit.plot(kept / closeup.rate, closeup.misfit[kept], ".", ms=1.5, color=style.DATA, rasterized=True)
             misfit.set(xlabel=say("time in the interval (s)"), ylabel=say("counts minus staircase"))
@@ -223,7 +223,7 @@ def _draw_slopes(ax: Axes, found: Closeup) -> None:
 def _draw_stairs(ax: Axes, found: Closeup) -> None:
     time = np.arange(found.counts.size) / found.rate
     steep = abs(found.line[-1] - found.line[0]) / found.line.size
-    last = min(found.line.size, max(20, int(STAIRS / steep) if steep > 0 else found.line.size))
+    last = min(found.line.size, max(20, int(MAX_STAIRS / steep) if steep > 0 else found.line.size))
     shown = slice(0, last, max(1, last // 4000))
     color = RATE_ESTIMATORS["staircase"].color
     ax.step(time[shown], found.counts[shown], where="post", color=style.DATA, lw=1.1, label=say("counts"), zorder=3)

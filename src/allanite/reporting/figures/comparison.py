@@ -30,7 +30,7 @@ BoolArray = NDArray[np.bool_]
 COLORS = (0, 3)
 """Colors of the series before and after; neither is the red that marks a change."""
 
-FEW = 2.0
+MIN_AXIS_RATIO = 2.0
 """Ratio within which the axis of ratios always reaches."""
 
 
@@ -108,7 +108,7 @@ def frame_curves(ax: Axes, curve: Curve, name: str, curves: Sequence[Curve]) -> 
 def _ratio_frame(ax: Axes, ratio: FloatArray) -> None:
     ax.set(
         xscale="log", yscale="log",
-        ylim=(min(1 / FEW, float(ratio.min()) / 1.6), max(FEW, float(ratio.max()) * 1.6)),
+        ylim=(min(1 / MIN_AXIS_RATIO, float(ratio.min()) / 1.6), max(MIN_AXIS_RATIO, float(ratio.max()) * 1.6)),
     )  # fmt: skip
     style.plain_ticks(ax.xaxis, ax.yaxis)
     style.grid(ax)
@@ -136,7 +136,7 @@ def _draw_pooled(channel: PooledChannel, names: tuple[str, ...], level: float, a
     below.set_ylabel(say("variance of a run\nover that of all"))
 
 
-MOST = 24
+MAX_FIGURE_ROWS = 24
 """Rows of the figure at most, those with the most units first."""
 
 
@@ -162,7 +162,7 @@ class LotRow(NamedTuple):
 @style.plotted
 def plot_lot(new_figure: style.NewFigure, rows: Sequence[LotRow]) -> Figure:
     """A row of panels for each coefficient."""
-    shown = sorted(rows, key=lambda row: -row.values.size)[:MOST]
+    shown = sorted(rows, key=lambda row: -row.values.size)[:MAX_FIGURE_ROWS]
     labels = list(dict.fromkeys(label for row in shown for label in row.courses))
     wide = 1 + len(labels)
     figure = new_figure(max(3.6 * wide + 1.0, 7.2), 0.6 + 2.3 * len(shown))

@@ -18,7 +18,7 @@ from . import drawing
 from .panels import CurvePanel, columns_of, points, span
 from .terms import draw_model
 
-FEW = 2.0
+MIN_FILLED_EDF = 2.0
 """Equivalent degrees of freedom below which a point is drawn open."""
 
 WEIGHS = 0.37
@@ -29,10 +29,10 @@ FILTERED = say("lowered by the filter")
 
 LANDMARKS = ((60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 d"))
 
-LEAST, MOST = 3.2, 5.6
+MIN_PANEL_INCHES, MAX_PANEL_INCHES = 3.2, 5.6
 """Height of a panel, inches."""
 
-LEAST_LABELLED = 4.5
+MIN_LABELLED_INCHES = 4.5
 """Width of a panel with room for intervals and slopes, inches."""
 
 Span = tuple[tuple[float, float], tuple[float, float]]
@@ -49,7 +49,7 @@ def plot_panels(
     spans = [(panel.unit, span(panel)) for panel in panels]
     sizes = [_scaled([extent for unit, extent in spans if unit == column[0].unit], wide) for column in columns]
     width = sum(size[1] for size in sizes) + 0.8 * len(columns)
-    above = 1.1 if wide > LEAST_LABELLED else 1.6  # the legend has more lines in a narrow figure
+    above = 1.1 if wide > MIN_LABELLED_INCHES else 1.6  # the legend has more lines in a narrow figure
     height = rows * (max(size[2] for size in sizes) + (0.3 if titled else 0.0)) + above
     figure = new_figure(width, height)
     grid = figure.subplots(rows, len(columns), squeeze=False, width_ratios=[size[1] for size in sizes])
@@ -64,7 +64,7 @@ def plot_panels(
             ax.set_aspect("equal", adjustable="box", anchor="N")
             style.plain_ticks(ax.xaxis)
             style.plain_ticks(ax.yaxis, most=3000)
-            _draw_panel(ax, panel._replace(brief=wide < LEAST_LABELLED), level)
+            _draw_panel(ax, panel._replace(brief=wide < MIN_LABELLED_INCHES), level)
             if titled:
                 drawing.draw_titles(ax, (panel.name, panel.facts), panel.fit, room=72 * inches)
             ax.tick_params(labelbottom=ax is axes[-1])
@@ -77,9 +77,9 @@ def _scaled(spans: Sequence[Span], wide: float) -> tuple[Span, float, float]:
     """Common ranges of both axes, and the width and height in inches that make their decades equal."""
     (shortest, longest), (low, high) = ((min(s[i][0] for s in spans), max(s[i][1] for s in spans)) for i in (0, 1))
     across, up = math.log10(longest / shortest), math.log10(high / low)
-    inches = min(wide / across, MOST / up)
-    if up * inches < LEAST:  # a flat panel has no room for labels
-        low, up = high / 10 ** (LEAST / inches), LEAST / inches
+    inches = min(wide / across, MAX_PANEL_INCHES / up)
+    if up * inches < MIN_PANEL_INCHES:  # a flat panel has no room for labels
+        low, up = high / 10 ** (MIN_PANEL_INCHES / inches), MIN_PANEL_INCHES / inches
     return ((shortest, longest), (low, high)), across * inches, up * inches
 
 
@@ -92,7 +92,7 @@ def _draw_panel(ax: Axes, panel: CurvePanel, level: float) -> None:
             label = words.interval(level)
             ax.fill_between(drawn.tau, drawn.low, drawn.high, color=style.DATA, alpha=0.18, lw=0, zorder=2, label=label)
         # an unknown number of degrees of freedom is not many
-        few = np.zeros(drawn.tau.size, dtype=bool) if drawn.edf is None else ~(drawn.edf >= FEW)
+        few = np.zeros(drawn.tau.size, dtype=bool) if drawn.edf is None else ~(drawn.edf >= MIN_FILLED_EDF)
         size = 3.4 if drawn.tau.size <= 150 else 0.0
         ax.plot(drawn.tau, drawn.deviation, color=style.DATA, lw=0.9, zorder=4)
         dots: dict[str, Any] = {"ls": "-" if size == 0 else "", "marker": "o", "color": style.DATA, "zorder": 4}
@@ -101,7 +101,7 @@ def _draw_panel(ax: Axes, panel: CurvePanel, level: float) -> None:
             **dots,
         )  # fmt: skip
         if few.any():
-            label = say("below {count:g} degrees of freedom", count=FEW)
+            label = say("below {count:g} degrees of freedom", count=MIN_FILLED_EDF)
             ax.plot(drawn.tau[few], drawn.deviation[few], ms=3.6, mfc="white", mew=0.8, label=label, **dots)
     if panel.fit is not None:
         fit = panel.fit
@@ -156,7 +156,7 @@ def _draw_landmarks(ax: Axes) -> list[drawing.LabelBox]:
     return taken
 
 
-MOST_BANDS = 3
+MAX_BANDS = 3
 """Curves of a panel whose confidence bands can still be told apart."""
 
 
@@ -191,7 +191,7 @@ def _draw_group(ax: Axes, group: Sequence[CurvePanel], level: float) -> None:
         name, title = _called(panel)
         told = [part for part, known in ((name, names), (title, titles)) if len(known) > 1]
         label = join(", ", told) or title or name
-        _draw_curve(ax, panel, (i, label), level if len(group) <= MOST_BANDS else None)
+        _draw_curve(ax, panel, (i, label), level if len(group) <= MAX_BANDS else None)
     ax.set_title(next(iter(names)) if len(names) == 1 else "", loc="left", fontweight="bold", parse_math=False)
     what = next(iter(titles)) if len(titles) == 1 else say("deviation")
     ax.set_ylabel(drawing.with_unit(what, group[0].unit))

@@ -18,10 +18,10 @@ from allanite.core.units import convert, unit_of
 from allanite.reporting import words
 from allanite.statistics import expected, statistic_named
 
-MOST_POINTS = 400
+MAX_CURVE_POINTS = 400
 """Points of a curve that are drawn: more are not seen, but weigh."""
 
-ZEROS = 1000.0
+ZEROS_RANGE = 1000.0
 """Range in which the expected curve of a sinusoid is drawn, which is zero at multiples of its period."""
 
 
@@ -101,9 +101,9 @@ def points(panel: CurvePanel, level: float) -> DrawnPoints:
 
 def thinned(count: int) -> IntArray:
     """Indices of the points that are drawn: of many, evenly in the logarithm."""
-    if count <= MOST_POINTS:
+    if count <= MAX_CURVE_POINTS:
         return np.arange(count)
-    return np.unique(np.rint(np.geomspace(1, count, MOST_POINTS)).astype(np.int64)) - 1
+    return np.unique(np.rint(np.geomspace(1, count, MAX_CURVE_POINTS)).astype(np.int64)) - 1
 
 
 def span(panel: CurvePanel) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -116,7 +116,7 @@ def span(panel: CurvePanel) -> tuple[tuple[float, float], tuple[float, float]]:
     below = 8.0 if panel.drawn is not None else 2.5
     low, high = float(visible.min()) / below, float(visible.max())
     if panel.model is not None and any(t.row.periodic for t in panel.model):
-        low = max(low, high / ZEROS)
+        low = max(low, high / ZEROS_RANGE)
     # the upper limits of the last points are far off, and not worth the room
     return (float(curve.tau[0]) / 1.8, float(curve.tau[-1]) * 1.8), (low, high * 2.5)
 

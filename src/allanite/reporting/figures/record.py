@@ -30,13 +30,13 @@ STRETCHES = 480
 MEANS = 6
 """Stretches of one mean."""
 
-HOURS, MINUTES = 7200.0, 300.0
+MIN_HOURS_S, MIN_MINUTES_S = 7200.0, 300.0
 """Lengths in seconds from which time is shown in hours, and in minutes."""
 
 
 def time_scale(length: float) -> tuple[str, float]:
     """The unit of a time axis of so many seconds, and its size."""
-    return ("h", 3600.0) if length > HOURS else ("min", 60.0) if length > MINUTES else ("s", 1.0)
+    return ("h", 3600.0) if length > MIN_HOURS_S else ("min", 60.0) if length > MIN_MINUTES_S else ("s", 1.0)
 
 
 class Envelope(NamedTuple):

@@ -19,7 +19,7 @@ from allanite.terms import TERMS, WHITE
 
 from . import drawing
 
-MOST_POINTS = 200
+MAX_BAND_POINTS = 200
 """Values that are drawn as points in a band; more are a line, and its band would hide it."""
 
 
@@ -47,8 +47,8 @@ def plot_spectra(
             ax.set_ylim(positive.min() / (5 if fit else 2), positive.max() * 2)
             style.plain_ticks(ax.xaxis, ax.yaxis)
             style.grid(ax)
-            size, width = (3.0, 0.9) if f.size <= MOST_POINTS else (0.0, 0.5)
-            if f.size <= MOST_POINTS:
+            size, width = (3.0, 0.9) if f.size <= MAX_BAND_POINTS else (0.0, 0.5)
+            if f.size <= MAX_BAND_POINTS:
                 low, high = map(np.sqrt, shown.interval(level))
                 label = words.interval(level)
                 ax.fill_between(f, low, high, color=style.DATA, alpha=0.2, lw=0, zorder=2, label=label)

@@ -77,7 +77,7 @@ class Marker:
     def at(self, x: FloatArray, y: FloatArray) -> str:
         """At points of the page."""
         shape = SHAPES[self.shape](self.size / 2)
-        visible = np.isfinite(x) & np.isfinite(y) & (np.abs(x) < ink.FAR) & (np.abs(y) < ink.FAR)
+        visible = np.isfinite(x) & np.isfinite(y) & (np.abs(x) < ink.MAX_COORDINATE) & (np.abs(y) < ink.MAX_COORDINATE)
         places = zip(x[visible].tolist(), y[visible].tolist(), strict=True)
         d = "".join(f"M{ink.number(a)} {ink.number(b)}{shape}" for a, b in places)
         edge = ink.hexadecimal(self.edge) if self.width else None

@@ -20,7 +20,7 @@ from .axis import Unsketched
 ABOVE, BELOW = 0.76, 0.24
 """Height of a line above and below its foot, sizes of the letters."""
 
-FULL = 1.0
+FULL_WIDTH = 1.0
 """Width of a letter that the font does not have, sizes: Chinese ones are squares."""
 
 
@@ -40,7 +40,7 @@ def wide(text: str, *, bold: bool = False) -> float:
 def _letter(letter: str, bold: bool) -> float:
     font = _font(bold)
     if not font.get_char_index(ord(letter)):
-        return FULL
+        return FULL_WIDTH
     return float(font.load_char(ord(letter)).linearHoriAdvance) / 65536 / _SIZE
 
 
@@ -61,7 +61,7 @@ if hasattr(os, "register_at_fork"):  # processes that share an open file move ea
     os.register_at_fork(after_in_child=_font.cache_clear)
 
 
-FAR = 20_000.0
+MAX_COORDINATE = 20_000.0
 """Points beyond which a coordinate is not drawn any farther: browsers count in single precision."""
 
 _POWER = re.compile(r"\$(×?)10\^\{(-?\d+)\}\$")
@@ -84,7 +84,7 @@ def path(x: FloatArray, y: FloatArray, *, closed: bool = False) -> str:
     'M0 0L1 1.5M2 2L3 0'
     """
     finite = np.isfinite(x) & np.isfinite(y)
-    x, y = (np.clip(np.round(values, 1), -FAR, FAR) + 0.0 for values in (x, y))
+    x, y = (np.clip(np.round(values, 1), -MAX_COORDINATE, MAX_COORDINATE) + 0.0 for values in (x, y))
     parts, last = [], False
     for known, at, level in zip(finite.tolist(), x.tolist(), y.tolist(), strict=True):
         if known:

@@ -350,7 +350,7 @@ WINDOWS = (
     Column(say("condition"), form=".4g"),
 )  # fmt: skip
 
-FEW = 8
+MAX_WINDOWS = 8
 """Windows that stand side by side in a table."""
 
 
@@ -381,7 +381,7 @@ def scan_view(scan: Scan, level: float) -> Face:
         Drawing(lambda: figures.plot_scan(scan), say("expected accuracy by the start of the interval"), SCANNED),
         Table(WINDOWS, [row[: len(WINDOWS)] for row in scan.rows()[1]], say("all windows"), marks=marks, details=True),
     ]
-    few = scan if len(scan.starts) <= FEW else None
+    few = scan if len(scan.starts) <= MAX_WINDOWS else None
     if few is not None:  # the amplitudes by range of h
         rows = [
             [say("sum"), *(f"{t:.4g}" for t in scan.totals)],

@@ -25,7 +25,7 @@ from .channels import IN_RUN_SHORT, fit_words, names_in_order
 from .expectation import causes_of
 from .fit import definitions, terms_table
 
-EVERY = 1_000_000
+ALL_ROWS = 1_000_000
 """Rows of a table that has all of them in a terminal, too."""
 
 OUTCOME_WORDS = {PASS: say("pass"), FAIL: say("fail"), NOT_SHOWN: say("not shown"), "": ""}
@@ -37,10 +37,10 @@ SPREAD = say(
     "the errors of the values."
 )
 
-BELOW = 7
+LIMITS_COLUMN = 7
 """Column of that table with the limits of the units in which the term was not identified."""
 
-FEW = 12
+MAX_UNIT_ROWS = 12
 """Rows up to which every channel of every unit has one."""
 
 
@@ -60,9 +60,9 @@ def first_of_batch(batch: Batch, level: float) -> First:
     signals = {c.record.signal.name: c.record.signal for unit in batch for c in unit.channels}
     count = sum(len(unit.channels) for unit in batch)
     answer: list[Answer] = [_table(batch, signal, level) for signal in signals.values()]
-    if count > FEW:
+    if count > MAX_UNIT_ROWS:
         whole = across_table(batch, (term for term in batch.across if term.row()[3]))
-        answer = [whole.only([i for i in range(len(whole.columns)) if i != BELOW])]
+        answer = [whole.only([i for i in range(len(whole.columns)) if i != LIMITS_COLUMN])]
     alerts = sum(any(channel.alerts for channel in unit.channels) for unit in batch)
     if alerts:
         remarks.append(Remark("", [say("warnings in {warned} of {count} units", warned=alerts, count=len(batch))]))
@@ -124,7 +124,7 @@ def across_table(batch: Batch, across: Iterable[Across]) -> Table:
             shown = [number and say("{number} (of {count})", number=number, count=count) for number in shown]
         label = batch.label(batch[file]) if file else ""
         rows.append([channel, symbol_of(symbol), share, *shown, worst, label, below, unit])
-    return Table(heads, rows, say("over all units"), key=SPREAD, most=EVERY)
+    return Table(heads, rows, say("over all units"), key=SPREAD, most=ALL_ROWS)
 
 
 def symbol_of(of: str) -> str:
@@ -204,7 +204,7 @@ def _limits_table(batch: Batch) -> Iterator[Part]:
         for unit, j in judged
     ]  # fmt: skip
     marks = [MARKS.get(j.outcome, "") for _, j in judged]
-    yield Table(heads, rows, say("limits exceeded, not shown, or within the interval"), marks, most=EVERY)
+    yield Table(heads, rows, say("limits exceeded, not shown, or within the interval"), marks, most=ALL_ROWS)
 
 
 def _main(batch: Batch, signal: Signal, level: float) -> Table:
@@ -222,7 +222,7 @@ def _main(batch: Batch, signal: Signal, level: float) -> Table:
         cells.append([batch.label(unit), channel.record.name, *_cells(channel, symbols, level), *last])
         marks.append(MARKS.get(outcome, ""))
     title = say("units: {sensor}", sensor=signal.sensor)
-    return Table(heads, cells, title, marks, MAIN, most=EVERY)
+    return Table(heads, cells, title, marks, MAIN, most=ALL_ROWS)
 
 
 def _outcome(unit: BatchUnit, channel: Channel) -> str:

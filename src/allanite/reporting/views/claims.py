@@ -27,7 +27,7 @@ TITLES = {
 }  # fmt: skip
 """What the quantities are called that are no terms."""
 
-CLOSE = 1.2
+MIN_LIMITS_RATIO = 1.2
 """Ratio of the limits of a factor from which these are shown instead of its value."""
 
 AT_MOST = ("--at-most", say("the claim as upper bounds"))
@@ -123,7 +123,7 @@ def _cell(row: CheckedTerm | None) -> str:
         factor = say("above {limit}", limit=rounded(row.low)) if row.low > 0 else factor
     elif row.low <= 0:
         factor = say("below {limit}", limit=rounded(row.high))
-    elif row.high > CLOSE * row.low:
+    elif row.high > MIN_LIMITS_RATIO * row.low:
         factor = f"{rounded(row.low)} .. {rounded(row.high)}"
     else:
         factor = plus_minus(row.ratio, row.low, row.high)

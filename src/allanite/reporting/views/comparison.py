@@ -23,7 +23,7 @@ from . import Rows, view
 from .channels import names_in_order
 from .jobs import job_face
 
-WITH_VALUES = 2
+MAX_WITH_VALUES = 2
 """Channels side by side with the coefficients before and after."""
 
 _OUTCOMES = say("smaller"), say("larger"), say("no change"), say("not resolvable")
@@ -58,7 +58,7 @@ def _channels(pairs: Sequence[Pair], level: float) -> Channels:
     for symbol in names_in_order(c.symbol for c in changes):
         own = [next((c for c in pair.changes if c.symbol == symbol), None) for pair in pairs]
         known = next(c for c in own if c is not None)
-        cells = ["" if c is None else _cell(c, level, values=len(pairs) <= WITH_VALUES) for c in own]
+        cells = ["" if c is None else _cell(c, level, values=len(pairs) <= MAX_WITH_VALUES) for c in own]
         claimed = any(c is not None and c.outcome != "not resolvable" for c in own)
         rows.append(
             ChannelRow(words.title(symbol, known.signal), symbol, known.before.sheet_unit, cells, 0 if claimed else 1)

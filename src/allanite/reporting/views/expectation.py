@@ -23,7 +23,7 @@ from allanite.study.results import Channel
 
 from . import view
 from .fit import model_table
-from .values import ROWS, tables_of
+from .values import MAX_ROWS, tables_of
 
 if TYPE_CHECKING:
     from allanite.core.curve import Curve
@@ -63,7 +63,7 @@ def _curves(found: Expectation) -> Iterator[Table]:
 
 def first_of_expectation(found: Expectation, level: float) -> First:
     """The expected deviations, and those of each term."""
-    most, answer = ROWS // len(found.curves), list[Answer]()
+    most, answer = MAX_ROWS // len(found.curves), list[Answer]()
     for table in _curves(found):
         answer += [table.title, replace(table, rows=[table.rows[i] for i in spread(len(table.rows), most)])]
     return First(str(found.model), "", answer, after=[("--plot curve.png", say("figure")), DETAILS])
@@ -99,7 +99,7 @@ def first_of_expectations(found: Expectations, level: float) -> First:
         for curve in each.curves
     ]
     named = [join("  ", (str(i), name)) for i, (name, _) in enumerate(found.apart, 1)]
-    answer = [*named, *tables_of(curves, level, max(4, ROWS - len(named)))]
+    answer = [*named, *tables_of(curves, level, max(4, MAX_ROWS - len(named)))]
     return First(say("Expected of several models"), "", answer, after=[("--plot curve.png", say("figure")), DETAILS])
 
 

@@ -13,7 +13,7 @@ from allanite.reporting.digits import rounded
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Table
 
 from . import view
-from .batch import EVERY, batch_view, symbol_of
+from .batch import ALL_ROWS, batch_view, symbol_of
 
 CAPTION = say(
     "The values of each coefficient in ascending order, and over temperature and date where these are given, with a "
@@ -44,7 +44,7 @@ def _parts(lot: Lot) -> Iterator[Part]:
     if rows:
         shares = (Column(f"{share} %", form=rounded) for share in (10, 50, 90))
         title = say("quantiles of the units in which the term was identified")
-        yield Table((*TERM, Column(say("units")), *shares, UNIT), rows, title, most=EVERY)
+        yield Table((*TERM, Column(say("units")), *shares, UNIT), rows, title, most=ALL_ROWS)
     if lot.trends:
         yield _trends_table(lot)
     if lot.outlying:
@@ -55,7 +55,7 @@ def _parts(lot: Lot) -> Iterator[Part]:
              row.median / row.factor, row.sheet_unit]
             for row in lot.outlying
         ]  # fmt: skip
-        yield Table(heads, rows, say("outlying units"), key=OUTLYING_KEY, most=EVERY)
+        yield Table(heads, rows, say("outlying units"), key=OUTLYING_KEY, most=ALL_ROWS)
     yield from _tested(lot)
 
 
@@ -72,7 +72,7 @@ def _trends_table(lot: Lot) -> Table:
         interval = f"{rounded(low)} .. {rounded(high)}"
         rows.append([course.channel, symbol_of(course.symbol), along, course.values.size, slope, interval, unit])
     marks: list[Mark] = ["alarm" if trend.shown else "" for trend in lot.trends]
-    return Table(heads, rows, say("trends"), marks, TREND_KEY, most=EVERY)
+    return Table(heads, rows, say("trends"), marks, TREND_KEY, most=ALL_ROWS)
 
 
 def _tested(lot: Lot) -> Iterator[Note]:

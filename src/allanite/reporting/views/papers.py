@@ -24,7 +24,7 @@ HEADS = (say("in the paper"), "", say("paper"), say("here"), "", say("why"))
 APART = ("not built", "computed", "present")
 """Verdicts on what the paper has no number for."""
 
-LINES = 13
+MAX_ITEMS = 13
 """Items on the first screen."""
 
 
@@ -39,7 +39,7 @@ def first_of_paper(value: Reproduction, _: float) -> First:
     )  # fmt: skip
     told = sorted(value.items, key=lambda item: (item.expected, item.verdict in (AGREES, DRAWN)))
     after = ((f"{Path(value.folder, 'page.html')}", say("all of them, with the figures")), DETAILS)
-    return First(value.title, verdict, [_brief(told[:LINES])], after=after)
+    return First(value.title, verdict, [_brief(told[:MAX_ITEMS])], after=after)
 
 
 @view(rows=lambda value, _: _rows(value), first=first_of_paper)

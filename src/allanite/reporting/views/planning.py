@@ -229,7 +229,7 @@ FREEDOM = say("equivalent degrees of freedom")
 EXACT = say("exact for each noise alone; the relative standard deviation of the variance is sqrt(2 / edf)")
 
 
-MOST = 10
+MAX_TIMES = 10
 """Averaging times of a first screen."""
 
 
@@ -239,7 +239,7 @@ def first_of_properties(value: Properties, _: float) -> First:
     ratios = [ratio for row in rows for ratio in row[2 : 2 + terms]]
     span = say("{ratio}: {low:.3f} to {high:.3f}", ratio=_ratio(value), low=min(ratios), high=max(ratios))
     heads = (Column("tau", form=".6g"), *(Column(symbol, form=".4g") for symbol in value.symbols))
-    kept = [rows[i] for i in spread(len(rows), MOST)]
+    kept = [rows[i] for i in spread(len(rows), MAX_TIMES)]
     table = Table(heads, [[row[1], *row[2 + terms :]] for row in kept])
     title = say("{statistic}: a record of {n} samples", statistic=statistic_named(value.statistic).title, n=value.size)
     answer: list[Answer] = [say("{what}, by tau in sampling intervals:", what=FREEDOM), table, span]

@@ -26,7 +26,7 @@ from .jobs import alerts, channel_sheet, doubts, job_face, source_of
 
 BRAND = say("statistics of an inertial sensor")
 
-MOST_COLUMNS = 8
+MAX_SURFACE_TIMES = 8
 """Averaging times of a surface that are printed."""
 
 
@@ -90,7 +90,7 @@ def _curve_lines(curve: Curve, level: float) -> list[list[Any]]:
 
 
 def _surface_table(surface: Surface, _: float) -> tuple[Sequence[Column], list[list[Any]]]:
-    kept = spread(surface.tau.size, MOST_COLUMNS)
+    kept = spread(surface.tau.size, MAX_SURFACE_TIMES)
     heads = (Column(say("time [s]"), form=".6g"), *(Column(f"{surface.tau[j]:.4g} s") for j in kept))
     numbers = zip(surface.time, surface.deviation[:, kept].tolist(), strict=True)
     return heads, [[time, *(rounded(value) or "-" for value in row)] for time, row in numbers]
@@ -212,10 +212,10 @@ def readings_view(readings: Readings, level: float) -> Face:
     )
 
 
-ROWS = 12
+MAX_ROWS = 12
 """Rows of all tables together."""
 
-BESIDE, BARE = 3, 6
+MAX_WITH_INTERVALS, MAX_BESIDE = 3, 6
 """Channels side by side with their intervals, and without."""
 
 
@@ -226,7 +226,7 @@ def first_of_survey(survey: Survey, level: float) -> First:
     return First(title_of(survey), "", answer, [*doubts(survey.channels), *alerts(survey)], (), how_read(survey), after)
 
 
-def tables_of(values: Sequence[Any], level: float, rows: int = ROWS) -> Iterator[Table | str]:
+def tables_of(values: Sequence[Any], level: float, rows: int = MAX_ROWS) -> Iterator[Table | str]:
     """A table for each statistic, of so many rows together: a column for each channel with the averaging times."""
     alike: dict[tuple[str, tuple[float, ...]], list[Any]] = {}
     for value in values:
@@ -236,12 +236,12 @@ def tables_of(values: Sequence[Any], level: float, rows: int = ROWS) -> Iterator
     groups = [
         (title, same[i : i + wide])
         for (title, _), same in alike.items()
-        for wide in (BARE if len(same) > BESIDE else BESIDE,)
+        for wide in (MAX_BESIDE if len(same) > MAX_WITH_INTERVALS else MAX_WITH_INTERVALS,)
         for i in range(0, len(same), wide)
     ]
     for title, group in groups:
         yield title
-        yield _side_by_side(group, level, rows // len(groups), bare=len(group) > BESIDE)
+        yield _side_by_side(group, level, rows // len(groups), bare=len(group) > MAX_WITH_INTERVALS)
 
 
 def _at(value: Curve | Spectrum | Surface) -> FloatArray:

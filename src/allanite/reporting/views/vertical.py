@@ -157,7 +157,7 @@ def _angle_parts(angle: Angle) -> Iterator[Part]:
         yield Note(say("predicted: {error:.3g} arcsec (1 sigma), {limit:.2g} deg (2 sigma)",
                        error=p.to("arcsec"), limit=2 * p.to("deg")), "strong")  # fmt: skip
         # a measured scatter that the prediction does not explain
-        if isinstance(angle.record, Record) and angle.deviation >= BEYOND * p.rms:
+        if isinstance(angle.record, Record) and angle.deviation >= MIN_SCATTER_RATIO * p.rms:
             yield Note(
                 say("the angle scatters {ratio:.2g} times as much as predicted: the body moved, or noise is missing "
                     "from the models (see the channels)", ratio=angle.deviation / p.rms), "warning",
@@ -172,10 +172,10 @@ def _angle_parts(angle: Angle) -> Iterator[Part]:
         yield from _optimum_parts(angle.optimum, angle.name)
 
 
-HELD = 0.1
+MAX_IGNORED_SHARE = 0.1
 """Share of the samples without accelerometers from which a gate may do more harm than good."""
 
-BEYOND = 1.5
+MIN_SCATTER_RATIO = 1.5
 """Ratio of measured and predicted scatter from which it is mentioned."""
 
 
@@ -213,9 +213,9 @@ def study_view(study: VerticalStudy, _: float) -> Face:
     if study.held > study.falling and row.name != "bortz":
         share = (study.held - study.falling) / study.roll.size
         held = say("the accelerometers were ignored in {share} of the samples", share=words.percent(share, 3))
-        if share > HELD:
+        if share > MAX_IGNORED_SHARE:
             held = say("{held}: the gate is below the tilt of this motion", held=held)
-        parts.append(Note(held, "alert" if share > HELD else "note"))
+        parts.append(Note(held, "alert" if share > MAX_IGNORED_SHARE else "note"))
     parts.append(Drawing(lambda: figures.plot_angles(study.angles), say("roll and pitch"), ANGLES))
     names = say("Roll and pitch of {source}", source=source_of(study)), BRAND
     return job_face(study, names, sheets, parts, close=[_matrices(study.loop, study.rate)], how=[METHODS])
