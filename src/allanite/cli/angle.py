@@ -162,7 +162,7 @@ def simulate(out: str, **choices: Any) -> None:
 
     from allanite.applications.angle import readings
     from allanite.applications.angle import simulate as run
-    from allanite.applications.angle.geometry import ANGLES as NAMES
+    from allanite.applications.angle.geometry import ANGLES as SENSORS
 
     known = harmonics_of(choices["errors"])
     if not known:
@@ -173,7 +173,7 @@ def simulate(out: str, **choices: Any) -> None:
     z = run(true, known, sigma=choices["sigma"] * ARCSEC, walk=choices["walk"] * ARCSEC, rng=rng)
     shown = readings(true, known)
     table = {"time [s]": true.time, "difference": z}
-    table |= {f"{name} [rad]": getattr(shown, name) for name in NAMES[: 4 if settings.ring is None else 5]}
+    table |= {f"{name} [rad]": getattr(shown, name) for name in SENSORS[: 4 if settings.ring is None else 5]}
     table |= {} if true.rho is None else {"rho [rad]": true.rho}
     put(out, f"{TRUE}{' '.join(choices['errors'])}\n{columns_of(table)}", force=where.force)
     if "plot" in where.paths:

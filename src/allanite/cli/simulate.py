@@ -153,7 +153,7 @@ FAULTS: "dict[str, Fault]" = {
 """The function of each option, in the order in which the faults occur in a sensor and its logger."""
 
 
-NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
+CHANNEL_NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
 """First letters of the channels' names."""
 
 
@@ -218,7 +218,7 @@ def _recording(model: "Model", n: int, choices: dict[str, Any], tell: Callable[[
     unit = choices["unit"] or quantizer_unit(choices["quantize"]) or model.signal.sheet[0]
     records = []
     for i in range(count):
-        name = NAMES.get(model.signal.name, f"{model.signal.name} ") + ("xyz"[i] if count <= 3 else str(i + 1))
+        name = CHANNEL_NAMES.get(model.signal.name, f"{model.signal.name} ") + ("xyz"[i] if count <= 3 else str(i + 1))
         tell(f"simulating {name}", 0.8 * i / count)
         record = simulated(model, n, choices["rate"], rng=rng, name=name, unit=unit, rounding=choices["rounding"])
         for option, fault in FAULTS.items():

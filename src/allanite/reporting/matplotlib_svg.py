@@ -76,7 +76,7 @@ def trimmed(text: str, wide: float) -> Picture:
     return Picture(text, wide)
 
 
-_STYLE = r'style="([^"]*)"'
+_STYLE_ATTRIBUTE = r'style="([^"]*)"'
 _SCROLLED = ' tabindex="0"'
 """A figure without a narrow form is scrolled on a narrow screen, by keys too."""
 
@@ -97,7 +97,7 @@ def drawer() -> Callable[[Drawing], Markup]:
         forms = {"broad": broad, "narrow": broad.narrow} if broad.narrow else {"only": broad}
         texts = {width: within(form, f"f{next(numbers)}", drawing.label) for width, form in forms.items()}
         made = "".join(
-            f'<div class="{width}"{_SCROLLED if width == "only" else ""}>{re.sub(_STYLE, named, text)}</div>'
+            f'<div class="{width}"{_SCROLLED if width == "only" else ""}>{re.sub(_STYLE_ATTRIBUTE, named, text)}</div>'
             for width, text in texts.items()
         )
         new = "".join(f".{name}{{{style}}}" for style, name in list(classes.items())[known:])

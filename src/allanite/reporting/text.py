@@ -32,7 +32,7 @@ LABEL_COLUMNS = 10
 _COLUMNS = 10_000
 """Columns of the console that tables are laid out in: a number is never torn in two."""
 
-_ASCII = ContextVar("_ASCII", default=False)
+_IN_ASCII = ContextVar("_IN_ASCII", default=False)
 
 _BROAD = "\u2e80-\u9fff\uf900-\ufaff\uff00-\uff60"
 _CHUNK = re.compile(rf"\s+|[（「《【“]*[{_BROAD}][，。；：、！？）」》】”]*|[^\s{_BROAD}]+")
@@ -67,11 +67,11 @@ def wrapped(text: str, width: int, first: str, rest: str) -> list[str]:
 
 def render(face: Face, *, width: int = 120, color: bool = False, ascii: bool = False) -> str:  # noqa: A002 - as in repr
     """A result as text for a terminal of `width` columns; with `color`, ANSI codes in it, with `ascii`, no signs."""
-    token = _ASCII.set(ascii)
+    token = _IN_ASCII.set(ascii)
     try:
         return _printed(_lines(face, width), color=color)
     finally:
-        _ASCII.reset(token)
+        _IN_ASCII.reset(token)
 
 
 def text_of(parts: Iterable[Part], width: int) -> str:
@@ -126,7 +126,7 @@ def _parts(parts: Iterable[Part], width: int) -> Iterator[RenderableType]:
 
 def _plain(text: str) -> str:
     shown = printable(tr(text))
-    return in_ascii(shown) if _ASCII.get() else shown
+    return in_ascii(shown) if _IN_ASCII.get() else shown
 
 
 def _heading(column: Column) -> str:

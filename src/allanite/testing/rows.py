@@ -150,7 +150,7 @@ def _check_mean(row: Statistic, m: "np.ndarray[tuple[int], np.dtype[np.int64]]",
 COEFFICIENTS = {"gyro": (2e-4, 3e-6), "accelerometer": (6e-3, 1.2e-4)}
 """N and K of each sensor, SI, within the ranges that autopilots accept."""
 
-RATE = 123.0
+FILE_RATE = 123.0
 
 
 @public
@@ -193,10 +193,10 @@ def _check_way_back(target: Target, about: str) -> None:
     units = {"gyro": ("rad/s/sqrt(Hz)", "rad/s^2/sqrt(Hz)"), "accelerometer": ("m/s^2/sqrt(Hz)", "m/s^3/sqrt(Hz)")}
     models = [N(n, units[sensor][0]) + K(k, units[sensor][1]) for sensor, (n, k) in COEFFICIENTS.items()]
     with tempfile.TemporaryDirectory() as folder:
-        made = export(models, target.name, rate=RATE)
+        made = export(models, target.name, rate=FILE_RATE)
         path = Path(folder, f"file{made.suffix}")
         made.write(path)
-        noise = read_noise(path, target.name, rate=RATE)
+        noise = read_noise(path, target.name, rate=FILE_RATE)
     for sensor, sizes in COEFFICIENTS.items():
         fields = {field.term for field in target.fields if field.sensor == sensor}
         written = {symbol: size for symbol, size in zip("NK", sizes, strict=True) if symbol in fields}

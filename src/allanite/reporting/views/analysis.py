@@ -63,7 +63,7 @@ EXPLAINED = {
 """How a method works, in a few sentences; without them its title is enough."""
 
 CURVE_ALONE = say("The curve is estimated independently and shown for comparison: no coefficient was read off it.")
-LIMITS = say(
+LIMITS_KEY = say(
     "The intervals of the curve come from the exact distribution of the statistic, averaged over the noise models that "
     "the record leaves open: a random walk that was not identified may still be present."
 )
@@ -145,7 +145,7 @@ def _how(study: Study) -> Iterator[Part]:
         alone = say(
             "The coefficients were read off a curve, {statistic}: the notes say from which points.", statistic=statistic
         )
-    yield Note(join(" ", (alone, LIMITS)))
+    yield Note(join(" ", (alone, LIMITS_KEY)))
     yield Note(DATA_SHEET)
     met = {e.status for fit in fits for e in fit}
     rows = [[status.name, status.meaning] for status in STATUSES.values() if status.name in met]

@@ -159,7 +159,7 @@ RULE = say(
     "does not. A term that was not identified passes if its 95 % upper limit does not exceed the limit. Not shown: "
     "the record cannot decide whether the limit is kept."
 )
-MAIN = say("'< 2' is the 95 % upper limit of a term that was not identified, '-' a term without a valid result.")
+MAIN_KEY = say("'< 2' is the 95 % upper limit of a term that was not identified, '-' a term without a valid result.")
 CAPTION = say("The Allan deviation of all units; those that exceed a limit are in color.")
 
 
@@ -222,7 +222,7 @@ def _main(batch: Batch, signal: Signal, level: float) -> Table:
         cells.append([batch.label(unit), channel.record.name, *_cells(channel, symbols, level), *last])
         marks.append(MARKS.get(outcome, ""))
     title = say("units: {sensor}", sensor=signal.sensor)
-    return Table(heads, cells, title, marks, MAIN, most=ALL_ROWS)
+    return Table(heads, cells, title, marks, MAIN_KEY, most=ALL_ROWS)
 
 
 def _outcome(unit: BatchUnit, channel: Channel) -> str:

@@ -35,7 +35,7 @@ CAPTION = say(
     "Standard deviation against the time without aid: all causes (black, with its interval), and each of them; dotted: "
     "with the upper limits of terms that were not identified."
 )
-AT_MOST = say("≤ with the upper limits of terms that were not identified.")
+AT_MOST_KEY = say("≤ with the upper limits of terms that were not identified.")
 MIN_CURVED_TIME_S = 900.0
 """Times, s, from which on the earth's curvature counts: a tenth of the Schuler period and more."""
 MAX_TILT_RAD = 0.5
@@ -179,7 +179,7 @@ def first_of_drift(value: Drift, _: float) -> First:
     after = [DETAILS, FIGURES]
     if not value.settings.requirements:
         after.append(("--require '1 deg in 10 min'", say("what is allowed")))
-    legend = [(MOST, AT_MOST)]
+    legend = [(MOST, AT_MOST_KEY)]
     return First(_title(value), "", answer, _remarks(value), legend, _said(value), after)
 
 
@@ -220,11 +220,7 @@ def _sized(cell: tuple[float, float]) -> str:
     return shown if math.isnan(share) or share < MIN_GIVEN_SHARE else f"{shown} ({_percent(share)})"
 
 
-@view(
-    lambda values, _, __: figures.plot_drifts(values[0]),
-    lambda value, _: value.rows(),
-    first=first_of_drift,
-)
+@view(lambda values, _, __: figures.plot_drifts(values[0]), lambda value, _: value.rows(), first=first_of_drift)
 def drift_view(value: Drift, _: float) -> Face:
     """Each quantity with its causes, and what the requirements allow."""
     parts: list[Part] = [Note(alert, "alert") for alert in value.alerts]

@@ -37,7 +37,7 @@ DRAWN = say(
 )
 
 SENSORS = {GYRO: say("gyro"), ACCELEROMETER: say("accelerometer")}
-HEADINGS = (
+COLUMNS = (
     Column(say("field"), "name"), Column(say("value")), Column(say("unit"), "unit"), Column(say("formula"), "text"),
     Column(say("channel"), "text"), Column(say("remark"), "text"),
 )  # fmt: skip
@@ -94,7 +94,7 @@ def export_view(value: Export, _: float) -> Face:
     row = row_of_file(value.target)
     parts: list[Part] = [Note(alert, "alert") for alert in value.alerts]
     if value.entries:
-        parts.append(Table(HEADINGS, value.rows()[1]))
+        parts.append(Table(COLUMNS, value.rows()[1]))
         parts.append(Note(KEY, "quiet"))
         if value.stated:
             parts.append(Drawing(lambda: figures.plot_stated(value.stated), DRAWN_LABEL, DRAWN))

@@ -32,7 +32,7 @@ DRAWN = say(
     "by source, of the recommended filter. Below: error against the time constant."
 )
 ANGLES = say("Roll and pitch: mean, least and largest of short blocks; dashed: predicted limits about the mean.")
-COMPARED = say(
+SCENARIOS_KEY = say(
     "RMS error of roll and pitch after the first fifth of the run, deg; in brackets the largest. Norm gate: ignores "
     "the accelerometers where the specific force differs from g in size; angle gate: where their tilt differs from the "
     "angle."
@@ -136,8 +136,8 @@ def _scenario_parts(found: ScenarioErrors) -> Iterator[Part]:
         [name, *(f"{r:.3g} ({w:.2g})" for r, w in zip(np.degrees(rms), np.degrees(worst), strict=True))]
         for name, rms, worst in zip(found.filters, found.rms, found.worst, strict=True)
     ]
-    yield Table(heads, cells, say("filters in the scenarios"), key=COMPARED)
-    yield Drawing(lambda: figures.plot_scenarios(found), say("filters in the scenarios"), COMPARED)
+    yield Table(heads, cells, say("filters in the scenarios"), key=SCENARIOS_KEY)
+    yield Drawing(lambda: figures.plot_scenarios(found), say("filters in the scenarios"), SCENARIOS_KEY)
 
 
 METHODS = Table(
