@@ -16,7 +16,7 @@ from pathlib import Path
 import httpx
 import numpy as np
 
-from allanite.cli.tasks import jobs as verbs
+from allanite.cli import jobs as verbs
 from allanite.core.choices import choices_of
 from allanite.core.errors import DataError
 from allanite.exporting.exports import EXPORTS

@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from allanite.interpretation.device import REFERENCES, SCALES
+from allanite.core.readings import IN_RUN
+from allanite.interpretation.device import GRADES, GRADES_SOURCE, REFERENCES, bounds_of
 from allanite.interpretation.devices import DEVICES
 from generate.markdown import table
 
@@ -12,10 +13,8 @@ def devices_page() -> Iterator[str]:
     """The page behind the index of the noise terms."""
     yield Path(__file__).with_suffix(".md").read_text(encoding="utf-8")
     yield from ("## Grades of gyroscopes", "")
-    for scale in SCALES:
-        rows = [(grade.name, scale.words(grade)) for grade in scale.grades]
-        yield from table(("grade", scale.title), rows)
-        yield from (f"Source: {scale.source}.", "")
+    yield from table(("grade", IN_RUN), [(grade, bounds_of(grade)) for grade in GRADES])
+    yield from (f"Source: {GRADES_SOURCE}.", "")
     for device in DEVICES.values():
         title = f"{device.title[0].upper()}{device.title[1:]}"
         yield from (f"## {title}", "", f"`--device {device.name}`. {device.note}", "")

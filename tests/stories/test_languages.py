@@ -20,7 +20,6 @@ from allanite.cli import deliver
 from allanite.core.errors import UndrawnError
 from allanite.exporting.exports import EXPORTS, TEMPERATURE
 from allanite.identification.methods import METHODS
-from allanite.parallel.sharing import Work, made
 from allanite.phrases.phrase import Phrase
 from allanite.reporting import html, language, text
 from allanite.reporting.sheet import Code, Fold
@@ -143,9 +142,10 @@ def shown(value, monkeypatch, drawn, lang="xx"):
         parts = {name: without_code(getattr(face, name)) for name in ("parts", "close", "how")}
         face = replace(face, sheets=sheets, choices="", **parts)
         found += text.render(face).splitlines()
-        monkeypatch.setattr(html, "drawn", lambda drawing, lang: found.extend(words_of(drawing.draw().printed())))
-        monkeypatch.setattr(html, "drawer", lambda pictures: lambda drawing: "")
-        found += Shown(made(html.render(replace(face, command="allanite"), Work.one(lambda: b"x")))).texts
+        monkeypatch.setattr(
+            html, "drawer", lambda: lambda drawing: found.extend(words_of(drawing.draw().printed())) or ""
+        )
+        found += Shown(html.render(replace(face, command="allanite", data=b"x"))).texts
         found += [html.tr(drawn.label) for drawn in drawings(face)]
     if drawn and view_of(value).plot is not None:
         with suppress(UndrawnError):  # such as a file that holds the whole model

@@ -16,7 +16,7 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import UsageError
-from allanite.web.jobs import EVENTS, Jobs, Live
+from allanite.web.jobs import MAX_EVENTS, Jobs, Live
 from allanite.web.server import serve
 from allanite.web.store import FullError, MissingError, Store
 from allanite.web.worker import Held
@@ -354,7 +354,7 @@ def test_reports_of_a_long_job_are_bounded():
         live.tell(("progress", "words", "live")[i % 3], {"i": i})
     live.tell("done", {"exit": 0})
     numbers = [number for number, _, _ in live.events]
-    assert len(numbers) <= EVENTS
+    assert len(numbers) <= MAX_EVENTS
     assert numbers == sorted(set(numbers))
     assert [kind for _, kind, _ in live.events].count("live") == 1
     assert live.events[-1] == (10_000, "done", {"exit": 0})

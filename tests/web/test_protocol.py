@@ -10,7 +10,7 @@ from tests.rows import rows
 from uvicorn.server import ServerState
 
 from allanite.web import messages
-from allanite.web.messages import MOST, PromptProtocol
+from allanite.web.messages import MAX_CONNECTIONS, PromptProtocol
 
 WHOLE = b"GET / HTTP/1.1\r\nHost: a\r\n\r\n"
 
@@ -45,7 +45,7 @@ async def slow(scope, receive, send):
 @pytest.fixture
 def loop(monkeypatch):
     """A loop whose patience is over at its next turn."""
-    monkeypatch.setattr(messages, "PATIENCE", 0.0)
+    monkeypatch.setattr(messages, "HEAD_TIMEOUT_S", 0.0)
     loop = asyncio.new_event_loop()
     yield loop
     for task in asyncio.all_tasks(loop):
@@ -79,15 +79,13 @@ def test_half_a_request_is_closed(loop, sent):
     assert transport.closed
 
 
-def test_a_whole_request_has_all_the_time(loop):
+def test_whole_requests_have_all_the_time_and_half_ones_are_closed(loop):
     made, transport = connected(loop, slow)
     made.data_received(WHOLE[:9])
     made.data_received(WHOLE[9:])
     turn(loop)
     assert not transport.closed
-
-
-def test_half_of_the_next_request_is_closed_too(loop):
+    # half of the next request is closed too
     made, transport = connected(loop, prompt)
     made.data_received(WHOLE)
     turn(loop)
@@ -100,8 +98,8 @@ def test_half_of_the_next_request_is_closed_too(loop):
 
 def test_of_too_many_connections_the_oldest_that_asks_for_nothing_is_closed(loop):
     loop.time, state = count().__next__, ServerState()
-    many = [connected(loop, slow, state) for _ in range(MOST)]
+    many = [connected(loop, slow, state) for _ in range(MAX_CONNECTIONS)]
     many[0][0].data_received(WHOLE)
     many += [connected(loop, slow, state) for _ in range(3)]
-    assert [transport.closed for _, transport in many] == [False, True, True, True] + [False] * (MOST - 1)
+    assert [transport.closed for _, transport in many] == [False, True, True, True] + [False] * (MAX_CONNECTIONS - 1)
     del loop.time

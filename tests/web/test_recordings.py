@@ -60,9 +60,7 @@ def test_a_recording_has_a_curve_once_it_says_what_it_is(page: Any, recordings: 
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_is_no_recording_is_refused_in_the_words_of_the_command_line(
-    page: Any,
-    recordings: Path,
-    name: str,
+    page: Any, recordings: Path, name: str
 ) -> None:
     drop(page, recordings / name)
     page.wait_for_function(READY)

@@ -53,7 +53,7 @@ def printed(*arguments):
 
 
 @pytest.mark.slow("the page without a browser, in full")
-def test_the_json_is_that_of_the_command_line(client, analyzed, file):
+def test_the_json_and_the_saved_recipe_are_those_of_the_command_line(client, analyzed, file, tmp_path):
     found = client.get(f"/api/jobs/{analyzed}").json()
     assert found["command"] == "allanite analyze --rate 100 --exclude 40..60 gyro.csv"
     data = json.loads(printed("analyze", file, "--rate", "100", "--exclude", "40..60", "--json", "-"))
@@ -62,10 +62,7 @@ def test_the_json_is_that_of_the_command_line(client, analyzed, file):
     assert data["provenance"].pop("source") == str(file)
     assert ours == data
     assert "excluded: 40 s to 60 s" in json.dumps(ours)
-
-
-@pytest.mark.slow("the page without a browser, in full")
-def test_the_saved_recipe_gives_the_same(client, analyzed, file, tmp_path):
+    # the saved recipe gives the same
     recipe = tmp_path / "recipe.toml"
     recipe.write_bytes(client.get(f"/api/jobs/{analyzed}/save", form="recipe").content)
     data = json.loads(printed("analyze", file, "--recipe", recipe, "--json", "-"))
@@ -74,13 +71,19 @@ def test_the_saved_recipe_gives_the_same(client, analyzed, file, tmp_path):
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_words_are_those_of_the_report(client, analyzed):
+def test_the_words_and_files_are_those_of_the_command_line(client, analyzed, file):
     one = client.get(f"/api/jobs/{analyzed}").json()["channels"][0]
     assert "angle random walk" in one["html"]
     assert "style=" not in one["html"]
     assert [seen["at"] for seen in one["findings"] if seen["name"] == "gaps"] == [[40.0, 60.0]]
     russian = client.get(f"/api/jobs/{analyzed}", lang="ru").json()["channels"][0]
     assert translated(say("angle random walk"), "ru") in russian["html"]
+    # a file for a filter is that of the command line
+    found = client.post(f"/api/jobs/{analyzed}/export", {"channels": ["gy"], "target": "datasheet"}).json()
+    options = ("--rate", "100", "--exclude", "40..60", "--channels", "gy", "--to", "datasheet", "--output", "-")
+    assert found["text"] == printed("export", file, *options).replace(str(file), "gyro.csv")
+    refused = client.post(f"/api/jobs/{analyzed}/export", {"target": "nonsense"})
+    assert refused.json()["error"].startswith("unknown target 'nonsense'; known targets: kalibr")
 
 
 @pytest.mark.slow("the page without a browser, in full")
@@ -95,7 +98,7 @@ def test_a_cut_makes_the_fit_valid(client, file):
     assert levels[1] in ("explained", "approximate")
 
 
-def test_curves_have_bands_a_model_and_its_terms(client, analyzed):
+def test_curves_have_bands_a_model_and_its_terms_and_traces_every_extreme(client, analyzed, file):
     found = client.get(f"/api/jobs/{analyzed}/deviation", channel="gy", statistic="oadev").json()
     stored = client.get(f"/api/jobs/{analyzed}").json()["value"]["channels"][1]
     curve, fit = stored["curves"][0], stored["fit"]
@@ -112,6 +115,15 @@ def test_curves_have_bands_a_model_and_its_terms(client, analyzed):
     other = client.get(f"/api/jobs/{analyzed}/deviation", channel="gy", statistic="mdev").json()
     assert other["statistic"] == "mdev"
     assert other["low"][3] < other["deviation"][3] < other["high"][3]
+    # the trace has every extreme
+    uploaded = client.get(f"/api/jobs/{analyzed}").json()["files"][0]
+    data = np.loadtxt(file, delimiter=",", skiprows=1)[:, 0]
+    whole = client.get(f"/api/files/{uploaded}/trace", channel="gx", points=100).json()
+    assert (min(whole["low"]), max(whole["high"])) == pytest.approx((data.min(), data.max()), rel=1e-5)
+    close = client.get(f"/api/files/{uploaded}/trace", channel="gx", points=100, **{"from": 10, "to": 10.5}).json()
+    np.testing.assert_allclose(close["low"], data[1000:1050], rtol=1e-4, atol=1e-4)
+    np.testing.assert_allclose(close["t"], np.arange(1000, 1050) / RATE)
+    assert client.get(f"/api/files/{uploaded}/trace", channel="gz").json()["error"].startswith("no channel 'gz'")
 
 
 @pytest.mark.slow("the page without a browser, in full")
@@ -125,17 +137,6 @@ def test_a_refit_is_what_the_command_line_fits(client, analyzed, file):
     assert "random walk" in found["html"]
 
 
-def test_the_trace_has_every_extreme(client, analyzed, file):
-    uploaded = client.get(f"/api/jobs/{analyzed}").json()["files"][0]
-    data = np.loadtxt(file, delimiter=",", skiprows=1)[:, 0]
-    whole = client.get(f"/api/files/{uploaded}/trace", channel="gx", points=100).json()
-    assert (min(whole["low"]), max(whole["high"])) == pytest.approx((data.min(), data.max()), rel=1e-5)
-    close = client.get(f"/api/files/{uploaded}/trace", channel="gx", points=100, **{"from": 10, "to": 10.5}).json()
-    np.testing.assert_allclose(close["low"], data[1000:1050], rtol=1e-4, atol=1e-4)
-    np.testing.assert_allclose(close["t"], np.arange(1000, 1050) / RATE)
-    assert client.get(f"/api/files/{uploaded}/trace", channel="gz").json()["error"].startswith("no channel 'gz'")
-
-
 @pytest.mark.slow("takes more than half a second")
 def test_the_first_curve_comes_before_the_result(client, file):
     workspace = client.workspace()
@@ -146,15 +147,6 @@ def test_the_first_curve_comes_before_the_result(client, file):
     stored = client.get(f"/api/jobs/{job}/deviation", channel="gy", statistic="oadev").json()
     assert (first["name"], first["unit"], first["low"]) == ("gy", stored["unit"], None)
     assert first["deviation"][0] == pytest.approx(stored["deviation"][0], rel=1e-12)
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_a_file_for_a_filter_is_that_of_the_command_line(client, analyzed, file):
-    found = client.post(f"/api/jobs/{analyzed}/export", {"channels": ["gy"], "target": "datasheet"}).json()
-    options = ("--rate", "100", "--exclude", "40..60", "--channels", "gy", "--to", "datasheet", "--output", "-")
-    assert found["text"] == printed("export", file, *options).replace(str(file), "gyro.csv")
-    refused = client.post(f"/api/jobs/{analyzed}/export", {"target": "nonsense"})
-    assert refused.json()["error"].startswith("unknown target 'nonsense'; known targets: kalibr")
 
 
 @rows(

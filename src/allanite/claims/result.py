@@ -168,8 +168,9 @@ class ClaimCheck(Study):
         """The recipe that was actually used, as plain data."""
         return super().choices() | {"claims": self.claim.text, "tolerance": self.tolerance}
 
-    def _around(self, level: float, channels: list[Any]) -> dict[str, Any]:
-        return super()._around(level, channels) | {"agrees": self.agrees, "verdict": self.verdict}
+    def to_dict(self, level: float | None = None) -> dict[str, Any]:
+        """Plain data, with limits at `level`, by default that of the recipe."""
+        return super().to_dict(level) | {"agrees": self.agrees, "verdict": self.verdict}
 
     def rows(self, level: float | None = None) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows: what is claimed and found, their ratio with its interval, the outcome."""

@@ -1,13 +1,16 @@
 """The command line: parse, run a job, render. Each verb is one function and one line of `VERBS`."""
 
+from typing import Any
+
 import click
 
+from allanite.core.names import demand_name
 from allanite.core.version import __version__
 from allanite.plugins import Registry
 
 from .front import Front, Verb
 
-__all__ = ["VERBS", "Verb", "main"]
+__all__ = ["VERBS", "Verb", "jobs", "main", "task_of"]
 
 _OWN = (
     Verb("info", "Analyze", "analyze.info", "tasks.INFO", synonyms=("inspect", "show")),
@@ -39,6 +42,17 @@ _OWN = (
 """The verbs in the order of the help, below the headings of their groups."""
 
 VERBS = Registry({verb.name: verb for verb in _OWN}, "allanite.verbs", kind=Verb, key="name")
+
+
+def jobs() -> list[str]:
+    """The verbs that the page can run."""
+    return [name for name, verb in VERBS.items() if verb.task]
+
+
+def task_of(verb: str) -> Any:
+    """The `VerbTask` of a verb."""
+    demand_name("job", verb, jobs())
+    return VERBS[verb].imported("task")
 
 
 @click.group(cls=Front, verbs=VERBS, context_settings={"help_option_names": ["-h", "--help"]})

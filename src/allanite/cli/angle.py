@@ -51,18 +51,18 @@ def harmonics_of(texts: Sequence[str]) -> dict[str, "Harmonics"]:
     """Known errors of sensors, written as ``ANGLE:ORDER=S,C`` in arcsec."""
     from allanite.applications.angle import Harmonics
 
-    found: dict[str, dict[int, tuple[float, float]]] = {}
+    orders: dict[str, dict[int, tuple[float, float]]] = {}
     for text in texts:
         try:
             name, _, rest = text.partition(":")
             order, _, pair = rest.partition("=")
             s, c = (float(part) * ARCSEC for part in pair.split(","))
-            found.setdefault(name.strip(), {})[int(order)] = (s, c)
+            orders.setdefault(name.strip(), {})[int(order)] = (s, c)
         except ValueError:
             raise UsageError(
                 f"an error has the form ANGLE:ORDER=S,C in arcsec, e.g. h:128=3,-1.5, not {text!r}"
             ) from None
-    return {name: Harmonics.of(amplitudes, name) for name, amplitudes in found.items()}
+    return {name: Harmonics.of(amplitudes, name) for name, amplitudes in orders.items()}
 
 
 def true_of(path: str) -> tuple["Harmonics", ...]:
@@ -162,7 +162,7 @@ def simulate(out: str, **choices: Any) -> None:
 
     from allanite.applications.angle import readings
     from allanite.applications.angle import simulate as run
-    from allanite.applications.angle.geometry import ANGLES as NAMES
+    from allanite.applications.angle.geometry import ANGLES as SENSORS
 
     known = harmonics_of(choices["errors"])
     if not known:
@@ -171,9 +171,9 @@ def simulate(out: str, **choices: Any) -> None:
     true = settings.gimbals(choices["start"])
     rng = np.random.default_rng(choices["seed"])
     z = run(true, known, sigma=choices["sigma"] * ARCSEC, walk=choices["walk"] * ARCSEC, rng=rng)
-    seen = readings(true, known)
+    shown = readings(true, known)
     table = {"time [s]": true.time, "difference": z}
-    table |= {f"{name} [rad]": getattr(seen, name) for name in NAMES[: 4 if settings.ring is None else 5]}
+    table |= {f"{name} [rad]": getattr(shown, name) for name in SENSORS[: 4 if settings.ring is None else 5]}
     table |= {} if true.rho is None else {"rho [rad]": true.rho}
     put(out, f"{TRUE}{' '.join(choices['errors'])}\n{columns_of(table)}", force=where.force)
     if "plot" in where.paths:
@@ -240,8 +240,8 @@ def calibrate(file: str, **choices: Any) -> None:
     data, name = sheet(file), choices["measured"]
     a, b = (data.values(choices[key], "rad", given=choices["unit"]) for key in ("measured", "reference"))
     sigma = _scaled(choices["sigma"], ARCSEC)
-    found = run(a, b, choices["orders"], sigma=sigma, trend=choices["trend"], name=name)
-    deliver_study(found, out, choices, data, {"measured [rad]": a, "corrected [rad]": a - found.at(a)})
+    harmonics = run(a, b, choices["orders"], sigma=sigma, trend=choices["trend"], name=name)
+    deliver_study(harmonics, out, choices, data, {"measured [rad]": a, "corrected [rad]": a - harmonics.at(a)})
 
 
 @angle.command()
@@ -277,16 +277,13 @@ def estimate(file: str, **choices: Any) -> None:
 
     data = sheet(file)
     gimbals, prior = _gimbals(data, choices), choices["prior"]
-    found = run(
-        data.values(choices["difference"], "1"),
-        gimbals,
-        orders=dict.fromkeys(choices["angles"], choices["orders"]),
-        nuisance=choices["nuisance"] or USUAL,
-        sigma=_scaled(choices["sigma"], ARCSEC),
+    result = run(
+        data.values(choices["difference"], "1"), gimbals, orders=dict.fromkeys(choices["angles"], choices["orders"]),
+        nuisance=choices["nuisance"] or USUAL, sigma=_scaled(choices["sigma"], ARCSEC),
         prior=None if prior is None else (prior[0] * ARCSEC, prior[1] * ARCSEC),
-    )
-    angles = {f"{h.name} [rad]": getattr(gimbals, h.name) - h.at(getattr(gimbals, h.name)) for h in found}
-    deliver_study(replace(found, true=true_of(data.source)), out, choices, data, {"time [s]": gimbals.time, **angles})
+    )  # fmt: skip
+    angles = {f"{h.name} [rad]": getattr(gimbals, h.name) - h.at(getattr(gimbals, h.name)) for h in result}
+    deliver_study(replace(result, true=true_of(data.source)), out, choices, data, {"time [s]": gimbals.time, **angles})
 
 
 def _gimbals(data: "FileSheet", choices: dict[str, Any]) -> "Gimbals":

@@ -81,11 +81,11 @@ def check(file: str, **choices: Any) -> None:
             choice="claims",
         )
     claims, recipe, more = how.claims, recipe_of(choices), {"claims_from": how.claims_from, "at_most": how.at_most}
-    found = carry_out(
+    result = carry_out(
         lambda tell: checked(file, claims, recipe, tolerance=how.tolerance, progress=tell, **more),  # type: ignore[arg-type]
         out,
     )
-    if not found.agrees:
+    if not result.agrees:
         raise click.exceptions.Exit(EXCEEDED)
 
 
@@ -115,10 +115,10 @@ def drift(files: tuple[str, ...], models: tuple[str, ...], claims: tuple[str, ..
     out = outputs(choices, [*files, choices["recipe"]])
     settings = settings_of(DriftSettings, choices)
     recipe = recipe_of(choices)
-    given = [model for one in claims for model in claim_of(one, rate=recipe.rate).models]
+    given = [model for claim in claims for model in claim_of(claim, rate=recipe.rate).models]
     given += [] if sensor is None else [typical(sensor)]
-    found = carry_out(lambda tell: drift_of([*load(files, recipe, models, tell), *given], settings), out)
-    demand_kept(found)
+    result = carry_out(lambda tell: drift_of([*load(files, recipe, models, tell), *given], settings), out)
+    demand_kept(result)
 
 
 NOISE = ("optional file", "model", "sensor", "datasheet", "unexplained", *RECORDING, *IDENTIFYING)
@@ -155,11 +155,11 @@ def selfcheck(file: str | None, **choices: Any) -> None:
     demand_kept(_run(SelfCheckSettings, file, choices))
 
 
-def demand_kept(found: Any) -> None:
+def demand_kept(result: Any) -> None:
     """End with exit code 4, and say why, if a limit is exceeded."""
-    for sentence in found.exceeded:
+    for sentence in result.exceeded:
         complain(f"limit exceeded: {sentence}")
-    if found.exceeded:
+    if result.exceeded:
         raise click.exceptions.Exit(EXCEEDED)
 
 

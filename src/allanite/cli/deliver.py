@@ -25,11 +25,10 @@ from .streams import complain, hand_over, show, while_read
 
 if TYPE_CHECKING:
     from allanite.core.record import Recording
-    from allanite.parallel.sharing import Work
     from allanite.reporting.first import First
     from allanite.study.recipe import Recipe
 
-WIDTH = 120
+DEFAULT_COLUMNS = 120
 """Width of text where no terminal limits it."""
 
 
@@ -38,7 +37,7 @@ def text_of(value: Any, out: "Outputs", first: "Callable[[], First] | None" = No
     from allanite.reporting import first_screen, table
 
     terminal, encoding = sys.stdout.isatty(), sys.stdout.encoding or "utf-8"
-    width = shutil.get_terminal_size().columns if terminal else WIDTH
+    width = shutil.get_terminal_size().columns if terminal else DEFAULT_COLUMNS
     form: dict[str, Any] = {
         "width": width, "color": terminal and "NO_COLOR" not in os.environ, "ascii": not _encodes(WRITTEN, encoding),
         "lang": out.lang,
@@ -60,32 +59,20 @@ def _encodes(text: str, encoding: str) -> bool:
 
 def rendered(value: Any, name: str, path: str, lang: str, command: str = "") -> str | bytes:
     """A result in the form that option `name` writes; a page says the command line that made it."""
-    from allanite.parallel.sharing import made
-
-    return made(work_of(value, name, path, lang, command))
-
-
-def work_of(value: Any, name: str, path: str, lang: str, command: str = "") -> "Work[str | bytes]":
-    """The making of the same, of which processes can share a page and the results of channels."""
     from allanite import reporting
-    from allanite.parallel.sharing import Work
-    from allanite.reporting.json import json_of
+    from allanite.reporting.json import to_json
 
-    def drawn(_: Any) -> bytes:
+    if name == "json":
+        return to_json(value)
+    if name in ("csv", "coefficients"):
+        return reporting.to_csv(value, coefficients=name == "coefficients")
+    if name == "plot":
         from allanite.reporting.style import encode
 
         with speaking(lang):
             return encode(reporting.plot(value, lang=lang), Path(path).suffix.lower().lstrip("."))
-
-    if name == "json":
-        return json_of(value)
-    if name in ("csv", "coefficients"):
-        return Work((), lambda _: reporting.to_csv(value, coefficients=name == "coefficients"))
-    if name == "plot":
-        return Work((), drawn)
-    if path.lower().endswith(".pdf"):
-        return Work((), lambda _: reporting.document(value, command=command, lang=lang))
-    return reporting.page_of(value, command=command, lang=lang)
+    form = reporting.document if path.lower().endswith(".pdf") else reporting.page
+    return form(value, command=command, lang=lang)
 
 
 Settings = TypeVar("Settings")
@@ -120,8 +107,8 @@ def outputs(choices: dict[str, Any], inputs: Sequence[str | None], *, also: Sequ
     """Take the output options out of `choices`, and refuse before any work what could not be written afterwards."""
     named = ((name, choices.pop(name, None)) for name in ("report", "plot", *PRINTED, *also))
     paths = {name: path for name, path in named if path is not None}
-    found = Outputs(paths, **{name: choices.pop(name) for name in (*FLAGS, "threads") if name in choices})
-    catalogue(found.lang)  # an unknown language is refused now
+    out = Outputs(paths, **{name: choices.pop(name) for name in (*FLAGS, "threads") if name in choices})
+    catalogue(out.lang)  # an unknown language is refused now
     if list(paths.values()).count(STDOUT) > 1:
         raise UsageError("only one result can be written to standard output; give a file for the other one")
     taken = {os.path.realpath(path): "the input" for path in inputs if path is not None}
@@ -135,12 +122,12 @@ def outputs(choices: dict[str, Any], inputs: Sequence[str | None], *, also: Sequ
         if name == "plot":
             from allanite.reporting.style import demand_figure_path
 
-            demand_figure_path(path, force=found.force)
+            demand_figure_path(path, force=out.force)
         elif name == "report" and os.path.splitext(path)[1].lower() not in ("", ".html", ".htm", ".pdf"):
             raise UsageError(f"a report is written as .html or .pdf, by its suffix, not as {path!r}")
         else:
-            demand_writable(path, force=found.force)
-    return found
+            demand_writable(path, force=out.force)
+    return out
 
 
 def demand_recording(path: str | None) -> None:
@@ -178,13 +165,13 @@ def carry_out(job: Callable[[Progress], Any], out: Outputs, extra: "Extra | None
     drawn = {"report", "plot"} & out.paths.keys()
     with processes(out.threads), importing(FIGURES if drawn else ()):
         with progress(out) as tell:
-            found = job(tell)
-        deliver(found, out, extra)
-    if out.strict and found.rejected:
-        names = ", ".join(name or "the record" for name in found.rejected)
+            result = job(tell)
+        deliver(result, out, extra)
+    if out.strict and result.rejected:
+        names = ", ".join(name or "the record" for name in result.rejected)
         complain(f"not explained, or without a result: {names}")
         raise click.exceptions.Exit(DATA)
-    return found
+    return result
 
 
 @contextmanager
@@ -216,37 +203,23 @@ class Extra:
 
 
 def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
-    """Print a result, unless --quiet is given or standard output is taken, and write the requested files.
-
-    The files are written even if nobody reads standard output to its end.
-    """
-    from allanite.parallel.sharing import Work, done
-
+    """Print a result, unless --quiet is given or standard output is taken, and write the requested files."""
     more, context = extra or Extra(), click.get_current_context(silent=True)
     command = "" if context is None else context.meta.get(LINE, "")
     places = [(name, *place) for name, path in out.paths.items() for place in _places(value, path)]
-    forms = [place for place in places if place[0] not in more.recordings]
-    shown = not (out.quiet or out.piped)
-
-    def work(place: tuple[str, str, Any]) -> Work[str | bytes]:
-        name, path, part = place
-        if name in more.data:
-            return Work((), lambda _: more.data[name](part))
-        return work_of(part, name, path, out.lang, command)
-
     with _warnings(FontWarning):
-        text = [Work.one(lambda: text_of(value, out, more.first))] if shown else []
-        made = done(*text, *map(work, forms))
-        if shown:
+        if not (out.quiet or out.piped):
+            text = text_of(value, out, more.first)
             with while_read():
-                hand_over(next(made))
-        for name, path, _ in places:
-            if name not in more.recordings:
-                put(path, next(made), force=out.force)
-            else:
+                hand_over(text)
+        for name, path, part in places:
+            if name in more.recordings:
                 from allanite.readers import write as write_recording
 
                 write_recording(more.recordings[name](value), path, force=out.force)
+            else:
+                made = more.data[name](part) if name in more.data else rendered(part, name, path, out.lang, command)
+                put(path, made, force=out.force)
             if path != STDOUT and not out.quiet:
                 with while_read():
                     (complain if out.piped else show)(f"{name}: {path}")

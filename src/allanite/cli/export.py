@@ -70,13 +70,13 @@ def convert(values: tuple[str, ...], target: str | None, origin: str | None, **c
     rate = choices["rate"]
     read = [read_noise(value, origin, rate=rate) for value in values] if origin else []
     if origin and target is None:
-        for found in read:
-            carry_out(lambda _, found=found: found, out)  # type: ignore[misc]  # bound in the loop
+        for noise in read:
+            carry_out(lambda _, noise=noise: noise, out)  # type: ignore[misc]  # bound in the loop
         return
-    stated = next((found.rate for found in read), None)
+    stated = next((noise.rate for noise in read), None)
     how = settings_of(How, {**choices, "rate": rate or stated, "partial": "output" not in out.paths})
     row, suffix = prepared(target or USUAL, how, _suffix(out.paths))
-    models = [model for found in read for model in found.models] if origin else models_of(values)
+    models = [model for noise in read for model in noise.models] if origin else models_of(values)
     extra = (
         replace(_EXTRA, first=lambda: first_of_models(models, () if origin else values)) if target is None else _EXTRA
     )

@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -24,20 +24,17 @@ from .options import demand_filled
 from .signals import ended, ended_by
 from .streams import begin, complain, lost, while_read
 
-if TYPE_CHECKING:
-    from .tasks import VerbTask
-
 DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
 BLAS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """One thread each unless something else is set: products here are short, and handing them to threads takes longer."""
 
-OBJECTS = 100_000
+MIN_OBJECTS = 100_000
 """New objects after which those that refer to each other are looked for; imports alone make more than the usual 700."""
 
 LINE = "allanite.line"
 """Key of the command line in the context."""
 
-ADDRESSES = 2_500_000_000
+ADDRESS_SPACE_BYTES = 2_500_000_000
 """Address space, bytes, that the program takes with its libraries: 1.9 to 2.2 GB, most of which is never filled."""
 
 TRACKER = "https://github.com/allanite/allanite/issues"
@@ -59,15 +56,15 @@ class Verb:
     group: str  # the heading of the help that it stands below: one of the others', or a new one
     # the command; or module in `allanite.cli` and name of it, imported when it is requested
     command: str | click.Command
-    task: "str | VerbTask" = ""  # likewise what the page runs; empty if it does not
+    task: Any = ""  # likewise the `VerbTask` that the page runs; empty if it does not
     synonyms: tuple[str, ...] = ()  # other names by which it is asked for; they are suggested, not taken
 
     def imported(self, part: str = "command") -> Any:
         """The command, or the task."""
-        found = getattr(self, part)
-        if not isinstance(found, str):
-            return found
-        module, _, name = found.partition(".")
+        row = getattr(self, part)
+        if not isinstance(row, str):
+            return row
+        module, _, name = row.partition(".")
         return getattr(import_module(f"allanite.cli.{module}"), name)
 
 
@@ -132,7 +129,7 @@ class Front(click.Group):
     def main(self, *args: Any, **extra: Any) -> Any:
         """Parse, run, and end the program."""
         extra |= {"standalone_mode": False, "prog_name": "allanite"}
-        gc.set_threshold(OBJECTS)
+        gc.set_threshold(MIN_OBJECTS)
         atexit.register(gc.freeze)  # the system takes all memory back; going through every object takes up to 0.7 s
         for threads in BLAS:
             os.environ.setdefault(threads, "1")
@@ -195,8 +192,8 @@ def _demand_addresses() -> None:
     except ImportError:  # a system without such limits
         return
     most, _ = getrlimit(RLIMIT_AS)
-    if most not in (RLIM_INFINITY, -1) and most < ADDRESSES:
-        need = f"needs about {ADDRESSES / 1e9:g} GB of address space with its libraries"
+    if most not in (RLIM_INFINITY, -1) and most < ADDRESS_SPACE_BYTES:
+        need = f"needs about {ADDRESS_SPACE_BYTES / 1e9:g} GB of address space with its libraries"
         raise Failure(f"not enough memory: allanite {need}, and {most / 1e9:.3g} GB are allowed (ulimit -v)", DATA)
 
 

@@ -93,15 +93,15 @@ def _load_recipe(ctx: click.Context, param: click.Parameter, path: str | None) -
     inside = {name: p for name, p in options.items() if name not in ("recipe", *OUTPUTS, "coefficients", *FLAGS)}
     spelled = {_key(word): name for name, p in inside.items() for word in p.opts}
     choices = {}
-    for said, value in load_toml(path).items():
-        key = spelled.get(said, said)
+    for typed, value in load_toml(path).items():
+        key = spelled.get(typed, typed)
         if key in options and key not in inside:
             raise UsageError(f"{path}: {key!r} is no key of a recipe; give {options[key].opts[0]} at the command line")
         demand_name("key", key, inside, where=" in the recipe")
         try:
             choices[key] = _kept(inside[key], value)
         except UsageError as error:
-            raise error.within(f"{path}: {said}") from None
+            raise error.within(f"{path}: {typed}") from None
     ctx.default_map = {**(ctx.default_map or {}), **choices}
     return path
 
@@ -117,8 +117,8 @@ def _kept(option: click.Option, value: Any) -> Any:
     else:
         form = "a path" if isinstance(option.type, click.Path) else "a number or text"
         kind = FLAG if option.is_flag else LINES if option.multiple else ChoiceKind("", str, form=form)
-    found = kind.parse(value)
-    return found if option.multiple else value
+    parsed = kind.parse(value)
+    return parsed if option.multiple else value
 
 
 class Option(click.Option):
@@ -277,11 +277,7 @@ RECORDING = (*READING, *SELECTING, "recipe", "threads")
 
 
 def options(*wanted: str | Decorator, settings: tuple[type[Any], ...] = ()) -> Decorator:
-    """Give a command these options, in this order.
-
-    They are names of choices in the `settings` of the command, names in `OPTIONS`, keys of a recipe, or options of its
-    own.
-    """
+    """Give a command these options: names of choices in its `settings`, in `OPTIONS` or of a recipe, or its own."""
     own = {name: option_of(row) for kind in settings for name, row in choices_of(kind).items()}
     known = RECIPE | OPTIONS | own
 

@@ -11,7 +11,7 @@ from types import FrameType
 ENDS = ("SIGINT", "SIGTERM", "SIGHUP")
 """Signals that end the program, where the system has them."""
 
-SOON, LATER = 0.01, 0.25
+RESEND_PERIOD_S, END_PERIOD_S = 0.01, 0.25
 """Seconds after which a signal that had to wait is sent again, and one that should have ended the program."""
 
 IMPORTER = "<frozen importlib"
@@ -23,11 +23,7 @@ WHOLE = ("tempfile", "llvmlite")
 
 @contextmanager
 def ended() -> Iterator[None]:
-    """Within this context a signal to end unwinds the program: no draft or copy is left.
-
-    The exit code is that of a shell, 128 and the number of the signal. A library or Python itself may ignore the
-    exception, in a callback for instance: until the program unwinds, it is raised again.
-    """
+    """Within this context a signal to end unwinds the program, again and again if a library ignores the exception."""
     ending = _Ending()
     before, sys.unraisablehook = sys.unraisablehook, ending.ignored
     try:
@@ -43,9 +39,9 @@ class _Ending:
     def __init__(self) -> None:
         self.starting, self.before = Lock(), sys.unraisablehook
         numbers = [getattr(signal, name) for name in ENDS if hasattr(signal, name)]
-        there = {number: signal.getsignal(number) for number in numbers if current_thread() is main_thread()}
+        handlers = {number: signal.getsignal(number) for number in numbers if current_thread() is main_thread()}
         usual = (signal.SIG_DFL, signal.default_int_handler)
-        self.taken = {number: was for number, was in there.items() if was in usual}
+        self.taken = {number: was for number, was in handlers.items() if was in usual}
         for number in self.taken:
             signal.signal(number, self.end)
 
@@ -65,9 +61,9 @@ class _Ending:
             whole = str(at.f_globals.get("__name__")).partition(".")[0] in WHOLE
             at = at.f_back
         now = not whole and ended_by(sys.exc_info()[1]) is None
-        self.send(number, LATER if now else SOON)
+        self.send(number, END_PERIOD_S if now else RESEND_PERIOD_S)
         if now:
-            raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(128 + number)
+            raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(128 + number)  # as of a shell
 
     def send(self, number: int, wait: float) -> None:
         """Send a signal after so many seconds, if the program has not ended."""
@@ -91,10 +87,7 @@ class _Ending:
 
 
 def ended_by(error: BaseException | None) -> BaseException | None:
-    """The exception of a signal to end that lies behind an error; None if there is none.
-
-    A compiled loop that is interrupted, or a class that is being made, ends in an error of its own.
-    """
+    """The exception of a signal to end that lies behind an error; None if there is none."""
     while error is not None and not isinstance(error, (KeyboardInterrupt, SystemExit)):
         error = error.__cause__ or error.__context__
     return error

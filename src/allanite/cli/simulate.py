@@ -33,12 +33,12 @@ def _quantities(text: str, option: str, example: str, *, defaults: tuple[float, 
     from allanite.core.errors import UsageError
     from allanite.core.syntax import split_quantities
 
-    found = split_quantities(text.split())
-    missing = len(split_quantities(example.split())) - len(found)
+    quantities = split_quantities(text.split())
+    missing = len(split_quantities(example.split())) - len(quantities)
     if not 0 <= missing <= len(defaults):
         raise UsageError(f"--{option} has the form {example!r}, not {text!r}")
-    found += [(value, "") for value in defaults[len(defaults) - missing :]]
-    return [(value / 100, "") if unit == "%" else (value, unit) for value, unit in found]
+    quantities += [(value, "") for value in defaults[len(defaults) - missing :]]
+    return [(value / 100, "") if unit == "%" else (value, unit) for value, unit in quantities]
 
 
 def turning_rate(text: str | None) -> float:
@@ -107,10 +107,10 @@ def _quantizer(text: str) -> tuple[str, float, str]:
     from allanite.core.syntax import split_quantities
 
     what, *rest = text.split() or [""]
-    found = split_quantities(rest) if what in ("rate", "angle") else []
-    if len(found) != 1 or not found[0][1]:
+    quantities = split_quantities(rest) if what in ("rate", "angle") else []
+    if len(quantities) != 1 or not quantities[0][1]:
         raise UsageError(f"--quantize has the form 'rate 0.01 deg/s' or 'angle 0.2 arcsec', not {text!r}")
-    return what, *found[0]
+    return what, *quantities[0]
 
 
 def quantizer_unit(text: str | None) -> str | None:
@@ -153,7 +153,7 @@ FAULTS: "dict[str, Fault]" = {
 """The function of each option, in the order in which the faults occur in a sensor and its logger."""
 
 
-NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
+CHANNEL_NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
 """First letters of the channels' names."""
 
 
@@ -218,7 +218,7 @@ def _recording(model: "Model", n: int, choices: dict[str, Any], tell: Callable[[
     unit = choices["unit"] or quantizer_unit(choices["quantize"]) or model.signal.sheet[0]
     records = []
     for i in range(count):
-        name = NAMES.get(model.signal.name, f"{model.signal.name} ") + ("xyz"[i] if count <= 3 else str(i + 1))
+        name = CHANNEL_NAMES.get(model.signal.name, f"{model.signal.name} ") + ("xyz"[i] if count <= 3 else str(i + 1))
         tell(f"simulating {name}", 0.8 * i / count)
         record = simulated(model, n, choices["rate"], rng=rng, name=name, unit=unit, rounding=choices["rounding"])
         for option, fault in FAULTS.items():

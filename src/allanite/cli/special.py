@@ -144,7 +144,7 @@ def _autopilot(name: str | None, instance: int | None, out: Outputs) -> "Thermal
 DESIGNING = ("duration", "gyro_bias", "accelerometer_bias", "scenarios", "seed")
 """Options that apply without a recording."""
 
-USUAL_DURATION = 3600.0
+USUAL_DURATION_S = 3600.0
 """Horizon without a recording, s."""
 
 
@@ -208,12 +208,12 @@ def _design(choices: dict[str, Any]) -> "VerticalDesign":
         raise UsageError(f"--{name} applies to a recording, but none is given; omit it, or give FILE")
     noise = Model(choices["gyro"]), Model(choices["accelerometer"])
     bias = choices["gyro_bias"] or 0.0, choices["accelerometer_bias"] or 0.0
-    found = optimal_time_constant(
-        *noise, duration=choices["duration"] or USUAL_DURATION, rate=choices["rate"], gyro_bias=bias[0],
+    optimum = optimal_time_constant(
+        *noise, duration=choices["duration"] or USUAL_DURATION_S, rate=choices["rate"], gyro_bias=bias[0],
         accelerometer_bias=bias[1],
     )  # fmt: skip
     seed, rate = choices["seed"], choices["rate"]
-    return design(found, bias=biases(*bias)[0], scenarios=choices["scenarios"], rate=rate, seed=seed)
+    return design(optimum, bias=biases(*bias)[0], scenarios=choices["scenarios"], rate=rate, seed=seed)
 
 
 @click.command()
@@ -283,12 +283,12 @@ def _settings(given: dict[str, Any]) -> "RateSettings":
     for key in [key for key in ("reference", "bias", "allowed") if key in given]:
         # a number with the unit of a signal, or in deg/h
         number, _, unit = str(given[key]).strip().partition(" ")
-        found = unit_of(unit.strip() or "deg/h")
-        signal = signal_with(found.dimension)
+        unit_row = unit_of(unit.strip() or "deg/h")
+        signal = signal_with(unit_row.dimension)
         if signal is None:
             raise UnitError(f"a rate has a unit such as deg/h or ug, not {unit!r}")
         try:
-            given[key] = float(number) * found.factor
+            given[key] = float(number) * unit_row.factor
         except ValueError:
             words = f"a rate is a number with its unit, e.g. '12.4 deg/h', not {str(given[key])!r}"
             raise UsageError(words) from None

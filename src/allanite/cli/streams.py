@@ -43,10 +43,7 @@ def begin() -> None:
 
 @contextmanager
 def while_read() -> Iterator[None]:
-    """Write to standard output; if it takes no more, other outputs are written all the same.
-
-    That its reader has left (``allanite ... | head``) is no failure; `lost` tells of any other reason.
-    """
+    """Write to standard output; if it takes no more, other outputs are written all the same, and `lost` says why."""
     try:
         yield
         sys.stdout.flush()
@@ -76,10 +73,7 @@ def hand_over(data: str | bytes) -> None:
 
 
 def complain(text: str, before: str = "") -> None:
-    """Write to standard error, as far as it can be written to: the exit code says the rest.
-
-    Names in the text must not drive the terminal; what stands `before` it may.
-    """
+    """Write to standard error, as far as it can be written to; what stands `before` the text may drive the terminal."""
     try:
         click.echo(before + _harmless(text), err=True)
     except OSError:

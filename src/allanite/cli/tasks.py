@@ -18,13 +18,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Reports:
-    """What hears of a job while it runs: that it has come so far, and what happens in a stream that is watched.
-
-    `source` gives for a file what is analyzed: its recording, if that is in memory.
-    """
+    """What hears of a job while it runs: how far it is, what happens in a stream, and what is analyzed of a file."""
 
     tell: "Progress" = lambda what, fraction: None
     event: Callable[[str, Any], None] = lambda words, watch: None
+    # the recording of a file, if it is in memory
     source: "Callable[[str, Recipe], Source]" = lambda file, recipe: file
 
 
@@ -46,24 +44,6 @@ class VerbTask:
             return self.settings
         module, _, name = self.settings.rpartition(".")
         return getattr(import_module(f"allanite.{module}"), name) if name else None
-
-
-def jobs() -> list[str]:
-    """The verbs that the page can run."""
-    from . import VERBS
-
-    return [name for name, verb in VERBS.items() if verb.task]
-
-
-def task_of(verb: str) -> VerbTask:
-    """The task of a verb."""
-    from allanite.core.names import demand_name
-
-    from . import VERBS
-
-    demand_name("job", verb, jobs())
-    task: VerbTask = VERBS[verb].imported("task")
-    return task
 
 
 def perform(task: VerbTask, files: Sequence[str], choices: dict[str, Any]) -> Any:
@@ -93,8 +73,8 @@ def _analyze(files: Sequence[str], recipe: "Recipe", _: Any, reports: Reports) -
 def _survey(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Reports) -> Any:
     from allanite.study.survey import side_by_side, survey
 
-    found = [survey(reports.source(file, recipe), settings, recipe, progress=reports.tell) for file in files]
-    return side_by_side(found, files)
+    surveys = [survey(reports.source(file, recipe), settings, recipe, progress=reports.tell) for file in files]
+    return side_by_side(surveys, files)
 
 
 def _compare(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Reports) -> Any:

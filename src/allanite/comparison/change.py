@@ -254,5 +254,6 @@ class Together(Job[Compared]):
         """The recipe that was actually used, as plain data."""
         return self.recipe.to_dict()
 
-    def _around(self, level: float, channels: list[Any]) -> dict[str, Any]:
-        return super()._around(level, channels) | {"verdict": self.verdict}
+    def to_dict(self, level: float | None = None) -> dict[str, Any]:
+        """Plain data, with limits at `level`, by default that of the recipe."""
+        return super().to_dict(level) | {"verdict": self.verdict}

@@ -70,11 +70,10 @@ class SheetComparison(Job[Channel]):
         """The recipe that was actually used, as plain data."""
         return self.recipe.to_dict() | {"datasheet": self.sheet.name}
 
-    def _around(self, level: float, channels: list[Any]) -> dict[str, Any]:
-        heads, rows = self.rows(level)
-        return super()._around(level, channels) | {
-            "measured": plain([dict(zip(heads, row, strict=True)) for row in rows])
-        }
+    def to_dict(self, level: float | None = None) -> dict[str, Any]:
+        """Plain data, with limits at `level`, by default that of the recipe."""
+        heads, rows = self.rows(self.recipe.level if level is None else level)
+        return super().to_dict(level) | {"measured": plain([dict(zip(heads, row, strict=True)) for row in rows])}
 
 
 def _measured(channel: Channel, claim: Claim, level: float) -> Measured:

@@ -3,7 +3,6 @@
 import importlib.util
 import re
 import sys
-from importlib.metadata import requires
 from pathlib import Path
 from reprlib import Repr
 from typing import Any, Self
@@ -125,6 +124,8 @@ def demand_extra(extra: str, *modules: str, what: str = "this format") -> None:
 
 def requirements(extra: str) -> list[str]:
     """Names of the libraries of an extra."""
+    from importlib.metadata import requires
+
     mark = re.compile(rf"""extra == ["']{extra}["']""")
     return [re.split(r"[\s<>=!~;\[(]", line)[0].lower() for line in requires("allanite") or () if mark.search(line)]
 

@@ -89,9 +89,13 @@ MINIMUM = "minimum"
 """Stands for the minimum of the Allan deviation where a coefficient has its symbol."""
 
 
+IN_RUN = say("in-run bias stability")
+"""What data sheets of inertial sensors call it."""
+
+
 def minimum_title(signal: Signal) -> str:
     """What the minimum of the Allan deviation is called: data sheets of inertial sensors have a name for it."""
-    return say("minimum (in-run bias stability)") if signal.inertial else say("minimum of the Allan deviation")
+    return say("minimum ({name})", name=IN_RUN) if signal.inertial else say("minimum of the Allan deviation")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -316,7 +320,7 @@ def _minimum(readings: Readings | None, level: float) -> Iterator[DataSheetRow]:
     low, high = point.interval(level)
     lowest, inertial = say("minimum of the Allan deviation"), readings.signal.inertial
     remark = lowest if readings.inside else say("upper limit: still falling")
-    name = say("in-run bias stability") if inertial else lowest
+    name = IN_RUN if inertial else lowest
     yield DataSheetRow(
         name, point.deviation * factor, low * factor, high * factor, unit, point.tau,
         remark if inertial or not readings.inside else "",

@@ -1,14 +1,21 @@
-"""Device: what each noise term is called in one kind of device, where it comes from, what to try; grades.
+"""Device: what each noise term is called in one kind of device, where it comes from, what to try; grades."""
 
-There are none by angle random walk: the bounds of overviews contradict the data sheets of tactical sensors.
-"""
-
+import math
 from dataclasses import dataclass
+from itertools import pairwise
 
-from allanite.core.units import convert
 from allanite.phrases.phrase import say
 
-IN_RUN = (
+# none by angle random walk: the bounds of overviews contradict the data sheets of tactical sensors
+GRADES: dict[str, float] = {
+    say("Navigation grade"): 0.01,
+    say("Tactical grade"): 5.0,
+    say("Industrial grade"): 360.0,
+    say("Consumer grade"): math.inf,
+}
+"""Grades of gyroscopes, the best first, each with the in-run bias stability, deg/h, that it is below."""
+
+GRADES_SOURCE = (
     "navigation and consumer: N. El-Sheimy, A. Youssef, Inertial sensors technologies for navigation applications, "
     "Satellite Navigation 1 (2020) 2, doi:10.1186/s43020-019-0001-5, table 1 (gyroscope drift below 0.01 deg/h; "
     "0.1 deg/s); tactical against industrial: N. Miller, D. Robbins, J. Bessette, Benefits of a tactical grade IMU in "
@@ -16,58 +23,19 @@ IN_RUN = (
 )
 
 
-@dataclass(frozen=True)
-class Grade:
-    """Sensors whose coefficient is below `below`, and not below that of the row before; the last row has no bound."""
-
-    name: str
-    below: float
+def grade_of(stability: float) -> str:
+    """The grade of an in-run bias stability in deg/h."""
+    return next(grade for grade, below in GRADES.items() if stability < below)
 
 
-@dataclass(frozen=True)
-class Scale:
-    """The grades by one quantity of a gyroscope."""
-
-    # title, unit: the quantity, and the unit of its bounds
-    title: str
-    unit: str
-    grades: tuple[Grade, ...]  # the best first
-    source: str
-
-    def of(self, value: float, unit: str) -> Grade:
-        """The grade of a value.
-
-        Examples
-        --------
-        >>> BY_MINIMUM.of(1.2, "deg/h").name
-        'Tactical grade'
-        """
-        size = convert(value, unit, self.unit)
-        return next(grade for grade in self.grades if size < grade.below)
-
-    def words(self, grade: Grade) -> str:
-        """The bounds of a grade: ``0.01 to 5 deg/h``."""
-        i = self.grades.index(grade)
-        low = f"{self.grades[i - 1].below:g}" if i else ""
-        if not low:
-            return say("below {limit:g} {unit}", limit=grade.below, unit=self.unit)
-        if grade.below == float("inf"):
-            return say("from {limit} {unit} on", limit=low, unit=self.unit)
-        return say("{low} to {high:g} {unit}", low=low, high=grade.below, unit=self.unit)
-
-
-BY_MINIMUM = Scale(
-    say("in-run bias stability"),
-    "deg/h",
-    (
-        Grade(say("Navigation grade"), 0.01),
-        Grade(say("Tactical grade"), 5.0),
-        Grade(say("Industrial grade"), 360.0),
-        Grade(say("Consumer grade"), float("inf")),
-    ),
-    IN_RUN,
-)
-SCALES = (BY_MINIMUM,)
+def bounds_of(grade: str) -> str:
+    """The bounds of a grade: ``0.01 to 5 deg/h``."""
+    low, high = dict(zip(GRADES, pairwise((0.0, *GRADES.values())), strict=True))[grade]
+    if not low:
+        return say("below {limit:g} {unit}", limit=high, unit="deg/h")
+    if math.isinf(high):
+        return say("from {limit} {unit} on", limit=f"{low:g}", unit="deg/h")
+    return say("{low} to {high:g} {unit}", low=f"{low:g}", high=high, unit="deg/h")
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,7 @@ from allanite.phrases.phrase import say
 from .device import Cause, Device
 
 MEMS = Device(
-    "mems",
-    say("micromechanical (MEMS) gyroscope"),
-    (say("gyro"),),
+    "mems", say("micromechanical (MEMS) gyroscope"), (say("gyro"),),
     {
         "Q": Cause(
             say("quantization noise"),
@@ -29,8 +27,7 @@ MEMS = Device(
             say("Woodman 2007, section 3.2.2; allanite"),
         ),
         "B": Cause(
-            say("bias instability"),
-            (say("flicker noise of the electronics and of other parts"),),
+            say("bias instability"), (say("flicker noise of the electronics and of other parts"),),
             (
                 say("estimate the bias in the navigation filter"),
                 say("averaging longer than the minimum of the curve is no use"),
@@ -38,8 +35,7 @@ MEMS = Device(
             say("Woodman 2007, section 3.2.3; allanite"),
         ),
         "K": Cause(
-            say("rate random walk"),
-            (say("temperature of the surroundings, and self-heating"),),
+            say("rate random walk"), (say("temperature of the surroundings, and self-heating"),),
             (
                 say("calibrate the bias over temperature"),
                 say("record the temperature; see whether 'allanite compensate' removes it"),
@@ -56,20 +52,16 @@ MEMS = Device(
         "GM": Cause(
             say("exponentially correlated bias"),
             (say("a drift of the bias with one correlation time, such as that of its temperature"),),
-            (say("model it as a first-order state of the navigation filter"),),
-            say("Koo 2012; allanite"),
+            (say("model it as a first-order state of the navigation filter"),), say("Koo 2012; allanite"),
         ),
     },
-)
+)  # fmt: skip
 
 ACCELEROMETER = Device(
-    "accelerometer",
-    say("accelerometer"),
-    (say("accelerometer"),),
+    "accelerometer", say("accelerometer"), (say("accelerometer"),),
     {
         "Q": Cause(
-            say("velocity quantization noise"),
-            (say("an output of velocity increments in whole steps"),),
+            say("velocity quantization noise"), (say("an output of velocity increments in whole steps"),),
             (
                 say("finer steps of the output"),
                 say("it does not accumulate: beyond a few seconds of navigation it can be ignored"),
@@ -83,10 +75,8 @@ ACCELEROMETER = Device(
             say("Woodman 2007, section 4.2.2; allanite"),
         ),
         "B": Cause(
-            say("bias instability"),
-            (say("flicker noise of the electronics and of other parts"),),
-            (say("estimate the bias in the navigation filter"),),
-            say("Woodman 2007, section 4.2.3; allanite"),
+            say("bias instability"), (say("flicker noise of the electronics and of other parts"),),
+            (say("estimate the bias in the navigation filter"),), say("Woodman 2007, section 4.2.3; allanite"),
         ),
         "K": Cause(
             say("acceleration random walk"),
@@ -104,17 +94,14 @@ ACCELEROMETER = Device(
             say("Woodman 2007, section 4.2.4 (temperature); allanite"),
         ),
     },
-)
+)  # fmt: skip
 
 
 RLG = Device(
-    "rlg",
-    say("ring laser gyroscope"),
-    (say("gyro"),),
+    "rlg", say("ring laser gyroscope"), (say("gyro"),),
     {
         "Q": Cause(
-            say("quantization noise"),
-            (say("the output counts whole interference fringes"),),
+            say("quantization noise"), (say("the output counts whole interference fringes"),),
             (say("it does not accumulate: beyond a few seconds of navigation it can be ignored"),),
             say("IEEE 647, Annex C; allanite"),
         ),
@@ -122,8 +109,7 @@ RLG = Device(
             say("angle random walk"),
             (say("spontaneous emission of photons"), say("lock-in: every turn of the dither leaves a random angle")),
             (
-                say("better mirrors, for a smaller lock-in zone"),
-                say("a higher frequency of the dither"),
+                say("better mirrors, for a smaller lock-in zone"), say("a higher frequency of the dither"),
                 say("noise on the amplitude of the dither, so that the residual lock-in rate is small"),
             ),
             say(
@@ -154,24 +140,20 @@ RLG = Device(
         "R": Cause(
             say("rate ramp"),
             (
-                say("slow monotonic change of the intensity of the laser"),
-                say("warm-up after switch-on"),
+                say("slow monotonic change of the intensity of the laser"), say("warm-up after switch-on"),
                 say("a platform that accelerates slowly"),
             ),
             (say("exclude the warm-up"), say("control the intensity"), say("compensate by temperature")),
             say("IEEE 647, Annex C (sources); allanite"),
         ),
     },
-)
+)  # fmt: skip
 
 FOG = Device(
-    "fog",
-    say("fiber-optic gyroscope"),
-    (say("gyro"),),
+    "fog", say("fiber-optic gyroscope"), (say("gyro"),),
     {
         "Q": Cause(
-            say("quantization noise"),
-            (say("the digital nature of the output"),),
+            say("quantization noise"), (say("the digital nature of the output"),),
             (
                 say("finer steps of the output"),
                 say("it does not accumulate: beyond a few seconds of navigation it can be ignored"),
@@ -194,8 +176,7 @@ FOG = Device(
             say("IEEE 952, Annex C (correlation time); arXiv:2208.11213 (intensity and phase noise, both remedies)"),
         ),
         "B": Cause(
-            say("bias instability"),
-            (say("flicker noise of electronics and other components"),),
+            say("bias instability"), (say("flicker noise of electronics and other components"),),
             (
                 say(
                     "record supply voltage and temperature together with the rate; check whether 'allanite compensate' "
@@ -211,8 +192,7 @@ FOG = Device(
                 say("varying temperature gradients along the coil (Shupe effect)"),
             ),
             (
-                say("quadrupolar winding"),
-                say("no heat source near the ends of the fiber"),
+                say("quadrupolar winding"), say("no heat source near the ends of the fiber"),
                 say("record the temperature; check whether 'allanite compensate' removes it"),
             ),
             say("IEEE 952, Annex C; Shupe 1980; Zhuo (winding, heat sources); allanite"),
@@ -221,35 +201,28 @@ FOG = Device(
             say("rate ramp"),
             (
                 say("slow monotonic change of the intensity of the light source"),
-                say("a coil that warms up (Shupe effect)"),
-                say("a platform that accelerates slowly"),
+                say("a coil that warms up (Shupe effect)"), say("a platform that accelerates slowly"),
             ),
             (
-                say("exclude the warm-up"),
-                say("control the intensity of the source"),
+                say("exclude the warm-up"), say("control the intensity of the source"),
                 say("compensate by the rate of change of the temperature"),
             ),
             say("IEEE 952, Annex C (source, platform); Shupe 1980; allanite"),
         ),
     },
-)
+)  # fmt: skip
 
 
 CORRELATED = Cause(
     say("exponentially correlated error"),
     (say("a loop with definite dynamics; in the paper probably that of force unloading"),),
-    (
-        say("compare the time constant with those of the loops"),
-        say("look for its hump in the Hadamard deviation"),
-    ),
+    (say("compare the time constant with those of the loops"), say("look for its hump in the Hadamard deviation")),
     say("Gazaryan, conclusion 4"),
-)
+)  # fmt: skip
 """Of one loop, or of each of two."""
 
 STABILIZER = Device(
-    "stabilizer",
-    say("gyro stabilizer"),
-    (say("dimensionless"), say("angle")),
+    "stabilizer", say("gyro stabilizer"), (say("dimensionless"), say("angle")),
     {
         "Q": Cause(
             say("white noise of sampling the stabilization error"),
@@ -290,8 +263,7 @@ STABILIZER = Device(
             ),
             say("Gazaryan, table on p. 148, conclusions 1, 2 and 5; allanite"),
         ),
-        "GM": CORRELATED,
-        "GML": CORRELATED,
+        "GM": CORRELATED, "GML": CORRELATED,
         "GM2": Cause(
             say("oscillation of the stabilization error"),
             (say("a loop that is weakly damped, or a resonance of the suspension or the structure"),),
@@ -303,19 +275,15 @@ STABILIZER = Device(
         ),
     },
     say("The names hold where the signal is the angle of the platform itself, not a rate."),
-)
+)  # fmt: skip
 
 MSCSG = Device(
-    "mscsg",
-    say("magnetically suspended control and sensing gyro (MSCSG)"),
-    (say("gyro"),),
+    "mscsg", say("magnetically suspended control and sensing gyro (MSCSG)"), (say("gyro"),),
     {
         "Q": Cause(
-            say("quantization noise"),
-            (say("the analogue-to-digital converter of the coil current"),),
+            say("quantization noise"), (say("the analogue-to-digital converter of the coil current"),),
             (
-                say("more bits of the converter"),
-                say("amplify the signal before it, within its range"),
+                say("more bits of the converter"), say("amplify the signal before it, within its range"),
                 say("check with 'allanite budget': a converter of the current makes angle random walk rather than Q"),
             ),
             say("Geng 2021, section 3.1 and 3.2, 1); allanite"),
@@ -335,44 +303,37 @@ MSCSG = Device(
             (
                 say("electronics that fluctuate with temperature and surroundings"),
                 say("the current control: fluctuation at the frequency of the displacement sensor, unstable feedback"),
-                say("bad contacts and worn connectors"),
-                say("friction noise of cables that are bent"),
+                say("bad contacts and worn connectors"), say("friction noise of cables that are bent"),
                 say("electromagnetic interference"),
             ),
             (
                 say("temperature compensation of the bridge, or of the output by a model"),
-                say("small shielded connectors and low-noise cables"),
-                say("layout and shielding of the electronics"),
+                say("small shielded connectors and low-noise cables"), say("layout and shielding of the electronics"),
                 say("rotation modulation, best with two positions"),
             ),
             say("Geng 2021, section 3.1 and 3.2, 3)"),
         ),
         "K": Cause(
-            say("rate random walk"),
-            (say("not known; the paper calls for more work"),),
+            say("rate random walk"), (say("not known; the paper calls for more work"),),
             (say("record longer first: an hour says little about it"),),
             say("Geng 2021, section 3.1 and 3.2, 4); allanite"),
         ),
         "R": Cause(
             say("rate ramp"),
             (
-                say("temperature of the gyro"),
-                say("magnetic leakage and internal interference"),
-                say("imbalance of the rotor"),
-                say("earth rotation, or a platform that accelerates slowly"),
+                say("temperature of the gyro"), say("magnetic leakage and internal interference"),
+                say("imbalance of the rotor"), say("earth rotation, or a platform that accelerates slowly"),
             ),
             (
                 say("measure the temperature (DS18B20) and compensate"),
-                say("compensate the flux density of the air gap"),
-                say("decouple the magnetic bearing and both axes"),
-                say("a bias current in the coil against the static error"),
-                say("balance the rotor, on line"),
+                say("compensate the flux density of the air gap"), say("decouple the magnetic bearing and both axes"),
+                say("a bias current in the coil against the static error"), say("balance the rotor, on line"),
             ),
             say("Geng 2021, section 3.1 and 3.2, 5)"),
         ),
     },
     say("The rate comes from the current of the coil by the scale factor of the torquer."),
-)
+)  # fmt: skip
 
 
 DEVICES: dict[str, Device] = {device.name: device for device in (STABILIZER, MSCSG, RLG, FOG, MEMS, ACCELEROMETER)}

@@ -14,16 +14,16 @@ from allanite.core.fit import Fit
 from allanite.core.kinds import title_of
 from allanite.core.model import Term
 from allanite.core.plain import Value
-from allanite.core.readings import FLICKER, Readings
+from allanite.core.readings import FLICKER, IN_RUN, Readings
 from allanite.core.units import convert
 from allanite.phrases.phrase import averaging, join, say
 from allanite.statistics.moments.expect import expected
 from allanite.terms import TERMS, WHITE
 
-from .device import BY_MINIMUM, Cause
+from .device import Cause, bounds_of, grade_of
 from .devices import device as named
 
-DENSE = 1000
+POINTS_PER_DECADE = 1000
 """Points of a decade at which humps are held against lines."""
 
 
@@ -70,31 +70,28 @@ def crossing(one: Estimate, other: Estimate) -> float:
 
 
 def spans(estimates: Sequence[Estimate], start: float, end: float) -> tuple[Span, ...]:
-    """Where each of the terms that were found dominates, from `start` to `end`, s.
-
-    Straight asymptotes are as they are; of a term with a hump the Allan deviation itself is taken.
-    """
-    found = [e for e in estimates if e.claimed and e.value and lasting(e)]
-    if not found or not start < end:
+    """Where each of the terms that were found dominates, from `start` to `end`, s: by asymptotes, or humps."""
+    present = [e for e in estimates if e.claimed and e.value and lasting(e)]
+    if not present or not start < end:
         return ()
-    tau = np.geomspace(start, end, 2 + math.ceil(DENSE * math.log10(end / start)))
-    top = np.argmax([_line(e, tau) for e in found], axis=0)
+    tau = np.geomspace(start, end, 2 + math.ceil(POINTS_PER_DECADE * math.log10(end / start)))
+    top = np.argmax([_line(e, tau) for e in present], axis=0)
     edges = np.flatnonzero(np.diff(top)) + 1
     bounds = [start]
     for i in edges:  # where one term takes over from another, between two points of the grid
-        one, other = found[top[i - 1]], found[top[i]]
-        exact = straight(one) and straight(other)
-        bounds.append(crossing(one, other) if exact else float(math.sqrt(tau[i - 1] * tau[i])))
+        before, after = present[top[i - 1]], present[top[i]]
+        exact = straight(before) and straight(after)
+        bounds.append(crossing(before, after) if exact else float(math.sqrt(tau[i - 1] * tau[i])))
     bounds.append(end)
     firsts = [0, *edges.tolist()]
-    return tuple(Span(found[top[i]].symbol, *pair) for i, pair in zip(firsts, pairwise(bounds), strict=True))
+    return tuple(Span(present[top[i]].symbol, *pair) for i, pair in zip(firsts, pairwise(bounds), strict=True))
 
 
 def least(estimates: Sequence[Estimate], start: float, end: float) -> tuple[float, float] | None:
     """Averaging time and Allan deviation, SI, at the minimum of all terms together; None at an end of the range."""
-    found = [e for e in estimates if e.claimed and e.value and lasting(e)]
-    tau = np.geomspace(start, end, 2 + math.ceil(DENSE * math.log10(end / start)))
-    variance = np.sum([_line(e, tau) ** 2 for e in found], axis=0) if found else np.zeros(tau.size)
+    present = [e for e in estimates if e.claimed and e.value and lasting(e)]
+    tau = np.geomspace(start, end, 2 + math.ceil(POINTS_PER_DECADE * math.log10(end / start)))
+    variance = np.sum([_line(e, tau) ** 2 for e in present], axis=0) if present else np.zeros(tau.size)
     at = int(np.argmin(variance))
     return (float(tau[at]), math.sqrt(variance[at])) if 0 < at < tau.size - 1 else None
 
@@ -156,9 +153,9 @@ def meaning(
     >>> found.causes["N"].sources[0]
     'thermo-mechanical noise, much faster than the sampling'
     """
-    said = sentences(fit, readings, rate=rate, length=length)
+    texts = sentences(fit, readings, rate=rate, length=length)
     if device is None:
-        return Meaning(fit.name, said)
+        return Meaning(fit.name, texts)
     row = named(device)
     if fit.signal.name not in row.signals:
         note = say(
@@ -167,12 +164,12 @@ def meaning(
             signals=reduce(lambda first, second: say("{first} or {second}", first=first, second=second), row.signals),
             sensor=fit.signal.name,
         )
-        return Meaning(fit.name, said, device, (), note)
-    there = tuple(e.symbol for e in fit if e.claimed and e.symbol in row.terms) if fit.valid is not None else ()
-    return Meaning(fit.name, said, device, there, row.note)
+        return Meaning(fit.name, texts, device, (), note)
+    symbols = tuple(e.symbol for e in fit if e.claimed and e.symbol in row.terms) if fit.valid is not None else ()
+    return Meaning(fit.name, texts, device, symbols, row.note)
 
 
-HUMP = 0.37
+HUMP_PERIODS = 0.37
 """Averaging time of the first hump of a damped oscillation, in its periods."""
 
 
@@ -190,14 +187,11 @@ def sentences(fit: Fit, readings: Readings | None = None, *, rate: float, length
     """
     if fit.valid is None or not fit.validity:
         return ()
-    found = {e.symbol: e for e in fit if e.claimed and e.value}
+    present = {e.symbol: e for e in fit if e.claimed and e.value}
     return (
-        *_dominating(found, rate, length),
-        *_minimum(fit, readings, rate, length),
-        *_drift(fit, found, length),
-        *_time_constants(fit, found),
-        *_grade(readings),
-    )
+        *_dominating(present, rate, length), *_minimum(fit, readings, rate, length), *_drift(fit, present, length),
+        *_time_constants(fit, present), *_grade(readings),
+    )  # fmt: skip
 
 
 def _title(estimate: Estimate) -> str:
@@ -261,7 +255,7 @@ def _minimum(fit: Fit, readings: Readings | None, rate: float, length: float) ->
     if flicker is None:
         return
     tau, level = readings.minimum.tau, readings.minimum.deviation
-    said = say(
+    stated = say(
         "The minimum of the Allan deviation is {minimum} at {tau}; divided by 0.664 it would be a B of {flicker}",
         minimum=_size(level, flicker, 0),
         tau=averaging(tau),
@@ -270,11 +264,11 @@ def _minimum(fit: Fit, readings: Readings | None, rate: float, length: float) ->
     if flicker.claimed and flicker.value:
         own = _size(flicker.value, flicker, 0)
         because = say("the identified B is {value}, because the minimum contains the other terms too.", value=own)
-        yield join("; ", (said, because))
+        yield join("; ", (stated, because))
     elif flicker.upper is not None:
         below = _size(flicker.upper, flicker, 0)
         missing = say("flicker was not identified, B is below {limit}", limit=below)
-        parts = [said, missing]
+        parts = [stated, missing]
         lowest = least(fit.estimates, 1 / rate, length / 2)
         if lowest is not None:  # the minimum that the other terms have together, if they have one within the record
             size, at = _size(lowest[1], fit.estimates[0], 0), averaging(lowest[0])
@@ -295,12 +289,12 @@ def _drift(fit: Fit, found: dict[str, Estimate], length: float) -> Iterator[str]
         )
     elif ramp is not None:
         change = _over(ramp, length)
-        said = say("The drift is systematic: R changes the output by {change} over the record", change=change)
-        yield _ended(join("; ", (said, *_absent(fit, "K"))))
+        stated = say("The drift is systematic: R changes the output by {change} over the record", change=change)
+        yield _ended(join("; ", (stated, *_absent(fit, "K"))))
     elif walk is not None:
         change = _over(walk, length)
-        said = say("The drift is random: K changes the output by {change} (1 sigma) over the record", change=change)
-        yield _ended(join("; ", (said, *_absent(fit, "R"))))
+        stated = say("The drift is random: K changes the output by {change} (1 sigma) over the record", change=change)
+        yield _ended(join("; ", (stated, *_absent(fit, "R"))))
 
 
 def _over(estimate: Estimate, length: float) -> str:
@@ -331,7 +325,7 @@ def _time_constants(fit: Fit, found: dict[str, Estimate]) -> Iterator[str]:
         yield say(
             "A damped oscillation of {frequency:.3g} Hz with a damping ratio of {damping:.2g} was identified: look for "
             "a control loop, a resonance or sway with this frequency; it makes a hump near {time}.",
-            frequency=frequency, damping=damping, time=averaging(HUMP / frequency),
+            frequency=frequency, damping=damping, time=averaging(HUMP_PERIODS / frequency),
         )  # fmt: skip
     if fit.scope is not None and fit.scope.filter is not None:
         cutoff = fit.scope.filter.cutoff
@@ -347,13 +341,12 @@ def _grade(readings: Readings | None) -> Iterator[str]:
     """The grade of a gyroscope by its in-run bias stability; if the minimum was not reached, it may be a better one."""
     if readings is None or readings.minimum is None or readings.signal.name != "gyro":
         return
-    reached, scale = readings.inside, BY_MINIMUM
-    level = readings.minimum.deviation if reached else readings.minimum.interval(0.95)[1]
-    size = convert(level, readings.unit, scale.unit)
-    grade = scale.of(size, scale.unit)
-    said = {"grade": grade.name, "scale": scale.title, "span": scale.words(grade), "size": size}
-    if reached:
-        text = say("{grade} by its {scale} ({span}: {size:.3g})", **said)
+    level = readings.minimum.deviation if readings.inside else readings.minimum.interval(0.95)[1]
+    size = convert(level, readings.unit, "deg/h")
+    grade = grade_of(size)
+    facts = {"grade": grade, "scale": IN_RUN, "span": bounds_of(grade), "size": size}
+    if readings.inside:
+        text = say("{grade} by its {scale} ({span}: {size:.3g})", **facts)
     else:
-        text = say("{grade} or better by its {scale} ({span}: below {size:.3g})", **said)
+        text = say("{grade} or better by its {scale} ({span}: below {size:.3g})", **facts)
     yield join("; ", (text, say("grades are conventions, and a data sheet needs more than noise.")))

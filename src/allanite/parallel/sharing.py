@@ -16,19 +16,18 @@ import os
 import pickle
 import signal
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 from allanite.core.plain import Portable
 
 from .processes import ANSWER, EndedError, Process
-from .processors import how_many, imported, processes
+from .processors import imported, processes
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-Made_co = TypeVar("Made_co", covariant=True)
 
 _TOKEN = 4
 """Bytes of the number of an item in the pipe."""
@@ -139,38 +138,3 @@ class _Pickler(pickle.Pickler):
         if not isinstance(value, Portable) or any("__reduce__" in vars(base) for base in kind.__mro__[:-1]):
             return NotImplemented
         return copyreg.__newobj__, (kind,), dict(vars(value))  # type: ignore[attr-defined]
-
-
-class Work(NamedTuple, Generic[Made_co]):
-    """What processes can share: tasks, and how one thing is made of their results, in this process."""
-
-    tasks: Sequence[Callable[[], Any]]
-    whole: Callable[[list[Any]], Made_co]
-
-    @staticmethod
-    def one(task: Callable[[], Result]) -> "Work[Result]":
-        """A single task, which makes all of it."""
-        return Work((task,), lambda found: found[0])
-
-    def then(self, function: Callable[[Made_co], Item]) -> "Work[Item]":
-        """The same, with a function of what it makes, in this process."""
-        return Work(self.tasks, lambda found: function(self.whole(found)))
-
-    def beside(self, other: "Work[Item]") -> "Work[tuple[Made_co, Item]]":
-        """Both at once."""
-        own = len(self.tasks)
-        return Work((*self.tasks, *other.tasks), lambda found: (self.whole(found[:own]), other.whole(found[own:])))
-
-
-def made(work: Work[Result]) -> Result:
-    """What one work makes, after its tasks were shared."""
-    result: Result = next(done(work))
-    return result
-
-
-def done(*works: Work[Any]) -> Iterator[Any]:
-    """What each work makes, after the tasks of all of them were shared."""
-    tasks = [task for work in works for task in work.tasks]
-    results = iter(shared(lambda task: task(), tasks, count=how_many(len(tasks))))
-    for work in works:
-        yield work.whole([next(results) for _ in work.tasks])

@@ -46,13 +46,13 @@ class Phrase(str):
         return _filled(self._template(catalogue), fields)
 
     def _template(self, catalogue: Catalogue) -> str:
-        one, many = self.templates[0], self.templates[-1]
-        if not one:  # of nothing, a catalogue tells its own header
-            return one
-        return catalogue.gettext(one) if one is many else catalogue.ngettext(one, many, int(self.fields["count"]))
+        first, last = self.templates[0], self.templates[-1]
+        if not first:  # of nothing, a catalogue tells its own header
+            return first
+        return catalogue.gettext(first) if first is last else catalogue.ngettext(first, last, int(self.fields["count"]))
 
 
-PLAIN = 1e7
+MAX_PLAIN = 1e7
 """Numbers below have no power of ten in a sentence."""
 
 
@@ -61,7 +61,7 @@ class _Sentence(Formatter):
 
     def format_field(self, value: Any, spec: str) -> str:
         text = str(super().format_field(value, spec))
-        if isinstance(value, str) or "e+0" not in text or abs(value) >= PLAIN:
+        if isinstance(value, str) or "e+0" not in text or abs(value) >= MAX_PLAIN:
             return text
         return format(float(text), spec.partition(".")[0].rstrip("g") + ".0f")
 
@@ -138,7 +138,7 @@ def translate(value: Any, catalogue: Catalogue) -> Any:
     return value.within(catalogue) if isinstance(value, Phrase) else value
 
 
-WORTH = 0.25
+MIN_PART_SHARE = 0.25
 """Share of a recording that a part of it must have to be worth a proposal."""
 
 
@@ -228,7 +228,7 @@ def longest_without(bad: Iterable[tuple[float, float]], span: tuple[float, float
     """
     ends = [span[0], *(time for each in bad for time in each), span[1]]
     start, end = max(zip(ends[::2], ends[1::2], strict=True), key=lambda part: part[1] - part[0])
-    return between(start, end) if end - start > WORTH * (span[1] - span[0]) else windowing()
+    return between(start, end) if end - start > MIN_PART_SHARE * (span[1] - span[0]) else windowing()
 
 
 def between(start: float, end: float) -> str:

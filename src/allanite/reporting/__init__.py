@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.aliases import public
+from allanite.core.files import PathLike
 
 from .views import has_view, level_of, view_of
 
@@ -13,14 +14,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from allanite.core.fit import Fit
-    from allanite.parallel.sharing import Work
 
     from .first import First
     from .views import Rows
 
-PathLike = str | os.PathLike[str]
-
-MOST_DATA = 300_000
+MAX_DATA_BYTES = 300_000
 """Bytes of compressed JSON that a page carries at most."""
 
 
@@ -130,13 +128,6 @@ def document(value: Any, *, level: float | None = None, command: str = "", lang:
 
 def page(value: Any, *, level: float | None = None, command: str = "", lang: str = "en") -> str:
     """The page that `report` writes, as text; `command` is the command line that made it."""
-    from allanite.parallel.sharing import made
-
-    return made(page_of(value, level=level, command=command, lang=lang))
-
-
-def page_of(value: Any, *, level: float | None = None, command: str = "", lang: str = "en") -> "Work[str]":
-    """The making of the same, figure by figure."""
     import gzip
     from dataclasses import replace
 
@@ -144,17 +135,14 @@ def page_of(value: Any, *, level: float | None = None, command: str = "", lang: 
 
     from .fonts import warn_of_page
     from .html import render
-    from .json import json_of
+    from .json import to_json
     from .language import speaking
-
-    def stored(text: str) -> bytes:
-        data = gzip.compress(encoded(text), mtime=0)
-        return data if len(data) < MOST_DATA else b""
 
     with speaking(lang):
         warn_of_page(lang)
-        face = replace(view_of(value).face(value, level_of(value, level)), command=command)
-        return render(face, json_of(value).then(stored))
+        face = view_of(value).face(value, level_of(value, level))
+        data = gzip.compress(encoded(to_json(value)), mtime=0)
+        return render(replace(face, command=command, data=data if len(data) < MAX_DATA_BYTES else b""))
 
 
 def table(value: Any, *, level: float | None = None, lang: str = "en", **form: Any) -> str:
@@ -177,10 +165,7 @@ def first_screen(
     brief: bool = False,
     first: "First | None" = None,
 ) -> str:
-    """The answer on a first screen, or with `brief` on a line for each channel; with `ascii` without signs.
-
-    `first` is used in place of what the view makes of the result.
-    """
+    """The answer, or with `brief` a line for each channel; `first` is shown in place of what the view makes."""
     from .first import condensed
     from .language import speaking
     from .screen import render, render_brief
@@ -224,10 +209,7 @@ def numbers(value: Any, *, level: float | None = None, coefficients: bool = Fals
 
 
 def to_csv(value: Any, *, level: float | None = None, coefficients: bool = False) -> str:
-    """The numbers of a result as CSV, unrounded; of a study its curves, or its coefficients and readings.
-
-    A name that a spreadsheet would compute (``=1+1``) has an apostrophe before it, as spreadsheets write text.
-    """
+    """The numbers of a result as CSV, unrounded; of a study its curves, or its coefficients and readings."""
     import csv
     import io
 

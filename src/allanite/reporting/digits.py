@@ -2,7 +2,7 @@
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from allanite.core.units import ATOMS, RAISED, plain_letters
 
@@ -12,15 +12,14 @@ LARGE, SMALL = 1e6, 1e-3
 
 @dataclass(frozen=True)
 class Digits:
-    """A number and its limits as text, all with the same decimals.
-
-    `low` and `high` are empty where there is no interval. All three are in units of 10^exponent.
-    """
+    """A number, its limits and their half width as text, with the same decimals, in units of 10^exponent."""
 
     value: str
+    # empty where there is no interval
     low: str
     high: str
     exponent: int = 0
+    half: str = field(default="", repr=False)
 
     def plain(self) -> tuple[str, str]:
         """Value and interval in ASCII, for the terminal: ``("9.02e-5", "8.79e-5 .. 9.25e-5")``."""
@@ -60,11 +59,12 @@ def digits(
         size = max(size, half)  # of a number near zero the size of its interval counts
     exponent = _order(size) if size and not SMALL <= size < LARGE else 0
     decimals = exponent + (_decimals(size, half) if half > 0 else figures - 1 - _order(size) if size else 0)
-    form = f"{'+' if signed else ''}.{min(max(decimals, 0), 12)}f"
+    places = f".{min(max(decimals, 0), 12)}f"
     scaled = [v / 10.0**exponent for v in ((value, low, high) if known else (value,))]
-    shown = [format(round(v, decimals) + 0.0, form) for v in scaled]  # no negative zero
+    sign = "+" if signed else ""
+    shown = [format(round(v, decimals) + 0.0, sign + places) for v in scaled]  # no negative zero
     least, most = shown[1:] or ("", "")
-    return Digits(shown[0], least, most, exponent)
+    return Digits(shown[0], least, most, exponent, format(half / 10.0**exponent, places) if known else "")
 
 
 def rounded(value: float) -> str:
@@ -113,10 +113,7 @@ _ENDLESS = re.compile(r"\S{401,}")
 
 
 def printable(text: str) -> str:
-    """`text` as it is shown: names out of a file must not drive the terminal, nor fill it.
-
-    A control character becomes a sign of its own; of a word of more than 400 characters both ends are left.
-    """
+    """`text` without control characters; of a word of more than 400 characters both ends are left."""
     if not text.isprintable():  # otherwise a phrase stays one
         text = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
     if len(text) <= 400 or not _ENDLESS.search(text):

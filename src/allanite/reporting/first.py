@@ -16,7 +16,7 @@ from .sheet import Code, Column, Face, Note, Part, Table
 _OPTION = re.compile(r"(?:\(|: )(--[a-z][^);]*)")
 
 
-NAMED = 32
+MAX_NAMES_LENGTH = 32
 """Characters that the names of channels may take in a remark."""
 
 DETAILS, FIGURES = ("--details", say("all numbers")), ("--report page.html", say("figures"))
@@ -32,22 +32,19 @@ PLUS_MINUS, MOST = r"±|\+-", "≤|<="
 
 @dataclass(frozen=True)
 class Remark:
-    """A line of what limits an answer: what it is about, the clauses of it, and the command that helps.
+    """A line of what limits an answer; a narrow screen leaves out clauses at the end, never the command."""
 
-    A screen that is too narrow leaves clauses out at the end, never the command. `name` is that of a finding.
-    """
-
-    about: str
+    about: str  # the channels
     clauses: Sequence[str]
-    command: str = ""
+    command: str = ""  # what helps
     grave: bool = False
-    name: str = ""
+    name: str = ""  # that of a finding
 
     @classmethod
     def of(cls, about: str, text: str, *more: str, grave: bool = False, name: str = "") -> "Remark":
         """A remark with the first option that its text names in brackets as its command."""
-        found = _OPTION.search("; ".join((text, *more)))
-        return cls(about, (text, *filter(None, more)), found[1] if found else "", grave, name)
+        option = _OPTION.search("; ".join((text, *more)))
+        return cls(about, (text, *filter(None, more)), option[1] if option else "", grave, name)
 
     @classmethod
     def about_finding(cls, about: str, finding: Finding, *, grave: bool = False) -> "Remark":
@@ -56,19 +53,15 @@ class Remark:
 
 
 @dataclass(frozen=True)
-class Quantity:
-    """A row of a table of axes: its name, symbol, unit and a cell for each channel.
-
-    `rank` says how soon it is left out where there is too little room: 0 never. `short` is its name where there is
-    none for symbols.
-    """
+class ChannelRow:
+    """A row of a table of channels, with a cell for each."""
 
     title: str
     symbol: str
     unit: str
     cells: Sequence[str]
-    rank: int = 0
-    short: str = ""
+    rank: int = 0  # how soon it is left out where there is too little room: 0 never
+    short: str = ""  # its name where there is none for symbols
 
     @property
     def label(self) -> str:
@@ -77,12 +70,21 @@ class Quantity:
 
 
 @dataclass(frozen=True)
-class Axes:
+class Channels:
     """Quantities by channel: channels side by side, or below each other if there are many."""
 
     names: Sequence[str]
-    rows: Sequence[Quantity]
+    rows: Sequence[ChannelRow]
     sensor: str = ""
+
+    @classmethod
+    def of(cls, names: Sequence[str], cells: Iterable[tuple[str, str, str, str]], sensor: str = "") -> "Channels":
+        """Those of cells, each with its channel, quantity and unit before it."""
+        rows: dict[tuple[str, str], dict[str, str]] = {}
+        for name, title, unit, cell in cells:
+            rows.setdefault((title, unit), {})[name] = cell
+        shown = [ChannelRow(t, "", unit, [row.get(name, "") for name in names]) for (t, unit), row in rows.items()]
+        return cls(names, shown, sensor)
 
     def table(self, *, titles: bool = True) -> Table:
         """The channels side by side, with or without the titles of the quantities."""
@@ -91,15 +93,12 @@ class Axes:
             leads = [lead[1:] for lead in leads]
         blank = [Column("", "name")] * len(leads[0])
         heads = [
-            *blank[1:],
-            Column(self.sensor, "name"),
-            Column("", "name"),
-            *(Column(name, "name") for name in self.names),
-        ]
+            *blank[1:], Column(self.sensor, "name"), Column("", "name"), *(Column(name, "name") for name in self.names),
+        ]  # fmt: skip
         rows = [[*lead, printed_unit(row.unit), *row.cells] for lead, row in zip(leads, self.rows, strict=True)]
         return Table(heads, rows)
 
-    def only(self, part: slice) -> "Axes":
+    def only(self, part: slice) -> "Channels":
         """Those of some channels."""
         return replace(self, names=self.names[part], rows=[replace(row, cells=row.cells[part]) for row in self.rows])
 
@@ -126,11 +125,11 @@ class Section:
     """A part of an answer that shares the room with others: its name, sentences, and the beginning of its tables."""
 
     name: str
-    said: Sequence[str] = ()
+    sentences: Sequence[str] = ()
     tables: Sequence[Table] = ()
 
 
-Answer = Axes | Section | Table | str
+Answer = Channels | Section | Table | str
 
 
 @dataclass(frozen=True)
@@ -152,13 +151,13 @@ class First:
         """A line for each channel, or for each row of the answer."""
         lines: list[str] = []
         for part in self.answer:
-            if isinstance(part, Axes):
+            if isinstance(part, Channels):
                 lines += part.lines()
             elif isinstance(part, Table):
                 lines += [join("  ", filter(None, row)) for row in part.rows]
             elif isinstance(part, Section):
                 rows = [join("  ", filter(None, row)) for table in part.tables[:1] for row in table.rows]
-                lines += [join("  ", filter(None, (part.name, said))) for said in (part.said[:1] or rows)]
+                lines += [join("  ", filter(None, (part.name, text))) for text in (part.sentences[:1] or rows)]
             else:
                 lines.append(part)
         return [*(lines or [self.title]), *(shown(remark) for remark in self.remarks if remark.grave)]
@@ -169,12 +168,12 @@ def condensed(face: Face, *, drawn: bool = False) -> First:
     after = [DETAILS, *([FIGURES] if drawn else [])]
     sections = [_section("", face.parts)] if any(map(_told, face.parts)) else []
     verdicts = [text for sheet in face.sheets for text in sheet.verdicts]
-    if sections and not sections[0].said and verdicts:  # tables of all, and below what follows from them
-        sections[0] = replace(sections[0], said=verdicts)
+    if sections and not sections[0].sentences and verdicts:  # tables of all, and below what follows from them
+        sections[0] = replace(sections[0], sentences=verdicts)
     alone = len(face.sheets) == 1
     sheets = [("" if alone and isinstance(sheet.name, Phrase) else sheet.name, sheet.parts) for sheet in face.sheets]
     own = [_section(name, parts) for name, parts in sheets]
-    sections += [section for section in own if section.said or section.tables]
+    sections += [section for section in own if section.sentences or section.tables]
     notes = [(name, part) for name, parts in [("", face.parts), *sheets, ("", face.close)] for part in parts]
     alerts = merged(_remark_of(name, part) for name, part in notes if _warns(part))
     assumed = face.notes or [text for label, text in face.header if label == "assumed"]
@@ -189,8 +188,8 @@ def _section(name: str, parts: Iterable[Part]) -> Section:
     strong = [part for part in notes if part.level == "strong"] or [part for part in notes if part.where == "text"]
     strong = strong or notes[: not tables]
     codes = [line for part in told if isinstance(part, Code) and not tables for line in part.text.splitlines() if line]
-    said = [text for note in strong for text in (note.text, *note.points)]
-    return Section(name, [*said, *codes], tables[:1])
+    sentences = [text for note in strong for text in (note.text, *note.points)]
+    return Section(name, [*sentences, *codes], tables[:1])
 
 
 def _told(part: Part) -> bool:
@@ -209,17 +208,14 @@ def _remark_of(name: str, note: Note) -> Remark:
 
 def shown(remark: Remark, clauses: int | None = None) -> Phrase:
     """A remark as text, with so many of its clauses."""
-    said: Phrase = join("; ", remark.clauses[:clauses])
+    text: Phrase = join("; ", remark.clauses[:clauses])
     if remark.about:
-        said = say("{channel}: {warning}", channel=remark.about, warning=said)
-    return say("{what}. Try {command}", what=said, command=remark.command) if remark.command else said
+        text = say("{channel}: {warning}", channel=remark.about, warning=text)
+    return say("{what}. Try {command}", what=text, command=remark.command) if remark.command else text
 
 
 def kinds(remarks: Iterable[Remark]) -> list[list[Remark]]:
-    """Remarks of one kind, with one command, together: of one finding, or with the same words but for numbers.
-
-    Two about one channel that differ stay apart.
-    """
+    """Remarks of one finding, or of the same words but for numbers, together; not two of one channel that differ."""
     alike: dict[tuple[object, ...], list[Remark]] = {}
     for remark in remarks:
         words = getattr(remark.clauses[0], "templates", remark.clauses[0])  # of a stored result, the text
@@ -235,8 +231,8 @@ def _differ(a: Remark, b: Remark) -> bool:
 
 def merged(remarks: Iterable[Remark], every: int = 0) -> list[Remark]:
     """Remarks, of which those of one kind are one, about all their channels."""
-    told = ((alike[0], [(r.about, str(r.clauses[0])) for r in alike]) for alike in kinds(remarks))
-    return [replace(first, about=sharing(found, every)) for first, found in told]
+    groups = ((alike[0], [(r.about, str(r.clauses[0])) for r in alike]) for alike in kinds(remarks))
+    return [replace(first, about=channels_named(places, every)) for first, places in groups]
 
 
 def told_of(notes: Iterable[tuple[str, Finding]], every: int) -> list[Remark]:
@@ -244,10 +240,10 @@ def told_of(notes: Iterable[tuple[str, Finding]], every: int) -> list[Remark]:
     return merged((Remark.about_finding(name, finding) for name, finding in notes), every)
 
 
-def sharing(found: Sequence[tuple[str, str]], every: int) -> str:
+def channels_named(places: Sequence[tuple[str, str]], every: int) -> str:
     """The channels that a remark is about: all with the same one, or the first and others with one of its kind."""
-    names = list(dict.fromkeys(name for name, _ in found))
-    if len({what for _, what in found}) == 1:
+    names = list(dict.fromkeys(name for name, _ in places))
+    if len({what for _, what in places}) == 1:
         return say("all channels") if len(names) == every > 1 else listed(names)
     return say("{channel} (also {others})", channel=names[0], others=listed(names[1:])) if names[1:] else names[0]
 
@@ -255,7 +251,7 @@ def sharing(found: Sequence[tuple[str, str]], every: int) -> str:
 def listed(names: Sequence[str]) -> str:
     """The names, or where they are long the first and how many more."""
     every = ", ".join(names)
-    if len(every) <= NAMED or len(names) == 1:
+    if len(every) <= MAX_NAMES_LENGTH or len(names) == 1:
         return every
     return say("{names} and {count} more", names=names[0], count=len(names) - 1)
 

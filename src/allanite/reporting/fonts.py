@@ -13,6 +13,9 @@ from .language import ENGLISH
 OWN = "DejaVu Sans"
 """The font that comes with matplotlib; it has Latin, Greek and Cyrillic letters."""
 
+ON_PAGE = "'DejaVu Sans',Verdana,sans-serif"
+"""The fonts of a page; Verdana has the same widths."""
+
 FURTHER: dict[str, dict[str, str]] = {
     "zh": {
         "Noto Sans CJK SC": "noto *sans *cjk|noto *sans *sc",
@@ -52,8 +55,8 @@ def further(lang: str) -> str:
         for path in sorted(findSystemFonts()):
             if re.search("|".join(wanted.values()), Path(path).stem, re.IGNORECASE):
                 fontManager.addfont(path)
-    there = {font.name for font in fontManager.ttflist}
-    return next((name for name in wanted if name in there), "")
+    installed = {font.name for font in fontManager.ttflist}
+    return next((name for name in wanted if name in installed), "")
 
 
 def missing(lang: str) -> str:

@@ -2,22 +2,20 @@
 
 import base64
 import re
-from dataclasses import replace
-from functools import cache, partial
+from functools import cache
 from itertools import count
 from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from allanite.parallel.sharing import Work
 from allanite.phrases.phrase import join, say, say_count
 from allanite.terms import TERMS
 
 from .digits import printable, printed, printed_heading
-from .language import speaking, spoken, tr
-from .matplotlib_svg import Picture, drawer, drawn, svg, variable
-from .sheet import Code, Column, Drawing, Face, Fold, Note, Table, drawings, on_page
+from .language import spoken, tr
+from .matplotlib_svg import drawer, picture, variable, within
+from .sheet import Code, Column, Drawing, Face, Fold, Note, Table, on_page
 from .words import capital
 
 if TYPE_CHECKING:
@@ -32,39 +30,23 @@ _NOTEBOOK = count()
 """Numbers of the figures of a notebook, whose cells are one page."""
 
 
-def render(face: Face, stored: Work[bytes]) -> Work[str]:
-    """The making of the page as text, figure by figure; what `stored` makes are its data."""
-    lang = spoken()
-    every = (*face.parts, *(part for sheet in face.sheets for part in sheet.parts), *face.close, *face.how)
-    figures = list(drawings(every))
+def render(face: Face) -> str:
+    """The page as text, in the language that is spoken."""
+    from .style import DARK
 
-    def page(made: tuple[bytes, list[Picture]]) -> str:
-        from .style import DARK
-
-        data, pictures = made
-        shown = {id(drawing): picture for drawing, picture in zip(figures, pictures, strict=True)}
-        grounds = [{variable(c): c for c in DARK}, {variable(c): dark for c, dark in DARK.items()}]
-        with speaking(lang):
-            return (
-                _environment()
-                .get_template("page.html.j2")
-                .render(face=replace(face, data=data), draw=drawer(shown), grounds=grounds, lang=lang)
-            )
-
-    return stored.beside(Work([partial(drawn, drawing, lang) for drawing in figures], list)).then(page)
+    grounds = [{variable(c): c for c in DARK}, {variable(c): dark for c, dark in DARK.items()}]
+    template = _environment().get_template("page.html.j2")
+    return template.render(face=face, draw=drawer(), grounds=grounds, lang=spoken())
 
 
 def fragment(face: Face, figure: "Figure | None" = None) -> str:
     """The sheets alone, for a notebook, and one figure above them."""
-    drawn = None if figure is None else svg(figure, f"n{next(_NOTEBOOK)}", tr(face.title))
+    drawn = None if figure is None else within(picture(figure), f"n{next(_NOTEBOOK)}", tr(face.title))
     return _environment().get_template("fragment.html.j2").render(face=face, figure=drawn, draw=None)
 
 
 def pieces(face: Face) -> tuple[str, list[str]]:
-    """What a face has besides its sheets, and each of its sheets, without figures and styles.
-
-    The color of a term is an attribute ``data-color``, for pages that allow no style in their text.
-    """
+    """What a face has besides its sheets, and each of these, without figures; colors of terms as ``data-color``."""
     template = _environment().get_template("sheet.html.j2")
     rest = template.render(one=None, items=(*face.parts, *face.close))
     made = [rest, *(template.render(one=sheet, items=()) for sheet in face.sheets)]

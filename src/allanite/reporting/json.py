@@ -4,9 +4,6 @@ import json
 import math
 from typing import Any, Protocol
 
-from allanite.parallel.sharing import Work, made
-from allanite.study.job import Job
-
 
 class Plain(Protocol):
     """Whatever can become plain data."""
@@ -17,13 +14,7 @@ class Plain(Protocol):
 
 def to_json(value: Plain) -> str:
     """Strictly valid JSON; NaN and infinity become null."""
-    return made(json_of(value))
-
-
-def json_of(value: Plain) -> Work[str]:
-    """The making of the same; that of a job by channels."""
-    data = value.written() if isinstance(value, Job) else Work.one(value.to_dict)
-    return data.then(lambda found: json.dumps(_strict(found), allow_nan=False, ensure_ascii=False) + "\n")
+    return json.dumps(_strict(value.to_dict()), allow_nan=False, ensure_ascii=False) + "\n"
 
 
 def _strict(value: Any) -> Any:

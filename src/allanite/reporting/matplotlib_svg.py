@@ -2,22 +2,19 @@
 
 import re
 import warnings
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
 from itertools import count
 from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
 from .digits import printable
-from .language import speaking, spoken, tr
-from .sheet import Drawing
+from .fonts import ON_PAGE
+from .language import tr
+from .sheet import Drawing, Picture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-FONT = "'DejaVu Sans',Verdana,sans-serif"
-"""Verdana has the same widths."""
 
 
 def variable(color: str) -> str:
@@ -25,45 +22,31 @@ def variable(color: str) -> str:
     return f"--{color.lower().lstrip('#')}"
 
 
-NARROW = 4.6
+PHONE_INCHES = 4.6
 """Inches of a figure on a phone, whose letters are then as large as those of the text."""
 
 
-@dataclass(frozen=True)
-class Picture:
-    """A figure as text, before the page around it is known: `wide` points; the same for narrow screens."""
-
-    text: str
-    wide: float
-    narrow: "Picture | None" = None
-
-    def within(self, prefix: str, label: str) -> Markup:
-        """With names that begin with `prefix`, so that figures do not share parts by mistake, and words for it."""
-        text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", self.text)
-        label = str(Markup.escape(printable(tr(label))))
-        start = f'<svg role="img" aria-label="{label}" style="--wide: {self.wide:.0f}" stroke-linejoin="round" '
-        # matplotlib escapes the text in a figure
-        return Markup(text.replace("<svg ", start, 1))  # noqa: S704
+def within(shown: Picture, prefix: str, label: str) -> Markup:
+    """A figure whose names begin with `prefix`, so that figures do not share parts by mistake, with words for it."""
+    text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", shown.text)
+    label = str(Markup.escape(printable(tr(label))))
+    start = f'<svg role="img" aria-label="{label}" style="--wide: {shown.wide:.0f}" stroke-linejoin="round" '
+    # matplotlib escapes the text in a figure
+    return Markup(text.replace("<svg ", start, 1))  # noqa: S704
 
 
-def svg(figure: "Figure", prefix: str, label: str) -> Markup:
-    """A figure whose names begin with `prefix`, with words for it."""
-    return picture(figure).within(prefix, label)
-
-
-def drawn(drawing: Drawing, lang: str = "") -> Picture:
-    """The figure of a page in a language, or the one that is spoken; by `sketch` or else by matplotlib."""
+def drawn(drawing: Drawing) -> Picture:
+    """The figure of a page, by `sketch` or else by matplotlib."""
     from .sketch.axis import Unsketched
 
-    with speaking(lang or spoken()):
-        plot = drawing.draw()
-        if isinstance(plot, Picture):
-            return plot
-        try:
-            broad, narrow = plot.sketched(), plot.sketched(NARROW)
-            return Picture(broad.svg(), broad.width, Picture(narrow.svg(), narrow.width))
-        except Unsketched:
-            return picture(plot.printed())
+    plot = drawing.draw()
+    if isinstance(plot, Picture):
+        return plot
+    try:
+        broad, narrow = plot.sketched(), plot.sketched(PHONE_INCHES)
+        return Picture(broad.svg(), broad.width, Picture(narrow.svg(), narrow.width))
+    except Unsketched:
+        return picture(plot.printed())
 
 
 def picture(figure: "Figure") -> Picture:
@@ -87,22 +70,19 @@ def trimmed(text: str, wide: float) -> Picture:
     text = text[text.index("<svg") :].rstrip()
     text = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->|<style.*?</style>", "", text, flags=re.DOTALL)
     text = text.replace("xlink:href", "href")
-    text = re.sub(r"'DejaVu Sans'(?:, '[^']*')?", FONT, text)  # of further fonts the reader's browser knows better
+    text = re.sub(r"'DejaVu Sans'(?:, '[^']*')?", ON_PAGE, text)  # of further fonts the reader's browser knows better
     used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', text))
     text = re.sub(r' id="([^"]*)"', lambda found: found[0] if found[1] in used else "", text)
     return Picture(text, wide)
 
 
-_STYLE = r'style="([^"]*)"'
+_STYLE_ATTRIBUTE = r'style="([^"]*)"'
 _SCROLLED = ' tabindex="0"'
 """A figure without a narrow form is scrolled on a narrow screen, by keys too."""
 
 
-def drawer(pictures: Mapping[int, Picture]) -> Callable[[Drawing], Markup]:
-    """Gives the figures of one page: each with a prefix of its own, the styles of all of them as common classes.
-
-    `pictures` holds those that were drawn before, by the `id` of their drawings.
-    """
+def drawer() -> Callable[[Drawing], Markup]:
+    """Gives the figures of one page: each with a prefix of its own, the styles of all of them as common classes."""
     from .style import DARK
 
     numbers, classes = count(), dict[str, str]()
@@ -113,11 +93,11 @@ def drawer(pictures: Mapping[int, Picture]) -> Callable[[Drawing], Markup]:
 
     def draw(drawing: Drawing) -> Markup:
         known = len(classes)
-        found = pictures.get(id(drawing)) or drawn(drawing)
-        shown = {"broad" if found.narrow else "only": found} | ({"narrow": found.narrow} if found.narrow else {})
-        texts = {width: one.within(f"f{next(numbers)}", drawing.label) for width, one in shown.items()}
+        broad = drawn(drawing)
+        forms = {"broad": broad, "narrow": broad.narrow} if broad.narrow else {"only": broad}
+        texts = {width: within(form, f"f{next(numbers)}", drawing.label) for width, form in forms.items()}
         made = "".join(
-            f'<div class="{width}"{_SCROLLED if width == "only" else ""}>{re.sub(_STYLE, named, text)}</div>'
+            f'<div class="{width}"{_SCROLLED if width == "only" else ""}>{re.sub(_STYLE_ATTRIBUTE, named, text)}</div>'
             for width, text in texts.items()
         )
         new = "".join(f".{name}{{{style}}}" for style, name in list(classes.items())[known:])

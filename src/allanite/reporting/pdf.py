@@ -10,8 +10,7 @@ from allanite.phrases.phrase import join, say
 
 from .digits import printable
 from .language import tr
-from .matplotlib_svg import Picture
-from .sheet import Card, Drawing, Face, Fold, Part, Table, on_page
+from .sheet import Card, Drawing, Face, Fold, Part, Picture, Table, on_page
 from .text import text_of, wrapped
 from .words import capital
 
@@ -22,14 +21,14 @@ if TYPE_CHECKING:
 PAPER = (8.27, 11.69)
 """A4, in inches."""
 
-COLUMNS, LINES = 128, 94
+PAGE_COLUMNS, PAGE_LINES = 128, 94
 """Characters of a line and lines of a page."""
 
 _MARGIN, _SIZE = 0.62, 6.5
 """Room at both sides in inches, and size of the letters in points."""
 
 _TOP, _BOTTOM = 10.93, 0.55
-_LINE = (_TOP - _BOTTOM) / LINES
+_LINE = (_TOP - _BOTTOM) / PAGE_LINES
 
 _ROOM, _FLAT = PAPER[0] - 2 * _MARGIN, 0.72
 """Width of a figure at most, and its height over that on a screen: paper is read from nearer."""
@@ -64,7 +63,7 @@ class _Paper:
     def put(self, block: Line | Drawing) -> None:
         """Write a line, or draw a figure with its caption."""
         if isinstance(block, Drawing):
-            figure, below = _figure(block), wrapped(tr(block.caption), COLUMNS, "", "")
+            figure, below = _figure(block), wrapped(tr(block.caption), PAGE_COLUMNS, "", "")
             height = figure.get_figheight()
             self._begin(height + _LINE * (len(below) + 1))
             self.left -= height
@@ -207,7 +206,7 @@ def _parts(parts: Iterable[Part]) -> Iterator[Line | Drawing]:
             shown = part
             if isinstance(part, Table):
                 shown = part.only([i for i, column in enumerate(part.columns) if column.kind != "formula"])
-            for line in text_of([replace(shown, where="")], COLUMNS).splitlines():
+            for line in text_of([replace(shown, where="")], PAGE_COLUMNS).splitlines():
                 yield line, False
             if isinstance(part, Table):
                 yield from _plain(part.key, "  ")
@@ -218,5 +217,5 @@ def _heading(title: str) -> Iterator[Line]:
 
 
 def _plain(text: str, indent: str = "") -> Iterator[Line]:
-    for line in wrapped(printable(tr(text)), COLUMNS, indent, indent):
+    for line in wrapped(printable(tr(text)), PAGE_COLUMNS, indent, indent):
         yield line, False

@@ -7,16 +7,13 @@ from contextlib import contextmanager
 
 from allanite.reporting.digits import printable
 
-PATIENCE = 1.0
+DELAY_S = 1.0
 """Seconds before the bar appears: what is over by then needs none."""
 
 
 @contextmanager
 def bar(shown: bool) -> Iterator[Callable[[str, float], None]]:
-    """Give a function to be called with the current step and the completed fraction.
-
-    Forks of this process have no bar, and must not wait for a lock that its thread held: in them it does nothing.
-    """
+    """Give a function to be called with the current step and the completed fraction; in forks it does nothing."""
     if not shown:
         yield lambda what, fraction: None
         return
@@ -31,10 +28,10 @@ def bar(shown: bool) -> Iterator[Callable[[str, float], None]]:
     own = os.getpid()
 
     def tell(what: str, fraction: float) -> None:
-        if os.getpid() == own:
+        if os.getpid() == own:  # a fork must not wait for a lock that the bar's thread held
             progress.update(task, description=escape(printable(what)), completed=fraction)
 
-    timer = threading.Timer(PATIENCE, progress.start)
+    timer = threading.Timer(DELAY_S, progress.start)
     timer.daemon = True
     timer.start()
     try:

@@ -13,7 +13,7 @@ from rich.text import Text
 from allanite.phrases.phrase import join, say, say_count
 
 from .digits import in_ascii, printable, printed_heading, printed_unit, with_units
-from .first import Answer, Axes, First, Remark, Section, shown
+from .first import Answer, Channels, First, Remark, Section, shown
 from .language import tr
 from .sheet import Column, Table
 from .text import wrapped
@@ -21,16 +21,16 @@ from .text import wrapped
 LINES, COLUMNS = 20, 100
 """The size of a first screen."""
 
-FEWEST = 2
+MIN_REMARK_LINES = 2
 """Lines of remarks for which rows of limits give way."""
 
-GRAVEST = 6
+MAX_GRAVE_LINES = 6
 """Lines of grave remarks for which any row of the answer gives way."""
 
 _END = re.compile(r"[;；。]|(?<=[^.\s]{3})\.(?=\s+[A-ZА-Я])| (?=\([^()]*\)(?:$|[:;；。]|\.\s))")
 """Where a clause ends, or an aside begins that ends it."""
 
-SHORTEST = 12
+MIN_TITLE_COLUMNS = 12
 """Columns to which titles may be cut before they are left out."""
 
 
@@ -56,13 +56,13 @@ def _printed(lines: Iterable[tuple[str, str]], *, color: bool) -> str:
 def _wanted(told: "Sequence[tuple[list[str], str]]") -> int:
     """Lines of remarks for which rows of the answer give way: those that are grave, and a count of the others."""
     every = sum(len(lines) for lines, _ in told)
-    grave = min(sum(len(lines) for lines, style in told if style), GRAVEST)
-    return max(min(every, FEWEST), grave + (every > grave))
+    grave = min(sum(len(lines) for lines, style in told if style), MAX_GRAVE_LINES)
+    return max(min(every, MIN_REMARK_LINES), grave + (every > grave))
 
 
 def _ends(text: str) -> list[int]:
     """Where a text may end, the last place first: behind a clause, or before an aside in brackets."""
-    places = (found.start() for found in _END.finditer(text))
+    places = (end.start() for end in _END.finditer(text))
     return [len(text), *(i for i in reversed([*places]) if text.count("(", 0, i) == text.count(")", 0, i))]
 
 
@@ -94,14 +94,14 @@ class _Told:
 class _Part:
     """A section that is laid out: sentences, the heading of its table, and the rows."""
 
-    said: Sequence[_Told]
+    sentences: Sequence[_Told]
     head: Sequence[str]
     rows: Sequence[str]
 
     @property
     def lines(self) -> list[str]:
         """All of it."""
-        return [*(line for text in self.said for line in text.lines), *self.head, *self.rows]
+        return [*(line for text in self.sentences for line in text.lines), *self.head, *self.rows]
 
 
 def _main(table: Table) -> Table:
@@ -109,9 +109,9 @@ def _main(table: Table) -> Table:
     return table.only([i for i, column in enumerate(table.columns) if not column.aside])
 
 
-def _found(axes: Axes) -> Axes:
+def _found(channels: Channels) -> Channels:
     """Without the rows of little weight."""
-    return replace(axes, rows=[row for row in axes.rows if row.rank < 1])
+    return replace(channels, rows=[row for row in channels.rows if row.rank < 1])
 
 
 class _Screen:
@@ -119,12 +119,12 @@ class _Screen:
 
     def __init__(self, width: int, *, ascii: bool) -> None:  # noqa: A002 - as in repr
         self.width, self.ascii = width, ascii
-        self.left = list[str]()
+        self.omitted = list[str]()
 
     def text(self, text: str) -> str:
         """As it is shown, in the language and with the signs of the terminal."""
-        said = printable(tr(text))
-        return in_ascii(said) if self.ascii else said
+        line = printable(tr(text))
+        return in_ascii(line) if self.ascii else line
 
     def prose(self, text: str) -> str:
         """A sentence as it is shown, with its units."""
@@ -134,7 +134,7 @@ class _Screen:
         """All lines: the answer, and as many remarks as there is room for."""
         head = [(line, "bold") for line in self.head(first)]
         told = [(self.remark(remark), "red" if remark.grave else "") for remark in first.remarks]
-        limits = any(row.rank for part in first.answer if isinstance(part, Axes) for row in part.rows)
+        limits = any(row.rank for part in first.answer if isinstance(part, Channels) for row in part.rows)
         below = len(self.foot(replace(first, legend=()))) + bool(first.legend or limits)
         answer = [(line, "") for line in self.answer(first.answer, LINES - len(head) - below - _wanted(told))]
         used = [(sign, why) for sign, why in first.legend if any(re.search(sign, line) for line, _ in answer)]
@@ -158,8 +158,8 @@ class _Screen:
 
     def foot(self, first: First) -> list[str]:
         """The signs, how the file was read, and what next."""
-        left = [say("Not found: {symbols}.", symbols=", ".join(self.left))] if self.left else []
-        meanings = [*left, *(meaning for _, meaning in first.legend)]
+        omitted = [say("Not found: {symbols}.", symbols=", ".join(self.omitted))] if self.omitted else []
+        meanings = [*omitted, *(meaning for _, meaning in first.legend)]
         lines = [self.legend(meanings)] if meanings else []
         if first.read:
             lines.append(self.clauses(first.read))
@@ -186,12 +186,12 @@ class _Screen:
     def clauses(self, parts: Sequence[str]) -> str:
         """As many of the parts as fit, and the number of those left out."""
         for count in range(len(parts), 0, -1):
-            left = len(parts) - count
-            more = [say_count(left, "{count} more note: --details", "{count} more notes: --details")] if left else []
-            line = self.prose(join("; ", [*parts[:count], *more]))
+            others = len(parts) - count
+            more = say_count(others, "{count} more note: --details", "{count} more notes: --details")
+            line = self.prose(join("; ", [*parts[:count], *([more] if others else [])]))
             if cell_len(line) <= self.width:
                 return line
-        rest = self.prose(join("", ["; ", *more])) if more else ""
+        rest = self.prose(join("", ["; ", more])) if others else ""
         return self.cut(self.prose(parts[0]), self.width - cell_len(rest)) + rest
 
     def remarks(self, told: "Sequence[tuple[list[str], str]]", room: int) -> list[tuple[str, str]]:
@@ -233,24 +233,24 @@ class _Screen:
         if len(sections) == len(parts):
             return self.sections(sections, room)
         for rank in (3, 2, 1):
-            self.left = []
+            self.omitted = []
             made = [line for part in parts for line in self.part(part, rank)]
             if len(made) <= room:
                 return made
-        tables = (_found(part).listed() if isinstance(part, Axes) else part for part in parts)
+        tables = (_found(part).listed() if isinstance(part, Channels) else part for part in parts)
         made = [line for part in tables for line in self.part(part, 1)]
         return made if len(made) <= room else self.counted(made[: max(room - 1, 0)], len(made), 0)
 
     def counted(self, lines: list[str], every: int, channels: int) -> list[str]:
         """The lines, and how many of every one are left out, with whole channels."""
-        left = every - len(lines)
-        more = say_count(left, "and {count} more line: --details", "and {count} more lines: --details")
+        rest = every - len(lines)
+        more = say_count(rest, "and {count} more line: --details", "and {count} more lines: --details")
         if channels:
             more = say_count(
                 channels,
                 "and {lines} more lines, among them {count} whole channel: --details",
                 "and {lines} more lines, among them {count} whole channels: --details",
-                lines=left,
+                lines=rest,
             )
         return [*lines, self.text(more)]
 
@@ -267,7 +267,7 @@ class _Screen:
         if every <= room:
             return [*made, *(line for part in parts for line in part.lines)]
         room -= 1  # of the count
-        least = [min(len(part.lines), 1 if part.said else 1 + len(part.head)) for part in parts]
+        least = [min(len(part.lines), 1 if part.sentences else 1 + len(part.head)) for part in parts]
         kept = sum(taken <= room - len(made) for taken in accumulate(least))
         for i in range(kept):
             spare = room - len(made) - sum(least[i:kept])
@@ -278,7 +278,7 @@ class _Screen:
         """Sections that are tables with the same columns as one, whose first column has their names."""
         tables = [table for section in sections for table in section.tables]
         alike = {tuple(tr(column.heading) for column in table.columns[1:]) for table in tables}
-        if len(alike) != 1 or len(tables) != len(sections) or any(section.said for section in sections):
+        if len(alike) != 1 or len(tables) != len(sections) or any(section.sentences for section in sections):
             return []
         rows = [[section.name if not i else "", *row] for section, table in zip(sections, tables, strict=True)
                 for i, row in enumerate(table.rows)]  # fmt: skip
@@ -289,11 +289,11 @@ class _Screen:
 
     def section(self, section: Section) -> "_Part":
         """Its sentences, then its tables."""
-        name, said = self.text(section.name), [self.prose(text) for text in section.said]
+        name, sentences = self.text(section.name), [self.prose(text) for text in section.sentences]
         head, *rows = [line for table in section.tables for line in self.table(table)] or [""]
-        if said:
+        if sentences:
             lead = f"{name}  " if name else ""
-            texts = [(said[0], lead, "  "), *((text, "  ", "    ") for text in said[1:])]
+            texts = [(sentences[0], lead, "  "), *((text, "  ", "    ") for text in sentences[1:])]
         elif name and head.startswith(" " * (cell_len(name) + 1)):
             texts, head = [], name + head[cell_len(name) :]  # in the empty heading of the first column
         else:
@@ -304,7 +304,7 @@ class _Screen:
         """Its sentences as far as there is room, with a share for its table; a heading never alone."""
         share = min(len(part.head) + len(part.rows), max(room // 2, 3))
         made = list[str]()
-        for text in part.said:
+        for text in part.sentences:
             rest = max(room - share, 1) - len(made)
             if rest > 0:
                 made += text.within(rest, self.cut)
@@ -313,31 +313,30 @@ class _Screen:
 
     def part(self, part: Answer, rank: int) -> list[str]:
         """The lines of a part, with rows below this rank."""
-        if isinstance(part, Axes):
-            return self.axes(part, rank)
+        if isinstance(part, Channels):
+            return self.channels(part, rank)
         if isinstance(part, Section):
             return self.section(part).lines
         return self.table(part) if isinstance(part, Table) else wrapped(self.prose(part), self.width, "", "  ")
 
-    def axes(self, axes: Axes, rank: int) -> list[str]:
+    def channels(self, channels: Channels, rank: int) -> list[str]:
         """Channels side by side, with titles as long as there is room for; or a row for each where they do not fit."""
-        rows = [row for row in axes.rows if row.rank < rank]
-        self.left += [row.label for row in axes.rows if row not in rows and row.label not in self.left]
+        rows = [row for row in channels.rows if row.rank < rank]
+        self.omitted += [row.label for row in channels.rows if row not in rows and row.label not in self.omitted]
         longest = max((cell_len(self.text(row.title)) for row in rows), default=0)
-        excess = max(self.wide(replace(axes, rows=rows).table()) - self.width, 0)
-        if longest - excess >= SHORTEST:
+        excess = max(self.wide(replace(channels, rows=rows).table()) - self.width, 0)
+        if longest - excess >= MIN_TITLE_COLUMNS:
             cut = [replace(row, title=self.cut(row.title, longest - excess)) for row in rows]
-            return self.table(replace(axes, rows=cut).table())
-        axes = replace(axes, rows=rows)
-        short, listed = axes.table(titles=False), axes.listed()
-        if self.wide(short) <= self.width or len(axes.names) < 2:
+            return self.table(replace(channels, rows=cut).table())
+        channels = replace(channels, rows=rows)
+        short, listed = channels.table(titles=False), channels.listed()
+        if self.wide(short) <= self.width or len(channels.names) < 2:
             return self.table(short)
         if self.wide(_main(listed)) <= self.width:
             return self.table(listed)
-        half = (len(axes.names) + 1) // 2
-        return [
-            line for part in (axes.only(slice(half)), axes.only(slice(half, None))) for line in self.axes(part, rank)
-        ]
+        half = (len(channels.names) + 1) // 2
+        halves = channels.only(slice(half)), channels.only(slice(half, None))
+        return [line for part in halves for line in self.channels(part, rank)]
 
     def wide(self, table: Table) -> int:
         """Cells that the whole table takes."""

@@ -12,7 +12,6 @@ from allanite.phrases.phrase import join, say
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from .matplotlib_svg import Picture
     from .sketch.chart import Chart
 
 Kind = Literal["name", "symbol", "number", "interval", "unit", "text", "status", "formula"]
@@ -70,16 +69,13 @@ class Table:
 
 @dataclass(frozen=True)
 class Note:
-    """A sentence, with `points` below it, a line each.
-
-    By an "alert" a number is wrong or missing, a "warning" affects the numbers, a "remark" does not; "good" is
-    reassuring, "fair" less so, "quiet" is small print. On a page warnings and remarks are points of the note before.
-    """
+    """A sentence, with `points` below it, a line each."""
 
     text: str
+    # by an alert a number is wrong or missing, a warning affects the numbers, a remark does not; quiet is small print
     level: Literal["alert", "warning", "remark", "good", "fair", "note", "strong", "quiet"] = "note"
     where: Where = ""
-    points: Sequence[str] = ()
+    points: Sequence[str] = ()  # on a page also the warnings and remarks that follow
 
 
 class Plot(Protocol):
@@ -93,10 +89,19 @@ class Plot(Protocol):
 
 
 @dataclass(frozen=True)
+class Picture:
+    """A figure as SVG, before the page around it is known: `wide` points; the same for narrow screens."""
+
+    text: str
+    wide: float
+    narrow: "Picture | None" = None
+
+
+@dataclass(frozen=True)
 class Drawing:
     """A figure that is drawn only where it is shown."""
 
-    draw: "Callable[[], Plot | Picture]"
+    draw: Callable[[], Plot | Picture]
     label: str
     caption: str = ""
     title: str = ""
@@ -160,15 +165,6 @@ def on_page(parts: "Iterable[Part]") -> "Iterator[Part]":
         yield box
 
 
-def drawings(parts: "Iterable[Part]") -> Iterator[Drawing]:
-    """The figures of a page, also those that are folded away."""
-    for part in on_page(parts):
-        if isinstance(part, Drawing):
-            yield part
-        elif isinstance(part, Fold):
-            yield from drawings(part.parts)
-
-
 @dataclass(frozen=True)
 class Card:
     """The main numbers of a channel at the top of the page."""
@@ -181,19 +177,16 @@ class Card:
 
 @dataclass(frozen=True)
 class Sheet:
-    """The results of one channel.
-
-    `verdicts` stand at the top of the page, with the name before them; `doubt` marks them there, `fair` less so.
-    A sheet with a `card` has that at the top instead.
-    """
+    """The results of one channel."""
 
     name: str
     about: Sequence[str] = ()
     parts: Sequence[Part] = ()
-    verdicts: Sequence[str] = ()
+    verdicts: Sequence[str] = ()  # at the top of the page, with the name before them
+    # how verdicts are marked
     doubt: bool = False
     fair: bool = False
-    card: Card | None = None
+    card: Card | None = None  # in place of the verdicts
 
 
 @dataclass(frozen=True)

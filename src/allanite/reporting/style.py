@@ -21,7 +21,7 @@ from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from allanite.core.errors import UsageError
-from allanite.core.files import demand_writable, write
+from allanite.core.files import PathLike, demand_writable, write
 from allanite.terms import TERMS
 
 from . import fonts
@@ -29,8 +29,6 @@ from .digits import printable
 from .language import spoken, tr
 from .sketch.chart import Chart, Look
 from .sketch.marks import line_of
-
-PathLike = str | os.PathLike[str]
 
 SERIES = ("#2E5C94", "#C1272D", "#008F6B", "#B97700", "#AA4499", "#444B54")
 """Colors of curves in one panel, in this order; their order of brightness differs too."""
@@ -194,10 +192,7 @@ def title(axes: Axes, name: str) -> None:
 
 
 def plain_ticks(*axes: Axis, most: float = 60.0) -> None:
-    """Label 0.01 to 100000 in full, and only the rest as powers of ten.
-
-    An axis whose ends have a ratio of less than `most` has labels at 2 and 5, too.
-    """
+    """Label 0.01 to 100000 in full, the rest as powers of ten; 2 and 5 too where the ends have a ratio below `most`."""
     two_and_five = lambda v, _: f"{v:g}" if round(v / 10 ** math.floor(math.log10(v) + 1e-9)) in (2, 5) else ""  # noqa: E731
     for axis in axes:
         axis.set_major_formatter(

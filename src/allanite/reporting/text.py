@@ -26,13 +26,13 @@ NOTES = {
     "alert": "bold red", "warning": "bold red", "remark": "", "good": "green", "fair": "yellow", "note": "",
     "strong": "bold", "quiet": "dim",
 }  # fmt: skip
-LABEL = 10
+LABEL_COLUMNS = 10
 """Columns of the header's labels."""
 
-_WIDE = 10_000
+_COLUMNS = 10_000
 """Columns of the console that tables are laid out in: a number is never torn in two."""
 
-_ASCII = ContextVar("_ASCII", default=False)
+_IN_ASCII = ContextVar("_IN_ASCII", default=False)
 
 _BROAD = "\u2e80-\u9fff\uf900-\ufaff\uff00-\uff60"
 _CHUNK = re.compile(rf"\s+|[（「《【“]*[{_BROAD}][，。；：、！？）」》】”]*|[^\s{_BROAD}]+")
@@ -67,11 +67,11 @@ def wrapped(text: str, width: int, first: str, rest: str) -> list[str]:
 
 def render(face: Face, *, width: int = 120, color: bool = False, ascii: bool = False) -> str:  # noqa: A002 - as in repr
     """A result as text for a terminal of `width` columns; with `color`, ANSI codes in it, with `ascii`, no signs."""
-    token = _ASCII.set(ascii)
+    token = _IN_ASCII.set(ascii)
     try:
         return _printed(_lines(face, width), color=color)
     finally:
-        _ASCII.reset(token)
+        _IN_ASCII.reset(token)
 
 
 def text_of(parts: Iterable[Part], width: int) -> str:
@@ -82,7 +82,7 @@ def text_of(parts: Iterable[Part], width: int) -> str:
 def _printed(lines: Iterable[RenderableType], *, color: bool = False) -> str:
     out = io.StringIO()
     system: Literal["standard"] | None = "standard" if color else None
-    console = Console(file=out, width=_WIDE, force_terminal=color, color_system=system, markup=False, emoji=False)
+    console = Console(file=out, width=_COLUMNS, force_terminal=color, color_system=system, markup=False, emoji=False)
     for item in lines:
         console.print(item, soft_wrap=isinstance(item, Text), highlight=False)
     return "".join(f"{line.rstrip()}\n" for line in out.getvalue().splitlines())
@@ -90,7 +90,7 @@ def _printed(lines: Iterable[RenderableType], *, color: bool = False) -> str:
 
 def _lines(face: Face, width: int) -> Iterator[RenderableType]:
     labels = [_plain(label) for label, _ in face.header]
-    wide = max([LABEL, *(cell_len(label) + 1 for label in labels)])
+    wide = max([LABEL_COLUMNS, *(cell_len(label) + 1 for label in labels)])
     for label, (_, text) in zip(labels, face.header, strict=True):
         yield from prose(text, width, first=pad(label, wide), indent=wide)
     yield from _parts(face.parts, width)
@@ -126,7 +126,7 @@ def _parts(parts: Iterable[Part], width: int) -> Iterator[RenderableType]:
 
 def _plain(text: str) -> str:
     shown = printable(tr(text))
-    return in_ascii(shown) if _ASCII.get() else shown
+    return in_ascii(shown) if _IN_ASCII.get() else shown
 
 
 def _heading(column: Column) -> str:
@@ -165,8 +165,8 @@ def _table(table: Table, width: int) -> Iterator[RenderableType]:
             grid.add_row(*cells, style=STYLES[mark])
         yield Padding(grid, (0, 0, 0, 2))
     if len(kept) < len(table.rows):
-        left = say("{shown} of {total} rows; --csv writes all", shown=len(kept), total=len(table.rows))
-        yield Text(f"  {_plain(left)}", style="dim")
+        omitted = say("{shown} of {total} rows; --csv writes all", shown=len(kept), total=len(table.rows))
+        yield Text(f"  {_plain(omitted)}", style="dim")
 
 
 def _blocks(table: Table, width: int) -> list[list[int]]:

@@ -11,6 +11,7 @@ from allanite.core.kinds import KIND_WORDS, title_of
 from allanite.core.model import coefficient_factor
 from allanite.core.plain import Header
 from allanite.core.record import Record
+from allanite.core.units import unit_of
 from allanite.core.validity import UNEXPLAINED, graded
 from allanite.identification.methods import METHODS
 from allanite.phrases.phrase import Catalogue, Phrase, join, say, say_count
@@ -21,6 +22,8 @@ from allanite.terms import TERMS
 from .digits import Digits, digits, printed_unit
 
 title = title_of
+
+ARCSEC = unit_of("arcsec").factor
 
 
 def grade(fit: Fit) -> str:
@@ -147,14 +150,11 @@ def about(record: Record | Header) -> str:
     scale = "" if record.scale is None else f"{record.scale:g} "
     plain = record.kind == "rate" and not record.signal.inertial
     return say(
-        "{sensor}, {kind} in {unit}, {rate:.8g} Hz, {samples}, {length}",
-        sensor=record.signal.sensor,
-        kind=record.signal.quantity if plain else KIND_WORDS[record.kind],
-        unit=f"{scale}{record.unit}",
-        rate=record.rate,
-        samples=say_count(record.size, "{count} sample", "{count} samples"),
+        "{sensor}, {kind} in {unit}, {rate:.8g} Hz, {samples}, {length}", sensor=record.signal.sensor,
+        kind=record.signal.quantity if plain else KIND_WORDS[record.kind], unit=f"{scale}{record.unit}",
+        rate=record.rate, samples=say_count(record.size, "{count} sample", "{count} samples"),
         length=duration(record.duration),
-    )
+    )  # fmt: skip
 
 
 def percent(share: float, figures: int = 6) -> str:
@@ -180,7 +180,7 @@ def probability(p: float, least: float = 1e-12) -> str:
 
 def number(estimate: Estimate, level: float) -> str:
     """A coefficient in print without its interval: ``0.310 deg/√h``."""
-    found = shown(estimate, estimate.sheet_unit, level)
-    assert found is not None  # noqa: S101 - asked for values only
-    value = found.value.replace("-", "−") + found.power
+    rounded = shown(estimate, estimate.sheet_unit, level)
+    assert rounded is not None  # noqa: S101 - asked for values only
+    value = rounded.value.replace("-", "−") + rounded.power
     return f"{value} {printed_unit(estimate.sheet_unit)}"

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
-from functools import partial
 from typing import Any, ClassVar, Generic, Self, TypeVar, get_args
 
 from allanite.core.encoding import read_key, write_plain
@@ -11,7 +10,6 @@ from allanite.core.plain import VERSION, Value, read_fields, stored_fields
 from allanite.core.record import Recording
 from allanite.core.validity import Finding
 from allanite.core.version import __version__
-from allanite.parallel.sharing import Work, made
 
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe
 
@@ -100,20 +98,12 @@ class Job(Value, Generic[Result]):
 
     def to_dict(self, level: float | None = None) -> dict[str, Any]:
         """Plain data, with limits at `level`, by default that of the recipe."""
-        return made(self.written(level))
-
-    def written(self, level: float | None = None) -> Work[dict[str, Any]]:
-        """The making of the plain data, channel by channel."""
         level = self.recipe.level if level is None else level
         channels: tuple[Any, ...] = self.channels
-        return Work([partial(channel.to_dict, level) for channel in channels], partial(self._around, level))
-
-    def _around(self, level: float, channels: list[Any]) -> dict[str, Any]:
-        """The plain data with those of the channels."""
         return {
             "allanite": VERSION,
             "type": type(self).__name__,
-            "channels": channels,
+            "channels": [channel.to_dict(level) for channel in channels],
             "findings": [finding.to_dict() for finding in self.findings],
             "recipe": self.choices(),
             "notes": list(self.notes),

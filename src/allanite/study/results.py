@@ -269,8 +269,9 @@ class Study(Job[Channel]):
         """The recipe that was actually used, as plain data."""
         return self.recipe.to_dict()
 
-    def _around(self, level: float, channels: list[Any]) -> dict[str, Any]:
-        data = super()._around(level, channels)
+    def to_dict(self, level: float | None = None) -> dict[str, Any]:
+        """Plain data, with limits at `level`, by default that of the recipe."""
+        data = super().to_dict(level)
         del data["common"]
         return data | {"shared": None if self.shared is None else self.shared.to_dict()}
 

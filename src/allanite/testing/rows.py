@@ -111,8 +111,8 @@ def check_statistic(row: Statistic) -> None:
     x = np.concatenate(([0.0], np.cumsum(np.random.default_rng(1).standard_normal(SIZE))))
     sums = row.sums(x, m)
     line = np.arange(SIZE + 1.0) ** (row.order - 1)
-    left = np.abs(row.sums(line, m)) / (np.abs(line).max() ** 2 * row.count(SIZE, m))
-    assert np.all(left < 1e-12), f"{about} order is {row.order}, but t^{row.order - 1} is not left out"
+    rest = np.abs(row.sums(line, m)) / (np.abs(line).max() ** 2 * row.count(SIZE, m))
+    assert np.all(rest < 1e-12), f"{about} order is {row.order}, but t^{row.order - 1} is not left out"
     if row.window is not None and row.span[0] and not row.extreme:
         for factor, total in zip(m.tolist(), sums, strict=True):
             of_windows = _by_windows(row, x, factor)
@@ -150,7 +150,7 @@ def _check_mean(row: Statistic, m: "np.ndarray[tuple[int], np.dtype[np.int64]]",
 COEFFICIENTS = {"gyro": (2e-4, 3e-6), "accelerometer": (6e-3, 1.2e-4)}
 """N and K of each sensor, SI, within the ranges that autopilots accept."""
 
-RATE = 123.0
+FILE_RATE = 123.0
 
 
 @public
@@ -193,14 +193,14 @@ def _check_way_back(target: Target, about: str) -> None:
     units = {"gyro": ("rad/s/sqrt(Hz)", "rad/s^2/sqrt(Hz)"), "accelerometer": ("m/s^2/sqrt(Hz)", "m/s^3/sqrt(Hz)")}
     models = [N(n, units[sensor][0]) + K(k, units[sensor][1]) for sensor, (n, k) in COEFFICIENTS.items()]
     with tempfile.TemporaryDirectory() as folder:
-        made = export(models, target.name, rate=RATE)
+        made = export(models, target.name, rate=FILE_RATE)
         path = Path(folder, f"file{made.suffix}")
         made.write(path)
-        found = read_noise(path, target.name, rate=RATE)
+        noise = read_noise(path, target.name, rate=FILE_RATE)
     for sensor, sizes in COEFFICIENTS.items():
         fields = {field.term for field in target.fields if field.sensor == sensor}
         written = {symbol: size for symbol, size in zip("NK", sizes, strict=True) if symbol in fields}
-        model = getattr(found, sensor) or ()
+        model = getattr(noise, sensor) or ()
         values = {term.symbol: term.value for term in model}
         same = values.keys() == written.keys()
         same = same and all(math.isclose(values[symbol], size, rel_tol=1e-12) for symbol, size in written.items())

@@ -76,9 +76,9 @@ def asymptote(row: NoiseTerm) -> None:
 def scaled(row: NoiseTerm) -> None:
     """The power of time in the coefficient and the power of the second in each parameter, by another unit of time."""
     other = at(row, RATE)
-    for p, here, there in zip(row.parameters, row.shape, other.shape, strict=True):
+    for p, here, elsewhere in zip(row.parameters, row.shape, other.shape, strict=True):
         assert unit_of(p.unit or "1").dimension[BASES.index("time")] == p.time
-        near(there, here * RATE**p.time)
+        near(elsewhere, here * RATE**p.time)
     f = np.array([0.003, 0.1, 0.5])
     near(row.spectrum(f / RATE, RATE), RATE ** (1 - 2 * row.power) * row.spectrum(f, 1.0))
     if row.waveform is not None:
@@ -120,8 +120,8 @@ def sums(row: NoiseTerm) -> None:
     for first, rel in ((0.0, 1e-9), (4.37, 1e-5)):
         length = first + np.arange(40.0)
         D, E = row.structure(length), row.summed
-        left = E(length + 1) - 2 * E(length) + E(np.abs(length - 1)) - D
-        near(left - left[-1], np.zeros(40), rel, of=D)
+        rest = E(length + 1) - 2 * E(length) + E(np.abs(length - 1)) - D
+        near(rest - rest[-1], np.zeros(40), rel, of=D)
 
 
 def increments(row: NoiseTerm) -> None:
@@ -235,9 +235,9 @@ def states(row: NoiseTerm) -> None:
         block = row.block(1.0, row.shape, 1 / rate)
         C = rate ** (-2 * row.power) * measured(block, 12)
         d = np.diff(np.eye(12), axis=0)
-        found = (d @ C @ d.T)[:, 5]
+        moments = (d @ C @ d.T)[:, 5]
         moment = fourth(other.structure, np.abs(np.arange(11.0) - 5))
-        np.testing.assert_allclose(found, moment, rtol=1e-6, atol=rounding(other))
+        np.testing.assert_allclose(moments, moment, rtol=1e-6, atol=rounding(other))
     continuous(row)
 
 
@@ -314,9 +314,9 @@ def check_term(row: NoiseTerm) -> None:
     >>> from allanite import TERMS
     >>> check_term(TERMS["K"])
     """
-    for name, one in sampled(row).items():
+    for name, variant in sampled(row).items():
         for check in CHECKS:
-            demand(check, one, name)
+            demand(check, variant, name)
     demand(simulated, next(iter(sampled(row, (MODERATE,)).values())), row.symbol)
 
 

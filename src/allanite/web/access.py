@@ -25,32 +25,26 @@ EMPTY_STYLE = "'sha256-47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU='"
 HEADERS = {
     "Content-Security-Policy": f"default-src 'self'; style-src 'self' {EMPTY_STYLE}; img-src 'self' data: blob:; "
     "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
-    "X-Content-Type-Options": "nosniff",
-    "X-Frame-Options": "DENY",
-    "Referrer-Policy": "no-referrer",
-    "Cross-Origin-Opener-Policy": "same-origin",
-    "Cross-Origin-Resource-Policy": "same-origin",
+    "X-Content-Type-Options": "nosniff", "X-Frame-Options": "DENY", "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin", "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-store",
-}
+}  # fmt: skip
 """Headers of every answer."""
 
 
 ENTRY = "/api/enter"
 """Where the token of a link is exchanged for the secret."""
 
-LINKS, AGE = 16, 3600.0
+MAX_LINKS, MAX_LINK_AGE_S = 16, 3600.0
 """Links that can be open at once, the newest ones, and seconds until one is too old."""
 
 
 class Door:
-    """Refuses requests of other hosts, of other pages, and to the API without the secret.
-
-    The secret is made at each start and comes in a header, which no browser adds by itself: a cookie would be sent to
-    every other port of this machine. The files of the page are those of every installation, and open to all.
-    """
+    """Refuses requests of other hosts, of other pages, and to the API without the secret of this start."""
 
     def __init__(self, inside: Application, *, port: int, clock: Callable[[], float] = time.monotonic) -> None:
         self.inside, self.port, self.clock = inside, port, clock
+        # it comes in a header, which no browser adds by itself: a cookie would be sent to every port of this machine
         self.secret = secrets.token_urlsafe(32)
         self.tokens = dict[str, float]()
         self.hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
@@ -58,8 +52,8 @@ class Door:
     def link(self) -> str:
         """A link that opens the page once; its token is in the fragment, which is in no request and no referrer."""
         token = secrets.token_urlsafe(24)
-        newest = list(self._valid().items())[1 - LINKS :]
-        self.tokens = {**dict(newest), token: self.clock() + AGE}
+        newest = list(self._valid().items())[1 - MAX_LINKS :]
+        self.tokens = {**dict(newest), token: self.clock() + MAX_LINK_AGE_S}
         return f"http://127.0.0.1:{self.port}/#token={token}"
 
     def _valid(self) -> dict[str, float]:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from allanite.cli.tasks import jobs
+from allanite.cli import jobs
 from allanite.core.choices import choices_of
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
@@ -31,15 +31,12 @@ from allanite.terms import TERMS
 
 from .requests import accepted
 
-FINE = 200
+MODEL_POINTS = 200
 """Points of the curves of a model."""
 
 
 def described(value: Any, lang: str) -> dict[str, Any]:
-    """The sheets of a result as HTML, and where its findings are.
-
-    Words, digits and escapes are those of the report.
-    """
+    """The sheets of a result as HTML, as in the report, and where its findings are."""
     with speaking(lang):
         face = view_of(value).face(value, level_of(value))
         html, sheets = pieces(face)
@@ -51,13 +48,10 @@ def described(value: Any, lang: str) -> dict[str, Any]:
             findings = [_finding(finding) for finding in quality.findings] if quality is not None else []
             made.append({"name": tr(sheet.name), "html": text, "findings": findings, "level": level})
         return {
-            "title": tr(face.title),
-            "facts": [tr(fact) for fact in face.facts],
-            "notes": [tr(note) for note in face.notes],
-            "html": html,
-            "channels": made,
+            "title": tr(face.title), "facts": [tr(fact) for fact in face.facts],
+            "notes": [tr(note) for note in face.notes], "html": html, "channels": made,
             "findings": [_finding(finding) for finding in getattr(value, "findings", ())],
-        }
+        }  # fmt: skip
 
 
 def _finding(finding: Any) -> dict[str, Any]:
@@ -78,47 +72,36 @@ def panel_of(curve: Curve, fit: Any = None) -> CurvePanel:
 def drawn(panel: CurvePanel, level: float, lang: str) -> dict[str, Any]:
     """The points of a curve with its band, its model, and each term of that, in the unit that is shown."""
     shown = points(panel, level)
-    tau = np.geomspace(float(shown.tau[0]), float(shown.tau[-1]), FINE)
+    tau = np.geomspace(float(shown.tau[0]), float(shown.tau[-1]), MODEL_POINTS)
     model = panel.drawn
     scope = panel.fit.scope if panel.fit is not None else None
     with speaking(lang):
         return {
-            "name": panel.name,
-            "statistic": panel.curve.statistic,
-            "title": tr(STATISTICS[panel.curve.statistic].title),
-            "facts": tr(panel.facts),
-            "unit": printed_unit(panel.unit),
-            "level": level,
-            "interval": tr(words.interval(level)),
-            "tau": listed(shown.tau),
-            "deviation": listed(shown.deviation),
+            "name": panel.name, "statistic": panel.curve.statistic,
+            "title": tr(STATISTICS[panel.curve.statistic].title), "facts": tr(panel.facts),
+            "unit": printed_unit(panel.unit), "level": level, "interval": tr(words.interval(level)),
+            "tau": listed(shown.tau), "deviation": listed(shown.deviation),
             "low": None if shown.low is None else listed(shown.low),
             "high": None if shown.high is None else listed(shown.high),
-            "edf": None if shown.edf is None else listed(shown.edf),
-            "supposed": tr(panel.curve.supposed),
+            "edf": None if shown.edf is None else listed(shown.edf), "supposed": tr(panel.curve.supposed),
             "validity": panel.fit.validity if panel.fit is not None else "",
             "times": None if scope is None else [_plain(time) for time in scope.times],
             "model": None if model is None else {"tau": listed(tau), "deviation": listed(panel.whole(model, tau))},
             "terms": [] if model is None else [_term(panel, term, tau, level) for term in model],
             "guides": _guides(panel, tau),
-        }
+        }  # fmt: skip
 
 
 def _term(panel: CurvePanel, term: Term, tau: Any, level: float) -> dict[str, Any]:
     unit = term.signal.sheet[term.row.power]
-    found = next((e for e in panel.fit or () if e.symbol == term.symbol and e.valued), None)
+    estimate = next((e for e in panel.fit or () if e.symbol == term.symbol and e.valued), None)
     return {
-        "symbol": term.symbol,
-        "title": tr(words.title(term.symbol, term.signal)),
-        "color": term.row.color,
-        "dark": term.row.dark,
-        "value": term.to(unit),
-        "unit": printed_unit(unit),
-        "number": "" if found is None else tr(words.number(found, level)),
-        "coefficient": "" if found is None else tr(words.in_print(found, unit, level)),
-        "tau": listed(tau),
+        "symbol": term.symbol, "title": tr(words.title(term.symbol, term.signal)), "color": term.row.color,
+        "dark": term.row.dark, "value": term.to(unit), "unit": printed_unit(unit),
+        "number": "" if estimate is None else tr(words.number(estimate, level)),
+        "coefficient": "" if estimate is None else tr(words.in_print(estimate, unit, level)), "tau": listed(tau),
         "deviation": listed(panel.expected(term, tau)),
-    }
+    }  # fmt: skip
 
 
 def _guides(panel: CurvePanel, tau: Any) -> list[dict[str, Any]]:
@@ -126,36 +109,36 @@ def _guides(panel: CurvePanel, tau: Any) -> list[dict[str, Any]]:
     signal = panel.fit.signal if panel.fit is not None else None
     if signal is None:
         return []
-    found = []
+    guides = []
     for row in TERMS.values():
         if row.parameters or row.per_sample or row.transient or not row.automatic:
             continue
         unit = signal.sheet[row.power]
-        one = Model((Term(row.symbol, coefficient_factor(row.symbol, unit, signal), signal),))
-        deviation = panel.expected(one, tau)
+        model = Model((Term(row.symbol, coefficient_factor(row.symbol, unit, signal), signal),))
+        deviation = panel.expected(model, tau)
         if np.isfinite(deviation).any():
-            found.append(
+            guides.append(
                 {"symbol": row.symbol, "title": tr(words.title(row.symbol, signal)), "color": row.color,
                  "dark": row.dark, "slope": row.slope, "unit": printed_unit(unit), "tau": listed(tau),
                  "deviation": listed(deviation)}
             )  # fmt: skip
-    return found
+    return guides
 
 
 def curve_of(value: Any, channel: str, statistic: str) -> tuple[Curve, Any]:
     """The curve of a channel and its fit; a curve that the result does not have is computed."""
-    one = value[channel]
-    fit = getattr(one, "fit", None)
-    curves = [*getattr(one, "curves", ()), *(v for v in getattr(one, "values", ()) if isinstance(v, Curve))]
+    result = value[channel]
+    fit = getattr(result, "fit", None)
+    curves = [*getattr(result, "curves", ()), *(v for v in getattr(result, "values", ()) if isinstance(v, Curve))]
     for curve in curves:
         if curve.statistic == statistic:
             return curve, fit
     from allanite.core.record import Record
     from allanite.statistics import deviation
 
-    if not isinstance(one.record, Record):
+    if not isinstance(result.record, Record):
         raise UsageError(f"the samples of {channel!r} are not in memory: compute {statistic!r} as a job of its own")
-    return deviation(one.record, statistic, taus="log", noise=fit or "auto"), fit
+    return deviation(result.record, statistic, taus="log", noise=fit or "auto"), fit
 
 
 def listed(values: Any) -> list[float | None]:

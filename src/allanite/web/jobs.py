@@ -17,7 +17,7 @@ from .schema import JobBody
 from .store import MissingError, State, Store, known
 from .workers import ProblemError, Worker, Workers
 
-WAITING = 0.3
+READY_PERIOD_S = 0.3
 """Seconds between looks whether what is compiled after an installation is ready."""
 
 WARM = "warm"
@@ -30,7 +30,7 @@ CANCELLED = {"error": "cancelled", "option": None, "exit": 130}
 LATEST = ("progress", "live")
 """Reports of which only the last one matters."""
 
-EVENTS, LIVES = 200, 50
+MAX_EVENTS, MAX_LIVES = 200, 50
 """Reports of a job, and jobs that are over, that are remembered."""
 
 
@@ -46,7 +46,7 @@ class Live:
     def tell(self, kind: str, data: dict[str, Any]) -> None:
         """Add a report."""
         kept = [event for event in self.events if kind not in LATEST or event[1] != kind]
-        self.events = [*kept[1 - EVENTS :], (self.count, kind, data)]
+        self.events = [*kept[1 - MAX_EVENTS :], (self.count, kind, data)]
         self.count += 1
         self.over = self.over or kind in ("done", "failed")
 
@@ -92,10 +92,10 @@ class Jobs:
     def job(self, name: str) -> State:
         """A job by its id."""
         state = self.store.state(known(name.partition("-")[0]))
-        found: State | None = state["jobs"].get(name)
-        if found is None:
+        job: State | None = state["jobs"].get(name)
+        if job is None:
             raise MissingError(f"there is no job {name!r} in this workspace; run it again")
-        return found
+        return job
 
     def cancel(self, name: str) -> None:
         """End a job; of a stream that is watched, the results so far are computed first."""
@@ -161,7 +161,7 @@ class Jobs:
         return await asyncio.wrap_future(turn)
 
     def _start(self, job: State) -> None:
-        for name in [name for name, live in list(self.live.items()) if live.over][:-LIVES]:
+        for name in [name for name, live in list(self.live.items()) if live.over][:-MAX_LIVES]:
             self.live.pop(name, None)
         live = self.live[job["id"]] = Live()
         live.turn = self.workers.submit(_lane(job), lambda worker: self._run(job, live, worker))
@@ -176,20 +176,21 @@ class Jobs:
             return bool(job["state"] == "cancelled")
 
         try:
-            while not self.ready.wait(WAITING) and not ended():  # two processes that compile the same take longer
+            # two processes that compile the same take longer
+            while not self.ready.wait(READY_PERIOD_S) and not ended():
                 if self.preparing:
                     tell("progress", self.preparing)
-            found = worker.ask("run", self._arguments(job), tell, ended)
+            answer = worker.ask("run", self._arguments(job), tell, ended)
             value, shown = self._paths(job["id"])
-            write(value, found["json"].encode("utf-8", "replace"), force=True)
-            write(shown, json.dumps(found["faces"] | {"exit": found["exit"]}).encode(), force=True)
+            write(value, answer["json"].encode("utf-8", "replace"), force=True)
+            write(shown, json.dumps(answer["faces"] | {"exit": answer["exit"]}).encode(), force=True)
         except ProblemError as problem:
             self._fail(job, live, problem.data)
         except Exception as error:
             self._fail(job, live, problem_of(error))
         else:
             self._set(job, "done")
-            live.tell("done", {"exit": found["exit"]})
+            live.tell("done", {"exit": answer["exit"]})
 
     def _fail(self, job: State, live: Live, problem: dict[str, Any]) -> None:
         if problem["error"] != "cancelled":  # what the end of the server has cancelled begins once more

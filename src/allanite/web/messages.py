@@ -17,13 +17,13 @@ from .schema import faults, fitting
 from .store import FullError, MissingError
 from .workers import ProblemError
 
-PATIENCE = 10.0
+HEAD_TIMEOUT_S = 10.0
 """Seconds in which the head of a request has to come whole; a browser on this machine takes milliseconds."""
 
-MOST = 200
+MAX_CONNECTIONS = 200
 """Connections beyond which the oldest that asks for nothing is closed; Linux gives a process 1024 files."""
 
-AT_ONCE = 64
+MAX_ACCEPTED = 64
 """Connections that are taken at once, before those that are too many are closed."""
 
 
@@ -48,7 +48,7 @@ class PromptProtocol(H11Protocol):
         super().connection_made(transport)
         self.begun = self.loop.time()
         all_open = [other for other in self.connections if isinstance(other, PromptProtocol) and other.is_open]
-        if len(all_open) > MOST:
+        if len(all_open) > MAX_CONNECTIONS:
             min((other for other in all_open if other.idle), key=lambda other: other.begun).transport.close()
         self._wait()
 
@@ -66,7 +66,7 @@ class PromptProtocol(H11Protocol):
         if not self.idle:  # the head is there
             self._stop()
         elif self.late is None:
-            self.late = self.loop.call_later(PATIENCE, self.transport.close)
+            self.late = self.loop.call_later(HEAD_TIMEOUT_S, self.transport.close)
 
     def _stop(self) -> None:
         if self.late is not None:
@@ -74,7 +74,7 @@ class PromptProtocol(H11Protocol):
             self.late = None
 
 
-LONGEST = 1_000_000
+MAX_BODY_BYTES = 1_000_000
 """Bytes of a request that is no upload."""
 
 
@@ -83,8 +83,8 @@ async def body_of(request: Request, schema: Any) -> Any:
     body = b""
     async for chunk in request.stream():
         body += chunk
-        if len(body) > LONGEST:
-            raise UsageError(f"a request has at most {LONGEST} bytes")
+        if len(body) > MAX_BODY_BYTES:
+            raise UsageError(f"a request has at most {MAX_BODY_BYTES} bytes")
     return fitting(schema, body or b"{}")
 
 

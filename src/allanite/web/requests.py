@@ -7,15 +7,18 @@ from typing import Any
 
 import click
 
-from allanite.cli import main
+from allanite.cli import main, task_of
 from allanite.cli.front import DEFECT, Failure
-from allanite.cli.tasks import VerbTask, task_of
+from allanite.cli.tasks import VerbTask
 from allanite.core.choices import ChoiceRow, choices_of, read_given
 from allanite.core.errors import AllaniteError, UsageError
 from allanite.core.files import encoded
 from allanite.core.names import demand_name
 from allanite.reporting.language import ENGLISH
 from allanite.study.recipe import Recipe
+
+PROBLEM = "problem"
+"""Kind of the message that a request was refused."""
 
 
 def accepted(verb: str) -> dict[str, ChoiceRow]:
@@ -39,7 +42,8 @@ class Request:
     @property
     def task(self) -> VerbTask:
         """What does it."""
-        return task_of(self.verb)
+        task: VerbTask = task_of(self.verb)
+        return task
 
     @classmethod
     def of(cls, verb: str, data: Mapping[str, Any]) -> "Request":

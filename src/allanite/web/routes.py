@@ -77,9 +77,9 @@ def drop_workspace(request: Request, name: str) -> dict[str, Any]:
 
 async def choices(request: Request, name: str) -> dict[str, Any]:
     """Keep what the client wants to find again."""
-    found = await body_of(request, dict[str, Any])
+    kept = await body_of(request, dict[str, Any])
     with request.app.state.store.changed(name) as state:
-        state["choices"] = found
+        state["choices"] = kept
     return {}
 
 
@@ -142,10 +142,10 @@ def drop_file(request: Request, name: str, file: str) -> dict[str, Any]:
     return {}
 
 
-QUIET = 0.05
+EVENTS_PERIOD_S = 0.05
 """Seconds between looks for new events."""
 
-ALIVE = 10.0
+HEARTBEAT_PERIOD_S = 10.0
 """Seconds after which a stream of events without any says that it is there."""
 
 
@@ -159,13 +159,13 @@ async def begin(request: Request, name: str) -> dict[str, Any]:
 async def job(request: Request, name: str, lang: Lang = "") -> Response:
     """A job with its result."""
     jobs = request.app.state.jobs
-    found = jobs.job(name)
-    parts = {key: found[key] for key in ("id", "state", "verb", "recipe", "lang", "files", "target", "command")}
-    text = json.dumps(parts | {"problem": found["problem"], "toml": toml(found["recipe"])})
-    if found["state"] != "done":
+    state = jobs.job(name)
+    parts = {key: state[key] for key in ("id", "state", "verb", "recipe", "lang", "files", "target", "command")}
+    text = json.dumps(parts | {"problem": state["problem"], "toml": toml(state["recipe"])})
+    if state["state"] != "done":
         return Response(text, media_type="application/json")
     value, shown = await run_in_threadpool(jobs.result, name)
-    if lang and lang != found["lang"]:
+    if lang and lang != state["lang"]:
         shown = json.dumps(await jobs.ask(name, "described", lang=lang)).encode()
     body = text[:-1].encode() + b', "value": ' + value.strip() + b", " + shown.strip()[1:]
     return Response(body, media_type="application/json")
@@ -174,9 +174,9 @@ async def job(request: Request, name: str, lang: Lang = "") -> Response:
 async def events(request: Request, name: str) -> StreamingResponse:
     """What a job reports, as it comes."""
     jobs = request.app.state.jobs
-    found = jobs.job(name)
+    state = jobs.job(name)
     jobs.resume(jobs.store.state(name.partition("-")[0]))
-    return StreamingResponse(_stream(jobs, found), media_type="text/event-stream")
+    return StreamingResponse(_stream(jobs, state), media_type="text/event-stream")
 
 
 async def _stream(jobs: Jobs, job: dict[str, Any]) -> AsyncIterator[str]:
@@ -195,11 +195,11 @@ async def _stream(jobs: Jobs, job: dict[str, Any]) -> AsyncIterator[str]:
                 yield _event(kind, data)
         if over:
             return
-        quiet += QUIET
-        if quiet >= ALIVE:
+        quiet += EVENTS_PERIOD_S
+        if quiet >= HEARTBEAT_PERIOD_S:
             quiet = 0.0
             yield ": still there\n\n"
-        await asyncio.sleep(QUIET)
+        await asyncio.sleep(EVENTS_PERIOD_S)
 
 
 def _event(kind: str, data: dict[str, Any]) -> str:
@@ -253,14 +253,14 @@ async def export(request: Request, name: str) -> dict[str, Any]:
 async def save(request: Request, name: str, form: str, lang: Lang = "", dark: bool = False) -> Response:
     """A file as the command line writes it; a figure may be for a `dark` ground."""
     jobs: Jobs = request.app.state.jobs
-    found = jobs.job(name)
+    state = jobs.job(name)
     if form == "recipe":
-        return _download(toml(found["recipe"]).encode(), "recipe.toml", "application/toml; charset=utf-8")
+        return _download(toml(state["recipe"]).encode(), "recipe.toml", "application/toml; charset=utf-8")
     demand_name("form", form, (*FORMS, "recipe"))
     _, path, kind = FORMS[form]
     if form == "json":
         return _download((await run_in_threadpool(jobs.result, name))[0], f"allanite-{path}", kind)
-    made = await jobs.ask(name, "save", form=form, lang=lang or found["lang"], dark=dark and form == "figure.svg")
+    made = await jobs.ask(name, "save", form=form, lang=lang or state["lang"], dark=dark and form == "figure.svg")
     return _download(made["data"], f"allanite-{path}", kind)
 
 

@@ -14,10 +14,10 @@ from allanite.core.files import reason
 from allanite.core.names import demand_name
 from allanite.reporting.language import LANGUAGES
 
-DEEPEST = 50
+MAX_DEPTH = 50
 """How deep a request is nested at most."""
 
-DEEPER = 60
+MAX_KEPT_DEPTH = 60
 """How deep a file is that is kept at most: a few levels more than the requests in it."""
 
 
@@ -151,20 +151,20 @@ def workspace(name: str) -> Any:
 
     def own(state: Any) -> Any:
         ids = [*state["files"].items(), *state["jobs"].items()]
-        if state["id"] != name or any(key != one["id"] or not key.startswith(f"{name}-") for key, one in ids):
+        if state["id"] != name or any(key != row["id"] or not key.startswith(f"{name}-") for key, row in ids):
             raise ValueError(f"it has ids of another workspace than {name}")
         return state
 
     return Annotated[Workspace, AfterValidator(own)]
 
 
-def plain(data: bytes, deepest: int = DEEPEST) -> Any:
+def plain(data: bytes, deepest: int = MAX_DEPTH) -> Any:
     """JSON that can be written and read again."""
     try:
-        found = from_json(data, allow_inf_nan=False)
+        value = from_json(data, allow_inf_nan=False)
     except ValueError as error:
         raise UsageError(f"this is not JSON: {error}") from None
-    layer, deep = [found], 0
+    layer, deep = [value], 0
     while layer:
         if any(isinstance(v, (int, float)) and abs(v) > sys.float_info.max for v in layer):
             raise UsageError(f"a number is larger than {sys.float_info.max:.3g}")
@@ -173,10 +173,10 @@ def plain(data: bytes, deepest: int = DEEPEST) -> Any:
             raise UsageError(f"lists and objects are nested more than {deepest} deep")
         parts = (v.values() if isinstance(v, dict) else v for v in layer if isinstance(v, (dict, list)))
         layer = [v for part in parts for v in part]
-    return found
+    return value
 
 
-def fitting(schema: Any, data: bytes, deepest: int = DEEPEST) -> Any:
+def fitting(schema: Any, data: bytes, deepest: int = MAX_DEPTH) -> Any:
     """JSON as its schema says."""
     try:
         return TypeAdapter(schema).validate_python(plain(data, deepest))
@@ -186,7 +186,7 @@ def fitting(schema: Any, data: bytes, deepest: int = DEEPEST) -> Any:
 
 def faults(error: Any) -> str:
     """What does not fit, of the validation of a request or of a file."""
-    return "; ".join(f"{'.'.join(map(str, one['loc'])) or 'the request'}: {one['msg']}" for one in error.errors())
+    return "; ".join(f"{'.'.join(map(str, fault['loc'])) or 'the request'}: {fault['msg']}" for fault in error.errors())
 
 
 def log(words: str) -> None:
@@ -197,7 +197,7 @@ def log(words: str) -> None:
 def kept(path: Path, schema: Any, tell: Callable[[str], None] = log) -> Any:
     """What a file of the page holds; None if there is none, or if it is damaged and has another name from now on."""
     try:
-        return fitting(schema, path.read_bytes(), DEEPER)
+        return fitting(schema, path.read_bytes(), MAX_KEPT_DEPTH)
     except FileNotFoundError:
         return None
     except (OSError, UsageError) as error:

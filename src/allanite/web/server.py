@@ -26,7 +26,7 @@ from allanite.reporting.language import catalogue
 from . import routes
 from .access import Door
 from .jobs import Jobs
-from .messages import ANSWERED, AT_ONCE, Answer, PromptProtocol, answered
+from .messages import ANSWERED, MAX_ACCEPTED, Answer, PromptProtocol, answered
 from .routes import open_file
 from .store import MissingError, Store, private_folder
 
@@ -85,7 +85,7 @@ HOST = "127.0.0.1"
 LOCK, ADDRESS = ".lock", "address"
 """Files of the folder: one that the only server of it has locked, and port and secret of that, for its user alone."""
 
-PATIENCE = 5.0
+ANSWER_TIMEOUT_S = 5.0
 """Seconds in which the server that runs already answers."""
 
 
@@ -140,7 +140,7 @@ def _serve(store: Store, paths: Sequence[str], port: int, browser: bool, lang: s
     door = app.state.door = Door(app, port=port)
     server = uvicorn.Server(
         uvicorn.Config(door, http=PromptProtocol, ws="none", log_level="error", access_log=False, lifespan="off",
-                       backlog=AT_ONCE, timeout_graceful_shutdown=1, server_header=False)
+                       backlog=MAX_ACCEPTED, timeout_graceful_shutdown=1, server_header=False)
     )  # fmt: skip
     with draft(store.folder / ADDRESS, force=True) as part:
         part.chmod(0o600)
@@ -165,7 +165,7 @@ def _announce(link: str, words: str) -> None:
 
 def joined(store: Store, paths: Sequence[str]) -> str:
     """A link to the server that has locked the folder, where these files are opened."""
-    until = time.monotonic() + PATIENCE
+    until = time.monotonic() + ANSWER_TIMEOUT_S
     while time.monotonic() < until:
         try:
             address = json.loads((store.folder / ADDRESS).read_text("ascii"))
@@ -184,26 +184,26 @@ def joined(store: Store, paths: Sequence[str]) -> str:
 
 def _asked(address: dict[str, Any], path: str, body: dict[str, str]) -> Any:
     host = f"{HOST}:{address['port']}"
-    connection = http.client.HTTPConnection(host, timeout=PATIENCE)
+    connection = http.client.HTTPConnection(host, timeout=ANSWER_TIMEOUT_S)
     headers = {"Origin": f"http://{host}", "Authorization": f"Bearer {address['secret']}"}
     connection.request("POST", f"/api/{path}", json.dumps(body), headers)
     answer = connection.getresponse()
-    found = json.loads(answer.read())
+    data = json.loads(answer.read())
     if answer.status >= 400:
-        raise UsageError(found["error"])
-    return found
+        raise UsageError(data["error"])
+    return data
 
 
 def listen(port: int) -> socket.socket:
     """A socket at a port of this machine."""
-    found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     if sys.platform != "win32":
-        found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        found.bind((HOST, port))
-        found.listen(AT_ONCE)
+        listener.bind((HOST, port))
+        listener.listen(MAX_ACCEPTED)
     except OSError as error:
-        found.close()
+        listener.close()
         words = f"{port} cannot be used ({error.strerror}); give another, or 0 for any that is free"
         raise UsageError(f"{spelled('--port', 'port')} {words}") from None
-    return found
+    return listener

@@ -43,30 +43,22 @@ class FullError(DataError):
 
 
 class Store:
-    """Workspaces below a folder.
-
-    Attributes
-    ----------
-    notes : list of str
-        What was found damaged.
-    coming : dict
-        Bytes that are reserved for files that are being written, by their ids.
-    """
+    """Workspaces below a folder."""
 
     def __init__(self, folder: Path, *, limit: int, quota: int) -> None:
         self.folder, self.limit, self.quota = folder, limit, quota
         self.lock = threading.RLock()
         self.states: dict[str, State] = {}
-        self.notes: list[str] = []
-        self.stored, self.coming = 0, dict[str, int]()
+        self.notes: list[str] = []  # what was found damaged
+        self.stored, self.coming = 0, dict[str, int]()  # bytes, and those reserved for files that are being written
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         folder.chmod(0o700)
 
     def all(self) -> list[State]:
         """Every workspace, the last one first; a damaged one is left out, and noted."""
-        found = [path for path in self._places() if (path / "state.json").is_file()]
-        found.sort(key=lambda path: (path / "state.json").stat().st_mtime, reverse=True)
-        return [state for path in found if (state := self.find(path.name)) is not None]
+        paths = [path for path in self._places() if (path / "state.json").is_file()]
+        paths.sort(key=lambda path: (path / "state.json").stat().st_mtime, reverse=True)
+        return [state for path in paths if (state := self.find(path.name)) is not None]
 
     def aside(self) -> list[State]:
         """Workspaces that cannot be read, and the bytes that they take: their uploads are still on the disk."""
@@ -102,19 +94,19 @@ class Store:
 
     def state(self, name: str) -> State:
         """The state of a workspace."""
-        found = self.find(known(name))
-        if found is None:
+        state = self.find(known(name))
+        if state is None:
             raise MissingError(f"there is no workspace {name!r}; reload the page to begin a new one")
-        return found
+        return state
 
     def find(self, name: str) -> State | None:
         """The state of a workspace; None if there is none that can be read."""
         with self.lock:
             if name not in self.states:
-                found = self.kept(self.folder / name / "state.json", schema.workspace(name))
-                if found is None:
+                state = self.kept(self.folder / name / "state.json", schema.workspace(name))
+                if state is None:
                     return None
-                self.states[name] = found
+                self.states[name] = state
             return self.states[name]
 
     def kept(self, path: Path, form: Any) -> Any:
@@ -148,10 +140,10 @@ class Store:
     def file(self, name: str) -> State:
         """A file by its id."""
         workspace = name.partition("-")[0]
-        found: State | None = self.state(known(workspace))["files"].get(name)
-        if found is None:
+        file: State | None = self.state(known(workspace))["files"].get(name)
+        if file is None:
             raise MissingError(f"there is no file {name!r} in this workspace; upload it again")
-        return found
+        return file
 
     def place(self, name: str) -> Path:
         """The folder of a file, made if it is missing."""
@@ -162,10 +154,7 @@ class Store:
 
     @contextmanager
     def arriving(self, workspace: str, name: str) -> Iterator[tuple[State, Path]]:
-        """A file that is being written, and where; its suffix alone is that of its name.
-
-        It is entered afterwards, with the bytes reserved for it; if it does not get so far, nothing of it stays.
-        """
+        """A file that is being written, and where; it is entered afterwards, or nothing of it stays."""
         self.state(workspace)
         own = f"{workspace}-{secrets.token_hex(8)}"
         suffix = _SUFFIX.search(name)

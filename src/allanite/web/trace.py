@@ -23,16 +23,16 @@ from . import schema
 FACTOR = 16
 """Samples of a stretch, and stretches of the next longer one."""
 
-FEWEST = 1024
+MIN_STRETCHES = 1024
 """Stretches of the coarsest level at least."""
 
-BYTES = 4 * (1 + 2 / (FACTOR - 1))
+MAX_SAMPLE_BYTES = 4 * (1 + 2 / (FACTOR - 1))
 """Bytes of a sample in the trace at most: a number of 32 bits, and two of them for each stretch of each level."""
 
-MOST = 2000
+MAX_LISTED = 2000
 """Gaps and outliers that are listed."""
 
-MOST_POINTS = 20_000
+MAX_POINTS = 20_000
 
 USUAL, ROOM = (0.02, 0.98), 1.0
 """Shares of the stretches whose extremes are the usual range, and what is shown beyond it, in widths of that."""
@@ -43,16 +43,12 @@ Array = NDArray[Any]
 def build(
     folder: Path, recording: Recording, key: str, raw: Sequence[str] = (), *, room: float = math.inf
 ) -> float | None:  # fmt: skip
-    """Write the trace of a recording that was read with the choices `key`; the one before it is replaced.
-
-    `raw` are the choices that are not known yet, unit or rate: numbers are shown as they are, or by their count. Gives
-    the bytes that are left of `room`; where they are not enough, nothing is written, and the answer is None.
-    """
+    """Write the trace of a recording, and give the bytes left of `room`; None, and nothing, where they are too few."""
     place = folder / "trace"
     if _meta(place).get("key") == key:
         return room
     room += sum(path.stat().st_size for path in place.glob("*"))
-    room -= sum(BYTES * record.size for record in recording)
+    room -= sum(MAX_SAMPLE_BYTES * record.size for record in recording)
     if room < 0:
         shutil.rmtree(place, ignore_errors=True)
         return None
@@ -78,7 +74,7 @@ def _write(folder: Path, i: int, record: Record, raw: Sequence[str]) -> dict[str
     low = high = (values - offset).astype(np.float32)
     np.save(folder / f"{i}.0.npy", low)
     levels = 0
-    while low.size >= FACTOR * FEWEST:
+    while low.size >= FACTOR * MIN_STRETCHES:
         starts = np.arange(0, low.size, FACTOR)
         low, high = np.fmin.reduceat(low, starts), np.fmax.reduceat(high, starts)
         levels += 1
@@ -88,8 +84,8 @@ def _write(folder: Path, i: int, record: Record, raw: Sequence[str]) -> dict[str
     return {
         "name": record.name, "rate": record.rate, "size": record.size, "offset": offset,
         "unit": "" if plain else unit, "raw": list(raw),
-        "levels": levels, "gaps": gaps[:MOST], "gap_count": len(gaps),
-        "outliers": (far[:MOST] / record.rate).tolist(), "outlier_count": int(far.size),
+        "levels": levels, "gaps": gaps[:MAX_LISTED], "gap_count": len(gaps),
+        "outliers": (far[:MAX_LISTED] / record.rate).tolist(), "outlier_count": int(far.size),
     }  # fmt: skip
 
 
@@ -98,16 +94,16 @@ def window(folder: Path, channel: str, start: float | None, end: float | None, p
     meta = _meta(folder / "trace")
     if not meta:
         raise UsageError("there is no trace of this file: it was not read yet, or the quota has no room for it")
-    names = [one["name"] for one in meta["channels"]]
+    names = [stored["name"] for stored in meta["channels"]]
     if channel and channel not in names:
         raise UsageError(f"no channel {channel!r}; channels: {', '.join(names)}")
     i = names.index(channel) if channel else 0
-    one, points = meta["channels"][i], min(max(points, 2), MOST_POINTS)
-    most = one["size"]
-    first = int(min(max(0.0, (start or 0.0) * one["rate"]), most - 1))
-    last = int(np.ceil(most if end is None else min(max(first + 1, end * one["rate"]), most)))
+    stored, points = meta["channels"][i], min(max(points, 2), MAX_POINTS)
+    most = stored["size"]
+    first = int(min(max(0.0, (start or 0.0) * stored["rate"]), most - 1))
+    last = int(np.ceil(most if end is None else min(max(first + 1, end * stored["rate"]), most)))
     level = 0
-    while level < one["levels"] and (last - first) >= points * FACTOR ** (level + 1):
+    while level < stored["levels"] and (last - first) >= points * FACTOR ** (level + 1):
         level += 1
     try:
         times, low, high = _part(folder / "trace" / f"{i}.{level}.npy", (first, last, FACTOR**level), points)
@@ -115,13 +111,13 @@ def window(folder: Path, channel: str, start: float | None, end: float | None, p
         shutil.rmtree(folder / "trace", ignore_errors=True)
         raise DataError(f"the trace of the file is damaged ({error}): analyze the file again") from None
     return {
-        "channel": one["name"], "channels": names, "unit": printed_unit(one["unit"]), "rate": one["rate"],
-        "duration": one["size"] / one["rate"], "t": (times / one["rate"]).tolist(),
-        "low": _listed(low + one["offset"]), "high": _listed(high + one["offset"]), "raw": one["raw"],
-        "range": _range(low + one["offset"], high + one["offset"]),
-        "gaps": [gap for gap in one["gaps"] if gap[1] > first / one["rate"] and gap[0] < last / one["rate"]],
-        "outliers": [at for at in one["outliers"] if first / one["rate"] <= at < last / one["rate"]],
-        "gap_count": one["gap_count"], "outlier_count": one["outlier_count"],
+        "channel": stored["name"], "channels": names, "unit": printed_unit(stored["unit"]), "rate": stored["rate"],
+        "duration": stored["size"] / stored["rate"], "t": (times / stored["rate"]).tolist(),
+        "low": _listed(low + stored["offset"]), "high": _listed(high + stored["offset"]), "raw": stored["raw"],
+        "range": _range(low + stored["offset"], high + stored["offset"]),
+        "gaps": [gap for gap in stored["gaps"] if gap[1] > first / stored["rate"] and gap[0] < last / stored["rate"]],
+        "outliers": [at for at in stored["outliers"] if first / stored["rate"] <= at < last / stored["rate"]],
+        "gap_count": stored["gap_count"], "outlier_count": stored["outlier_count"],
     }  # fmt: skip
 
 
@@ -154,5 +150,5 @@ def _listed(values: Array) -> list[float | None]:
 
 
 def _meta(place: Path) -> dict[str, Any]:
-    found: dict[str, Any] | None = schema.kept(place / "meta.json", schema.Trace)
-    return found or {}
+    meta: dict[str, Any] | None = schema.kept(place / "meta.json", schema.Trace)
+    return meta or {}

@@ -26,14 +26,13 @@ from allanite.study.parts import in_parts
 from allanite.study.recipe import READING, Recipe
 
 from . import faces, trace
-from .requests import Request, problem_of
+from .requests import PROBLEM, Request, problem_of
 from .store import overfull
-from .workers import PROBLEM
 
-KEPT = 2
+MAX_RECORDINGS = 2
 """Recordings that stay in memory."""
 
-SAID = 0.05
+PROGRESS_PERIOD_S = 0.05
 """Seconds between reports of progress."""
 
 ASSUMED: dict[str, dict[str, Any]] = {
@@ -41,24 +40,21 @@ ASSUMED: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 """With what a file is read, to draw its numbers, whose unit, kind or rate is not known."""
 
-SEEN = 1.0
+CURVES_PERIOD_S = 1.0
 """Seconds between the curves of a stream."""
 
 Answer = dict[str, Any]
 
 
 class Held:
-    """What the process has in memory, and where it reports to.
-
-    `values` are results by job, `recordings` what was read, by path and choices; `room` is left of the `quota`, bytes.
-    """
+    """What the process has in memory, and where it reports to."""
 
     def __init__(self, connection: Connection) -> None:
         self.connection = connection
-        self.values: dict[str, Any] = {}
-        self.recordings: dict[tuple[str, str], Recording] = {}
+        self.values: dict[str, Any] = {}  # by job
+        self.recordings: dict[tuple[str, str], Recording] = {}  # by path and choices
         self.files: Mapping[str, tuple[str, str, str]] = {}
-        self.room, self.quota = 0.0, 0
+        self.room, self.quota = 0.0, 0  # bytes that are left, and of all
         self.drawn: dict[tuple[Any, ...], Any] = {}
         self.said = self.seen = 0.0
         self.lang = "en"
@@ -66,7 +62,7 @@ class Held:
     def tell(self, what: str, fraction: float) -> None:
         """Report progress, not too often."""
         now = time.monotonic()
-        if now - self.said >= SAID or fraction >= 1.0:
+        if now - self.said >= PROGRESS_PERIOD_S or fraction >= 1.0:
             self.said = now
             word = "preparing" if what == PREPARING else None
             self.send("progress", {"what": what, "word": word, "fraction": fraction})
@@ -75,7 +71,7 @@ class Held:
         """Report what happens in a stream, and its curves so far."""
         self.send("words", {"text": words})
         now = time.monotonic()
-        if now - self.seen >= SEEN:
+        if now - self.seen >= CURVES_PERIOD_S:
             self.seen = now
             curves = [channel.curve for channel in watch.latest or () if channel.curve is not None]
             self.send("live", {"channels": [faces.drawn(faces.panel_of(curve), 0.95, self.lang) for curve in curves]})
@@ -88,15 +84,12 @@ class Held:
         return problem | {"error": words}
 
     def source(self, path: str, recipe: Recipe) -> Recording | str:
-        """The recording of a file, read unless it is in memory; its path, if it does not fit into memory.
-
-        Its trace is written beside the upload.
-        """
+        """The recording of a file, read unless it is in memory; its path, if it does not fit into memory."""
         if in_parts(path, recipe) is not None:
             return path
         key = json.dumps(recipe.to_dict(READING), sort_keys=True, default=str)
         if (path, key) not in self.recordings:
-            while len(self.recordings) >= KEPT:
+            while len(self.recordings) >= MAX_RECORDINGS:
                 self.recordings.pop(next(iter(self.recordings)))
             try:
                 recording = whole_recording(path, recipe, progress=self.tell)
@@ -156,12 +149,9 @@ def run(
     choices: dict[str, Any],
     shown: str,
     lang: str,
-    kept: tuple[dict[str, tuple[str, str, str]], float, int],
+    kept: tuple[dict[str, tuple[str, str, str]], float, int],  # id, folder and name of each path; bytes left; quota
 ) -> Answer:
-    """Do a job; its result as JSON, and as it is shown.
-
-    `kept` are id, folder and name of each path, the bytes of the quota that are not taken yet, and the quota.
-    """
+    """Do a job; its result as JSON, and as it is shown."""
     from allanite.reporting.json import to_json
 
     (held.files, held.room, held.quota), held.lang = kept, lang
@@ -209,13 +199,13 @@ def refit(held: Held, job: str, *, channel: str, choices: dict[str, Any], statis
     if not isinstance(value, Study):
         raise UsageError("only the result of analyze has a fit that can be changed: run analyze first")
     recipe = replace(value.recipe, **read_given(choices_of(Recipe), choices))
-    found = refitted(value[channel], recipe)
-    shown = replace(value, channels=(found,), recipe=recipe)
+    fitted = refitted(value[channel], recipe)
+    shown = replace(value, channels=(fitted,), recipe=recipe)
     names = list(dict.fromkeys(statistics or [recipe.statistic]))
     curves = [faces.curve_of(shown, channel, name) for name in names]
-    assert found.fit is not None  # noqa: S101 - `refitted` raises else
+    assert fitted.fit is not None  # noqa: S101 - `refitted` raises else
     return {
-        "fit": replace(found.fit, curve=None).to_dict(recipe.level),
+        "fit": replace(fitted.fit, curve=None).to_dict(recipe.level),
         "curve": [faces.drawn(faces.panel_of(curve, fit), recipe.level, lang) for curve, fit in curves],
         **faces.described(shown, lang)["channels"][0],
     }
@@ -238,14 +228,11 @@ def export(held: Held, job: str, *, channels: list[str], target: str, choices: d
 
 
 FORMS: dict[str, tuple[str, str, str]] = {
-    "report": ("report", "report.html", "text/html; charset=utf-8"),
-    "pdf": ("report", "report.pdf", "application/pdf"),
-    "json": ("json", "results.json", "application/json"),
-    "csv": ("csv", "curves.csv", "text/csv; charset=utf-8"),
+    "report": ("report", "report.html", "text/html; charset=utf-8"), "pdf": ("report", "report.pdf", "application/pdf"),
+    "json": ("json", "results.json", "application/json"), "csv": ("csv", "curves.csv", "text/csv; charset=utf-8"),
     "coefficients": ("coefficients", "coefficients.csv", "text/csv; charset=utf-8"),
-    "figure.svg": ("plot", "figure.svg", "image/svg+xml"),
-    "figure.png": ("plot", "figure.png", "image/png"),
-}
+    "figure.svg": ("plot", "figure.svg", "image/svg+xml"), "figure.png": ("plot", "figure.png", "image/png"),
+}  # fmt: skip
 """What can be saved: option of the command line, name of the file, media type."""
 
 

@@ -11,11 +11,10 @@ from allanite.core.errors import DataError
 from allanite.parallel.processes import EndedError, Process, Tell, ready_context
 from allanite.phrases.phrase import spelled
 
-MOST = 4
-"""Processes at once, unless more are busy."""
+from .requests import PROBLEM
 
-PROBLEM = "problem"
-"""Kind of the message that a request was refused."""
+MAX_PROCESSES = 4
+"""Processes at once, unless more are busy."""
 
 Result = TypeVar("Result")
 
@@ -95,14 +94,14 @@ class Workers:
         with self.lock:
             if lane not in self.lanes:
                 idle = [(worker.used, name) for name, worker in self.lanes.items() if not worker.waiting]
-                if len(self.lanes) >= MOST and idle:  # the one that was idle longest
+                if len(self.lanes) >= MAX_PROCESSES and idle:  # the one that was idle longest
                     threading.Thread(target=self.lanes.pop(min(idle)[1]).close).start()
                 self.lanes[lane] = Worker()
             worker = self.lanes[lane]
             worker.waiting += 1
-            found = worker.turns.submit(copy_context().run, work, worker)
-        found.add_done_callback(lambda _: self._done(worker))
-        return found
+            future = worker.turns.submit(copy_context().run, work, worker)
+        future.add_done_callback(lambda _: self._done(worker))
+        return future
 
     def _done(self, worker: Worker) -> None:
         with self.lock:

@@ -201,13 +201,11 @@ def test_the_recipe_repeats_the_run(gimbal, tmp_path):
         assert run(*verb, "--recipe", recipe, "--json", "-").stdout == first.stdout
 
 
-def test_known_harmonics_are_shown_without_errors():
+def test_known_harmonics_are_shown_and_drawn(tmp_path):
     known = al.angle.Harmonics.of({128: (1e-5, 0.0)}, "encoder")
     assert "encoder 128" in table(known)
     assert "known, not estimated" in page(known)
-
-
-def test_errors_are_drawn_against_time(tmp_path):
+    # errors are drawn against time
     from allanite.applications.angle import Harmonics, gimbals
     from allanite.reporting import figures
 

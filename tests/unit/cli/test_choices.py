@@ -7,9 +7,8 @@ import pytest
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
+from allanite.cli import jobs, main, task_of
 from allanite.cli.deliver import recipe_of, settings_of
-from allanite.cli.tasks import jobs, task_of
 from allanite.core.choices import choices_of
 from allanite.study.recipe import Recipe
 from allanite.study.settings import DensityChoices, DeviationChoices

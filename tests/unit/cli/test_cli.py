@@ -55,18 +55,12 @@ def test_everything_is_written_and_named(file, tmp_path):
         "x",
         "y",
     }
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_json_on_standard_output_is_alone_there(file, tmp_path):
+    # json on standard output is alone there
     result = run("analyze", file, "--json", "-", "--csv", tmp_path / "a.csv")
     data = json.loads(result.stdout, parse_constant=pytest.fail)
     assert [channel["name"] for channel in data["channels"]] == ["x", "y", "flat"]
     assert "a.csv" in result.stderr
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_quiet_prints_nothing(file, tmp_path):
+    # quiet prints nothing
     result = run("analyze", file, "--quiet", "--plot", tmp_path / "a.svg")
     assert (result.exit_code, result.output) == (0, "")
     assert (tmp_path / "a.svg").exists()
@@ -144,7 +138,7 @@ def test_a_file_that_exists_is_refused_before_the_work(name, file, tmp_path, mon
     assert path.read_text() == "old"
 
 
-def test_a_defect_is_ours_and_its_traceback_is_for_who_asks(file, monkeypatch):
+def test_defects_and_too_little_memory(file, monkeypatch):
     def broken(*_, **__):
         raise ZeroDivisionError("by zero")
 
@@ -158,8 +152,7 @@ def test_a_defect_is_ours_and_its_traceback_is_for_who_asks(file, monkeypatch):
         assert asked.stderr.startswith("error: ")
         assert "Traceback" in asked.stderr
 
-
-def test_too_little_memory_is_not_a_defect(file, monkeypatch):
+    # too little memory is not a defect
     def greedy(*_, **__):
         raise MemoryError
 
@@ -169,11 +162,23 @@ def test_too_little_memory_is_not_a_defect(file, monkeypatch):
     assert "--from" in result.stderr
 
 
-def test_version_and_help():
+def test_help_and_its_summaries():
     assert run("--version").stdout.startswith("allanite, version ")
     assert run("--help").exit_code == 0
     assert "--report" in run("analyze", "-h").stdout
     assert run().exit_code == 2
+    # no summary of a verb is cut
+    for words, command in commands():
+        summary = command.help.partition("\n")[0]
+        assert len(summary) <= 58, words
+        assert command.get_short_help_str(60) == summary, words
+    # each option is declared in one file
+    declared = {}
+    for path in sorted((ROOT / "src" / "allanite" / "cli").glob("*.py")):
+        for name in re.findall(r'(?:click\.option\(\s*"--|_path\(")([a-z-]+)', path.read_text(encoding="utf-8")):
+            declared.setdefault(name, set()).add(path.name)
+    assert {"lang", "model", "corrected"} < set(declared)
+    assert {name: files for name, files in declared.items() if len(files) > 1} == {}
 
 
 HEAVY = ("numpy", "numba", "scipy", "matplotlib", "pyarrow", "rich", "jinja2")
@@ -195,16 +200,13 @@ def command(*arguments):
 
 
 @pytest.mark.slow("a process of its own")
-def test_a_reader_that_has_seen_enough_is_no_error(file):
+def test_a_reader_that_has_seen_enough_is_no_error(file, tmp_path):
     read, wrote = os.pipe()
     os.close(read)
     done = subprocess.run(command("analyze", file), stdout=wrote, stderr=subprocess.PIPE, text=True, check=False)
     os.close(wrote)
     assert (done.returncode, done.stderr) == (0, "")
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_files_are_written_although_nobody_reads_the_table(file, tmp_path):
+    # files are written although nobody reads the table
     read, wrote = os.pipe()
     os.close(read)
     paths = [tmp_path / "out.json", tmp_path / "out.csv"]
@@ -215,10 +217,7 @@ def test_files_are_written_although_nobody_reads_the_table(file, tmp_path):
     assert "flat" in done.stderr
     assert json.loads(paths[0].read_text(encoding="utf-8"))["type"] == "Study"
     assert paths[1].read_text(encoding="utf-8").startswith("channel,")
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_a_terminal_without_the_letters_gets_the_table(file, tmp_path):
+    # a terminal without the letters gets the table
     path = tmp_path / "gÿro.csv"
     path.write_bytes(Path(file).read_bytes())
     env = os.environ | {"PYTHONIOENCODING": "ascii"}
@@ -237,22 +236,6 @@ def commands(group=main, path=()):
         yield (*path, name), command
         if isinstance(command, click.Group):
             yield from commands(command, (*path, name))
-
-
-def test_no_summary_of_a_verb_is_cut():
-    for words, command in commands():
-        summary = command.help.partition("\n")[0]
-        assert len(summary) <= 58, words
-        assert command.get_short_help_str(60) == summary, words
-
-
-def test_each_option_is_declared_in_one_file():
-    declared = {}
-    for path in sorted((ROOT / "src" / "allanite" / "cli").glob("*.py")):
-        for name in re.findall(r'(?:click\.option\(\s*"--|_path\(")([a-z-]+)', path.read_text(encoding="utf-8")):
-            declared.setdefault(name, set()).add(path.name)
-    assert {"lang", "model", "corrected"} < set(declared)
-    assert {name: files for name, files in declared.items() if len(files) > 1} == {}
 
 
 @pytest.mark.slow("takes more than half a second")

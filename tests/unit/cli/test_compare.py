@@ -128,7 +128,7 @@ def test_bad_input(folder, monkeypatch, arguments, code, words):
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_a_page_of_names_that_would_do_harm(folder, tmp_path):
+def test_pages_that_would_do_harm_and_models_that_do_not_explain(folder, tmp_path):
     record = al.read(folder / "before.csv")["x"]
     other = al.read(folder / "after.csv")["x"]
     name = "<script>alert(1)</script>\x1b[31m"
@@ -136,6 +136,18 @@ def test_a_page_of_names_that_would_do_harm(folder, tmp_path):
     al.report(found, tmp_path / "page.html")
     assert "<script" not in (tmp_path / "page.html").read_text("utf-8")
     assert "\x1b" not in table(found)
+    # a model that does not explain its record is not passed over
+    rng = np.random.default_rng(1)
+    plain, other = (al.simulate(MODEL, 20_000, 100.0, rng=rng, name="z") for _ in range(2))
+    rising = al.Record(other.values * np.repeat([1.0, 1.6], 10_000), 100.0, other.unit, name="z")
+    found = al.compare(plain, rising)
+    (pair,) = found.pairs
+    assert pair.explained == (True, False)
+    assert pair.alerts[0].startswith("record 2: ")
+    assert "noise level" in pair.alerts[0]
+    assert pair.grades[0] == "explained"
+    assert "may appear as a change of one of its terms" in pair.alerts[0]
+    assert 'class="doubt"' in page(found)
 
 
 @rows(
@@ -159,7 +171,7 @@ def test_the_recipe_that_is_told_repeats_the_result(folder, tmp_path, monkeypatc
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_every_file_is_read_with_the_options(folder, tmp_path):
+def test_every_file_is_read_with_the_options_and_named(folder, tmp_path):
     paths = []
     for name in ("before", "after"):
         paths.append(tmp_path / f"{name}.bin")
@@ -169,10 +181,7 @@ def test_every_file_is_read_with_the_options(folder, tmp_path):
     wanted = json.loads(run(folder / "before.csv", folder / "after.csv", "--channels", "x", "--json", "-").stdout)
     terms = [data["channels"][0]["terms"][1]["change_percent"] for data in (json.loads(found.stdout), wanted)]
     assert terms[0] == pytest.approx(terms[1], abs=0.01)
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_a_doubtful_clock_is_said_with_the_name_of_its_file(folder, tmp_path):
+    # a doubtful clock is said with the name of its file
     x = al.read(folder / "before.csv")["x"]
     time = (np.arange(x.size) + 0.3 * np.random.default_rng(1).standard_normal(x.size)) / 100
     path = tmp_path / "jittered.csv"
@@ -182,18 +191,3 @@ def test_a_doubtful_clock_is_said_with_the_name_of_its_file(folder, tmp_path):
     (finding,) = json.loads(found.stdout)["findings"]
     assert finding["what"].startswith("jittered.csv: ")
     assert run(folder / "after.csv", path, "--channels", "x").stdout.count("jittered.csv: ") == 2
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_a_model_that_does_not_explain_its_record_is_not_passed_over():
-    rng = np.random.default_rng(1)
-    plain, other = (al.simulate(MODEL, 20_000, 100.0, rng=rng, name="z") for _ in range(2))
-    rising = al.Record(other.values * np.repeat([1.0, 1.6], 10_000), 100.0, other.unit, name="z")
-    found = al.compare(plain, rising)
-    (pair,) = found.pairs
-    assert pair.explained == (True, False)
-    assert pair.alerts[0].startswith("record 2: ")
-    assert "noise level" in pair.alerts[0]
-    assert pair.grades[0] == "explained"
-    assert "may appear as a change of one of its terms" in pair.alerts[0]
-    assert 'class="doubt"' in page(found)

@@ -28,15 +28,21 @@ def run(*arguments):
     return CliRunner().invoke(main, [str(a) for a in arguments])
 
 
+def write(path, columns, header):
+    np.savetxt(path, columns, delimiter=",", fmt="%.9g", header=header, comments="")
+    return path
+
+
+DAY = "time [s],gx [deg/h],gy [deg/h],temp [degC],hum"
+
+
 def day(path, seed, n=2400):
     rng = np.random.default_rng(seed)
     t = np.arange(n)
     temp = 25 + 5 * np.sin(2 * np.pi * t / 900 + seed) + 0.02 * rng.standard_normal(n)
     gx, gy = (np.degrees(al.simulate(MODEL, n, 1.0, rng=rng).values) * 3600 for _ in "xy")
     columns = np.column_stack([t, gx + 20 * temp, gy, temp, 40 + 0.1 * rng.standard_normal(n)])
-    header = "time [s],gx [deg/h],gy [deg/h],temp [degC],hum"
-    np.savetxt(path, columns, delimiter=",", fmt="%.9g", header=header, comments="")
-    return path
+    return write(path, columns, DAY)
 
 
 @pytest.fixture(scope="module")
@@ -58,14 +64,8 @@ def current(tmp_path_factory):
 
 @pytest.mark.slow("takes more than half a second")
 def test_everything_of_a_compensation_is_written(days, tmp_path):
-    names = {
-        "save": "r.json",
-        "corrected": "c.csv",
-        "report": "p.html",
-        "plot": "f.svg",
-        "json": "a.json",
-        "csv": "t.csv",
-    }
+    names = {"report": "p.html", "plot": "f.svg", "json": "a.json", "csv": "t.csv"}
+    names |= {"save": "r.json", "corrected": "c.csv"}
     paths = {name: tmp_path / file for name, file in names.items()}
     asked = [part for name, path in paths.items() for part in (f"--{name}", path)]
     done = run("compensate", days[0], "--regressors", "temp", "--channels", "gx", "--apply", days[1], *asked)
@@ -103,10 +103,8 @@ def soak(tmp_path_factory):
     follows = (300 * x + 100 * x**2 + 80 * x**3, 0 * x, 200 * x**5)
     az = 1000 + 2 * x + 0.1 * rng.standard_normal(t.size)
     columns = np.column_stack([t, *map(np.add, noise, follows), az, 42 + 22 * x])
-    path = tmp_path_factory.mktemp("soak") / "soak.csv"
     header = "time [s],gx [deg/h],gy [deg/h],gz [deg/h],az [mg],temp [degC]"
-    np.savetxt(path, columns, delimiter=",", fmt="%.9g", header=header, comments="")
-    return path
+    return write(tmp_path_factory.mktemp("soak") / "soak.csv", columns, header)
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -136,89 +134,14 @@ def test_an_autopilot_corrects_as_the_corrected_record(soak, autopilot, tmp_path
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_the_recipe_of_a_compensation_repeats_it(days, tmp_path):
+def test_what_was_saved_and_what_a_recipe_says_is_used(days, tmp_path):
     asked = ("--regressors", "temp", "--channels", "gx", "--degree", 2, "--lags", 60, "--from", 200, "--apply", days[1])
     first = run("compensate", days[0], *asked, "--outliers", "mark", "--split-gaps", "--level", 0.9, "--json", "-")
     data = json.loads(first.stdout)
     recipe = tmp_path / "recipe.toml"
     recipe.write_text(toml(data["recipe"]), encoding="utf-8")
     assert json.loads(run("compensate", days[0], "--recipe", recipe, "--json", "-").stdout) == data
-
-
-def test_a_channel_that_moves_is_refused(days, tmp_path):
-    rows = np.loadtxt(days[0], delimiter=",", skiprows=1)
-    rows[1200:1400, 1] += 3e5
-    path = tmp_path / "moved.csv"
-    np.savetxt(
-        path, rows, delimiter=",", fmt="%.9g", header="time [s],gx [deg/h],gy [deg/h],temp [degC],hum", comments=""
-    )
-    done = run("compensate", path, "--regressors", "temp")
-    assert done.exit_code == 3
-    assert "the body moved" in " ".join(done.stderr.split())
-    assert run("compensate", path, "--regressors", "temp", "--channels", "gx").exit_code == 3
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_a_warm_up_is_no_motion(tmp_path):
-    """Its slope is large beside the noise, but it has no sudden step."""
-    path = day(tmp_path / "warm.csv", 5)
-    rows = np.loadtxt(path, delimiter=",", skiprows=1)
-    warm = 10 * (1 - np.exp(-rows[:, 0] / 600))
-    rows[:, 1] += 60 * warm - 20 * rows[:, 3]
-    rows[:, 3] = warm
-    np.savetxt(
-        path, rows, delimiter=",", fmt="%.9g", header="time [s],gx [deg/h],gy [deg/h],temp [degC],hum", comments=""
-    )
-    assert run("info", path, "--channels", "gx").exit_code == 0
-    done = run("compensate", path, "--channels", "gx", "--regressors", "temp")
-    assert done.exit_code == 0, done.stderr
-    assert "gx depends on temp" in done.stdout
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_regressors_of_another_file_are_cut_with_the_record(days, tmp_path):
-    beside = tmp_path / "beside.csv"
-    rows = np.loadtxt(days[0], delimiter=",", skiprows=1)[:, [0, 3]]
-    np.savetxt(beside, rows, delimiter=",", fmt="%.9g", header="time [s],temp [degC]", comments="")
-    asked = ("compensate", days[0], "--channels", "gx", "--regressors", "temp", "--from", 300, "--until", 2100)
-    effects = [
-        json.loads(run(*asked, *more, "--json", "-").stdout)["channels"][0]["regression"]["effects"]
-        for more in ((), ("--beside", beside))
-    ]
-    assert effects[0] == effects[1]
-
-
-def test_outliers_of_regressors_are_not_marked(days, tmp_path):
-    rows = np.loadtxt(days[0], delimiter=",", skiprows=1)[:, [0, 1, 3]]
-    rows[500, 1] += 1e6
-    rows[700, 2] += 500
-    path = tmp_path / "spikes.csv"
-    np.savetxt(path, rows, delimiter=",", fmt="%.9g", header="time [s],gx [deg/h],temp [degC]", comments="")
-    both = open_recording(path, al.Recipe(outliers="mark"), along=("temp",))
-    assert np.flatnonzero(np.isnan(both["gx"].values)).tolist() == [500]
-    assert np.isfinite(both["temp"].values).all()
-
-
-@pytest.mark.slow("seconds of analyses")
-def test_progress_of_a_correction_of_another_file_ends_once(days):
-    told = []
-    settings = CompensationSettings(("temp",), fit=FitSettings(terms="N"))
-    al.compensate_file(
-        days[0], al.Recipe(channels=("gx",)), settings, apply_to=days[1],
-        progress=lambda what, fraction: told.append(fraction),
-    )  # fmt: skip
-    assert told == sorted(told)
-    assert (told[0], told[-1], told.count(1.0)) == (0.0, 1.0, 1)
-
-
-def test_a_channel_that_does_not_follow_is_said_to(days):
-    done = run("compensate", days[0], "--regressors", "temp", "--derivative-of", "temp", "--channels", "gy")
-    assert "gy shows no dependence on temp, d temp/dt" in done.stdout
-    assert "absent" in done.stdout
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_what_was_saved_is_used(days, tmp_path):
+    # what was saved is used
     saved = tmp_path / "r.json"
     run("compensate", days[0], "--regressors", "temp", "--channels", "gx", "--save", saved, "--quiet")
     done = run("compensate", days[1], "--use", saved, "--channels", "gx,gy", "--json", "-")
@@ -231,11 +154,55 @@ def test_what_was_saved_is_used(days, tmp_path):
     assert run("compensate", days[1], "--use", saved, "--json", saved, "--force").exit_code == 2
 
 
+def test_motion_is_refused_and_outliers_of_regressors_are_kept(days, tmp_path):
+    rows = np.loadtxt(days[0], delimiter=",", skiprows=1)
+    rows[1200:1400, 1] += 3e5
+    path = write(tmp_path / "moved.csv", rows, DAY)
+    done = run("compensate", path, "--regressors", "temp")
+    assert done.exit_code == 3
+    assert "the body moved" in " ".join(done.stderr.split())
+    assert run("compensate", path, "--regressors", "temp", "--channels", "gx").exit_code == 3
+    # outliers of regressors are not marked
+    rows = np.loadtxt(days[0], delimiter=",", skiprows=1)[:, [0, 1, 3]]
+    rows[500, 1] += 1e6
+    rows[700, 2] += 500
+    path = write(tmp_path / "spikes.csv", rows, "time [s],gx [deg/h],temp [degC]")
+    both = open_recording(path, al.Recipe(outliers="mark"), along=("temp",))
+    assert np.flatnonzero(np.isnan(both["gx"].values)).tolist() == [500]
+    assert np.isfinite(both["temp"].values).all()
+    # a channel that does not follow is said to
+    done = run("compensate", days[0], "--regressors", "temp", "--derivative-of", "temp", "--channels", "gy")
+    assert "gy shows no dependence on temp, d temp/dt" in done.stdout
+    assert "absent" in done.stdout
+
+
 @pytest.mark.slow("takes more than half a second")
-def test_regressors_of_another_file_are_interpolated_only_if_asked(days, tmp_path):
-    slow = tmp_path / "slow.csv"
-    rows = np.loadtxt(days[0], delimiter=",", skiprows=1)[::10, [0, 3]]
-    np.savetxt(slow, rows, delimiter=",", fmt="%.9g", header="time [s],temp [degC]", comments="")
+def test_a_warm_up_is_no_motion(tmp_path):
+    """Its slope is large beside the noise, but it has no sudden step."""
+    path = day(tmp_path / "warm.csv", 5)
+    rows = np.loadtxt(path, delimiter=",", skiprows=1)
+    warm = 10 * (1 - np.exp(-rows[:, 0] / 600))
+    rows[:, 1] += 60 * warm - 20 * rows[:, 3]
+    rows[:, 3] = warm
+    write(path, rows, DAY)
+    assert run("info", path, "--channels", "gx").exit_code == 0
+    done = run("compensate", path, "--channels", "gx", "--regressors", "temp")
+    assert done.exit_code == 0, done.stderr
+    assert "gx depends on temp" in done.stdout
+
+
+@pytest.mark.slow("takes more than half a second")
+def test_regressors_of_another_file(days, tmp_path):
+    rows = np.loadtxt(days[0], delimiter=",", skiprows=1)[:, [0, 3]]
+    beside = write(tmp_path / "beside.csv", rows, "time [s],temp [degC]")
+    asked = ("compensate", days[0], "--channels", "gx", "--regressors", "temp", "--from", 300, "--until", 2100)
+    effects = [
+        json.loads(run(*asked, *more, "--json", "-").stdout)["channels"][0]["regression"]["effects"]
+        for more in ((), ("--beside", beside))
+    ]
+    assert effects[0] == effects[1]
+    # regressors of another file are interpolated only if asked
+    slow = write(tmp_path / "slow.csv", rows[::10], "time [s],temp [degC]")
     asked = ("compensate", days[0], "--channels", "gx", "--regressors", "temp", "--beside", slow)
     refused = run(*asked)
     assert refused.exit_code == 3
@@ -245,6 +212,18 @@ def test_regressors_of_another_file_are_interpolated_only_if_asked(days, tmp_pat
     done = run(*asked, "--interpolate", "--split-gaps")
     assert done.exit_code == 0, done.stderr
     assert "gx depends on temp" in done.stdout
+
+
+@pytest.mark.slow("seconds of analyses")
+def test_progress_of_a_correction_of_another_file_ends_once(days):
+    told = []
+    settings = CompensationSettings(("temp",), fit=FitSettings(terms="N"))
+    al.compensate_file(
+        days[0], al.Recipe(channels=("gx",)), settings, apply_to=days[1],
+        progress=lambda what, fraction: told.append(fraction),
+    )  # fmt: skip
+    assert told == sorted(told)
+    assert (told[0], told[-1], told.count(1.0)) == (0.0, 1.0, 1)
 
 
 REFUSED = [
@@ -287,9 +266,8 @@ def test_a_budget_takes_the_unit_of_the_header(current, tmp_path):
     )
     assert len(by_header) == 1
     assert by_header == by_option
-    path = tmp_path / "beside.csv"
     rows = np.random.default_rng(1).standard_normal((4000, 3))
-    np.savetxt(path, rows, delimiter=",", fmt="%.9g", header="ix [mA],battery [V],humidity [%]", comments="")
+    path = write(tmp_path / "beside.csv", rows, "ix [mA],battery [V],humidity [%]")
     found = al.budget_file(path, al.Recipe(rate=100.0), PathSettings((al.Stage("ADC", 12, 10.0, "mA"),), 0.2))
     assert [channel.record.name for channel in found] == ["ix"]
     refused = run("analyze", path, "--rate", 100)

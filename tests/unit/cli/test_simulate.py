@@ -85,15 +85,18 @@ def test_a_noise_profile_as_text_and_as_a_file(tmp_path):
     assert run(tmp_path / "c.npz", *usual, "--noise-profile", tmp_path / "empty.csv").exit_code == 3
 
 
-def test_a_rounded_rate_is_in_the_unit_of_its_step(tmp_path):
+def test_names_units_and_progress_of_channels(tmp_path, monkeypatch):
     path = tmp_path / "out.parquet"
     run(path, "--sensor", "mems", "--rate", 50, "--samples", 500, "--quantize", "rate 0.0625 deg/s")
     record = al.read(path)[0]
     assert record.unit == "deg/s"
     np.testing.assert_array_equal(record.values / 0.0625, np.rint(record.values / 0.0625))
-
-
-def test_progress_is_the_share_of_the_channels_that_are_made(tmp_path, monkeypatch):
+    # accelerometers have their names and units
+    run(tmp_path / "out.npz", "--model", "N 60 ug/sqrt(Hz)", "--rate", 50, "--samples", 500, "--channels", 4)
+    recording = al.read(tmp_path / "out.npz")
+    assert recording.channels == ("a1", "a2", "a3", "a4")
+    assert recording[0].unit == "ug"
+    # progress is the share of the channels that are made
     told = []
     bar = contextlib.nullcontext(lambda _, share: told.append(share))
     monkeypatch.setattr("allanite.cli.simulate.progress", lambda _: bar)
@@ -102,13 +105,6 @@ def test_progress_is_the_share_of_the_channels_that_are_made(tmp_path, monkeypat
     assert len(told) == 10
     assert told == sorted(told)
     assert 0 <= told[0] < 0.5 < told[-1] <= 1
-
-
-def test_accelerometers_have_their_names_and_units(tmp_path):
-    run(tmp_path / "out.npz", "--model", "N 60 ug/sqrt(Hz)", "--rate", 50, "--samples", 500, "--channels", 4)
-    recording = al.read(tmp_path / "out.npz")
-    assert recording.channels == ("a1", "a2", "a3", "a4")
-    assert recording[0].unit == "ug"
 
 
 USUAL = ("--sensor", "rlg", "--rate", "100")

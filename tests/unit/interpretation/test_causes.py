@@ -16,7 +16,7 @@ from allanite.core.fit import Fit, Goodness
 from allanite.core.readings import Reading, Readings
 from allanite.core.units import convert, signal_named
 from allanite.core.validity import LowPass, Scope
-from allanite.interpretation.device import REFERENCES, SCALES
+from allanite.interpretation.device import GRADES, REFERENCES, bounds_of, grade_of
 from allanite.interpretation.sentences import least, meaning, sentences, spans
 
 GYRO = signal_named("gyro")
@@ -70,12 +70,10 @@ def test_every_term_of_every_device_has_its_name_sources_remedies_and_reference(
             assert any(part.startswith(key) for key in REFERENCES), part
 
 
-def test_every_reference_is_cited():
+def test_the_tables_of_causes_follow_the_papers_and_cite_all():
     text = " ".join(cause.reference for device in al.DEVICES.values() for cause in device.terms.values())
     assert [key for key in REFERENCES if key not in text] == []
-
-
-def test_the_tables_of_the_papers_follow_them():
+    # the tables of the papers follow them
     stabilizer, mscsg = al.DEVICES["stabilizer"].terms, al.DEVICES["mscsg"].terms
     assert stabilizer["B"].name == "instability of the zero position of the platform"
     assert "p. 148" in stabilizer["R"].reference
@@ -95,18 +93,16 @@ def test_an_unknown_device_is_refused_before_anything_is_read(name):
 
 
 def test_grades_follow_each_other():
-    for scale in SCALES:
-        bounds = [grade.below for grade in scale.grades]
-        assert bounds == sorted(bounds)
-        assert math.isinf(bounds[-1])
-        assert scale.source
-        for i, grade in enumerate(scale.grades[:-1]):
-            assert scale.of(grade.below * 0.999, scale.unit) is grade
-            assert scale.of(grade.below, scale.unit) is scale.grades[i + 1]
-            assert f"{grade.below:g}" in scale.words(grade)
+    names, bounds = [*GRADES], [*GRADES.values()]
+    assert bounds == sorted(bounds)
+    assert math.isinf(bounds[-1])
+    for i, below in enumerate(bounds[:-1]):
+        assert [grade_of(below * 0.999), grade_of(below)] == names[i : i + 2]
+        assert f"{below:g}" in bounds_of(names[i])
+    assert grade_of(1.2) == "Tactical grade"
 
 
-def test_crossings_are_those_of_the_formulas():
+def test_crossings_and_humps():
     n, k, r = (convert(e.value, e.unit, e.sheet_unit) for e in (N, K, R))
     hours = {s.symbol: (s.start / 3600, s.end / 3600) for s in spans([N, K], 0.01, 1800.0)}
     assert hours["N"][1] == hours["K"][0] == pytest.approx(math.sqrt(3) * n / k)
@@ -117,18 +113,21 @@ def test_crossings_are_those_of_the_formulas():
     found = spans([estimate("Q", 1.0, "arcsec"), N, b, *slow], 1e-4, 1e5)
     assert [span.symbol for span in found] == ["Q", "N", "B", "R"]  # K is nowhere the largest
     assert found[1].end / 3600 == pytest.approx(n**2 / (2 * math.log(2) / math.pi * 2.0**2))
-
-
-def test_a_hump_is_held_against_the_lines():
+    # a hump is held against the lines
     hump = estimate("GM", 60.0, "deg/h", shape=(20.0,))
     found = spans([N, hump], 0.01, 1800.0)
     assert [span.symbol for span in found] == ["N", "GM"]
     tau = found[0].end
     sizes = [float(al.expected(al.Term(e.symbol, e.value, GYRO, e.shape), "adev", [tau])[0]) for e in (N, hump)]
     assert sizes[0] == pytest.approx(sizes[1], rel=0.01)
+    # a curve that falls or rises to its end has no minimum
+    white, walk = (al.identify(al.simulate(al.Model(text), 4000, 10.0, rng=np.random.default_rng(1))) for text in
+                   ("N 0.1 deg/sqrt(h)", "K 900 deg/h/sqrt(h)"))  # fmt: skip
+    assert least(list(white), 0.1, 100.0) is None
+    assert least(list(walk), 1.0, 100.0) is None
 
 
-def test_white_and_drift():
+def test_sentences():
     text = said(N, K)
     at = 3600 * math.sqrt(3) * 0.1 / 20
     assert f"White noise (angle random walk) dominates up to {at:.3g} s" in text
@@ -140,9 +139,7 @@ def test_white_and_drift():
     assert "dominates from 0.0833 s up to half the length" in between
     assert "White" not in said(K)
     assert "Drift (rate random walk) dominates at all averaging times." in said(K)
-
-
-def test_systematic_and_random_drift():
+    # systematic and random drift
     at = 3600 * 2 * 20.0**2 / (3 * 3000.0**2)  # of R^2 tau^2 / 2 = K^2 tau / 3
     both = said(N, K, R)
     assert "a systematic part, R, which changes the output by 3000 deg/h over the record" in both
@@ -152,9 +149,7 @@ def test_systematic_and_random_drift():
     assert "The drift is systematic: R changes the output by 3000 deg/h over the record; K was not " in systematic
     assert "its size is below 7 deg/h/sqrt(h)." in systematic
     assert "The drift is random: K changes the output by 10 deg/h (1 sigma)" in said(N, K, length=900.0)
-
-
-def test_the_minimum_stands_beside_flicker():
+    # the minimum stands beside flicker
     text = said(N, estimate("B", 1.5, "deg/h"), readings=read(1.5, 50.0))
     said_of = "minimum of the Allan deviation is 1.5 deg/h at 50 s; divided by 0.664 it would be a B of 2.26 deg/h;"
     assert f"{said_of} the identified B is" in text
@@ -164,9 +159,7 @@ def test_the_minimum_stands_beside_flicker():
     assert "B is below 0.8 deg/h" in text
     assert f"the other terms alone make a minimum of {level:.3g} deg/h at 31.2 s." in text
     assert "minimum of the Allan" not in said(N, absent, readings=read(1.5, 1800.0, inside=False))
-
-
-def test_time_constants():
+    # time constants
     process = estimate("GM", 60.0, "deg/h", shape=(2.0,))
     looked = "A Gauss-Markov process with a time constant of 2 s was identified: look for a control loop"
     assert looked in said(N, process)
@@ -175,17 +168,13 @@ def test_time_constants():
     assert "A low-pass filter of 20 Hz was identified (time constant 7.96 ms if it is of first order)" in said(
         N, scope=scope
     )
-
-
-def test_the_grade_of_a_gyro():
+    # the grade of a gyro
     text = said(N, readings=read(1.5, 50.0))
     assert "Tactical grade by its in-run bias stability (0.01 to 5 deg/h: 1.5); grades are conventions" in text
     assert "by its angle random walk" not in text
     better = said(N, readings=read(4.0, 1800.0, inside=False))  # the upper limit counts
     assert "Industrial grade or better by its in-run bias stability (5 to 360 deg/h: below 6)" in better
-
-
-def test_what_is_not_valid_says_nothing():
+    # what is not valid says nothing
     assert said(N, K, p=1e-6) == ""
     assert "Drift" not in said(N, replace(K, status="not valid"))
     curve = al.identify(al.simulate(al.N(0.1, "deg/sqrt(h)"), 3000, 10.0, rng=np.random.default_rng(1)), method="nnls")
@@ -209,7 +198,7 @@ def recorded(tmp_path_factory):
     return path
 
 
-def test_the_command_says_it(recorded, tmp_path):
+def test_the_command_says_it_and_the_recipe_holds_it(recorded, tmp_path):
     page = tmp_path / "page.html"
     result = CliRunner().invoke(main, ["analyze", str(recorded), "--device", "fog", "--report", str(page)])
     assert result.exit_code == 0, result.output
@@ -221,18 +210,9 @@ def test_the_command_says_it(recorded, tmp_path):
     html = page.read_text("utf-8")
     assert "Likely causes in a fiber-optic gyroscope" in html
     assert "IEEE 952: IEEE Std 952-1997" in html
-
-
-def test_the_device_is_a_part_of_the_recipe(recorded):
+    # the device is a part of the recipe
     recipe = al.Recipe(device="mems")
     study = al.analyze(recorded, recipe)
     assert al.from_dict(study.to_dict()).recipe == recipe
     with pytest.raises(al.UsageError, match="unknown device 'x'"):
         al.Recipe(device="x")
-
-
-def test_a_curve_that_falls_or_rises_to_its_end_has_no_minimum():
-    white, walk = (al.identify(al.simulate(al.Model(text), 4000, 10.0, rng=np.random.default_rng(1))) for text in
-                   ("N 0.1 deg/sqrt(h)", "K 900 deg/h/sqrt(h)"))  # fmt: skip
-    assert least(list(white), 0.1, 100.0) is None
-    assert least(list(walk), 1.0, 100.0) is None

@@ -80,18 +80,14 @@ def test_the_colours_can_be_read_as_text(ground):
         assert contrast(color, PAPER[ground]) >= READABLE, name
 
 
-def test_no_two_terms_have_the_same_dashes():
+def test_dashes_and_dark_colors():
     assert not [(a, b) for a, b in combinations(TERMS, 2) if TERMS[a].dash == TERMS[b].dash]
-
-
-def test_every_colour_of_a_figure_has_one_for_a_dark_ground():
+    # every colour of a figure has one for a dark ground
     for color in (style.INK, style.DATA, style.OTHER, style.FAIR, style.ALARM, *(row.color for row in TERMS.values())):
         dark = style.DARK[color.lower()]
         assert contrast(color, "#FFFFFF") >= READABLE, color
         assert contrast(dark, style.DARK["#ffffff"]) >= READABLE, dark
-
-
-def test_the_difference_is_that_of_the_standard():
+    # the difference is that of the standard
     # red and green of sRGB: L*a*b* (53.24, 80.09, 67.20) and (87.74, -86.18, 83.18), difference 170.57
     assert np.linalg.norm(lab("#FF0000", "normal") - lab("#00FF00", "normal")) == pytest.approx(170.57, abs=0.05)
     assert contrast("#000000", "#FFFFFF") == pytest.approx(21)

@@ -26,18 +26,12 @@ def test_value_and_limits_are_rounded_alike(value, low, high, shown, interval):
     assert digits(value, low, high).plain() == (shown, interval)
 
 
-def test_without_an_interval_a_few_digits_are_kept():
+def test_a_number_without_an_interval_with_its_sign_and_in_print():
     assert digits(0.0123456).plain() == ("0.01235", "")
     assert digits(0.0123456, math.nan, math.nan, figures=2).plain() == ("0.012", "")
     assert digits(0.0).plain() == ("0", "")
-
-
-def test_a_signed_number_shows_its_sign():
     assert digits(0.45, 0.05, 0.85, signed=True).plain() == ("+0.45", "+0.05 .. +0.85")
     assert digits(-0.45, -0.85, -0.05, signed=True).plain() == ("-0.45", "-0.85 .. -0.05")
-
-
-def test_print_has_its_own_signs():
     assert digits(-9.0241e-5, -9.251e-5, -8.79e-5).pretty() == "−9.02 (−9.25 … −8.79) × 10⁻⁵"
 
 

@@ -6,7 +6,7 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.reporting import first_screen, page, plot
-from allanite.reporting.figures.drawing import ENOUGH, LabelBox, freedom, place
+from allanite.reporting.figures.drawing import ENOUGH_DISTANCE, LabelBox, freedom, place
 from allanite.reporting.style import encode
 
 NOTHING = np.empty((0, 2))
@@ -14,7 +14,7 @@ NOTHING = np.empty((0, 2))
 
 @rows(
     ("obstacle", "wanted"),
-    [((0.5, 0.5), 0.0), ((0.5, 0.56), 1.2), ((0.5, 0.44), 1.2), ((0.61, 0.52), 1.1), ((0.9, 0.9), ENOUGH)],
+    [((0.5, 0.5), 0.0), ((0.5, 0.56), 1.2), ((0.5, 0.44), 1.2), ((0.61, 0.52), 1.1), ((0.9, 0.9), ENOUGH_DISTANCE)],
 )
 def test_points_are_as_far_from_a_label_as_they_are_outside_it(obstacle, wanted):
     """1 is its edge."""
@@ -24,7 +24,7 @@ def test_points_are_as_far_from_a_label_as_they_are_outside_it(obstacle, wanted)
 
 def test_labels_keep_a_wider_distance_from_each_other():
     label, touching = LabelBox(0.5, 0.5, 0.2, 0.1), LabelBox(0.5, 0.6, 0.2, 0.1)
-    assert freedom(label, NOTHING, ()) == ENOUGH
+    assert freedom(label, NOTHING, ()) == ENOUGH_DISTANCE
     assert freedom(label, NOTHING, [touching]) == pytest.approx(1.0)
     assert freedom(label, NOTHING, [touching._replace(y=0.55)]) == pytest.approx(-0.5)
 

@@ -85,7 +85,7 @@ def test_a_language_without_a_catalogue_is_english(monkeypatch, study):
     assert '<html lang="de">' in page(study, lang="de")
 
 
-def test_a_translation_has_the_fields_of_its_template(stored):
+def test_a_translation_has_the_fields_and_plural_forms_of_its_template(stored):
     wrong = [
         (message.id, text)
         for message in stored
@@ -93,9 +93,6 @@ def test_a_translation_has_the_fields_of_its_template(stored):
         if message.id and text and fields(text) != fields(message.id if isinstance(message.id, str) else message.id[1])
     ]
     assert not wrong
-
-
-def test_a_translation_has_every_plural_form(stored):
     assert all(len(catalogues.strings(message)) == stored.num_plurals for message in stored if message.pluralizable)
 
 
@@ -122,6 +119,8 @@ def test_the_language_is_that_of_the_call_alone(study, chinese):
         assert table(study) == plain
     assert "文件" in table(study, lang="zh")
     assert '<html lang="zh">' in page_of(study, "zh")
+    # the words of a figure are phrases until it is done
+    assert "averaging time τ (s)" in {text.get_text() for text in al.plot(study).findobj(Text)}
 
 
 def page_of(study, lang):
@@ -160,13 +159,11 @@ def no_fonts(monkeypatch):
     monkeypatch.setattr(fonts, "further", lambda lang: "")
 
 
-def test_a_figure_whose_letters_are_missing_is_english_and_says_so(study, chinese, no_fonts, tmp_path):
+def test_letters_that_are_missing(study, chinese, no_fonts, tmp_path):
     with pytest.warns(fonts.FontWarning, match="in English, because no font .* install Noto Sans CJK SC"):
         figure = al.plot(study, path=tmp_path / "a.png", lang="zh")
     assert "averaging time τ (s)" in {text.get_text() for text in figure.findobj(Text)}
-
-
-def test_a_page_leaves_letters_that_are_missing_to_the_browser(study, chinese, no_fonts):
+    # a page leaves letters that are missing to the browser
     with pytest.warns(fonts.FontWarning, match="install Noto Sans CJK SC"):
         written = page(study, lang="zh")
     assert "平均时间 τ (s)</text>" in written
@@ -180,7 +177,3 @@ def test_a_figure_has_chinese_letters(study, chinese, form):
         assert "平均时间 τ (s)" in {text.get_text() for text in figure.findobj(Text)}
         data = style.encode(figure, form)  # a letter that is missing is a warning, and that an error
     assert len(data) < 400_000
-
-
-def test_the_words_of_a_figure_are_phrases_until_it_is_done(study, chinese):
-    assert "averaging time τ (s)" in {text.get_text() for text in al.plot(study).findobj(Text)}

@@ -42,17 +42,29 @@ def named(tags, name):
     return [attrs for tag, attrs in tags if tag == name]
 
 
-def test_headings_descend_one_level_at_a_time(tags):
+def test_a_reader_without_a_mouse_finds_the_way(tags):
     levels = [int(tag[1]) for tag, _ in tags if re.fullmatch(r"h[1-6]", tag)]
     assert levels[0] == 1
     assert levels.count(1) == 1
     assert all(after <= before + 1 for before, after in pairwise(levels))
-
-
-def test_every_header_cell_says_what_it_heads(tags):
+    # every header cell says what it heads
     cells = named(tags, "th")
     assert len(cells) > 20
     assert {cell.get("scope") for cell in cells} == {"col", "row"}
+    # there are landmarks and a way to each channel
+    for landmark in ("header", "nav", "main"):
+        assert len(named(tags, landmark)) == 1
+    assert named(tags, "html")[0]["lang"] == "en"
+    assert named(tags, "nav")[0]["aria-label"]
+    targets = {attrs["id"] for _, attrs in tags if "id" in attrs}
+    inside = [attrs["href"][1:] for attrs in named(tags, "a") if attrs["href"].startswith("#")]
+    assert {"summary", "s1", "s2", "s3", "method", "reproduce"} <= set(inside)
+    assert set(inside) <= targets
+    # what scrolls can be reached by the keyboard
+    scrolled = [attrs for _, attrs in tags if attrs.get("role") == "group"]
+    assert scrolled
+    assert all(attrs["tabindex"] == "0" and attrs["aria-label"] for attrs in scrolled)
+    assert not any(attrs.get("role") == "alert" for _, attrs in tags)  # nothing happens on a page
 
 
 def test_every_figure_is_described_by_its_numbers(tags, study):
@@ -62,24 +74,6 @@ def test_every_figure_is_described_by_its_numbers(tags, study):
     channel = study.channels[0]
     assert tr(alternative(channel, channel.curve, 0.95)) in labels
     assert any("N = 0.0500 (0.0480 … 0.0520) °/√h" in label and "at 0.1 s" in label for label in labels)
-
-
-def test_there_are_landmarks_and_a_way_to_each_channel(tags):
-    for landmark in ("header", "nav", "main"):
-        assert len(named(tags, landmark)) == 1
-    assert named(tags, "html")[0]["lang"] == "en"
-    assert named(tags, "nav")[0]["aria-label"]
-    targets = {attrs["id"] for _, attrs in tags if "id" in attrs}
-    inside = [attrs["href"][1:] for attrs in named(tags, "a") if attrs["href"].startswith("#")]
-    assert {"summary", "s1", "s2", "s3", "method", "reproduce"} <= set(inside)
-    assert set(inside) <= targets
-
-
-def test_what_scrolls_can_be_reached_by_the_keyboard(tags):
-    scrolled = [attrs for _, attrs in tags if attrs.get("role") == "group"]
-    assert scrolled
-    assert all(attrs["tabindex"] == "0" and attrs["aria-label"] for attrs in scrolled)
-    assert not any(attrs.get("role") == "alert" for _, attrs in tags)  # nothing happens on a page
 
 
 def colors(text):
@@ -102,7 +96,7 @@ def test_text_has_contrast_on_both_grounds(text, ground):
         assert contrast(long[f"--{ink}"], long[f"--{back}"]) >= READABLE, (ink, back)
 
 
-def test_the_cards_say_which_channels_can_be_used(text):
+def test_the_page_tells_of_channels_device_command_and_data(text, study):
     cards = [
         re.sub(r"<[^>]+>|\s+", " ", card)
         for card in re.findall(r'<article class="card">.*?</article>', text, re.DOTALL)
@@ -114,22 +108,16 @@ def test_the_cards_say_which_channels_can_be_used(text):
     assert "°/√h" not in cards[1]
     assert "✗ no result" in cards[2]
     assert "never changes" in cards[2]
-
-
-def test_the_header_names_the_device(text):
+    # the header names the device
     words = "".join(Tags(text).text)
     for part in ("serial", "SN 12", HOSTILE, "23.5 degC", "10 Hz", "60 s"):
         assert part in words
-
-
-def test_the_page_holds_its_command_and_its_data(text, study):
+    # the page holds its command and its data
     assert '<pre tabindex="0">allanite analyze fog.csv --report page.html</pre>' in text
     packed = re.search(r"data:application/gzip;base64,([\w+/=]+)", text)[1]
     data = json.loads(gzip.decompress(base64.b64decode(packed)))
     assert data == json.loads(json.dumps(study.to_dict()))
-
-
-def test_the_data_sheet_is_on_the_page_in_the_terminal_and_in_json(text, study):
+    # the data sheet is on the page in the terminal and in json
     words = "".join(Tags(text).text)
     assert "noise density, one-sided" in words
     # 0.05 deg/sqrt(h) = 0.000833 deg/s/sqrt(Hz), and sqrt(2) times that
@@ -139,12 +127,10 @@ def test_the_data_sheet_is_on_the_page_in_the_terminal_and_in_json(text, study):
     assert {"quantity", "value", "low", "high", "unit", "tau", "remark", "coefficient"} == set(entries[0])
 
 
-def test_a_page_of_three_channels_is_small():
+def test_a_page_is_small_and_shows_another_unit_everywhere(study):
     channels = tuple(channel_of(name) for name in ("gx", "gy", "gz"))
     assert len(page(study_of(*channels)).encode()) < 600_000
-
-
-def test_another_unit_is_used_everywhere(study):
+    # another unit is used everywhere
     shown = replace(study, channels=(study.channels[0].to("deg/s"),), recipe=Recipe(to=("deg/s",)))
     text = table(shown)
     assert re.search(r"angle random walk +8.33e-4 .*°/s/√Hz", text)
@@ -157,13 +143,11 @@ def test_a_unit_of_nothing_is_refused(wrong):
         Recipe(to=(wrong,))
 
 
-def test_what_is_said_of_a_device_needs_a_key():
+def test_the_command_line_takes_units_and_facts(tmp_path):
     with pytest.raises(UsageError, match="KEY=VALUE"):
         Recipe(about=("SN 12",))
     assert Recipe(about=("serial=SN=12",)).labels == {"serial": "SN=12"}
-
-
-def test_the_command_line_takes_units_and_facts(tmp_path):
+    # the command line takes units and facts
     rows = "\n".join(f"{(-1) ** i * (1 + (i * 7919 % 101) / 50)}" for i in range(3000))
     (tmp_path / "x.csv").write_text(f"gx [deg/s]\n{rows}\n", encoding="utf-8")
     words = ["analyze", str(tmp_path / "x.csv"), "--rate", "10", "--to", "deg/s^3"]

@@ -48,7 +48,7 @@ def written(monkeypatch, study):
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_text_and_figures_have_the_order_of_the_page(study, written):
+def test_figures_have_the_order_of_the_page_and_lie_on_nothing(study, written):
     words = "\n".join(line for lines, _ in written for line in lines)
     order = (
         "Summary", "✓ explained", "explained", "angle random walk", "Data sheet", "does the model",
@@ -58,10 +58,7 @@ def test_text_and_figures_have_the_order_of_the_page(study, written):
     for part in order:
         places.append(words.lower().index(part.lower(), places[-1]))
     assert sum(len(figures) for _, figures in written) * 2 == page(study).count('<svg role="img"')
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_nothing_lies_on_something_else_nor_beyond_the_paper(written):
+    # nothing lies on something else nor beyond the paper
     for _, figures in written:
         boxes = sorted((figure.bbox_inches.y0, figure.bbox_inches.y1) for figure in figures)
         assert all(top <= foot for (_, top), (foot, _) in pairwise(boxes))
@@ -89,10 +86,7 @@ def test_the_suffix_says_that_it_is_one(study, tmp_path):
     assert (tmp_path / "page.PDF").read_bytes().startswith(b"%PDF-")
     with pytest.raises(UsageError, match="already exists"):
         report(curve, tmp_path / "page.PDF")
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_the_command_line_writes_one(tmp_path):
+    # the command line writes one
     out = tmp_path / "plan.pdf"
     words = ["plan", "--sensor", "mems", "--rate", "10", "--report", str(out)]
     done = CliRunner().invoke(main, words)

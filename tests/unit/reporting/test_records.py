@@ -52,7 +52,7 @@ def test_axes_have_the_unit_of_the_samples_and_the_times_of_the_recording(made, 
     assert (np.nanmin(y), np.nanmax(y)) == (np.nanmin(made.values) * scale, np.nanmax(made.values) * scale)
 
 
-def test_a_line_breaks_where_samples_are_missing():
+def test_channels_are_panels_and_lines_break_where_samples_are_missing(tmp_path):
     ax = al.plot(record()).axes[0]
     lines = {line.get_label(): line for line in ax.lines}
     x, y = lines["samples"].get_data()
@@ -60,9 +60,7 @@ def test_a_line_breaks_where_samples_are_missing():
     assert np.isnan(y[gap]).mean() > 0.95
     assert not np.isnan(y[~gap]).any()
     assert np.allclose(lines["missing samples"].get_xdata()[[0, -1]], (5, 6), atol=0.03)
-
-
-def test_channels_are_panels_of_one_abscissa(tmp_path):
+    # channels are panels of one abscissa
     both = al.Recording((record(), al.Record(np.ones(100_000), 100.0, "mg", name="ax")))
     figure = al.plot(both)
     assert [ax.get_ylabel() for ax in figure.axes] == ["°/s", "mg"]
@@ -70,9 +68,7 @@ def test_channels_are_panels_of_one_abscissa(tmp_path):
     al.report(both, tmp_path / "page.html")
     assert (tmp_path / "page.html").read_text(encoding="utf-8").count("<svg") >= 2
     assert len(al.plot([*both]).axes) == len(al.plot(examine(both)).axes) == 2
-
-
-def test_samples_that_are_not_in_memory_are_not_drawn():
+    # samples that are not in memory are not drawn
     stored = al.Study.from_dict(examine(record()).to_dict())
     with pytest.raises(UsageError, match="no samples are in memory"):
         al.plot(stored)

@@ -122,73 +122,55 @@ def test_no_line_of_the_table_is_wider_than_the_terminal(study, width):
     assert all(line == line.rstrip() for line in text.splitlines())
 
 
-def test_the_terminal_shows_one_system_of_units_and_the_page_both(study):
+def test_the_table_of_a_study(study):
     line = next(line for line in table(study, width=160).splitlines() if "angle random walk" in line)
     assert "°/√h" in line
     assert "rad/√s" not in table(study, width=160)
     assert "rad/√s" in page(study)
-
-
-def test_values_carry_the_digits_of_their_interval(study):
+    # values carry the digits of their interval
     assert "0.0500  0.0480 .. 0.0520" in table(study)
     assert "1.454 × 10⁻⁵" in page(study)
     assert "1.396 × 10⁻⁵ … 1.513 × 10⁻⁵" in page(study)
-
-
-def test_absent_terms_are_said_to_be_not_identified_with_their_limit(study):
+    # absent terms are said to be not identified with their limit
     text = table(study)
     assert re.search(r"Q  quantization noise +below 0.12 +arcsec +absent", text)
     assert re.search(r"K  rate random walk +below 2.1 +°/h/√h +absent", text)
     assert "one-sided 95 % upper limit" in text
+    # the ramp has a sign
+    assert "-0.400  -0.480 .. -0.320" in table(study)
+    # what was assumed and what made it stand in the header
+    text = table(study)
+    for word in ("bench/fog.csv", "rate 10 Hz from column 'time [s]'", "ab" * 32, "allanite 1.2.3", "1 min"):
+        assert word in text.replace("60 s", "1 min")
+    # a refused channel says why
+    assert "no result: 'gyro_x' never changes; check the plug" in table(study)
+    # colour is for terminals
+    assert "\x1b[" in table(study, color=True)
 
 
-def test_a_tiny_limit_keeps_its_power_of_ten():
+def test_other_tables():
     channel = channel_of()
     estimates = (absent("Q", 2e-5, "arcsec"), *channel.fit.estimates[1:])
     fit = Fit(estimates, "whittle", channel.fit.signal, model=channel.fit.model)
     assert "below 2.0e-5" in table(study_of(Channel(channel.record, channel.quality, Noise(fit))))
-
-
-def test_the_ramp_has_a_sign(study):
-    assert "-0.400  -0.480 .. -0.320" in table(study)
-
-
-def test_what_was_assumed_and_what_made_it_stand_in_the_header(study):
-    text = table(study)
-    for word in ("bench/fog.csv", "rate 10 Hz from column 'time [s]'", "ab" * 32, "allanite 1.2.3", "1 min"):
-        assert word in text.replace("60 s", "1 min")
-
-
-def test_warnings_and_a_model_that_explains_nothing_stand_above_the_numbers():
+    # warnings and a model that explains nothing stand above the numbers
     text = table(study_of(channel_of(p=1e-9, reasons=("a line at 3 Hz",), warnings=("12 spikes",))))
     first = text.index("no model of these terms explains the record")
     assert first < text.index("angle random walk")
     assert text.index("12 spikes; look at them") < text.index("angle random walk")
     assert "a line at 3 Hz" in text
-
-
-def test_a_refused_channel_says_why(study):
-    assert "no result: 'gyro_x' never changes; check the plug" in table(study)
-
-
-def test_names_cannot_drive_the_terminal():
+    # names cannot drive the terminal
     text = table(study_of(channel_of("\x1b[31mred[/bold]")), color=False)
     assert "\x1b" not in text
     assert "[31mred[/bold]" in text
-
-
-def test_colour_is_for_terminals(study):
-    assert "\x1b[" in table(study, color=True)
-
-
-# words
-
-
-def test_an_accelerometer_has_its_own_words():
+    # an accelerometer has its own words
     accelerometer = signal_named("accelerometer")
     assert title("N", accelerometer) == "velocity random walk"
     assert title("K", accelerometer) == "acceleration random walk"
     assert printed_unit("ug/sqrt(Hz)") == "µg/√Hz"
+
+
+# words
 
 
 def test_a_page_says_nothing_twice():
@@ -236,26 +218,38 @@ def test_limits_add_to_the_report_of_one_file():
     assert any("0.04 deg/sqrt(h)" in cell for part in added if isinstance(part, Table) for cell in part.rows[0])
 
 
-def test_a_figure_has_a_panel_for_each_curve(study):
+def test_figures_of_a_study(study):
     assert len(plot(study).axes) == 1
     assert len(plot(study_of(channel_of("x"), channel_of("y"), channel_of("z"))).axes) == 3
-
-
-def test_labels_give_the_coefficients(study):
+    # labels give the coefficients
     texts = [text.get_text() for text in plot(study).axes[0].texts]
     assert "N = 0.0500 (0.0480 … 0.0520) °/√h\nat τ = 1 s: 3 °/h" in texts
     assert "0.664 B = 0.332 °/h\nB = 0.50 (0.20 … 0.80) °/h" in texts
     assert "R = −0.400 (−0.480 … −0.320) °/h²" in texts
     assert "slope −½" in texts
     assert not any(text.startswith("K =") for text in texts)
-
-
-def test_few_degrees_of_freedom_and_doubt_are_said(study):
+    # few degrees of freedom and doubt are said
     figure = plot(study_of(channel_of(p=1e-9)))
     legend = [text.get_text() for text in figure.legends[0].get_texts()]
     assert "below 2 degrees of freedom" in legend
     assert figure.axes[0].get_title("right") == "not explained, p = 1e-09"
     assert plot(study).axes[0].get_title("right") == "explained, p = 0.4"
+    # a bare curve can be drawn
+    curve = study.channels[0].curve
+    bare = replace(curve, name="", noise=None, law=None)
+    assert plot(bare).axes[0].get_xlabel() == "averaging time τ (s)"
+    assert plot(bare.to("deg/s")).axes[0].get_ylabel().endswith("(°/s)")
+    # what cannot be drawn is said
+    with pytest.raises(UsageError, match="a int cannot be shown: compute a result first"):
+        plot(3)
+    with pytest.raises(UsageError, match="no samples"):
+        plot(type(study_of(refused())).from_dict(study_of(refused()).to_dict()))
+    # drawing leaves the settings of matplotlib alone
+    import matplotlib as mpl
+
+    before = dict(mpl.rcParams)
+    plot(study)
+    assert dict(mpl.rcParams) == before
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -266,20 +260,6 @@ def test_the_model_that_is_drawn_has_the_warm_up_that_was_found():
     curve = study["gx"].curve
     drawn = np.interp(curve.tau, line.get_xdata(), line.get_ydata())
     assert drawn[-8:] == pytest.approx(np.degrees(curve.deviation[-8:]) * 3600, rel=0.1)
-
-
-def test_a_bare_curve_can_be_drawn(study):
-    curve = study.channels[0].curve
-    bare = replace(curve, name="", noise=None, law=None)
-    assert plot(bare).axes[0].get_xlabel() == "averaging time τ (s)"
-    assert plot(bare.to("deg/s")).axes[0].get_ylabel().endswith("(°/s)")
-
-
-def test_what_cannot_be_drawn_is_said():
-    with pytest.raises(UsageError, match="a int cannot be shown: compute a result first"):
-        plot(3)
-    with pytest.raises(UsageError, match="no samples"):
-        plot(type(study_of(refused())).from_dict(study_of(refused()).to_dict()))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -313,14 +293,6 @@ def test_a_cell_without_power_does_not_spoil_the_strips(least):
     assert figure.axes[0].get_ylim()[0] > 0.04
 
 
-def test_drawing_leaves_the_settings_of_matplotlib_alone(study):
-    import matplotlib as mpl
-
-    before = dict(mpl.rcParams)
-    plot(study)
-    assert dict(mpl.rcParams) == before
-
-
 # the page
 
 
@@ -330,7 +302,7 @@ def text():
     return page(study_of(*channels, source=f"bench/{HOSTILE.replace('/', '')}.csv", notes=(HOSTILE,), unit="deg/h"))
 
 
-def test_the_page_loads_nothing(text):
+def test_the_page_loads_nothing_and_tells_the_whole_story(text):
     tags = Tags(text).tags
     names = {tag for tag, _ in tags}
     assert not names & {"script", "iframe", "img", "object", "embed", "base", "form"}
@@ -341,22 +313,16 @@ def test_the_page_loads_nothing(text):
     assert all(part.startswith("#") for part in text.split("url(")[1:])
     policy = next(a["content"] for t, a in tags if t == "meta" and a.get("http-equiv") == "Content-Security-Policy")
     assert policy.startswith("default-src 'none'")
-
-
-def test_the_pictures_are_in_the_page_and_share_no_names(text):
+    # the pictures are in the page and share no names
     tags = Tags(text).tags
     assert [tag for tag, _ in tags].count("svg") == 22
     ids = [attrs["id"] for _, attrs in tags if "id" in attrs]
     # within one picture matplotlib names a glyph once; between pictures the prefix differs
     assert len(ids) == len(set(ids))
-
-
-def test_hostile_names_come_out_as_text(text):
+    # hostile names come out as text
     assert "<script" not in text
     assert HOSTILE in "".join(Tags(text).text)
-
-
-def test_the_page_tells_the_whole_story(text):
+    # the page tells the whole story
     words = "".join(Tags(text).text)
     for part in (
         "Coefficients not valid", "below 2.1", "Whittle", "upper limit",
@@ -365,37 +331,31 @@ def test_the_page_tells_the_whole_story(text):
         assert part in words, part
     assert "<math" in text
     assert words.index("Coefficients not valid") < words.index("angle random walk")
-
-
-def test_warnings_stand_above_the_numbers_of_the_page(text):
+    # warnings stand above the numbers of the page
     assert text.index('class="alert"') < text.index('<table class="terms stack">')
 
 
-def test_the_recipe_can_be_read_again(tmp_path):
+def test_what_machines_read(tmp_path, study):
     recipe = Recipe(about=('serial=a"b\\',), channels=("x", "ü"), taus=(1.0, 10.0), band=(0.1, 5.0), rate=100.0)
     (tmp_path / "recipe.toml").write_text(toml(recipe.to_dict()), encoding="utf-8")
     assert Recipe.load(tmp_path / "recipe.toml") == recipe
-
-
-# for machines
-
-
-def test_json_is_strict_and_complete(study):
+    # json is strict and complete
     broken = study_of(channel_of(), refused())
     m = broken.channels[0].curve.m.size
     object.__setattr__(broken.channels[0].curve, "law", lambda level: tuple(np.full(m, math.nan) for _ in range(3)))
     data = json.loads(to_json(broken), parse_constant=pytest.fail)
     assert data["channels"][0]["curves"][0]["edf"] == [None] * m
     assert json.loads(to_json(study)) == json.loads(json.dumps(study.to_dict()))
-
-
-def test_csv_holds_the_curves_in_the_units_of_data_sheets(study):
+    # csv holds the curves in the units of data sheets
     rows = list(csv.DictReader(io.StringIO(to_csv(study))))
     curve = study.channels[0].curve
     assert len(rows) == curve.m.size
     assert rows[0]["unit"] == "deg/h"
     assert float(rows[3]["deviation"]) == pytest.approx(curve.to("deg/h").deviation[3])
     assert float(rows[3]["low"]) < float(rows[3]["deviation"]) < float(rows[3]["high"])
+
+
+# for machines
 
 
 @rows(("statistic", "share"), [("mdev", "0.546 B"), ("mtotdev", "0.462 B")])

@@ -11,7 +11,7 @@ from tests.rows import rows
 import allanite as al
 from allanite.core.validity import Finding
 from allanite.reporting import first_screen
-from allanite.reporting.first import Axes, First, Quantity, Remark, Section, condensed, told_of
+from allanite.reporting.first import ChannelRow, Channels, First, Remark, Section, condensed, told_of
 from allanite.reporting.screen import COLUMNS, LINES, render
 from allanite.reporting.sheet import Column, Face, Note, Sheet, Table
 from allanite.reporting.views.jobs import doubts
@@ -22,12 +22,12 @@ REMARKS = [Remark.of("", f"remark {i}") for i in range(9)]
 
 
 def quantities(channels):
-    found = [Quantity("found", f"N{i}", "s", ["1"] * channels) for i in range(9)]
-    return [*found, Quantity("a limit", "K", "s", ["< 2"] * channels, rank=1)]
+    found = [ChannelRow("found", f"N{i}", "s", ["1"] * channels) for i in range(9)]
+    return [*found, ChannelRow("a limit", "K", "s", ["< 2"] * channels, rank=1)]
 
 
-def test_many_rows_become_a_line_for_each_channel_and_none_is_left_out():
-    parts = [Axes([f"channel {i}{j}" for i in range(3)], quantities(3)) for j in range(2)]
+def test_tables_of_many_and_of_wide_channels():
+    parts = [Channels([f"channel {i}{j}" for i in range(3)], quantities(3)) for j in range(2)]
     shown = render(First("file", answer=parts, remarks=REMARKS))
     assert [line.split()[1] for line in shown.splitlines() if line.startswith("channel ")] == [
         "N0", "00", "10", "20", "N0", "01", "11", "21",
@@ -35,9 +35,26 @@ def test_many_rows_become_a_line_for_each_channel_and_none_is_left_out():
     assert "more line" not in shown
     assert "< 2" not in shown
     assert shown.count("remark ") > 2
+    # where columns are too many the grade is kept
+    rows = [ChannelRow("found", symbol, "deg/h", ["1.2 ± 10 %, weak"] * 6) for symbol in "NBKG"]
+    rows += [ChannelRow("in-run bias stability", "", "deg/h", ["323 at 10.8 s"] * 6, short="in-run")]
+    rows += [ChannelRow("model fit", "", "", ["fits, p 0.5"] * 6, short="model")]
+    shown = render(First("file", answer=[Channels([f"channel {i}" for i in range(6)], rows)], after=[]))
+    assert shown.count("fits, p 0.5") == 6
+    assert "in-run" not in shown
+    assert "…" in shown.splitlines()[2]  # of the heading
+    # lines of channels beyond the screen are counted
+    lines = render(First("file", answer=[Channels([f"c{i}" for i in range(40)], quantities(40))])).splitlines()
+    (more,) = [line for line in lines if "more line" in line]
+    assert sum(line.startswith("c") for line in lines) - 1 + int(more.split()[1]) == 40
+    # channels whose cells are wide stand below each other
+    cells = [f"{i} -> {i}.5  no change (-0.57 %), of two units" for i in range(2)]
+    answer = Channels(["gx", "gy"], [ChannelRow("quantity", symbol, "deg/h", cells) for symbol in "NBK"])
+    shown = render(First("file", answer=[answer]))
+    assert [shown.count(cell) for cell in cells] == [3, 3]
 
 
-def test_of_channels_with_long_names_the_first_is_named_and_what_is_wrong_is_told():
+def test_remarks_of_one_kind_share_a_line():
     names = [f"accelerometer_m_s2[{i}]" for i in range(4)]
     found = Finding("gaps", "2 of 9 samples are missing in 1 gap", "", "the rest: --from 1 --until 2")
     (about,) = told_of([(name, found) for name in names], 6)
@@ -45,32 +62,7 @@ def test_of_channels_with_long_names_the_first_is_named_and_what_is_wrong_is_tol
     shown = render(First("", remarks=[about], after=[]), width=75).splitlines()
     told = "accelerometer_m_s2[0] and 3 more: 2 of 9 samples are missing in 1 gap. Try"
     assert shown == [told, "  --from 1 --until 2"]
-
-
-def test_where_columns_are_too_many_the_grade_is_kept():
-    rows = [Quantity("found", symbol, "deg/h", ["1.2 ± 10 %, weak"] * 6) for symbol in "NBKG"]
-    rows += [Quantity("in-run bias stability", "", "deg/h", ["323 at 10.8 s"] * 6, short="in-run")]
-    rows += [Quantity("model fit", "", "", ["fits, p 0.5"] * 6, short="model")]
-    shown = render(First("file", answer=[Axes([f"channel {i}" for i in range(6)], rows)], after=[]))
-    assert shown.count("fits, p 0.5") == 6
-    assert "in-run" not in shown
-    assert "…" in shown.splitlines()[2]  # of the heading
-
-
-def test_lines_of_channels_beyond_the_screen_are_counted():
-    lines = render(First("file", answer=[Axes([f"c{i}" for i in range(40)], quantities(40))])).splitlines()
-    (more,) = [line for line in lines if "more line" in line]
-    assert sum(line.startswith("c") for line in lines) - 1 + int(more.split()[1]) == 40
-
-
-def test_channels_whose_cells_are_wide_stand_below_each_other():
-    cells = [f"{i} -> {i}.5  no change (-0.57 %), of two units" for i in range(2)]
-    answer = Axes(["gx", "gy"], [Quantity("quantity", symbol, "deg/h", cells) for symbol in "NBK"])
-    shown = render(First("file", answer=[answer]))
-    assert [shown.count(cell) for cell in cells] == [3, 3]
-
-
-def test_warnings_of_sheets_are_remarks_and_those_of_one_kind_share_a_line():
+    # warnings of sheets are remarks and those of one kind share a line
     grades = [Note(f"p = 0.{i}", "alert") for i in range(3)]
     sheets = [Sheet(name, (), (note, Note("short", "warning"))) for name, note in zip("abc", grades, strict=True)]
     first = condensed(Face("title", "brand", [*sheets, Sheet("d", (), (Note("as of d", "warning"),))]))

@@ -16,7 +16,7 @@ from tests.rows import rows
 import allanite as al
 from allanite.reporting import style
 from allanite.reporting.figures.drawing import draw_titles
-from allanite.reporting.html import drawn
+from allanite.reporting.matplotlib_svg import drawn
 from allanite.reporting.sheet import Drawing, Fold
 from allanite.reporting.sketch.axis import Side, Unsketched, plain
 from allanite.reporting.sketch.chart import Chart, Look
@@ -80,7 +80,7 @@ def study():
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_every_figure_of_an_analysis_is_sketched(study):
+def test_every_figure_of_an_analysis_is_sketched_and_no_words_lie_on_others(study):
     face = view_of(study).face(study, 0.95)
     found = list(drawings([*face.parts, *(part for sheet in face.sheets for part in sheet.parts)]))
     assert len(found) > 15
@@ -88,10 +88,7 @@ def test_every_figure_of_an_analysis_is_sketched(study):
         made = drawing.draw().sketched()
         assert isinstance(made, Chart)
         ElementTree.fromstring(made.svg())
-
-
-@pytest.mark.slow("seconds of analyses")
-def test_no_words_of_an_analysis_lie_on_others(study):
+    # no words of an analysis lie on others
     face = view_of(study).face(study, 0.95)
     for drawing in drawings([*face.parts, *(part for sheet in face.sheets for part in sheet.parts)]):
         assert not overlapping(drawn(drawing).text)
@@ -113,19 +110,6 @@ def test_a_name_of_any_length_leaves_room_for_the_grade(study, name, inches):
     assert all(right <= made.width + 4 for _, (_, _, right, _) in places(svg))
     shown = "".join(text for text, _ in places(svg))
     assert "".join(name.split()) in "".join(shown.split())
-
-
-def test_a_power_of_ten_and_a_name_stand_at_different_ends():
-    made = chart()
-    panel = made.subplots()
-    panel.plot([0.0, 1.0], [-1.1e6, -1.0e6], color=BLUE)
-    style.title(panel, "accelerometer z")
-    svg = made.svg()
-    assert any("×10⁶" in text for text, _ in places(svg))
-    assert not overlapping(svg)
-    axes = Figure().subplots()
-    style.title(axes, "accelerometer z")
-    assert axes.yaxis.get_offset_text().get_horizontalalignment() == "right"
 
 
 def test_error_bars_reach_as_far_as_those_of_matplotlib():
@@ -266,7 +250,7 @@ def test_panels_do_not_overlap_and_are_on_the_page(width, height, rows, columns)
         assert all(b - a > boxes[0][2] for a, b in pairwise(lefts))
 
 
-def test_labels_at_ticks_read_as_those_of_matplotlib():
+def test_ticks_read_as_those_of_matplotlib():
     made = chart()
     panel = made.subplots()
     panel.set(xscale="log", xlim=(1e-6, 10.0), ylim=(-0.5, 0.5))
@@ -274,17 +258,7 @@ def test_labels_at_ticks_read_as_those_of_matplotlib():
     found = texts(made)
     assert {"10⁻⁵", "0.001", "10"} <= set(found)
     assert "−0.4" in found
-
-
-@rows("places, labels, beside", [
-    ([0.0, 0.5, 1.0], ["0.0", "0.5", "1.0"], ""), ([-2.0, 0.0, 2.0], ["−2", "0", "2"], ""),
-    ([1e8, 2e8], ["1", "2"], "$×10^{8}$"), ([0.0], ["0"], ""), ([], [], ""),
-])  # fmt: skip
-def test_numbers_at_ticks(places, labels, beside):
-    assert plain(places) == (labels, beside)
-
-
-def test_letters_are_as_wide_as_matplotlib_has_them():
+    # letters are as wide as matplotlib has them
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import TextToPath
 
@@ -293,11 +267,28 @@ def test_letters_are_as_wide_as_matplotlib_has_them():
             text, FontProperties(family="DejaVu Sans", size=9), False
         )
         assert 9 * wide(text) == pytest.approx(width, rel=0.05)
-
-
-def test_a_formatter_and_a_locator_of_the_figures_are_taken():
+    # a formatter and a locator of the figures are taken
     side = Side(across=False)
     side.scale, side.limits = "log", (0.1, 100.0)
     side.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     side.set_major_formatter(FuncFormatter(lambda v, _: f"<{v:g}>"))
     assert "<5>" in side.ticks(200.0, 9.0).labels
+    # a power of ten and a name stand at different ends
+    made = chart()
+    panel = made.subplots()
+    panel.plot([0.0, 1.0], [-1.1e6, -1.0e6], color=BLUE)
+    style.title(panel, "accelerometer z")
+    svg = made.svg()
+    assert any("×10⁶" in text for text, _ in places(svg))
+    assert not overlapping(svg)
+    axes = Figure().subplots()
+    style.title(axes, "accelerometer z")
+    assert axes.yaxis.get_offset_text().get_horizontalalignment() == "right"
+
+
+@rows("places, labels, beside", [
+    ([0.0, 0.5, 1.0], ["0.0", "0.5", "1.0"], ""), ([-2.0, 0.0, 2.0], ["−2", "0", "2"], ""),
+    ([1e8, 2e8], ["1", "2"], "$×10^{8}$"), ([0.0], ["0"], ""), ([], [], ""),
+])  # fmt: skip
+def test_numbers_at_ticks(places, labels, beside):
+    assert plain(places) == (labels, beside)

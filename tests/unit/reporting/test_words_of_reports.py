@@ -18,13 +18,10 @@ class Upside:
         return one if count == 1 else many
 
 
-def test_the_capital_letter_is_that_of_the_language():
+def test_phrases_begin_with_a_capital_letter_and_all_have_words():
     said = words.capital(say("{term} ({symbol})", term=say("rate ramp"), symbol="R"))
     assert said == "Rate ramp (R)"
     assert said.within(Upside()) == "Pmar etar (R)"
     assert pickle.loads(pickle.dumps(said)).within(Upside()) == "Pmar etar (R)"
-
-
-def test_every_status_and_sensor_has_words():
     assert all(row.name == status and row.meaning for status, row in STATUSES.items())
     assert all(signal.a_sensor.endswith(signal.sensor) for signal in SIGNALS)

@@ -12,20 +12,16 @@ from allanite.applications.angle import Gimbals, Harmonics, Scan, Solution
 from allanite.applications.angle.calibration import Result, parts_of
 from allanite.applications.angle.harmonics import waves
 from allanite.applications.angle.solve import quantile
-from allanite.core.units import unit_of
 from allanite.phrases.phrase import say
 from allanite.reporting import style
-from allanite.reporting.words import percent
-
-ARCSEC = unit_of("arcsec").factor
-
+from allanite.reporting.words import ARCSEC, percent
 
 PALETTE = ("#0072B2", "#C1272D", "#008F6B", "#AA4499", "#B97700", "#555B63", "#56B4E9", "#7F5539")
 
-MOST = 3000
+MAX_INNOVATIONS = 3000
 """Innovations that are drawn."""
 
-SEEN = 60
+MAX_PERIODS = 60
 """Periods of an error that can be told apart in one panel."""
 
 LAGS = 40
@@ -34,10 +30,10 @@ LAGS = 40
 @style.plotted
 def plot_errors(new_figure: style.NewFigure, result: Result, level: float = 0.95) -> Figure:
     """The error of each sensor over one period of its harmonics together, with its confidence band."""
-    found = parts_of(result)
-    figure = new_figure(3.9 * len(found) if len(found) > 1 else 6.4, 3.4)
-    axes = figure.subplots(1, len(found), squeeze=False)[0]
-    for ax, harmonics in zip(axes, found, strict=True):
+    sensors = parts_of(result)
+    figure = new_figure(3.9 * len(sensors) if len(sensors) > 1 else 6.4, 3.4)
+    axes = figure.subplots(1, len(sensors), squeeze=False)[0]
+    for ax, harmonics in zip(axes, sensors, strict=True):
         common = math.gcd(*harmonics.orders)
         period = 2 * math.pi / common
         angle = np.linspace(0, period, max(400, 16 * max(harmonics.orders) // common))
@@ -47,14 +43,9 @@ def plot_errors(new_figure: style.NewFigure, result: Result, level: float = 0.95
         half = quantile(level, harmonics.freedom) * spread
         style.grid(ax)
         ax.fill_between(
-            np.degrees(angle),
-            error - half,
-            error + half,
-            color=style.DATA,
-            alpha=0.2,
-            lw=0,
+            np.degrees(angle), error - half, error + half, color=style.DATA, alpha=0.2, lw=0,
             label=say("{share} band", share=percent(level)),
-        )
+        )  # fmt: skip
         ax.plot(np.degrees(angle), error, color=style.DATA, lw=1.4, label=say("error"))
         ax.axhline(0, color=style.INK, lw=0.8)
         style.title(ax, harmonics.name or say("angle"))
@@ -67,19 +58,17 @@ def plot_errors(new_figure: style.NewFigure, result: Result, level: float = 0.95
 def plot_error_in_time(
     new_figure: style.NewFigure, gimbals: Gimbals, harmonics: Sequence[Harmonics], level: float = 0.95
 ) -> Figure:
-    """The error of each sensor while its angle moves, a panel each, with its confidence band.
-
-    Of an error with too many periods to be seen, the first and the last of them are drawn, too.
-    """
-    panels = [(found, part) for found in harmonics for part in _parts(gimbals, found)]
+    """The error of each sensor while its angle moves; of many periods the first and the last ones, too."""
+    panels = [(sensor, part) for sensor in harmonics for part in _parts(gimbals, sensor)]
     figure = new_figure(7.2, 1.1 + 2.0 * len(panels))
     axes = figure.subplots(len(panels), 1, squeeze=False)[:, 0]
-    for ax, (found, part) in zip(axes, panels, strict=True):
-        keep = part[np.linspace(0, part.size - 1, min(part.size, MOST)).astype(np.int64)]
-        time, angle = gimbals.time[keep] / 60, np.asarray(getattr(gimbals, found.name))[keep]
-        rows = waves(angle, found.orders)
-        error = found.at(angle) / ARCSEC
-        half = quantile(level, found.freedom) * np.sqrt(np.einsum("ij,jk,ik->i", rows, found.covariance, rows)) / ARCSEC
+    for ax, (sensor, part) in zip(axes, panels, strict=True):
+        keep = part[np.linspace(0, part.size - 1, min(part.size, MAX_INNOVATIONS)).astype(np.int64)]
+        time, angle = gimbals.time[keep] / 60, np.asarray(getattr(gimbals, sensor.name))[keep]
+        rows = waves(angle, sensor.orders)
+        error = sensor.at(angle) / ARCSEC
+        spread = np.sqrt(np.einsum("ij,jk,ik->i", rows, sensor.covariance, rows)) / ARCSEC
+        half = quantile(level, sensor.freedom) * spread
         style.grid(ax)
         crowded = part.size == gimbals.time.size and len(panels) > len(harmonics)
         ax.plot(time, error, color=style.DATA, lw=0.5 if crowded else 1.1)
@@ -90,21 +79,21 @@ def plot_error_in_time(
         ax.axhline(0, color=style.INK, lw=0.8)
         ax.set(ylabel=say("error (arcsec)"), xlim=(time[0], time[-1]))
         low, high = (f"{v:.2f}".replace("-", "−") for v in np.degrees((angle.min(), angle.max())))
-        orders = ", ".join(map(str, found.orders))
+        orders = ", ".join(map(str, sensor.orders))
         about = say("harmonic {orders}; {low} to {high} deg", orders=orders, low=low, high=high)
         ax.set_title(about, loc="right", fontsize=8.5, color=style.SOFT)
-        style.title(ax, found.name)
+        style.title(ax, sensor.name)
     axes[-1].set_xlabel(say("time (min)"))
     return figure
 
 
 def _parts(gimbals: Gimbals, found: Harmonics) -> list[NDArray[np.int64]]:
-    """Samples of the panels of an error: all, and where it has more than `SEEN` periods the first and the last."""
+    """Samples of the panels of an error: all, or of more than `MAX_PERIODS` periods the first and the last."""
     whole, order = np.arange(gimbals.time.size), max(found.orders)
     period, length = gimbals.mean_period(found.name, order), gimbals.time[-1] - gimbals.time[0]
-    if length < SEEN * period:
+    if length < MAX_PERIODS * period:
         return [whole]
-    near = SEEN / 5 * period
+    near = MAX_PERIODS / 5 * period
     first, last = gimbals.time <= gimbals.time[0] + near, gimbals.time >= gimbals.time[-1] - near
     return [whole, whole[first], whole[last]]
 
@@ -112,12 +101,12 @@ def _parts(gimbals: Gimbals, found: Harmonics) -> list[NDArray[np.int64]]:
 @style.plotted
 def plot_history(new_figure: style.NewFigure, result: Result, solution: Solution, level: float = 0.95) -> Figure:
     """Convergence of every amplitude, with its confidence band."""
-    found = parts_of(result)
+    sensors = parts_of(result)
     half = quantile(level, math.inf)
-    figure = new_figure(7.2, 2.1 + 1.5 * len(found))
-    axes = figure.subplots(len(found), 1, sharex=True, squeeze=False)[:, 0]
+    figure = new_figure(7.2, 2.1 + 1.5 * len(sensors))
+    axes = figure.subplots(len(sensors), 1, sharex=True, squeeze=False)[:, 0]
     first = 0
-    for ax, harmonics in zip(axes, found, strict=True):
+    for ax, harmonics in zip(axes, sensors, strict=True):
         count = 2 * len(harmonics.orders)
         which = range(first, first + count)
         way = solution.history
@@ -147,26 +136,26 @@ def _numbered(solution: Solution) -> bool:
 @style.plotted
 def plot_innovations(new_figure: style.NewFigure, solution: Solution) -> Figure:
     """Innovations in standard deviations, and their autocorrelation."""
-    left = solution.innovations
-    keep = np.linspace(0, left.size - 1, min(left.size, MOST)).astype(np.int64)
-    lags = min(LAGS, left.size // 4)
-    centred = left - left.mean()
-    r = np.array([centred[k:] @ centred[: left.size - k] for k in range(1, lags + 1)]) / (centred @ centred)
+    innovations = solution.innovations
+    keep = np.linspace(0, innovations.size - 1, min(innovations.size, MAX_INNOVATIONS)).astype(np.int64)
+    lags = min(LAGS, innovations.size // 4)
+    centred = innovations - innovations.mean()
+    r = np.array([centred[k:] @ centred[: innovations.size - k] for k in range(1, lags + 1)]) / (centred @ centred)
     passed = all(check.passed for check in solution.checks)
     figure = new_figure(7.2, 2.9)
-    one, two = figure.subplots(1, 2, width_ratios=[1.6, 1])
-    style.grid(one)
-    one.axhspan(-3, 3, color=style.DATA, alpha=0.12, lw=0)
-    one.plot(keep + 1, left[keep], ".", ms=2.5, color=style.DATA)
-    one.set(xlabel=say("sample"), ylabel=say("innovation (standard deviations)"), xlim=(1, left.size))
-    style.grid(two)
-    limit = 2.58 / math.sqrt(left.size)
-    two.axhspan(-limit, limit, color=style.DATA, alpha=0.15, lw=0)
-    two.bar(range(1, lags + 1), r, color=style.DATA if passed else style.ALARM, width=0.7)
-    two.axhline(0, color=style.INK, lw=0.8)
+    over_time, correlation = figure.subplots(1, 2, width_ratios=[1.6, 1])
+    style.grid(over_time)
+    over_time.axhspan(-3, 3, color=style.DATA, alpha=0.12, lw=0)
+    over_time.plot(keep + 1, innovations[keep], ".", ms=2.5, color=style.DATA)
+    over_time.set(xlabel=say("sample"), ylabel=say("innovation (standard deviations)"), xlim=(1, innovations.size))
+    style.grid(correlation)
+    limit = 2.58 / math.sqrt(innovations.size)
+    correlation.axhspan(-limit, limit, color=style.DATA, alpha=0.15, lw=0)
+    correlation.bar(range(1, lags + 1), r, color=style.DATA if passed else style.ALARM, width=0.7)
+    correlation.axhline(0, color=style.INK, lw=0.8)
     reach = max(2 * limit, 1.15 * float(np.abs(r).max()))
-    two.set(xlabel=say("lag (samples)"), ylabel=say("autocorrelation"), ylim=(-reach, reach))
-    two.xaxis.set_major_locator(MaxNLocator(integer=True))
+    correlation.set(xlabel=say("lag (samples)"), ylabel=say("autocorrelation"), ylim=(-reach, reach))
+    correlation.xaxis.set_major_locator(MaxNLocator(integer=True))
     return figure
 
 

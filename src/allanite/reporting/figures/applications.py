@@ -36,13 +36,9 @@ def plot_budgets(new_figure: style.NewFigure, budgets: Sequence[Budget]) -> Figu
             at = s.to(s.coefficient) or 0.0
             ax.plot(bits, [at * 2.0 ** (s.stage.bits - b) for b in bits], color=color, lw=1.1)
             ax.plot(
-                [s.stage.bits],
-                [at],
-                marker,
-                color=color,
-                ms=7,
+                [s.stage.bits], [at], marker, color=color, ms=7,
                 label=say("{stage}, as it is", stage=printable(s.stage.name)),
-            )
+            )  # fmt: skip
         known = first.to(first.measured if first.measured is not None else first.limit)
         if known is not None:
             label = say("measured") if first.measured is not None else say("upper limit")
@@ -60,7 +56,7 @@ def plot_budgets(new_figure: style.NewFigure, budgets: Sequence[Budget]) -> Figu
 
 BEFORE, AFTER, TAKEN = style.OTHER, style.SERIES[0], style.SERIES[1]
 
-POINTS = 400
+MAX_MEANS = 400
 """Means over time that are drawn."""
 
 
@@ -88,14 +84,14 @@ def plot_compensated(new_figure: style.NewFigure, channels: Sequence[Compensated
         if channel.rates is None:  # read from what was stored, without readings
             bottom.set_axis_off()
         else:
-            y, left = (rate / factor for rate in channel.rates)
-            bias = float(np.nanmean(left))
-            m = max(1, y.size // POINTS)
+            y, corrected = (rate / factor for rate in channel.rates)
+            bias = float(np.nanmean(corrected))
+            m = max(1, y.size // MAX_MEANS)
             t = (np.arange(y.size // m) + 0.5) * m / channel.record.rate / 60
             style.grid(bottom)
             bottom.plot(t, _means(y - bias, m), color=BEFORE, lw=0.9, label=say("before"))
-            bottom.plot(t, _means(left - bias, m), color=AFTER, lw=0.9, label=say("after"))
-            bottom.plot(t, _means(y - left, m), color=TAKEN, lw=1.5, label=say("correction"))
+            bottom.plot(t, _means(corrected - bias, m), color=AFTER, lw=0.9, label=say("after"))
+            bottom.plot(t, _means(y - corrected, m), color=TAKEN, lw=1.5, label=say("correction"))
             rest = with_unit(say("rate less the bias"), unit)
             means = say("{quantity}, means of {length:.3g} s", quantity=rest, length=m / channel.record.rate)
             bottom.set(xlabel=say("time (min)"), ylabel=means if m > 1 else rest)
@@ -109,7 +105,7 @@ def _means(y: FloatArray, m: int) -> FloatArray:
     return np.asarray(y[: count * m].reshape(count, m).mean(axis=1))
 
 
-MOST_MARKED = 40
+MAX_MARKED = 40
 """Intervals up to which each is marked."""
 
 
@@ -118,26 +114,26 @@ def plot_rates(new_figure: style.NewFigure, channels: Sequence[tuple[Experiment,
     """A column a channel: its experiment, and below it the experiments of several measuring times, if any."""
     # a scatter of nothing has no place on a logarithmic axis
     channels = [
-        (found, tuple(e for e in series if any(e.scatter(m).deviation > 0 for m in e.methods)))
-        for found, series in channels
+        (experiment, tuple(e for e in series if any(e.scatter(m).deviation > 0 for m in e.methods)))
+        for experiment, series in channels
     ]
     rows = 1 + any(series for _, series in channels)
     figure = new_figure(7.2 if len(channels) == 1 else 5.2 * len(channels), 3.2 if rows == 1 else 5.6)
     grid = figure.subplots(rows, len(channels), squeeze=False)
-    for column, (found, series) in zip(grid.T, channels, strict=True):
+    for column, (experiment, series) in zip(grid.T, channels, strict=True):
         ax = column[0]
-        unit = found.signal.sheet[0]
-        t = (found.start + found.duration / 2) / 60
+        unit = experiment.signal.sheet[0]
+        t = (experiment.start + experiment.duration / 2) / 60
         style.grid(ax)
         ax.axhline(0.0, color=style.INK, lw=0.8, zorder=2)
-        marker = "o" if t.size <= MOST_MARKED else ""
-        for method, errors in zip(found.methods, found.errors / unit_of(unit).factor, strict=True):
+        marker = "o" if t.size <= MAX_MARKED else ""
+        for method, errors in zip(experiment.methods, experiment.errors / unit_of(unit).factor, strict=True):
             ax.plot(
                 t, errors, color=RATE_ESTIMATORS[method].color, lw=0.9, marker=marker, ms=2.5, label=method, zorder=3
             )
         ax.set(xlabel=say("time after the start of the record (min)"), ylabel=with_unit(say("error"), unit))
-        ax.legend(ncols=len(found.methods), loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.0)
-        column[0].set_title(printable(found.name), loc="left", fontweight="bold", parse_math=False, pad=22)
+        ax.legend(ncols=len(experiment.methods), loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.0)
+        column[0].set_title(printable(experiment.name), loc="left", fontweight="bold", parse_math=False, pad=22)
         if series:
             _draw_accuracy(column[1], series)
         elif rows > 1:
@@ -173,29 +169,29 @@ def _draw_accuracy(ax: Axes, series: tuple[Experiment, ...]) -> None:
     style.plain_ticks(ax.xaxis, ax.yaxis)
 
 
-STAIRS = 10
+MAX_STAIRS = 10
 """Quanta of the staircase that are drawn: more are not seen."""
 
-MOST = 6000
+MAX_COUNTS = 6000
 """Counts whose residuals are drawn."""
 
 
 @style.plotted
 def plot_closeups(new_figure: style.NewFigure, closeups: Sequence[Closeup]) -> Figure:
     """A column for each interval: slopes; below, if there are counts, their first steps and all that is left over."""
-    rows = 3 if any(found.counts.size for found in closeups) else 1
+    rows = 3 if any(closeup.counts.size for closeup in closeups) else 1
     width = 7.2 if len(closeups) == 1 else 5.4 * len(closeups)
     figure = new_figure(width, 3.2 if rows == 1 else 7.8)
     grid = figure.subplots(rows, len(closeups), squeeze=False, height_ratios=(1.0, 1.25, 0.7)[:rows])
-    for column, found in zip(grid.T, closeups, strict=True):
+    for column, closeup in zip(grid.T, closeups, strict=True):
         for ax in column:
             style.grid(ax)
-        _draw_slopes(column[0], found)
-        if found.counts.size:
-            _draw_stairs(column[1], found)
-            kept = np.linspace(0, found.misfit.size - 1, min(found.misfit.size, MOST)).astype(np.int64)
+        _draw_slopes(column[0], closeup)
+        if closeup.counts.size:
+            _draw_stairs(column[1], closeup)
+            kept = np.linspace(0, closeup.misfit.size - 1, min(closeup.misfit.size, MAX_COUNTS)).astype(np.int64)
             misfit = column[2]
-            misfit.plot(kept / found.rate, found.misfit[kept], ".", ms=1.5, color=style.DATA, rasterized=True)
+            misfit.plot(kept / closeup.rate, closeup.misfit[kept], ".", ms=1.5, color=style.DATA, rasterized=True)
             misfit.set(xlabel=say("time in the interval (s)"), ylabel=say("counts minus staircase"))
             misfit.margins(y=0.12)
         else:
@@ -227,7 +223,7 @@ def _draw_slopes(ax: Axes, found: Closeup) -> None:
 def _draw_stairs(ax: Axes, found: Closeup) -> None:
     time = np.arange(found.counts.size) / found.rate
     steep = abs(found.line[-1] - found.line[0]) / found.line.size
-    last = min(found.line.size, max(20, int(STAIRS / steep) if steep > 0 else found.line.size))
+    last = min(found.line.size, max(20, int(MAX_STAIRS / steep) if steep > 0 else found.line.size))
     shown = slice(0, last, max(1, last // 4000))
     color = RATE_ESTIMATORS["staircase"].color
     ax.step(time[shown], found.counts[shown], where="post", color=style.DATA, lw=1.1, label=say("counts"), zorder=3)

@@ -30,7 +30,7 @@ BoolArray = NDArray[np.bool_]
 COLORS = (0, 3)
 """Colors of the series before and after; neither is the red that marks a change."""
 
-FEW = 2.0
+MIN_AXIS_RATIO = 2.0
 """Ratio within which the axis of ratios always reaches."""
 
 
@@ -69,11 +69,11 @@ def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: tuple[Axe
     low, high = ratios.interval(level)
     ratio = ratios.ratio
     below.axhline(1.0, color=style.INK, lw=0.9, zorder=2)
-    for there, color, label in ((~apart, style.OTHER, say("no change")), (apart, style.ALARM, say("changed"))):
-        if there.any():
-            error = np.abs(np.array([low[there], high[there]]) - ratio[there])
+    for chosen, color, label in ((~apart, style.OTHER, say("no change")), (apart, style.ALARM, say("changed"))):
+        if chosen.any():
+            error = np.abs(np.array([low[chosen], high[chosen]]) - ratio[chosen])
             below.errorbar(
-                ratios.tau[there], ratio[there], error, fmt="o", ms=3.6, mew=0, color=color, elinewidth=1.0,
+                ratios.tau[chosen], ratio[chosen], error, fmt="o", ms=3.6, mew=0, color=color, elinewidth=1.0,
                 capsize=2.0, zorder=3, label=label,
             )  # fmt: skip
     _ratio_frame(below, ratio)
@@ -88,15 +88,9 @@ def draw_curve(ax: Axes, curve: Curve, called: tuple[int, str], level: float) ->
     low, high = shown.interval(level)
     color, marker = style.SERIES[i % len(style.SERIES)], style.MARKERS[i % len(style.MARKERS)]
     ax.fill_between(
-        shown.tau,
-        low,
-        high,
-        color=color,
-        alpha=0.16,
-        lw=0,
-        zorder=2,
+        shown.tau, low, high, color=color, alpha=0.16, lw=0, zorder=2,
         label=say("{share} confidence", share=words.percent(level)) if i == 0 else None,
-    )
+    )  # fmt: skip
     ax.plot(shown.tau, shown.deviation, color=color, lw=1.1, marker=marker, ms=3.4, mew=0, zorder=3, label=name)
 
 
@@ -114,7 +108,7 @@ def frame_curves(ax: Axes, curve: Curve, name: str, curves: Sequence[Curve]) -> 
 def _ratio_frame(ax: Axes, ratio: FloatArray) -> None:
     ax.set(
         xscale="log", yscale="log",
-        ylim=(min(1 / FEW, float(ratio.min()) / 1.6), max(FEW, float(ratio.max()) * 1.6)),
+        ylim=(min(1 / MIN_AXIS_RATIO, float(ratio.min()) / 1.6), max(MIN_AXIS_RATIO, float(ratio.max()) * 1.6)),
     )  # fmt: skip
     style.plain_ticks(ax.xaxis, ax.yaxis)
     style.grid(ax)
@@ -142,7 +136,7 @@ def _draw_pooled(channel: PooledChannel, names: tuple[str, ...], level: float, a
     below.set_ylabel(say("variance of a run\nover that of all"))
 
 
-MOST = 24
+MAX_FIGURE_ROWS = 24
 """Rows of the figure at most, those with the most units first."""
 
 
@@ -166,25 +160,25 @@ class LotRow(NamedTuple):
 
 
 @style.plotted
-def plot_lot(new_figure: style.NewFigure, found: Sequence[LotRow]) -> Figure:
+def plot_lot(new_figure: style.NewFigure, rows: Sequence[LotRow]) -> Figure:
     """A row of panels for each coefficient."""
-    shown = sorted(found, key=lambda one: -one.values.size)[:MOST]
-    labels = list(dict.fromkeys(label for one in shown for label in one.courses))
+    shown = sorted(rows, key=lambda row: -row.values.size)[:MAX_FIGURE_ROWS]
+    labels = list(dict.fromkeys(label for row in shown for label in row.courses))
     wide = 1 + len(labels)
     figure = new_figure(max(3.6 * wide + 1.0, 7.2), 0.6 + 2.3 * len(shown))
     grid = figure.subplots(len(shown), wide, squeeze=False)
-    for one, axes in zip(shown, grid, strict=True):
+    for row, axes in zip(shown, grid, strict=True):
         # the share of units that are not above each value
-        shares, size = axes[0], one.values.size
-        shares.plot(np.sort(one.values), 100 * (np.arange(size) + 0.5) / size, "o", ms=3.5, color=style.SERIES[0])
+        shares, size = axes[0], row.values.size
+        shares.plot(np.sort(row.values), 100 * (np.arange(size) + 0.5) / size, "o", ms=3.5, color=style.SERIES[0])
         shares.set_ylim(0, 100)
         shares.set_ylabel(say("units below (%)"))
-        shares.set_xlabel(with_unit(one.symbol, one.unit))
+        shares.set_xlabel(with_unit(row.symbol, row.unit))
         shares.locator_params(axis="x", nbins=5)
-        style.title(shares, join(", ", [printable(one.channel), one.symbol]))
+        style.title(shares, join(", ", [printable(row.channel), row.symbol]))
         style.grid(shares, fine=False)
         for ax, label in zip(axes[1:], labels, strict=True):
-            course = one.courses.get(label)
+            course = row.courses.get(label)
             if course is None:
                 ax.set_axis_off()
             else:
@@ -193,7 +187,7 @@ def plot_lot(new_figure: style.NewFigure, found: Sequence[LotRow]) -> Figure:
                 line = course.value.mean() + course.slope * (ends - course.at.mean())
                 ax.plot(ends, line, color=style.ALARM if course.shown else style.OTHER, lw=1.2)
                 ax.set_xlabel(label)
-                ax.set_ylabel(with_unit(one.symbol, one.unit))
+                ax.set_ylabel(with_unit(row.symbol, row.unit))
                 ax.locator_params(nbins=5)
                 style.grid(ax, fine=False)
     return figure

@@ -14,23 +14,11 @@ from allanite.reporting import style, words
 from allanite.reporting.digits import digits, printable
 from allanite.statistics import statistic_named
 
-from .drawing import (
-    EXPECTED,
-    TIME,
-    UNREAD,
-    LabelBox,
-    draw_label,
-    draw_legend,
-    draw_titles,
-    fractions,
-    shade,
-    stacked,
-    with_unit,
-)
+from . import drawing
 from .panels import CurvePanel, columns_of, points, span
 from .terms import draw_model
 
-FEW = 2.0
+MIN_FILLED_EDF = 2.0
 """Equivalent degrees of freedom below which a point is drawn open."""
 
 WEIGHS = 0.37
@@ -41,10 +29,10 @@ FILTERED = say("lowered by the filter")
 
 LANDMARKS = ((60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 d"))
 
-LEAST, MOST = 3.2, 5.6
+MIN_PANEL_INCHES, MAX_PANEL_INCHES = 3.2, 5.6
 """Height of a panel, inches."""
 
-LEAST_LABELLED = 4.5
+MIN_LABELLED_INCHES = 4.5
 """Width of a panel with room for intervals and slopes, inches."""
 
 Span = tuple[tuple[float, float], tuple[float, float]]
@@ -54,17 +42,14 @@ Span = tuple[tuple[float, float], tuple[float, float]]
 def plot_panels(
     new_figure: style.NewFigure, panels: Sequence[CurvePanel], *, level: float = 0.95, titled: bool = True
 ) -> Figure:
-    """One panel for each curve: sensors side by side, the channels of each one below the other, with equal decades.
-
-    `titled`: with the name, and how well the model explains it, above each panel.
-    """
+    """A panel for each curve, with its name if `titled`: sensors side by side, their channels below each other."""
     columns = columns_of(panels)
     rows = max(map(len, columns))
     wide = min(6.4 if len(panels) == 1 else 5.8, new_figure.room / len(columns) - 0.8)
     spans = [(panel.unit, span(panel)) for panel in panels]
-    sizes = [_scaled([one for unit, one in spans if unit == column[0].unit], wide) for column in columns]
+    sizes = [_scaled([extent for unit, extent in spans if unit == column[0].unit], wide) for column in columns]
     width = sum(size[1] for size in sizes) + 0.8 * len(columns)
-    above = 1.1 if wide > LEAST_LABELLED else 1.6  # the legend has more lines in a narrow figure
+    above = 1.1 if wide > MIN_LABELLED_INCHES else 1.6  # the legend has more lines in a narrow figure
     height = rows * (max(size[2] for size in sizes) + (0.3 if titled else 0.0)) + above
     figure = new_figure(width, height)
     grid = figure.subplots(rows, len(columns), squeeze=False, width_ratios=[size[1] for size in sizes])
@@ -79,23 +64,23 @@ def plot_panels(
             ax.set_aspect("equal", adjustable="box", anchor="N")
             style.plain_ticks(ax.xaxis)
             style.plain_ticks(ax.yaxis, most=3000)
-            _draw_panel(ax, panel._replace(brief=wide < LEAST_LABELLED), level)
+            _draw_panel(ax, panel._replace(brief=wide < MIN_LABELLED_INCHES), level)
             if titled:
-                draw_titles(ax, (panel.name, panel.facts), panel.fit, room=72 * inches)
+                drawing.draw_titles(ax, (panel.name, panel.facts), panel.fit, room=72 * inches)
             ax.tick_params(labelbottom=ax is axes[-1])
-        axes[-1].set_xlabel(TIME)
-    draw_legend(figure)
+        axes[-1].set_xlabel(drawing.TIME)
+    drawing.draw_legend(figure)
     return figure
 
 
 def _scaled(spans: Sequence[Span], wide: float) -> tuple[Span, float, float]:
     """Common ranges of both axes, and the width and height in inches that make their decades equal."""
-    (left, right), (low, high) = ((min(s[i][0] for s in spans), max(s[i][1] for s in spans)) for i in (0, 1))
-    across, up = math.log10(right / left), math.log10(high / low)
-    inches = min(wide / across, MOST / up)
-    if up * inches < LEAST:  # a flat panel has no room for labels
-        low, up = high / 10 ** (LEAST / inches), LEAST / inches
-    return ((left, right), (low, high)), across * inches, up * inches
+    (shortest, longest), (low, high) = ((min(s[i][0] for s in spans), max(s[i][1] for s in spans)) for i in (0, 1))
+    across, up = math.log10(longest / shortest), math.log10(high / low)
+    inches = min(wide / across, MAX_PANEL_INCHES / up)
+    if up * inches < MIN_PANEL_INCHES:  # a flat panel has no room for labels
+        low, up = high / 10 ** (MIN_PANEL_INCHES / inches), MIN_PANEL_INCHES / inches
+    return ((shortest, longest), (low, high)), across * inches, up * inches
 
 
 def _draw_panel(ax: Axes, panel: CurvePanel, level: float) -> None:
@@ -107,20 +92,16 @@ def _draw_panel(ax: Axes, panel: CurvePanel, level: float) -> None:
             label = words.interval(level)
             ax.fill_between(drawn.tau, drawn.low, drawn.high, color=style.DATA, alpha=0.18, lw=0, zorder=2, label=label)
         # an unknown number of degrees of freedom is not many
-        few = np.zeros(drawn.tau.size, dtype=bool) if drawn.edf is None else ~(drawn.edf >= FEW)
+        few = np.zeros(drawn.tau.size, dtype=bool) if drawn.edf is None else ~(drawn.edf >= MIN_FILLED_EDF)
         size = 3.4 if drawn.tau.size <= 150 else 0.0
         ax.plot(drawn.tau, drawn.deviation, color=style.DATA, lw=0.9, zorder=4)
         dots: dict[str, Any] = {"ls": "-" if size == 0 else "", "marker": "o", "color": style.DATA, "zorder": 4}
         ax.plot(
-            drawn.tau[~few],
-            drawn.deviation[~few],
-            ms=size,
-            mew=0,
-            label=statistic_named(panel.curve.statistic).title,
+            drawn.tau[~few], drawn.deviation[~few], ms=size, mew=0, label=statistic_named(panel.curve.statistic).title,
             **dots,
-        )
+        )  # fmt: skip
         if few.any():
-            label = say("below {count:g} degrees of freedom", count=FEW)
+            label = say("below {count:g} degrees of freedom", count=MIN_FILLED_EDF)
             ax.plot(drawn.tau[few], drawn.deviation[few], ms=3.6, mfc="white", mew=0.8, label=label, **dots)
     if panel.fit is not None:
         fit = panel.fit
@@ -128,15 +109,15 @@ def _draw_panel(ax: Axes, panel: CurvePanel, level: float) -> None:
             # of a frequency, the averaging times at which it weighs most in the deviation
             shortest, longest = fit.scope.times
             masks = ((WEIGHS / high, WEIGHS / low) for low, high in fit.scope.masks)
-            shade(ax, ((0.0, shortest),), FILTERED if fit.scope.filter else UNREAD)
-            shade(ax, (*masks, (longest, math.inf)), UNREAD)
+            drawing.shade(ax, ((0.0, shortest),), FILTERED if fit.scope.filter else drawing.UNREAD)
+            drawing.shade(ax, (*masks, (longest, math.inf)), drawing.UNREAD)
     if panel.drawn is not None:
         draw_model(ax, panel, drawn, placed, level)
     _draw_minimum(ax, panel, placed, level)
-    ax.set_ylabel(with_unit(statistic_named(panel.curve.statistic).title, panel.unit))
+    ax.set_ylabel(drawing.with_unit(statistic_named(panel.curve.statistic).title, panel.unit))
 
 
-def _draw_minimum(ax: Axes, panel: CurvePanel, placed: list[LabelBox], level: float) -> None:
+def _draw_minimum(ax: Axes, panel: CurvePanel, placed: list[drawing.LabelBox], level: float) -> None:
     """The minimum of the Allan deviation with its averaging time, as data sheets quote it."""
     readings = panel.readings
     if readings is None or readings.minimum is None or panel.curve.statistic != "oadev":
@@ -146,20 +127,22 @@ def _draw_minimum(ax: Axes, panel: CurvePanel, placed: list[LabelBox], level: fl
     low, high = readings.minimum.interval(level)
     factor = convert(1.0, readings.unit, panel.unit)
     deviation = readings.minimum.deviation * factor
-    found = digits(deviation, low * factor, high * factor)
-    number = found.value + found.power if panel.brief else found.pretty()
+    rounded = digits(deviation, low * factor, high * factor)
+    number = rounded.value + rounded.power if panel.brief else rounded.pretty()
     size = {"value": f"{number} {panel.unit}", "tau": words.averaging(readings.minimum.tau)}
     text, shape = say("minimum {value}\nat τ = {tau}", **size), "v"
     if not readings.inside:
         text, shape = say("last well-determined point:\n{value} at τ = {tau}", **size), "s"
     ax.plot(readings.minimum.tau, deviation, shape, ms=6.5, color=style.INK, zorder=5)
-    anchor = fractions(ax, np.array([[readings.minimum.tau, deviation]]))
+    anchor = drawing.fractions(ax, np.array([[readings.minimum.tau, deviation]]))
     data = (np.asarray(line.get_xydata()) for line in ax.lines)
     drawn = np.concatenate([points for points in data if len(points) > 2])  # no rules, whose ordinates are fractions
-    placed.append(draw_label(ax, ("", text), anchor, fractions(ax, drawn[(drawn > 0).all(axis=1)]), placed))
+    placed.append(
+        drawing.draw_label(ax, ("", text), anchor, drawing.fractions(ax, drawn[(drawn > 0).all(axis=1)]), placed)
+    )
 
 
-def _draw_landmarks(ax: Axes) -> list[LabelBox]:
+def _draw_landmarks(ax: Axes) -> list[drawing.LabelBox]:
     """Rules at a minute, an hour and a day; where their labels are."""
     (low, high), taken = ax.get_xlim(), []
     for tau, label in LANDMARKS:
@@ -169,35 +152,31 @@ def _draw_landmarks(ax: Axes) -> list[LabelBox]:
                 label, (tau, 1), xycoords=("data", "axes fraction"), xytext=(2, -3), textcoords="offset points",
                 va="top", fontsize=7.5, color=style.SOFT,
             )  # fmt: skip
-            taken.append(LabelBox(math.log(tau / low) / math.log(high / low) + 0.035, 0.965, 0.07, 0.05))
+            taken.append(drawing.LabelBox(math.log(tau / low) / math.log(high / low) + 0.035, 0.965, 0.07, 0.05))
     return taken
 
 
-MOST_BANDS = 3
+MAX_BANDS = 3
 """Curves of a panel whose confidence bands can still be told apart."""
 
 
 @style.plotted
 def plot_overlay(new_figure: style.NewFigure, panels: Sequence[CurvePanel], *, level: float = 0.95) -> Figure:
-    """One panel for each channel with all its statistics; channels of a single statistic share one panel.
-
-    Sensors of different units stand side by side. Where a fit is given its model's expectation of each statistic is
-    drawn as a dashed line.
-    """
+    """A panel for each channel with all its statistics, or one for all of a single statistic; models are dashed."""
     # columns by unit, of panels by channel, of curves
     single = len({panel.curve.statistic for panel in panels}) == 1
     by_unit: dict[str, dict[str, list[CurvePanel]]] = {}
     for panel in panels:
         by_unit.setdefault(panel.unit, {}).setdefault("" if single else panel.name, []).append(panel)
     columns = [list(by_name.values()) for by_name in by_unit.values()]
-    figure, grid = stacked(new_figure, [len(column) for column in columns])
+    figure, grid = drawing.stacked(new_figure, [len(column) for column in columns])
     for column, axes in zip(columns, grid, strict=True):
         spans = [span(drawn)[0] for group in column for drawn in group]
         for ax, group in zip(axes, column, strict=True):
             ax.set(xscale="log", xlim=(min(low for low, _ in spans), max(high for _, high in spans)))
             _draw_group(ax, group, level)
-        axes[-1].set_xlabel(TIME)
-    draw_legend(figure, marks=False)
+        axes[-1].set_xlabel(drawing.TIME)
+    drawing.draw_legend(figure, marks=False)
     return figure
 
 
@@ -207,15 +186,15 @@ def _draw_group(ax: Axes, group: Sequence[CurvePanel], level: float) -> None:
     style.plain_ticks(ax.xaxis)
     style.plain_ticks(ax.yaxis, most=3000)
     style.grid(ax)
-    names, titles = (dict.fromkeys(found) for found in zip(*map(_called, group), strict=True))
+    names, titles = (dict.fromkeys(texts) for texts in zip(*map(_called, group), strict=True))
     for i, panel in enumerate(group):
         name, title = _called(panel)
         told = [part for part, known in ((name, names), (title, titles)) if len(known) > 1]
         label = join(", ", told) or title or name
-        _draw_curve(ax, panel, (i, label), level if len(group) <= MOST_BANDS else None)
+        _draw_curve(ax, panel, (i, label), level if len(group) <= MAX_BANDS else None)
     ax.set_title(next(iter(names)) if len(names) == 1 else "", loc="left", fontweight="bold", parse_math=False)
     what = next(iter(titles)) if len(titles) == 1 else say("deviation")
-    ax.set_ylabel(with_unit(what, group[0].unit))
+    ax.set_ylabel(drawing.with_unit(what, group[0].unit))
 
 
 def _called(panel: CurvePanel) -> tuple[str, str]:
@@ -232,4 +211,12 @@ def _draw_curve(ax: Axes, panel: CurvePanel, label: tuple[int, str], level: floa
     ax.plot(drawn.tau, drawn.deviation, color=color, lw=1.1, marker=marker, ms=size, mew=0, zorder=3, label=text)
     if panel.fit is not None and panel.fit.valid is not None:
         tau = np.geomspace(drawn.tau[0], drawn.tau[-1], 200)
-        ax.plot(tau, panel.whole(panel.fit.valid, tau), color=color, lw=1.0, ls=(0, (5, 3)), zorder=2.5, label=EXPECTED)
+        ax.plot(
+            tau,
+            panel.whole(panel.fit.valid, tau),
+            color=color,
+            lw=1.0,
+            ls=(0, (5, 3)),
+            zorder=2.5,
+            label=drawing.EXPECTED,
+        )

@@ -23,7 +23,7 @@ from allanite.terms import TERMS
 
 MARGIN = 0.015
 
-ENOUGH = 1.25
+ENOUGH_DISTANCE = 1.25
 """Distance to the nearest thing, in label sizes, beyond which farther away is no better; below 1 it is touched."""
 
 CELLS = 50
@@ -85,15 +85,15 @@ def nearest(anchors: FloatArray, box: LabelBox) -> FloatArray:
 
 
 def freedom(box: LabelBox, obstacles: FloatArray, taken: Sequence[LabelBox]) -> float:
-    """Distance to the nearest thing in label sizes, at most `ENOUGH`."""
+    """Distance to the nearest thing in label sizes, at most `ENOUGH_DISTANCE`."""
     return float(_freedom(np.array([[box.x, box.y]]), (box.width, box.height), obstacles, taken)[0])
 
 
 def _freedom(
     centres: FloatArray, size: tuple[float, float], obstacles: FloatArray, taken: Sequence[LabelBox]
 ) -> FloatArray:
-    """Distance of labels of a size to the nearest thing in label sizes, at most `ENOUGH`, shape (n,)."""
-    free, half = np.full(len(centres), ENOUGH), np.array(size) / 2
+    """Distance of labels of a size to the nearest thing in label sizes, at most `ENOUGH_DISTANCE`, shape (n,)."""
+    free, half = np.full(len(centres), ENOUGH_DISTANCE), np.array(size) / 2
     if obstacles.size:
         x, y = (np.abs(obstacles[:, None, i] - centres[:, i]) / half[i] for i in range(2))
         free = np.minimum(free, np.maximum(x, y, out=x).min(axis=0))
@@ -119,21 +119,18 @@ def with_unit(quantity: str, unit: str) -> Phrase:
     return say("{quantity} ({unit})", quantity=quantity, unit=unit)
 
 
-COLUMN = 5.4
+COLUMN_INCHES = 5.4
 """Width of a column of panels, inches."""
 
 
 def stacked(new_figure: style.NewFigure, lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
-    """A figure of columns with so many panels; those of a column share the abscissa, and its labels stand below it.
-
-    Columns that have no room side by side stand below each other.
-    """
+    """A figure of columns with so many panels, which share the abscissa; below each other where there is no room."""
     count, rows = len(lengths), max(lengths)
-    if count > 1 and COLUMN * count > new_figure.room:
-        figure = new_figure(COLUMN, 0.6 + 3.6 * sum(lengths))
+    if count > 1 and COLUMN_INCHES * count > new_figure.room:
+        figure = new_figure(COLUMN_INCHES, 0.6 + 3.6 * sum(lengths))
         panels = iter(figure.subplots(sum(lengths), 1, squeeze=False)[:, 0])
         return figure, [[next(panels) for _ in range(length)] for length in lengths]
-    figure = new_figure(*((7.2, 4.4) if rows == count == 1 else (COLUMN * count, 0.6 + 3.3 * rows)))
+    figure = new_figure(*((7.2, 4.4) if rows == count == 1 else (COLUMN_INCHES * count, 0.6 + 3.3 * rows)))
     grid = figure.subplots(rows, count, squeeze=False, sharex="col")
     columns = [list(axes[:length]) for axes, length in zip(grid.T, lengths, strict=True)]
     for axes, length in zip(grid.T, lengths, strict=True):
@@ -156,17 +153,13 @@ def dashes(symbol: str) -> tuple[float, tuple[float, ...]]:
 GRADES = {"": style.OTHER, EXPLAINED: style.OTHER, APPROXIMATE: style.FAIR, UNEXPLAINED: style.ALARM}
 """Color of a grade; of none where there is no fit, or it was not tested."""
 
-NAME, GRADE = 9.5, 8.5
+NAME_POINTS, GRADE_POINTS = 9.5, 8.5
 """Sizes of letters above a panel: what it shows, and its grade."""
 
 
 def draw_titles(ax: Axes, parts: Iterable[str], fit: Fit | None, *, before: str = "", room: float = 0.0) -> None:
-    """Say above a panel what it shows, and at the right how well the model explains that.
-
-    `parts` are in one line if they have room beside the grade, else in lines of their own, above it if need be; `room`
-    is the width of the panel in points, by default about that of an equal share of the figure.
-    """
-    said = join("; ", filter(None, (before, words.grade(fit) if fit is not None else "")))
+    """Above a panel what it shows, in a line or in several, and how well the model explains it; `room` is in points."""
+    grade = join("; ", filter(None, (before, words.grade(fit) if fit is not None else "")))
     known = [printable(part) for part in parts if part]
     room = room or _inside(ax)[0]
     lines = []
@@ -174,23 +167,23 @@ def draw_titles(ax: Axes, parts: Iterable[str], fit: Fit | None, *, before: str 
         long = _long(part)
         lines += [part] if long <= room else textwrap.wrap(part, max(1, int(len(part) * room / long)))
     lines = lines or [""]
-    beside = room - GRADE * wide(tr(said)) - GRADE
+    beside = room - GRADE_POINTS * wide(tr(grade)) - GRADE_POINTS
     layouts = (["   ".join(known)], lines)
     fitting = (layout for layout in layouts if _long(layout[-1]) <= beside)
     name = "\n".join(next(fitting, [*lines, " "]))
-    ax.set_title(name, loc="left", fontweight="bold", fontsize=NAME, parse_math=False)
-    ax.set_title(said, loc="right", color=GRADES["" if fit is None else fit.validity], fontsize=GRADE)
+    ax.set_title(name, loc="left", fontweight="bold", fontsize=NAME_POINTS, parse_math=False)
+    ax.set_title(grade, loc="right", color=GRADES["" if fit is None else fit.validity], fontsize=GRADE_POINTS)
 
 
 def _long(text: str) -> float:
-    return NAME * wide(text, bold=True)
+    return NAME_POINTS * wide(text, bold=True)
 
 
 def shade(ax: Axes, spans: Iterable[tuple[float, float]], why: str) -> None:
     """Shade parts of the abscissa where the terms alone do not make the curve, and say `why`."""
-    left, right = ax.get_xlim()
+    start, end = ax.get_xlim()
     for low, high in spans:
-        a, b = max(low, left), min(high, right)
+        a, b = max(low, start), min(high, end)
         if a < b:
             ax.axvspan(a, b, color=style.SHADE, lw=0, zorder=0.5, label=why)
 

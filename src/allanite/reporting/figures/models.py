@@ -78,7 +78,7 @@ def _draw_errors(ax: Axes, value: StatedNoise) -> None:
     style.title(ax, say("standard deviation of the error, by the time without aid"))
 
 
-PER_OCTAVE = 4
+TIMES_PER_OCTAVE = 4
 """Averaging times of the lines."""
 
 
@@ -99,7 +99,7 @@ def plot_state_spaces(
             above.plot(shown.tau, shown.deviation, color=style.DATA, lw=0.9, label=label)
         factor = 1 / convert(1.0, unit, space.model.signal.unit)
         last = max(2.0, 3 * space.tau[1] * space.rate)
-        m = np.unique(np.rint(np.geomspace(1, last, round(PER_OCTAVE * np.log2(last)) + 1)).astype(np.int64))
+        m = np.unique(np.rint(np.geomspace(1, last, round(TIMES_PER_OCTAVE * np.log2(last)) + 1)).astype(np.int64))
         tau = m / space.rate
         own, whole = np.sqrt(space.allan(m)), np.sqrt(expected(space.model, "oadev", tau))
         above.plot(tau, whole * factor, color=style.INK, lw=1.3, label=say("model"))
@@ -121,7 +121,7 @@ def plot_state_spaces(
     return figure
 
 
-LEAST, MOST = 1e-4, 1.5
+MIN_ERROR, MAX_ERROR = 1e-4, 1.5
 """Errors that are drawn."""
 
 
@@ -135,7 +135,7 @@ def plot_plans(new_figure: style.NewFigure, plans: Sequence[tuple[str, Recording
         for label, errors, needed in zip(plan.names, plan.errors, plan.needed.tolist(), strict=True):
             # lengths and errors that are worth drawing, the length that is needed among them
             tau, error = np.append(plan.durations, needed), np.append(errors, plan.accuracy)
-            kept = np.isfinite(error) & (error < MOST) & (error > LEAST) & (tau > shortest) & (tau < longest)
+            kept = np.isfinite(error) & (error < MAX_ERROR) & (error > MIN_ERROR) & (tau > shortest) & (tau < longest)
             order = np.argsort(tau[kept])
             symbol, _, parameter = label.partition(" ")
             color, line = color_of(symbol.partition("(")[0]), "--" if parameter else "-"
@@ -151,7 +151,7 @@ def plot_plans(new_figure: style.NewFigure, plans: Sequence[tuple[str, Recording
     return figure
 
 
-PER_DECADE, DEEP = 12, 1e-3
+TIMES_PER_DECADE, MIN_DRIFT_SHARE = 12, 1e-3
 """Times of a decade; the least share of the largest drift that is drawn."""
 
 
@@ -162,7 +162,7 @@ def plot_drifts(new_figure: style.NewFigure, value: Drift) -> Figure:
         raise UndrawnError("a requirement alone is not drawn: give the noise, too")
     times = value.settings.times
     ends = (min(times), max(times)) if len(times) > 1 else (times[0] / 100, times[0])
-    grid = np.geomspace(*ends, max(8, round(PER_DECADE * np.log10(ends[1] / ends[0]))))
+    grid = np.geomspace(*ends, max(8, round(TIMES_PER_DECADE * np.log10(ends[1] / ends[0]))))
     courses = [value.course(name, grid) for name in value.quantities]
     if len(courses) > 1 and np.allclose(courses[0].sigma, courses[1].sigma, rtol=1e-9):
         del courses[1]

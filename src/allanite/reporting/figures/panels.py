@@ -18,28 +18,24 @@ from allanite.core.units import convert, unit_of
 from allanite.reporting import words
 from allanite.statistics import expected, statistic_named
 
-MOST_POINTS = 400
+MAX_CURVE_POINTS = 400
 """Points of a curve that are drawn: more are not seen, but weigh."""
 
-ZEROS = 1000.0
+ZEROS_RANGE = 1000.0
 """Range in which the expected curve of a sinusoid is drawn, which is zero at multiples of its period."""
 
 
 class CurvePanel(NamedTuple):
-    """A curve and what explains it.
-
-    `readings` have its minimum, `facts` are its file, rate and length, `wanted` are units asked for. A curve
-    that is the expectation of a `model` has no fit: its terms are those of the model. `brief` labels have no intervals.
-    """
+    """A curve and what explains it."""
 
     name: str
     curve: Curve
     fit: Fit | None
-    readings: Readings | None = None
-    facts: str = ""
-    wanted: Sequence[str] = ()
-    model: Model | None = None
-    brief: bool = False
+    readings: Readings | None = None  # with its minimum
+    facts: str = ""  # its file, rate and length
+    wanted: Sequence[str] = ()  # units that were asked for
+    model: Model | None = None  # whose expectation the curve is: it has no fit then
+    brief: bool = False  # whether labels have no intervals
 
     @property
     def drawn(self) -> Model | None:
@@ -105,9 +101,9 @@ def points(panel: CurvePanel, level: float) -> DrawnPoints:
 
 def thinned(count: int) -> IntArray:
     """Indices of the points that are drawn: of many, evenly in the logarithm."""
-    if count <= MOST_POINTS:
+    if count <= MAX_CURVE_POINTS:
         return np.arange(count)
-    return np.unique(np.rint(np.geomspace(1, count, MOST_POINTS)).astype(np.int64)) - 1
+    return np.unique(np.rint(np.geomspace(1, count, MAX_CURVE_POINTS)).astype(np.int64)) - 1
 
 
 def span(panel: CurvePanel) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -120,17 +116,17 @@ def span(panel: CurvePanel) -> tuple[tuple[float, float], tuple[float, float]]:
     below = 8.0 if panel.drawn is not None else 2.5
     low, high = float(visible.min()) / below, float(visible.max())
     if panel.model is not None and any(t.row.periodic for t in panel.model):
-        low = max(low, high / ZEROS)
+        low = max(low, high / ZEROS_RANGE)
     # the upper limits of the last points are far off, and not worth the room
     return (float(curve.tau[0]) / 1.8, float(curve.tau[-1]) * 1.8), (low, high * 2.5)
 
 
 def panels_of(value: Any, fit: Fit | None = None, *, demand: bool = True) -> list[CurvePanel]:
     """What is drawn of a Curve, Fit, Channel or Study, or of a sequence of them."""
-    found = _panels(value, fit)
-    if demand and not found:
+    panels = _panels(value, fit)
+    if demand and not panels:
         raise UndrawnError("there is no curve to draw; give a Curve, a Study, or a Fit that carries its curve")
-    return found
+    return panels
 
 
 def _panels(value: Any, fit: Fit | None) -> list[CurvePanel]:

@@ -30,26 +30,23 @@ STRETCHES = 480
 MEANS = 6
 """Stretches of one mean."""
 
-HOURS, MINUTES = 7200.0, 300.0
+MIN_HOURS_S, MIN_MINUTES_S = 7200.0, 300.0
 """Lengths in seconds from which time is shown in hours, and in minutes."""
 
 
 def time_scale(length: float) -> tuple[str, float]:
     """The unit of a time axis of so many seconds, and its size."""
-    return ("h", 3600.0) if length > HOURS else ("min", 60.0) if length > MINUTES else ("s", 1.0)
+    return ("h", 3600.0) if length > MIN_HOURS_S else ("min", 60.0) if length > MIN_MINUTES_S else ("s", 1.0)
 
 
 class Envelope(NamedTuple):
-    """Stretches of a record: the sample in their middle, least, mean and largest value, whether samples are missing.
+    """Stretches of a record; where one has no value, its three values are NaN."""
 
-    Where a stretch has no value, its three values are NaN.
-    """
-
-    at: FloatArray
+    at: FloatArray  # the sample in their middle
     low: FloatArray
     mean: FloatArray
     high: FloatArray
-    broken: FloatArray
+    broken: FloatArray  # whether samples are missing
 
 
 def envelope(record: Record, count: int) -> Envelope:
@@ -61,9 +58,9 @@ def envelope(record: Record, count: int) -> Envelope:
     sums, known = np.add.reduceat(values, starts, dtype=np.float64), lengths
     broken = np.isnan(sums)
     if broken.any():
-        there = ~np.isnan(values)
-        known = np.add.reduceat(there, starts, dtype=np.int64)
-        sums = np.add.reduceat(np.where(there, values, 0.0), starts)
+        valid = ~np.isnan(values)
+        known = np.add.reduceat(valid, starts, dtype=np.int64)
+        sums = np.add.reduceat(np.where(valid, values, 0.0), starts)
     with np.errstate(invalid="ignore"):
         mean = sums / known
     scale = 1.0 if record.kind == "count" or record.scale is None else record.scale
@@ -79,10 +76,7 @@ def quantity_of(record: Record) -> Phrase:
 
 @style.plotted
 def plot_records(new_figure: style.NewFigure, records: Sequence[Record]) -> Figure:
-    """Records over time, a panel each, as if every sample were drawn: the range of short stretches, and their means.
-
-    Times are those of the whole recording; samples are in the unit of the record, counts in pulses.
-    """
+    """Records over the time of the whole recording, a panel each: the range of short stretches, and their means."""
     figure = new_figure(7.2, 0.7 + 1.5 * len(records))
     panels = figure.subplots(len(records), 1, squeeze=False, sharex="col")[:, 0]
     name, size = time_scale(max(record.duration for record in records))
@@ -98,19 +92,19 @@ def plot_records(new_figure: style.NewFigure, records: Sequence[Record]) -> Figu
 def _draw_record(ax: Axes, record: Record, size: float) -> None:
     """A record over time in units of so many seconds."""
     style.grid(ax, fine=False)
-    seen, length = envelope(record, STRETCHES), len(record.values)
-    time = (record.cut + seen.at / record.rate) / size
+    ranges, length = envelope(record, STRETCHES), len(record.values)
+    time = (record.cut + ranges.at / record.rate) / size
     if length <= STRETCHES:
-        ax.plot(time, seen.mean, ".-", color=style.SERIES[0], lw=0.7, ms=2.5, label=say("samples"))
+        ax.plot(time, ranges.mean, ".-", color=style.SERIES[0], lw=0.7, ms=2.5, label=say("samples"))
     else:
-        both = np.column_stack([seen.low, seen.high]).ravel()
+        both = np.column_stack([ranges.low, ranges.high]).ravel()
         ax.plot(np.repeat(time, 2), both, color=style.SERIES[0], lw=1.0, label=say("samples"))
     if length > MEANS * STRETCHES:
         course = envelope(record, STRETCHES // MEANS)
         ax.plot((record.cut + course.at / record.rate) / size, course.mean, color=style.SERIES[1], lw=1.1,
                 label=say("means over {time}", time=words.duration(record.duration * MEANS / STRETCHES)))  # fmt: skip
-    if seen.broken.any():
-        gaps = time[seen.broken]
+    if ranges.broken.any():
+        gaps = time[ranges.broken]
         ax.plot(gaps, np.full(gaps.size, 0.03), "|", color=style.ALARM, ms=6, label=say("missing samples"),
                 transform=ax.get_xaxis_transform())  # fmt: skip
     ax.set_ylabel(quantity_of(record))
@@ -131,8 +125,8 @@ def plot_strip(new_figure: style.NewFigure, panel: CurvePanel, *, level: float =
     if drawn.low is not None and drawn.high is not None:
         ax.fill_between(drawn.tau, drawn.low / expected, drawn.high / expected, color=style.DATA, alpha=0.18, lw=0)
     ax.plot(drawn.tau, drawn.deviation / expected, "o-", color=style.DATA, ms=2.8, mew=0, lw=0.9)
-    seen = (drawn.deviation / expected)[np.isfinite(drawn.deviation / expected) & (drawn.deviation > 0)]
-    ax.set_ylim(min(0.45, seen.min(initial=1.0) / 1.2), max(2.2, seen.max(initial=1.0) * 1.2))
+    ratio = (drawn.deviation / expected)[np.isfinite(drawn.deviation / expected) & (drawn.deviation > 0)]
+    ax.set_ylim(min(0.45, ratio.min(initial=1.0) / 1.2), max(2.2, ratio.max(initial=1.0) * 1.2))
     style.plain_ticks(ax.xaxis, ax.yaxis)
     return figure
 
@@ -151,46 +145,46 @@ def plot_surfaces(new_figure: style.NewFigure, surfaces: Sequence[Surface]) -> F
     """For each channel, every window's curve, and the ratio of each value to the median of its averaging time."""
     figure = new_figure(9.6, 0.4 + 3.7 * len(surfaces))
     grid = figure.subplots(len(surfaces), 2, squeeze=False, width_ratios=[1, 1.5])
-    for (left, right), surface in zip(grid, surfaces, strict=True):
-        _draw(figure, (left, right), surface.to(readable_unit(surface.unit)))
+    for (curves, ratios), surface in zip(grid, surfaces, strict=True):
+        _draw(figure, (curves, ratios), surface.to(readable_unit(surface.unit)))
     return figure
 
 
 def _draw(figure: Figure, axes: tuple[Axes, Axes], surface: Surface) -> None:
-    left, right = axes
+    curves, ratios = axes
     deviation = np.where(surface.deviation > 0, surface.deviation, np.nan)
-    there = np.isfinite(deviation).any(axis=0)
-    if not there.any():
+    known = np.isfinite(deviation).any(axis=0)
+    if not known.any():
         raise UsageError(f"the surface of {surface.name!r} is zero everywhere: logarithmic axes cannot show it")
-    tau, deviation = surface.tau[there], deviation[:, there]
+    tau, deviation = surface.tau[known], deviation[:, known]
     longest = surface.time[-1]
     scales = (("d", 86400.0, 3 * 86400.0), ("h", 3600.0, 3 * 3600.0), ("min", 60.0, 600.0), ("s", 1.0, 0.0))
     unit, size = next((unit, size) for unit, size, least in scales if longest >= least)
     norm = Normalize(0, (surface.time[-1] + surface.window / 2) / size)
-    _draw_curves(left, tau, deviation, surface.time / size, norm)
-    left.set(xlabel=TIME)
-    left.set_ylabel(with_unit(statistic_named(surface.statistic).title, surface.unit))
-    style.title(left, surface.name)
+    _draw_curves(curves, tau, deviation, surface.time / size, norm)
+    curves.set(xlabel=TIME)
+    curves.set_ylabel(with_unit(statistic_named(surface.statistic).title, surface.unit))
+    style.title(curves, surface.name)
     scale = mpl.cm.ScalarMappable(norm=norm, cmap=TIME_COLORS)
-    bar = figure.colorbar(scale, cax=left.inset_axes((0.06, 0.14, 0.42, 0.025)), orientation="horizontal")
+    bar = figure.colorbar(scale, cax=curves.inset_axes((0.06, 0.14, 0.42, 0.025)), orientation="horizontal")
     bar.ax.set_title(say("time ({unit})", unit=unit), fontsize=7.5, pad=3)
     bar.ax.tick_params(labelsize=7)
-    left.legend(loc="upper right")
-    mesh = _draw_ratios(right, tau, deviation, surface.time / size)
-    right.set(xlabel=say("time ({unit})", unit=unit), ylabel=TIME)
-    right.set_title(
+    curves.legend(loc="upper right")
+    mesh = _draw_ratios(ratios, tau, deviation, surface.time / size)
+    ratios.set(xlabel=say("time ({unit})", unit=unit), ylabel=TIME)
+    ratios.set_title(
         say("windows of {length}", length=words.duration(surface.window)), loc="right", fontsize=8, color=style.OTHER
     )
     window = surface.window
-    low, high = right.get_ylim()
+    low, high = ratios.get_ylim()
     if low < window / FEW_WINDOWS < high:
-        right.axhline(window / FEW_WINDOWS, color=style.INK, lw=0.8, ls=(0, (4, 3)))
-        right.annotate(
+        ratios.axhline(window / FEW_WINDOWS, color=style.INK, lw=0.8, ls=(0, (4, 3)))
+        ratios.annotate(
             say("above: few degrees of freedom (τ > window/{part})", part=FEW_WINDOWS), (0.01, window / FEW_WINDOWS),
             xycoords=("axes fraction", "data"), xytext=(2, 4), textcoords="offset points", fontsize=7, color=style.INK,
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1.0},
         )  # fmt: skip
-    bar = figure.colorbar(mesh, ax=right, extend="both", aspect=28)
+    bar = figure.colorbar(mesh, ax=ratios, extend="both", aspect=28)
     end = mesh.get_clim()[1] or RATIOS[-1]
     up = [r for r in (1.2, *RATIOS) if r <= end * 1.001 and (end <= 2 or r >= 2)]
     bar.ax.yaxis.set_major_locator(FixedLocator([*(1 / r for r in up), 1.0, *up]))
@@ -208,13 +202,8 @@ def _draw_curves(ax: Axes, tau: FloatArray, deviation: FloatArray, time: FloatAr
     style.grid(ax)
     lines = [np.column_stack([tau, row]) for row in deviation]
     look: dict[str, Any] = {
-        "cmap": TIME_COLORS,
-        "norm": norm,
-        "lw": 0.9,
-        "alpha": 0.75,
-        "zorder": 2,
-        "rasterized": True,
-    }
+        "cmap": TIME_COLORS, "norm": norm, "lw": 0.9, "alpha": 0.75, "zorder": 2, "rasterized": True,
+    }  # fmt: skip
     ax.add_collection(LineCollection(lines, array=time, **look))
     ax.plot(tau, np.nanmedian(deviation, axis=0), color=style.ALARM, lw=1.8, zorder=3, label=say("median over time"))
 

@@ -18,10 +18,10 @@ from allanite.reporting.digits import printable
 
 from .record import time_scale
 
-SURPRISING = 3.0
+MIN_MARKED_SIGMAS = 3.0
 """Standard deviations beyond which a cell is marked: one in 370 by chance."""
 
-LEAST = 0.05
+MIN_RATIO = 0.05
 """Ratio below which a cell is drawn at the edge."""
 
 
@@ -48,11 +48,11 @@ def draw_ratio(ax: Axes, goodness: Goodness) -> None:
     ax.axhline(1.0, color=style.INK, lw=1.0, zorder=2)
     low, high = goodness.frequency[:-1], goodness.frequency[1:]
     # a cell of one coefficient may be as good as empty by chance: it stands at the edge, with an arrow
-    ratio = np.maximum(np.nan_to_num(goodness.ratio), LEAST)
-    odd = np.abs(goodness.z) > SURPRISING
+    ratio = np.maximum(np.nan_to_num(goodness.ratio), MIN_RATIO)
+    odd = np.abs(goodness.z) > MIN_MARKED_SIGMAS
     for where, color in ((~odd, style.DATA), (odd, style.ALARM)):
         ax.hlines(ratio[where], low[where], high[where], color=color, lw=2.2, zorder=3)
-        edge = where & (ratio == LEAST)
+        edge = where & (ratio == MIN_RATIO)
         ax.plot(np.sqrt(low * high)[edge], ratio[edge], "v", color=color, ms=5, zorder=3)
     ax.set_ylim(min(0.5, ratio.min() / 1.2), max(2.0, 1.3 * ratio.max()))
     wide = ratio.max() / ratio.min() > 300
@@ -68,14 +68,14 @@ def draw_surprise(ax: Axes, goodness: Goodness) -> None:
     ax.axhspan(-2, 2, color=style.DATA, alpha=0.14, lw=0, zorder=1)
     ax.axhline(0.0, color=style.INK, lw=1.0, zorder=2)
     low, high = goodness.frequency[:-1], goodness.frequency[1:]
-    odd = np.abs(goodness.z) > SURPRISING
+    odd = np.abs(goodness.z) > MIN_MARKED_SIGMAS
     for where, color in ((~odd, style.DATA), (odd, style.ALARM)):
         ax.bar(low[where], goodness.z[where], (high - low)[where], align="edge", color=color, alpha=0.85, zorder=3)
     reach = max(4.0, 1.15 * float(np.nanmax(np.abs(goodness.z), initial=0.0)))
     ax.set_ylim(-reach, reach)
 
 
-MOST = 70
+MAX_QUANTILES = 70
 """Quantiles that are drawn, about."""
 
 
@@ -100,11 +100,11 @@ def plot_residuals(new_figure: style.NewFigure, residuals: Residuals) -> Figure:
     figure = new_figure(7.2, 6.0)
     halves: Any = figure.subfigures(2, 1, height_ratios=[1.3, 1.0])
     above, below = halves
-    said = residuals.statement
-    color = {EXPLAINED: style.INK, APPROXIMATE: style.FAIR, UNEXPLAINED: style.ALARM}[said.grade]
+    statement = residuals.statement
+    color = {EXPLAINED: style.INK, APPROXIMATE: style.FAIR, UNEXPLAINED: style.ALARM}[statement.grade]
     if residuals.goodness is not None:
         upper, lower = above.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
-        title = say("{grade}, goodness of fit {p}", grade=graded(said.grade), p=chance(residuals.goodness.p))
+        title = say("{grade}, goodness of fit {p}", grade=graded(statement.grade), p=chance(residuals.goodness.p))
         title = join("   ", filter(None, (printable(residuals.name), title)))
         draw_ratio(upper, residuals.goodness)
         draw_surprise(lower, residuals.goodness)
@@ -132,7 +132,7 @@ def _draw(axes: Any, residuals: Residuals) -> None:
     style.grid(ax, fine=False)
     ends = residuals.expected[[0, -1]]
     ax.plot(ends, ends, color=style.INK, lw=1.0)
-    some = slice(None, None, max(residuals.expected.size // MOST, 1))
+    some = slice(None, None, max(residuals.expected.size // MAX_QUANTILES, 1))
     ax.plot(
         residuals.expected[some], residuals.observed[some], ".", color=_color(residuals, "kurtosis"), ms=3, zorder=3
     )

@@ -17,24 +17,9 @@ from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
 from allanite.terms import TERMS, WHITE
 
-from .drawing import (
-    MODEL,
-    UNREAD,
-    LabelBox,
-    by_share,
-    color_of,
-    dashes,
-    draw_label,
-    draw_legend,
-    draw_titles,
-    fractions,
-    label_of,
-    pairs,
-    shade,
-    stacked,
-)
+from . import drawing
 
-MOST_POINTS = 200
+MAX_BAND_POINTS = 200
 """Values that are drawn as points in a band; more are a line, and its band would hide it."""
 
 
@@ -50,33 +35,33 @@ def plot_spectra(
     columns: dict[str, list[Spectrum]] = {}
     for spectrum in spectra:
         columns.setdefault(readable_unit(spectrum.unit), []).append(spectrum)
-    figure, grid = stacked(new_figure, [len(column) for column in columns.values()])
+    figure, grid = drawing.stacked(new_figure, [len(column) for column in columns.values()])
     for axes, column in zip(grid, columns.values(), strict=True):
         lowest, highest = min(s.frequency[0] for s in column), max(s.rate / 2 for s in column)
         for ax, spectrum in zip(axes, column, strict=True):
             ax.set(xscale="log", xlim=(lowest / 1.3, highest * 1.15))
             shown, fit = spectrum.to(readable_unit(spectrum.unit)), fits.get(spectrum.name)
             f, amplitude = shown.frequency, shown.amplitude
-            seen = amplitude[amplitude > 0] if amplitude.any() else np.ones(1)
+            positive = amplitude[amplitude > 0] if amplitude.any() else np.ones(1)
             ax.set_yscale("log")
-            ax.set_ylim(seen.min() / (5 if fit else 2), seen.max() * 2)
+            ax.set_ylim(positive.min() / (5 if fit else 2), positive.max() * 2)
             style.plain_ticks(ax.xaxis, ax.yaxis)
             style.grid(ax)
-            size, width = (3.0, 0.9) if f.size <= MOST_POINTS else (0.0, 0.5)
-            if f.size <= MOST_POINTS:
+            size, width = (3.0, 0.9) if f.size <= MAX_BAND_POINTS else (0.0, 0.5)
+            if f.size <= MAX_BAND_POINTS:
                 low, high = map(np.sqrt, shown.interval(level))
                 label = words.interval(level)
                 ax.fill_between(f, low, high, color=style.DATA, alpha=0.2, lw=0, zorder=2, label=label)
             label = say("spectrum")
             ax.plot(f, amplitude, color=style.DATA, lw=width, marker="o", ms=size, mew=0, zorder=3, label=label)
-            draw_titles(ax, (spectrum.name,), fit, before=spectrum.method)
+            drawing.draw_titles(ax, (spectrum.name,), fit, before=spectrum.method)
             if fit is not None and fit.valid is not None:
-                shade(ax, fit.scope.unread if fit.scope else (), UNREAD)
+                drawing.shade(ax, fit.scope.unread if fit.scope else (), drawing.UNREAD)
                 _draw_model(ax, shown, fit, level)
             sides, unit = SIDED[spectrum.sides], shown.amplitude_unit
             ax.set_ylabel(say("{sides} amplitude\nspectral density ({unit})", sides=sides, unit=unit))
         axes[-1].set_xlabel(say("frequency (Hz)"))
-    draw_legend(figure, marks=False, columns=4)
+    drawing.draw_legend(figure, marks=False, columns=4)
     return figure
 
 
@@ -87,26 +72,28 @@ def _draw_model(ax: Axes, spectrum: Spectrum, fit: Fit, level: float) -> None:
     whole = _expected(spectrum, fit.valid, f)
     if behind is not None:
         whole = whole * np.sqrt(FILTERS[behind.row].gain(f / spectrum.rate, behind.cutoff / spectrum.rate))
-    ax.plot(f, whole, color=style.INK, lw=1.3, zorder=4, label=MODEL)
+    ax.plot(f, whole, color=style.INK, lw=1.3, zorder=4, label=drawing.MODEL)
     lines = {term.symbol: _expected(spectrum, term, f) for term in fit.valid if term.row.waveform is None}
     for symbol, line in lines.items():
-        ax.plot(f, line, color=color_of(symbol), lw=1.2, ls=dashes(symbol), zorder=2.5)
-    paths = {symbol: fractions(ax, pairs(f, line)) for symbol, line in lines.items()}
-    drawn = fractions(ax, np.vstack([pairs(spectrum.frequency, spectrum.amplitude), pairs(f, whole)]))
-    placed: list[LabelBox] = []
+        ax.plot(f, line, color=drawing.color_of(symbol), lw=1.2, ls=drawing.dashes(symbol), zorder=2.5)
+    paths = {symbol: drawing.fractions(ax, drawing.pairs(f, line)) for symbol, line in lines.items()}
+    drawn = drawing.fractions(
+        ax, np.vstack([drawing.pairs(spectrum.frequency, spectrum.amplitude), drawing.pairs(f, whole)])
+    )
+    placed: list[drawing.LabelBox] = []
     for e in (e for e in fit if e.value is not None and e.symbol in lines):
-        anchors = paths[e.symbol][by_share(lines[e.symbol], whole)]
-        seen = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]
+        anchors = paths[e.symbol][drawing.by_share(lines[e.symbol], whole)]
+        visible = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]
         avoid = np.concatenate([drawn, *(path[::4] for path in paths.values())])
-        if len(seen):
-            text = label_of(e, level)
+        if len(visible):
+            text = drawing.label_of(e, level)
             if TERMS[e.symbol].slope == WHITE:
                 # its level on the axis, which depends on the convention: ``√2 N = 10.1 deg/h/√Hz, one-sided``
                 factor, unit = math.sqrt(SIDES[spectrum.sides]), spectrum.amplitude_unit
                 name = "N" if factor == 1 else "√2 N"
                 size = f"{name} = {factor * e.to(unit):.3g} {unit}"
                 text = join("", (text, "\n", join(", ", (size, SIDED[spectrum.sides]))))
-            placed.append(draw_label(ax, (e.symbol, text), seen[::8], avoid, placed))
+            placed.append(drawing.draw_label(ax, (e.symbol, text), visible[::8], avoid, placed))
 
 
 def _expected(spectrum: Spectrum, model: Model | Term, f: FloatArray) -> FloatArray:

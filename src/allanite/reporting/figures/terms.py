@@ -78,8 +78,8 @@ def _lines(ax: Axes, panel: CurvePanel, model: Model) -> ModelLines:
 def _labels(panel: CurvePanel, model: Model, level: float) -> list[Named]:
     """The terms that were found, with their intervals; of a model that was given those of one symbol share a label."""
     if panel.fit is not None:
-        found = [e for e in panel.fit if e.value is not None and e.symbol in {t.symbol for t in model}]
-        return [Named(e.symbol, label_of(e, level, brief=panel.brief), e.sheet_unit, model[e.symbol]) for e in found]
+        own = (e for e in panel.fit if e.value is not None and e.symbol in {t.symbol for t in model})
+        return [Named(e.symbol, label_of(e, level, brief=panel.brief), e.sheet_unit, model[e.symbol]) for e in own]
     named = []
     for symbol in dict.fromkeys(t.symbol for t in model):
         terms, sizes = [t for t in model if t.symbol == symbol], []
@@ -99,10 +99,10 @@ def _draw_labels(
     ax: Axes,
     panel: CurvePanel,
     named: Sequence[Named],
-    seen: tuple[ModelLines, FloatArray, dict[str, FloatArray]],
+    drawn: tuple[ModelLines, FloatArray, dict[str, FloatArray]],
     placed: list[LabelBox],
 ) -> None:
-    lines, curves, paths = seen
+    lines, curves, paths = drawn
     for symbol in (symbol for symbol in paths if TERMS[symbol].periodic and panel.fit is not None):
         # the word at the highest hump of the sinusoids, if the model holds anywhere near
         path = paths[symbol]
@@ -126,15 +126,15 @@ def _draw_labels(
 
 def _draw_slope(ax: Axes, named: tuple[str, str], path: FloatArray, curves: FloatArray, placed: list[LabelBox]) -> None:
     """The slope on the line of a term, where the line is far from the curve and from the labels."""
-    symbol, said = named
-    seen = path[((path > 0.06) & (path < 0.94)).all(axis=1)][::6]
-    if not len(seen):
+    symbol, slope = named
+    visible = path[((path > 0.06) & (path < 0.94)).all(axis=1)][::6]
+    if not len(visible):
         return
-    boxes = [LabelBox(float(x), float(y), 0.12, 0.05) for x, y in seen]
+    boxes = [LabelBox(float(x), float(y), 0.12, 0.05) for x, y in visible]
     box = max(boxes, key=lambda box: freedom(box, curves, placed))
     placed.append(box)
     ax.text(
-        box.x, box.y, say("slope {slope}", slope=said), transform=ax.transAxes, ha="center", va="center", fontsize=8,
+        box.x, box.y, say("slope {slope}", slope=slope), transform=ax.transAxes, ha="center", va="center", fontsize=8,
         color=color_of(symbol), zorder=5, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
     )  # fmt: skip
 

@@ -15,11 +15,11 @@ from allanite.applications.attitude.scenarios import ScenarioErrors
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.reporting import style
+from allanite.reporting.words import ARCSEC
 
 from .drawing import color_of
 
-ARCSEC = math.pi / 648_000
-MOST_POINTS = 4000
+MAX_LINE_POINTS = 4000
 """Points of a line over time."""
 
 
@@ -98,7 +98,7 @@ def plot_angles(new_figure: style.NewFigure, angles: Sequence[Angle]) -> Figure:
         style.grid(ax)
         if isinstance(angle.record, Record):
             values = angle.record.values
-            size = max(1, len(values) // MOST_POINTS)
+            size = max(1, len(values) // MAX_LINE_POINTS)
             blocks = values[: len(values) // size * size].reshape(-1, size)
             t = (np.arange(len(blocks)) + 0.5) * size / angle.record.rate
             ax.fill_between(t, blocks.min(axis=1), blocks.max(axis=1), color=style.SERIES[0], alpha=0.25, lw=0)

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import svg as ink
 from .axis import Ticks
-from .marks import Mark
+from .marks import Artist
 from .panel import Panel, place_in
 
 SIZE = 8.0
@@ -21,7 +21,7 @@ KEY, GAP, LEADING = 2.0 * SIZE, 0.8 * SIZE, 1.5 * SIZE
 class Legend:
     """Keys with words, filled column by column; columns `spacing` letters apart."""
 
-    def __init__(self, handles: Sequence[Mark], labels: Sequence[str], columns: int, spacing: float = 2.0) -> None:
+    def __init__(self, handles: Sequence[Artist], labels: Sequence[str], columns: int, spacing: float = 2.0) -> None:
         self.labels = [" ".join(ink.shown(label)) for label in labels]
         count = max(1, min(columns, len(labels)))
         self.columns = [part.tolist() for part in np.array_split(np.arange(len(labels)), count)]
@@ -128,23 +128,17 @@ class PanelFrame:
             legend = key.svg(left, self.box.top + IN_CORNER / LEADING, self.panel.ink)
         return "".join(
             (
-                f'<clipPath id="c{number}"><rect{rectangle}/></clipPath>',
-                *self._grid(),
-                f'<g clip-path="url(#c{number})">',
-                *(mark.draw(place) for mark in marks),
-                "</g>",
-                *self._ticks(),
-                f"<rect{rectangle} {ink.stroke(self.edge, EDGE_WIDTH)}/>",
-                *self._names(),
-                legend,
+                f'<clipPath id="c{number}"><rect{rectangle}/></clipPath>', *self._grid(),
+                f'<g clip-path="url(#c{number})">', *(mark.draw(place) for mark in marks), "</g>", *self._ticks(),
+                f"<rect{rectangle} {ink.stroke(self.edge, EDGE_WIDTH)}/>", *self._names(), legend,
             )
-        )
+        )  # fmt: skip
 
     def _at(self, places: list[float], *, across: bool) -> list[float]:
         side = self.panel.xaxis if across else self.panel.yaxis
         share = side.share(np.array(places)) if places else np.empty(0)
-        found = self.box.left + self.box.width * share if across else self.box.top + self.box.height * (1 - share)
-        return [float(at) for at in found]
+        points = self.box.left + self.box.width * share if across else self.box.top + self.box.height * (1 - share)
+        return [float(at) for at in points]
 
     def _grid(self) -> Iterator[str]:
         left, top, width, height = (ink.number(value) for value in self.box)

@@ -55,25 +55,25 @@ def limited(kind: Class) -> Class:
     return kind
 
 
-LARGEST = 1e300
+MAX_VALUE = 1e300
 """Beyond it values, and beyond its inverse those on a logarithmic axis, are not in sight."""
 
 MARGIN = 0.05
 """Room beside the data where no limits are given."""
 
-NEAR = 1e-10
+MAX_TICK_EXCESS = 1e-10
 """A tick so far outside of the view, relative to its width, is drawn."""
 
 FORMATTERS, LOCATORS = (FuncFormatter, NullFormatter), (FixedLocator, LogLocator, MaxNLocator)
 """What needs no axis of matplotlib."""
 
-APART = 1e-6
+MIN_MINOR_DISTANCE = 1e-6
 """Part of the view by which minor ticks are away from major ones."""
 
 STEPS, FINE = [1, 2, 2.5, 5, 10], [2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]
 """Steps of ticks in a decade, and minor ticks of one on a logarithmic axis."""
 
-LONG = 5
+MIN_LONG_DIGITS = 5
 """Digits of a label from which on a common power of ten, or a common value, stands at the end of the axis."""
 
 
@@ -133,10 +133,10 @@ class Side:
         if self.limits:
             return self.limits
         known = np.concatenate([np.empty(0), *self.known, np.array(self._fixed or [])])
-        seen = known[(np.abs(known) < LARGEST) & ((known > 1 / LARGEST) | (self.scale == "linear"))]
-        if not seen.size:
+        inside = known[(np.abs(known) < MAX_VALUE) & ((known > 1 / MAX_VALUE) | (self.scale == "linear"))]
+        if not inside.size:
             return (1.0, 10.0) if self.scale == "log" else (0.0, 1.0)
-        low, high = float(self.place(seen.min())), float(self.place(seen.max()))
+        low, high = float(self.place(inside.min())), float(self.place(inside.max()))
         room = MARGIN * (high - low)
         if not room:
             room = 0.5 if self.scale == "log" else abs(low) * MARGIN or MARGIN
@@ -145,7 +145,7 @@ class Side:
             low, high = min(low - room, float(ends[0])), max(high + room, float(ends[1]))
         else:
             low, high = low - room, high + room
-        most = math.log10(LARGEST)
+        most = math.log10(MAX_VALUE)
         return (10.0 ** max(low, -most), 10.0 ** min(high, most)) if self.scale == "log" else (low, high)
 
     def place(self, values: Any) -> Any:
@@ -188,8 +188,8 @@ class Side:
         """Places within the view that are not taken."""
         at = np.unique(np.asarray(places, dtype=float))
         share = self.share(at)
-        free = np.abs(np.subtract.outer(share, self.share(list(taken)))).min(axis=1, initial=1.0) > APART
-        return [float(value) for value in at[(share >= -NEAR) & (share <= 1 + NEAR) & free]]
+        free = np.abs(np.subtract.outer(share, self.share(list(taken)))).min(axis=1, initial=1.0) > MIN_MINOR_DISTANCE
+        return [float(value) for value in at[(share >= -MAX_TICK_EXCESS) & (share <= 1 + MAX_TICK_EXCESS) & free]]
 
 
 def _demand(given: Any, known: tuple[type, ...]) -> None:
@@ -212,12 +212,12 @@ def plain(places: Sequence[float]) -> tuple[list[str], str]:
     if not places:
         return [], ""
     largest, wide = max(map(abs, places)) or 1.0, max(places) - min(places)
-    if 0 < wide < largest / 10.0 ** (LONG - 1):
+    if 0 < wide < largest / 10.0 ** (MIN_LONG_DIGITS - 1):
         base = round(places[0], -math.floor(math.log10(wide)))
         rest, beside = plain([at - base for at in places])
         return rest, f"{beside} {base:+.12g}".strip()
     order = math.floor(math.log10(largest) + 1e-6)  # places are differences, with their rounding
-    if not -LONG < order < LONG:
+    if not -MIN_LONG_DIGITS < order < MIN_LONG_DIGITS:
         return plain([at / 10.0**order for at in places])[0], f"$×10^{{{order}}}$"
     step = min((b - a for a, b in pairwise(places)), default=largest)
     decimals = next((d for d in range(12) if all(abs(round(at, d) - at) < 1e-3 * step for at in places)), 12)

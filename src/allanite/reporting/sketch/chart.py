@@ -8,10 +8,10 @@ import numpy as np
 from . import svg as ink
 from .axes_box import LABEL, TICK, Box, Legend, PanelFrame
 from .axis import Side, Unsketched, limited
-from .marks import Mark
+from .marks import Artist
 from .panel import Panel
 
-EDGE, BETWEEN = 3.0, 8.0
+EDGE_ROOM, PANEL_ROOM = 3.0, 8.0
 """Room at the edge of the figure, and between panels beside what belongs to them, points."""
 
 ROUNDS = 2
@@ -45,8 +45,8 @@ def _boxes(
     """Boxes whose columns and rows have common edges."""
     width, height, above = page
     left, top, right, below = (room[:, :, i].max(axis=1 - axis) for i, axis in ((0, 1), (1, 0), (2, 1), (3, 0)))
-    x, wide = _along(left, right, ratios[0], (EDGE, width - EDGE))
-    y, high = _along(top, below, ratios[1], (EDGE + above, height - EDGE))
+    x, wide = _along(left, right, ratios[0], (EDGE_ROOM, width - EDGE_ROOM))
+    y, high = _along(top, below, ratios[1], (EDGE_ROOM + above, height - EDGE_ROOM))
     return [[Box(a, b, w, h) for a, w in zip(x, wide, strict=True)] for b, h in zip(y, high, strict=True)]
 
 
@@ -55,12 +55,12 @@ def _along(
 ) -> tuple[list[float], list[float]]:
     """Starts and lengths."""
     start, end = ends
-    free = end - start - before.sum() - after.sum() - BETWEEN * (len(ratios) - 1)
+    free = end - start - before.sum() - after.sum() - PANEL_ROOM * (len(ratios) - 1)
     lengths = np.maximum(free, 10.0) * np.array(ratios) / sum(ratios)
     starts, at = [], start
     for i, length in enumerate(lengths):
         starts.append(float(at + before[i]))
-        at += before[i] + length + after[i] + BETWEEN
+        at += before[i] + length + after[i] + PANEL_ROOM
     return starts, [float(length) for length in lengths]
 
 
@@ -140,16 +140,16 @@ class Chart:
                 panel.figure = self
                 panel.labelled = not sharex or i == rows - 1
         self.ratios = (list(width_ratios or [1.0] * columns), list(height_ratios or [1.0] * rows))
-        found = np.empty((rows, columns), dtype=object)
+        panels = np.empty((rows, columns), dtype=object)
         for i, row in enumerate(self.grid):
             for j, panel in enumerate(row):
-                found[i, j] = panel
+                panels[i, j] = panel
         if not squeeze:
-            return found
-        return found.item() if found.size == 1 else found.squeeze()
+            return panels
+        return panels.item() if panels.size == 1 else panels.squeeze()
 
     def legend(
-        self, handles: Sequence[Mark], labels: Sequence[str], *, loc: str, ncols: int, columnspacing: float
+        self, handles: Sequence[Artist], labels: Sequence[str], *, loc: str, ncols: int, columnspacing: float
     ) -> Legend:
         """What the lines of all panels are, above them."""
         if loc != "outside upper center":

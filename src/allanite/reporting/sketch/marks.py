@@ -20,7 +20,7 @@ Place = Callable[[FloatArray, FloatArray, str], tuple[FloatArray, FloatArray]]
 Points = tuple[FloatArray, FloatArray]
 
 
-class Mark(Protocol):
+class Artist(Protocol):
     """Anything drawn in a panel."""
 
     @property
@@ -77,8 +77,8 @@ class Marker:
     def at(self, x: FloatArray, y: FloatArray) -> str:
         """At points of the page."""
         shape = SHAPES[self.shape](self.size / 2)
-        there = np.isfinite(x) & np.isfinite(y) & (np.abs(x) < ink.FAR) & (np.abs(y) < ink.FAR)
-        places = zip(x[there].tolist(), y[there].tolist(), strict=True)
+        visible = np.isfinite(x) & np.isfinite(y) & (np.abs(x) < ink.MAX_COORDINATE) & (np.abs(y) < ink.MAX_COORDINATE)
+        places = zip(x[visible].tolist(), y[visible].tolist(), strict=True)
         d = "".join(f"M{ink.number(a)} {ink.number(b)}{shape}" for a, b in places)
         edge = ink.hexadecimal(self.edge) if self.width else None
         inside = "none" if self.shape in BARE else ink.hexadecimal(self.inside)
@@ -108,16 +108,16 @@ class LineMark:
         return np.column_stack([self.x, self.y])
 
     def extent(self) -> Points:
-        """See `Mark`."""
+        """See `Artist`."""
         return (self.x, self.y) if self.meaning == DATA else self.reach
 
     def draw(self, place: Place) -> str:
-        """See `Mark`."""
+        """See `Artist`."""
         points = place(self.x, self.y, self.meaning)
         return self._through(points, points)
 
     def key(self, x: float, y: float, width: float, size: float) -> str:
-        """See `Mark`."""
+        """See `Artist`."""
         ends = np.array([x, x + width]), np.array([y, y])
         return self._through(ends, (np.array([x + width / 2]), np.array([y])))
 
@@ -140,21 +140,21 @@ class Area:
     label: str = ""
 
     def extent(self) -> Points:
-        """See `Mark`."""
+        """See `Artist`."""
         return np.concatenate([self.x, self.x]), np.concatenate([self.low, self.high])
 
     def draw(self, place: Place) -> str:
-        """See `Mark`."""
+        """See `Artist`."""
         (x, low), (_, high) = place(self.x, self.low, DATA), place(self.x, self.high, DATA)
-        there = np.isfinite(x) & np.isfinite(low) & np.isfinite(high)
-        edges = np.flatnonzero(np.diff(there, prepend=False, append=False)).reshape(-1, 2).tolist()
+        known = np.isfinite(x) & np.isfinite(low) & np.isfinite(high)
+        edges = np.flatnonzero(np.diff(known, prepend=False, append=False)).reshape(-1, 2).tolist()
         d = "".join(
             ink.path(np.r_[x[a:b], x[a:b][::-1]], np.r_[low[a:b], high[a:b][::-1]], closed=True) for a, b in edges
         )
         return ink.element(d, ink.fill(self.color, self.alpha))
 
     def key(self, x: float, y: float, width: float, size: float) -> str:
-        """See `Mark`."""
+        """See `Artist`."""
         return _patch(x, y, width, size, ink.fill(self.color, self.alpha))
 
 
@@ -174,12 +174,12 @@ class Boxes:
     up: bool = False
 
     def extent(self) -> Points:
-        """See `Mark`."""
+        """See `Artist`."""
         x = NOTHING if self.across else np.concatenate([self.left, self.right])
         return x, NOTHING if self.up else np.concatenate([self.low, self.high])
 
     def draw(self, place: Place) -> str:
-        """See `Mark`."""
+        """See `Artist`."""
         corners = [(self.left, self.low), (self.right, self.high)]
         (x0, y0), (x1, y1) = (place(*corner, DATA) for corner in corners)
         if self.across:
@@ -193,7 +193,7 @@ class Boxes:
         return ink.element(d, ink.fill(self.color, self.alpha))
 
     def key(self, x: float, y: float, width: float, size: float) -> str:
-        """See `Mark`."""
+        """See `Artist`."""
         return _patch(x, y, width, size, ink.fill(self.color, self.alpha))
 
 
@@ -224,11 +224,11 @@ class Words:
     label: str = ""
 
     def extent(self) -> Points:
-        """See `Mark`."""
+        """See `Artist`."""
         return NOTHING, NOTHING
 
     def draw(self, place: Place) -> str:
-        """See `Mark`."""
+        """See `Artist`."""
         x, y = self._point(place, self.at)
         x, y = x + self.offset[0], y - self.offset[1]
         lines, parts = ink.shown(self.text), []

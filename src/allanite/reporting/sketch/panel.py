@@ -8,7 +8,7 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 
 from .axis import Side, Unsketched, limited
-from .marks import AXES, BLEND, DASHES, DATA, DOT, EDGE, Area, Boxes, LineMark, Mark, Words, line_of
+from .marks import AXES, BLEND, DASHES, DATA, DOT, EDGE, Area, Artist, Boxes, LineMark, Words, line_of
 
 
 class GridLines(NamedTuple):
@@ -34,7 +34,7 @@ class Panel:
 
     def __init__(self, x: Side, ink: str, geometry: tuple[int, int]) -> None:
         self.xaxis, self.yaxis, self.ink = x, Side(across=False), ink
-        self.marks: list[Mark] = []
+        self.marks: list[Artist] = []
         self.grids: dict[str, GridLines] = {}
         self.titles: dict[str, Title] = {}
         self.legends: dict[str, Any] | None = None
@@ -146,7 +146,7 @@ class Panel:
             raise Unsketched("legend")
         self.legends = options
 
-    def get_legend_handles_labels(self) -> tuple[list[Mark], list[str]]:
+    def get_legend_handles_labels(self) -> tuple[list[Artist], list[str]]:
         """What stands in a legend."""
         named = [mark for mark in self.marks if mark.label]
         return named, [mark.label for mark in named]
@@ -268,7 +268,7 @@ class Panel:
                   meaning=meaning, offset=offset, pad=pad, opacity=opacity, leader=leader, z=zorder)
         )  # fmt: skip
 
-    def _add(self, mark: Mark, *, wide: bool = False) -> None:
+    def _add(self, mark: Artist, *, wide: bool = False) -> None:
         if wide:
             raise Unsketched("edge of a strip")
         x, y = mark.extent()

@@ -12,6 +12,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.units import RAISED
+from allanite.reporting.fonts import ON_PAGE
 from allanite.reporting.language import tr
 
 from .axis import Unsketched
@@ -19,7 +20,7 @@ from .axis import Unsketched
 ABOVE, BELOW = 0.76, 0.24
 """Height of a line above and below its foot, sizes of the letters."""
 
-FULL = 1.0
+FULL_WIDTH = 1.0
 """Width of a letter that the font does not have, sizes: Chinese ones are squares."""
 
 
@@ -39,7 +40,7 @@ def wide(text: str, *, bold: bool = False) -> float:
 def _letter(letter: str, bold: bool) -> float:
     font = _font(bold)
     if not font.get_char_index(ord(letter)):
-        return FULL
+        return FULL_WIDTH
     return float(font.load_char(ord(letter)).linearHoriAdvance) / 65536 / _SIZE
 
 
@@ -60,10 +61,7 @@ if hasattr(os, "register_at_fork"):  # processes that share an open file move ea
     os.register_at_fork(after_in_child=_font.cache_clear)
 
 
-FONT = "'DejaVu Sans',Verdana,sans-serif"
-"""Verdana has the same widths."""
-
-FAR = 20_000.0
+MAX_COORDINATE = 20_000.0
 """Points beyond which a coordinate is not drawn any farther: browsers count in single precision."""
 
 _POWER = re.compile(r"\$(×?)10\^\{(-?\d+)\}\$")
@@ -85,10 +83,10 @@ def path(x: FloatArray, y: FloatArray, *, closed: bool = False) -> str:
     >>> path(np.array([0.0, 1.0, np.nan, 2.0, 3.0]), np.array([0.0, 1.5, 0.0, 2.0, 0.0]))
     'M0 0L1 1.5M2 2L3 0'
     """
-    there = np.isfinite(x) & np.isfinite(y)
-    x, y = (np.clip(np.round(values, 1), -FAR, FAR) + 0.0 for values in (x, y))
+    finite = np.isfinite(x) & np.isfinite(y)
+    x, y = (np.clip(np.round(values, 1), -MAX_COORDINATE, MAX_COORDINATE) + 0.0 for values in (x, y))
     parts, last = [], False
-    for known, at, level in zip(there.tolist(), x.tolist(), y.tolist(), strict=True):
+    for known, at, level in zip(finite.tolist(), x.tolist(), y.tolist(), strict=True):
         if known:
             parts.append(f"{'L' if last else 'M'}{at:g} {level:g}")
         last = known
@@ -112,12 +110,9 @@ def stroke(color: str, width: float, dash: Sequence[float] = (), opacity: float 
     """The style of a line; dashes are in widths of it."""
     dashes = ",".join(f"{width * part:.4g}" for part in dash) or None
     return style(
-        fill="none",
-        stroke=hexadecimal(color),
-        stroke_width=f"{width:.4g}",
-        stroke_dasharray=dashes,
+        fill="none", stroke=hexadecimal(color), stroke_width=f"{width:.4g}", stroke_dasharray=dashes,
         stroke_opacity=opacity,
-    )
+    )  # fmt: skip
 
 
 def fill(color: str, opacity: float | None = None) -> str:
@@ -132,8 +127,8 @@ def element(d: str, styled: str) -> str:
 
 def shown(text: str) -> list[str]:
     """Lines of a text as they are read, in the language that is spoken; powers of ten in raised digits."""
-    said = _POWER.sub(lambda found: f"{found[1]}10{found[2].translate(RAISED)}", str(tr(text)))
-    return said.splitlines()
+    raised = _POWER.sub(lambda found: f"{found[1]}10{found[2].translate(RAISED)}", str(tr(text)))
+    return raised.splitlines()
 
 
 def size_of(lines: Iterable[str], size: float, *, bold: bool = False, spacing: float = 1.2) -> tuple[float, float]:
@@ -162,7 +157,7 @@ def words(  # noqa: PLR0913 - each has a default, and is a property of its own
     _, height = size_of(lines, size, spacing=spacing)
     above = {"baseline": -ABOVE * size, "top": 0.0, "center": -height / 2, "bottom": -height}[va] + ABOVE * size
     look = style(
-        font=f"{'bold ' if bold else ''}{size:g}px {FONT}",
+        font=f"{'bold ' if bold else ''}{size:g}px {ON_PAGE}",
         text_anchor=ANCHORS[ha] if ha != "left" else None,
         fill=hexadecimal(color),
     )

@@ -57,7 +57,7 @@ _OWN = {
     "Batch": "batch.batch_view",
     "Lot": "lot.lot_view",
     "Meaning": "expectation.meaning_view",
-    "Survey": "numbers.survey_view",
+    "Survey": "values.survey_view",
     "Record": "details.record_view",
     "Recording": "details.record_view",
     "Curve": "values.value_view",
@@ -147,5 +147,5 @@ def level_of(value: Any, level: float | None = None) -> float:
     """The confidence level: as given, that of the result's recipe, or 0.95."""
     if level is not None:
         return level
-    found = getattr(getattr(value, "recipe", value), "level", None)
-    return found if isinstance(found, float) else 0.95
+    own = getattr(getattr(value, "recipe", value), "level", None)
+    return own if isinstance(own, float) else 0.95

@@ -20,7 +20,7 @@ from allanite.reporting.sheet import Column, Drawing, Face, Fold, Note, Part, Pl
 from allanite.study.results import Channel, Study
 
 from . import Rows, view
-from .axes import first_of
+from .channels import first_of
 from .datasheet import DATA_SHEET, alternative, card_of, data_sheet_table
 from .details import details, fitness, over_time, overlay
 from .expectation import causes, meaning_notes, meaning_of, meanings
@@ -63,7 +63,7 @@ EXPLAINED = {
 """How a method works, in a few sentences; without them its title is enough."""
 
 CURVE_ALONE = say("The curve is estimated independently and shown for comparison: no coefficient was read off it.")
-LIMITS = say(
+LIMITS_KEY = say(
     "The intervals of the curve come from the exact distribution of the statistic, averaged over the noise models that "
     "the record leaves open: a random walk that was not identified may still be present."
 )
@@ -136,8 +136,8 @@ def _how(study: Study) -> Iterator[Part]:
     recipe, fits = study.recipe, [channel.fit for channel in study.channels if channel.fit]
     row = METHODS.get(recipe.method)
     if row is not None:
-        said = {"method": recipe.method, "title": row.title, "efficiency": row.efficiency}
-        yield Note(say("Method: {method}, {title}; measured: {efficiency}.", **said))
+        facts = {"method": recipe.method, "title": row.title, "efficiency": row.efficiency}
+        yield Note(say("Method: {method}, {title}; measured: {efficiency}.", **facts))
     yield from (Note(paragraph) for paragraph in EXPLAINED.get(recipe.method, ()))
     alone: Phrase = CURVE_ALONE
     if row is not None and row.statistic:
@@ -145,7 +145,7 @@ def _how(study: Study) -> Iterator[Part]:
         alone = say(
             "The coefficients were read off a curve, {statistic}: the notes say from which points.", statistic=statistic
         )
-    yield Note(join(" ", (alone, LIMITS)))
+    yield Note(join(" ", (alone, LIMITS_KEY)))
     yield Note(DATA_SHEET)
     met = {e.status for fit in fits for e in fit}
     rows = [[status.name, status.meaning] for status in STATUSES.values() if status.name in met]
@@ -203,8 +203,8 @@ def study_view(study: Study, level: float) -> Face:
     panels = {panel.name: panel for panel in figures.panels_of(study, demand=False)}
     meant = [meaning_of(channel, study.recipe.device) for channel in study.channels]
     sheets = [
-        _sheet(channel, level, panels.get(channel.record.name), one)
-        for channel, one in zip(study.channels, meant, strict=True)
+        _sheet(channel, level, panels.get(channel.record.name), meaning)
+        for channel, meaning in zip(study.channels, meant, strict=True)
     ]
     method = say(", method {method}", method=study.recipe.method)
     # sensors, sampling rate, length and program in a line
@@ -215,20 +215,19 @@ def study_view(study: Study, level: float) -> Face:
         for sensor, n in sensors.items()
     ]
     same = {(f"{r.rate:.8g} Hz", words.duration(r.duration), say("{count} samples", count=r.size)) for r in records}
-    found = [*counted, *(next(iter(same)) if len(same) == 1 else ())]
-    found += [f"allanite {study.provenance['allanite']}"] if study.provenance.get("allanite") else []
+    facts = [*counted, *(next(iter(same)) if len(same) == 1 else ())]
+    facts += [f"allanite {study.provenance['allanite']}"] if study.provenance.get("allanite") else []
     digest = study.provenance.get("sha256", "")
     return job_face(
-        study,
-        (say("Noise of {source}", source=source_of(study)), BRAND),
-        sheets,
-        [*_together(study, list(panels.values()), level), *causes([one for one in meant if one is not None])],
+        study, (say("Noise of {source}", source=source_of(study)), BRAND), sheets,
+        [
+            *_together(study, list(panels.values()), level),
+            *causes([meaning for meaning in meant if meaning is not None]),
+        ],
         header=header_of(study.provenance, study.notes, method if fitted else ""),
-        close=[*meanings(meant), *_statuses(study)],
-        how=list(_how(study)),
-        device=study.recipe.labels,
-        facts=[*found, f"sha256 {digest[:12]}…"] if digest else found,
-    )
+        close=[*meanings(meant), *_statuses(study)], how=list(_how(study)), device=study.recipe.labels,
+        facts=[*facts, f"sha256 {digest[:12]}…"] if digest else facts,
+    )  # fmt: skip
 
 
 @view(_plot)

@@ -14,15 +14,15 @@ from allanite.applications.angle.harmonics import NUISANCES
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.syntax import toml
-from allanite.core.units import convert, unit_of
+from allanite.core.units import convert
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Plot, Sheet, Table, header_of
+from allanite.reporting.words import ARCSEC
 
 from . import view, view_of
 
-ARCSEC = unit_of("arcsec").factor
 BRAND = say("harmonic errors of angle sensors")
 
 ENCODER = {
@@ -79,16 +79,16 @@ def _verdict(result: Result, level: float, doubt: bool) -> str:
         for h, k in rows
         if h.found(k)
     ]  # fmt: skip
-    found = join(", ", amplitudes)
+    present = join(", ", amplitudes)
     absent = [say("{order} of {angle}", order=k, angle=h.name or say("the angle")) for h, k in rows if not h.found(k)]
-    if not found:
-        said = [say("No harmonic was found.")]
+    if not present:
+        sentences = [say("No harmonic was found.")]
     elif any(h.status(k) == "weak" for h, k in rows):
-        said = [say("Doubtful are {harmonics}.", harmonics=found)]
+        sentences = [say("Doubtful are {harmonics}.", harmonics=present)]
     else:
-        said = [say("Found are {harmonics}.", harmonics=found)]
-    said += [say("Not found: {harmonics}.", harmonics=join(", ", absent))] if absent and found else []
-    return join(" ", [*said, say("Read the warnings before using the numbers.")] if doubt else said)
+        sentences = [say("Found are {harmonics}.", harmonics=present)]
+    sentences += [say("Not found: {harmonics}.", harmonics=join(", ", absent))] if absent and present else []
+    return join(" ", [*sentences, say("Read the warnings before using the numbers.")] if doubt else sentences)
 
 
 def _compared(result: Result, solution: Solution, level: float) -> Iterator[Part]:
@@ -299,21 +299,15 @@ def _plan_sheet(plan: AnglePlan, title: str, compared: Scan | None = None) -> Sh
         prior = say("known before to {amplitudes:g} (amplitudes) and {rest:g}", amplitudes=known[0], rest=known[1])
     when = say(
         "from {start} after h = 0 for {length}, every {interval:g} s: h from {low:.2f} to {high:.2f} deg",
-        start=words.duration(plan.start),
-        length=words.duration(chosen.duration),
-        interval=chosen.interval,
-        low=low,
+        start=words.duration(plan.start), length=words.duration(chosen.duration), interval=chosen.interval, low=low,
         high=high,
-    )
+    )  # fmt: skip
     where = say(
         "latitude {latitude:.6g} deg, q by the {law} law, noise of one sample {sigma:g}; {prior}; condition "
         "{condition:.4g}",
-        latitude=math.degrees(chosen.latitude),
-        law=LAWS[chosen.q_law],
-        sigma=chosen.sigma,
-        prior=prior,
+        latitude=math.degrees(chosen.latitude), law=LAWS[chosen.q_law], sigma=chosen.sigma, prior=prior,
         condition=plan.condition,
-    )
+    )  # fmt: skip
     alerts = [Note(str(finding), "warning") for finding in plan.findings]
     total = say_count(
         plan.amplitudes,
@@ -356,7 +350,7 @@ WINDOWS = (
     Column(say("condition"), form=".4g"),
 )  # fmt: skip
 
-FEW = 8
+MAX_WINDOWS = 8
 """Windows that stand side by side in a table."""
 
 
@@ -379,18 +373,15 @@ def scan_view(scan: Scan, level: float) -> Face:
         "standard deviations of the {count} amplitude add up to {total:.3g}.",
         "The best window of {length} begins {start} after h = 0, h from {low:.1f} to {high:.1f} deg: the expected "
         "standard deviations of the {count} amplitudes add up to {total:.3g}.",
-        length=words.duration(best.settings.duration),
-        start=words.duration(best.start),
-        low=low,
-        high=high,
+        length=words.duration(best.settings.duration), start=words.duration(best.start), low=low, high=high,
         total=best.total,
-    )
+    )  # fmt: skip
     marks: list[Mark] = ["strong" if i == scan.totals.argmin() else "" for i in range(len(scan.starts))]
     parts: list[Part] = [
         Drawing(lambda: figures.plot_scan(scan), say("expected accuracy by the start of the interval"), SCANNED),
         Table(WINDOWS, [row[: len(WINDOWS)] for row in scan.rows()[1]], say("all windows"), marks=marks, details=True),
     ]
-    few = scan if len(scan.starts) <= FEW else None
+    few = scan if len(scan.starts) <= MAX_WINDOWS else None
     if few is not None:  # the amplitudes by range of h
         rows = [
             [say("sum"), *(f"{t:.4g}" for t in scan.totals)],

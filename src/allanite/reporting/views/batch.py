@@ -21,11 +21,11 @@ from allanite.study.results import Channel
 
 from . import Rows, view
 from .analysis import study_view
-from .axes import fit_words, names_in_order
+from .channels import IN_RUN_SHORT, fit_words, names_in_order
 from .expectation import causes_of
 from .fit import definitions, terms_table
 
-EVERY = 1_000_000
+ALL_ROWS = 1_000_000
 """Rows of a table that has all of them in a terminal, too."""
 
 OUTCOME_WORDS = {PASS: say("pass"), FAIL: say("fail"), NOT_SHOWN: say("not shown"), "": ""}
@@ -37,10 +37,10 @@ SPREAD = say(
     "the errors of the values."
 )
 
-BELOW = 7
+LIMITS_COLUMN = 7
 """Column of that table with the limits of the units in which the term was not identified."""
 
-FEW = 12
+MAX_UNIT_ROWS = 12
 """Rows up to which every channel of every unit has one."""
 
 
@@ -49,20 +49,20 @@ def first_of_batch(batch: Batch, level: float) -> First:
     told: Note = summary(batch)
     remarks = [Remark.of(batch.label(unit), unit.error, grave=True) for unit in batch if unit.error]
     for outcome in (FAIL, NOT_SHOWN):
-        found = [(unit, j) for unit in batch for j in unit.judgements if j.outcome == outcome]
+        judged = [(unit, j) for unit in batch for j in unit.judgements if j.outcome == outcome]
         remarks += [
             Remark.of(
                 join(" ", (batch.label(unit), j.channel, symbol_of(j.limit.symbol), OUTCOME_WORDS[outcome])),
                 j.reason, say("limit {limit}", limit=j.limit.words()), grave=outcome == FAIL,
             )
-            for unit, j in found
+            for unit, j in judged
         ]  # fmt: skip
     signals = {c.record.signal.name: c.record.signal for unit in batch for c in unit.channels}
     count = sum(len(unit.channels) for unit in batch)
     answer: list[Answer] = [_table(batch, signal, level) for signal in signals.values()]
-    if count > FEW:
-        whole = across_table(batch, (one for one in batch.across if one.row()[3]))
-        answer = [whole.only([i for i in range(len(whole.columns)) if i != BELOW])]
+    if count > MAX_UNIT_ROWS:
+        whole = across_table(batch, (term for term in batch.across if term.row()[3]))
+        answer = [whole.only([i for i in range(len(whole.columns)) if i != LIMITS_COLUMN])]
     alerts = sum(any(channel.alerts for channel in unit.channels) for unit in batch)
     if alerts:
         remarks.append(Remark("", [say("warnings in {warned} of {count} units", warned=alerts, count=len(batch))]))
@@ -74,14 +74,19 @@ def _table(batch: Batch, signal: Signal, level: float) -> Table:
     symbols = names_in_order(e.symbol for _, c in channels for e in c.fit or ())
     heads = [Column(say("file"), "name"), Column(say("channel"), "name")]
     heads += [Column(join(" ", (s, printed_unit(signal.sheet[power_of(s)])))) for s in symbols[:3]]
-    heads += [Column(join(" ", (say("in-run"), printed_unit(signal.sheet[0])))), Column(say("model"), "name")]
-    rows = []
-    for unit, channel in channels:
-        usable = {e.symbol: e for e in channel.fit or () if e.row.usable}
-        terms = [words.brief(usable[symbol], level) if symbol in usable else "-" for symbol in symbols[:3]]
-        fit = fit_words(channel.noise, channel.refusal)
-        rows.append([batch.label(unit), channel.record.name, *terms, lowest(channel, level), fit])
+    heads += [Column(join(" ", (IN_RUN_SHORT, printed_unit(signal.sheet[0])))), Column(say("model"), "name")]
+    rows = [
+        [batch.label(unit), c.record.name, *_cells(c, symbols[:3], level), fit_words(c.noise, c.refusal)]
+        for unit, c in channels
+    ]
     return Table(heads, rows)
+
+
+def _cells(channel: Channel, symbols: Sequence[str], level: float) -> list[str]:
+    """The usable coefficients of a channel, and the minimum of its curve."""
+    usable = {e.symbol: e for e in channel.fit or () if e.row.usable}
+    terms = [words.brief(usable[symbol], level) if symbol in usable else "-" for symbol in symbols]
+    return [*terms, lowest(channel, level)]
 
 
 def summary(batch: Batch) -> Note:
@@ -96,17 +101,10 @@ def summary(batch: Batch) -> Note:
     parts = [join(" ", (str(count), OUTCOME_WORDS[outcome])) for outcome, count in counts.items() if count]
     parts += [say("{files} not analyzed", files=len(batch.failed))] if batch.failed else []
     level: Any = "alert" if counts[FAIL] or batch.failed else "fair" if counts[NOT_SHOWN] else "good"
-    named = [
-        join(
-            ": ",
-            (
-                OUTCOME_WORDS[outcome],
-                ", ".join(batch.label(unit) for unit in batch if unit.outcome == outcome and not unit.error),
-            ),
-        )
-        for outcome in (FAIL, NOT_SHOWN)
-        if counts[outcome]
-    ]
+    named = []
+    for outcome in (outcome for outcome in (FAIL, NOT_SHOWN) if counts[outcome]):
+        labels = ", ".join(batch.label(unit) for unit in done if unit.outcome == outcome)
+        named.append(join(": ", (OUTCOME_WORDS[outcome], labels)))
     units = say_count(len(batch), "{count} unit", "{count} units")
     return Note(join(": ", (units, join(", ", parts))), level, points=named)
 
@@ -119,14 +117,14 @@ def across_table(batch: Batch, across: Iterable[Across]) -> Table:
         Column(say("file"), "name"), Column(say("others below"), form=rounded), Column("", "unit"),
     )  # fmt: skip
     rows = []
-    for channel, symbol, units, count, *spread, worst, file, below, unit in (found.row() for found in across):
+    for channel, symbol, units, count, *spread, worst, file, below, unit in (term.row() for term in across):
         share = say("{identified} of {units}", identified=count, units=units)
         shown: list[str] = [rounded(value) for value in spread]
         if count < units:
             shown = [number and say("{number} (of {count})", number=number, count=count) for number in shown]
         label = batch.label(batch[file]) if file else ""
         rows.append([channel, symbol_of(symbol), share, *shown, worst, label, below, unit])
-    return Table(heads, rows, say("over all units"), key=SPREAD, most=EVERY)
+    return Table(heads, rows, say("over all units"), key=SPREAD, most=ALL_ROWS)
 
 
 def symbol_of(of: str) -> str:
@@ -161,7 +159,7 @@ RULE = say(
     "does not. A term that was not identified passes if its 95 % upper limit does not exceed the limit. Not shown: "
     "the record cannot decide whether the limit is kept."
 )
-MAIN = say("'< 2' is the 95 % upper limit of a term that was not identified, '-' a term without a valid result.")
+MAIN_KEY = say("'< 2' is the 95 % upper limit of a term that was not identified, '-' a term without a valid result.")
 CAPTION = say("The Allan deviation of all units; those that exceed a limit are in color.")
 
 
@@ -189,27 +187,24 @@ def _judged(batch: Batch) -> Iterator[Part]:
 
 def _limits_table(batch: Batch) -> Iterator[Part]:
     """What fails, is not shown, or lies so near that its interval holds the limit."""
-    found = [(unit, j) for unit in batch for j in unit.judgements if j.outcome in (FAIL, NOT_SHOWN) or j.near]
-    if not found:
+    judged = [(unit, j) for unit in batch for j in unit.judgements if j.outcome in (FAIL, NOT_SHOWN) or j.near]
+    if not judged:
         return
-    found.sort(key=lambda pair: OUTCOMES.index(pair[1].outcome))
+    judged.sort(key=lambda pair: OUTCOMES.index(pair[1].outcome))
     heads = (
         Column(say("file"), "name"), Column(say("channel"), "name"), Column(say("term"), "symbol"),
         Column(say("found"), "name"), Column(say("limit"), "interval"), Column(say("result"), "name"),
     )  # fmt: skip
     rows = [
         [
-            batch.label(unit),
-            j.channel,
-            symbol_of(j.limit.symbol),
-            j.reason,
+            batch.label(unit), j.channel, symbol_of(j.limit.symbol), j.reason,
             say("{limit} (upper)", limit=j.limit.words()) if j.limit.judge == "upper" else j.limit.words(),
             OUTCOME_WORDS[j.outcome],
         ]
-        for unit, j in found
-    ]
-    marks = [MARKS.get(j.outcome, "") for _, j in found]
-    yield Table(heads, rows, say("limits exceeded, not shown, or within the interval"), marks, most=EVERY)
+        for unit, j in judged
+    ]  # fmt: skip
+    marks = [MARKS.get(j.outcome, "") for _, j in judged]
+    yield Table(heads, rows, say("limits exceeded, not shown, or within the interval"), marks, most=ALL_ROWS)
 
 
 def _main(batch: Batch, signal: Signal, level: float) -> Table:
@@ -221,15 +216,13 @@ def _main(batch: Batch, signal: Signal, level: float) -> Table:
     heads += [Column(say("result"), "name")] if batch.specification else []
     cells, marks = [], []
     for unit, channel in rows_of_units(batch, signal):
-        usable = {e.symbol: e for e in channel.fit or () if e.row.usable}
-        terms = [words.brief(usable[symbol], level) if symbol in usable else "-" for symbol in symbols]
         grade = say("no result") if channel.refusal else GRADE_WORDS[channel.noise.validity] if channel.noise else ""
         outcome = _outcome(unit, channel)
-        last = [lowest(channel, level), grade, *([OUTCOME_WORDS[outcome]] if batch.specification else [])]
-        cells.append([batch.label(unit), channel.record.name, *terms, *last])
+        last = [grade, *([OUTCOME_WORDS[outcome]] if batch.specification else [])]
+        cells.append([batch.label(unit), channel.record.name, *_cells(channel, symbols, level), *last])
         marks.append(MARKS.get(outcome, ""))
     title = say("units: {sensor}", sensor=signal.sensor)
-    return Table(heads, cells, title, marks, MAIN, most=EVERY)
+    return Table(heads, cells, title, marks, MAIN_KEY, most=ALL_ROWS)
 
 
 def _outcome(unit: BatchUnit, channel: Channel) -> str:
@@ -274,9 +267,9 @@ def _plot(values: Sequence[Any], _: Fit | None, level: float) -> Plot:
 
 
 def _rows(batch: Batch, level: float) -> Rows:
-    found = [(unit.file, study_view.rows(unit.study, level)) for unit in batch if unit.study and study_view.rows]
-    heads = found[0][1][0]
-    return ("file", *heads), [[file, *row] for file, (_, rows) in found for row in rows]
+    tables = [(unit.file, study_view.rows(unit.study, level)) for unit in batch if unit.study and study_view.rows]
+    heads = tables[0][1][0]
+    return ("file", *heads), [[file, *row] for file, (_, rows) in tables for row in rows]
 
 
 def _coefficients(batch: Batch, level: float) -> Rows:
@@ -287,8 +280,8 @@ def _coefficients(batch: Batch, level: float) -> Rows:
         judged = {(j.channel, j.limit.symbol): j for j in unit.judgements}
         if unit.study is None or study_view.coefficients is None:
             continue
-        heads, found = study_view.coefficients(unit.study, level)
-        for row in found:
+        heads, own = study_view.coefficients(unit.study, level)
+        for row in own:
             judgement = judged.get((row[0], row[1]))
             limit = ("", "") if judgement is None else (judgement.limit.words(), judgement.outcome)
             rows.append([unit.file, *row, *limit])
@@ -321,10 +314,6 @@ def batch_view(batch: Batch, level: float) -> Face:
         say_count(len(batch), "Noise of {count} unit", "Noise of {count} units"),
         say("noise coefficients of inertial sensors"),
         header=[*lines, *_limits(batch), (say("made by"), f"allanite {batch.provenance.get('allanite', '')}")],
-        parts=list(_parts(batch, level)),
-        close=list(_details(batch, level)),
-        how=(definitions(fits),),
-        choices=toml(batch.choices),
-        provenance=batch.provenance,
-        notes=batch.notes,
-    )
+        parts=list(_parts(batch, level)), close=list(_details(batch, level)), how=(definitions(fits),),
+        choices=toml(batch.choices), provenance=batch.provenance, notes=batch.notes,
+    )  # fmt: skip

@@ -51,12 +51,9 @@ def sentence(s: StageNoise) -> str:
     """What the budget says of a stage."""
     unit = s.sheet_unit
     adds = say(
-        "{stage} adds {term} = {value} {unit}",
-        stage=printable(s.stage.name),
-        term=s.symbol,
-        value=_number(s.to(s.coefficient)),
-        unit=unit,
-    )
+        "{stage} adds {term} = {value} {unit}", stage=printable(s.stage.name), term=s.symbol,
+        value=_number(s.to(s.coefficient)), unit=unit,
+    )  # fmt: skip
     if s.measured is None:
         if not s.limit:
             return join("", (adds, "."))
@@ -113,11 +110,11 @@ def _rows(budgets: Sequence[Budget]) -> Rows:
 
 
 def _numbers(s: StageNoise) -> list[Any]:
-    seen = (None, None) if s.codes is None else (s.codes.distinct, s.codes.missing)
+    codes = (None, None) if s.codes is None else (s.codes.distinct, s.codes.missing)
     return [
         s.stage.name, s.stage.bits, s.stage.full_scale, s.stage.step, s.stage.unit, s.symbol,
         s.to(s.coefficient), s.to(s.measured), s.sheet_unit, None if s.share is None else 100 * s.share, s.enough,
-        *seen, s.clipped,
+        *codes, s.clipped,
     ]  # fmt: skip
 
 

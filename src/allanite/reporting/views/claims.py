@@ -11,36 +11,28 @@ from allanite.core.units import Signal
 from allanite.phrases.phrase import Phrase, join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import rounded
-from allanite.reporting.first import DETAILS, FIGURES, Axes, First, Quantity, Remark, plus_minus
+from allanite.reporting.first import DETAILS, FIGURES, ChannelRow, Channels, First, Remark, plus_minus
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Sheet, Table
 from allanite.terms import TERMS
 
 from . import Rows, view
-from .axes import how_read, title_of
+from .channels import how_read, title_of
 from .jobs import channel_sheet, doubts, job_face, source_of
 
 TITLES = {
-    "T": say("correlation time of the bias"),
-    "curve": say("Allan deviation"),
-    "kurtosis": say("excess kurtosis of the residuals"),
-    MINIMUM: say("minimum of the Allan deviation"),
-    CUTOFF: say("low-pass filter, -3 dB"),
-    RATE: say("samples of the sensor a second"),
-}
+    "T": say("correlation time of the bias"), "curve": say("Allan deviation"),
+    "kurtosis": say("excess kurtosis of the residuals"), MINIMUM: say("minimum of the Allan deviation"),
+    CUTOFF: say("low-pass filter, -3 dB"), RATE: say("samples of the sensor a second"),
+}  # fmt: skip
 """What the quantities are called that are no terms."""
 
-CLOSE = 1.2
+MIN_LIMITS_RATIO = 1.2
 """Ratio of the limits of a factor from which these are shown instead of its value."""
 
 AT_MOST = ("--at-most", say("the claim as upper bounds"))
 
-OUTCOME_WORDS = {
-    "agrees": say("agrees"),
-    "differs": say("differs"),
-    "exceeds": say("exceeds"),
-    "not claimed": say("not claimed"),
-    "not shown": say("not shown"),
-}
+_OUTCOMES = say("agrees"), say("differs"), say("exceeds"), say("not claimed"), say("not shown")
+OUTCOME_WORDS: dict[str, Phrase] = {word: word for word in _OUTCOMES}
 
 HOW = (
     say(
@@ -77,7 +69,7 @@ def _symbol(quantity: str) -> str:
 def first_of_check(value: ClaimCheck, level: float) -> First:
     """The factor of every number by channel, and what explains those that are wrong."""
     shown = {row.signal.name: row.signal for row in value.terms}
-    answer = [_axes(value, signal) for signal in shown.values()]
+    answer = [_channels(value, signal) for signal in shown.values()]
     remarks = [Remark(", ".join(cause.channels), (cause.words,), grave=True) for cause in value.causes]
     undecided = [row for row in value.terms if row.quantity in SETTINGS and row.outcome == NOT_SHOWN and row.reason]
     for reason in dict.fromkeys(row.reason for row in undecided):
@@ -89,11 +81,11 @@ def first_of_check(value: ClaimCheck, level: float) -> First:
     return First(title, value.verdict, answer, remarks, legend, how_read(value), after)
 
 
-def _axes(value: ClaimCheck, signal: Signal) -> Axes:
+def _channels(value: ClaimCheck, signal: Signal) -> Channels:
     """The factors of a kind of sensor: what is claimed, and a column for each channel."""
     rows = [row for row in value.terms if row.signal is signal]
     names = list(dict.fromkeys(row.channel for row in rows if row.quantity != "T"))
-    found: list[Quantity] = []
+    quantities: list[ChannelRow] = []
     for quantity in dict.fromkeys(row.quantity for row in rows):
         own = {
             name: row for row in rows if row.quantity == quantity for name in (row.channel, *row.channel.split(", "))
@@ -109,30 +101,32 @@ def _axes(value: ClaimCheck, signal: Signal) -> Axes:
         symbol = _symbol(quantity)
         unit = first.unit if symbol or quantity in SETTINGS else ""
         cells = [claimed, *(_cell(own.get(name)) for name in names)]
-        found.append(Quantity(_title(first), symbol, unit, cells, 0 if any(r.contradicts for r in own.values()) else 1))
-    return Axes([say("claimed"), *names], found, signal.sensor)
+        quantities.append(
+            ChannelRow(_title(first), symbol, unit, cells, 0 if any(r.contradicts for r in own.values()) else 1)
+        )
+    return Channels([say("claimed"), *names], quantities, signal.sensor)
 
 
 def _cell(row: CheckedTerm | None) -> str:
     """The factor of a channel, with a sign if it contradicts the claim."""
     if row is None or row.outcome == NOT_SHOWN:
         return "" if row is None else say("not shown")
-    said: str = say("agrees")
+    factor: str = say("agrees")
     if row.outcome == UNCLAIMED:
-        said = say("found {value}", value=rounded(row.shown(row.found) or 0.0))
+        factor = say("found {value}", value=rounded(row.shown(row.found) or 0.0))
     elif row.quantity == "kurtosis":
-        said = say("uniform")
+        factor = say("uniform")
     elif row.quantity == "curve":
-        said = join(" ", (rounded(row.ratio), row.reason)) if row.contradicts else said
+        factor = join(" ", (rounded(row.ratio), row.reason)) if row.contradicts else factor
     elif math.isinf(row.high):
-        said = say("above {limit}", limit=rounded(row.low)) if row.low > 0 else said
+        factor = say("above {limit}", limit=rounded(row.low)) if row.low > 0 else factor
     elif row.low <= 0:
-        said = say("below {limit}", limit=rounded(row.high))
-    elif row.high > CLOSE * row.low:
-        said = f"{rounded(row.low)} .. {rounded(row.high)}"
+        factor = say("below {limit}", limit=rounded(row.high))
+    elif row.high > MIN_LIMITS_RATIO * row.low:
+        factor = f"{rounded(row.low)} .. {rounded(row.high)}"
     else:
-        said = plus_minus(row.ratio, row.low, row.high)
-    return join("", (said, " *")) if row.contradicts else said
+        factor = plus_minus(row.ratio, row.low, row.high)
+    return join("", (factor, " *")) if row.contradicts else factor
 
 
 MARKS: dict[str, Mark] = {"agrees": "good", "not shown": "quiet"}

@@ -11,35 +11,31 @@ from allanite.comparison.pooled import Pool, PooledChannel
 from allanite.core.display_units import readable_unit
 from allanite.core.fit import chance
 from allanite.core.units import convert
-from allanite.phrases.phrase import join, say, say_count
+from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
-from allanite.reporting.first import DETAILS, FIGURES, Axes, First, Quantity, Remark, merged
+from allanite.reporting.first import DETAILS, FIGURES, ChannelRow, Channels, First, Remark, merged
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of, known
 from allanite.statistics import statistic_named
 from allanite.terms import TERMS
 
 from . import Rows, view
-from .axes import names_in_order
+from .channels import names_in_order
 from .jobs import job_face
 
-WITH_VALUES = 2
+MAX_WITH_VALUES = 2
 """Channels side by side with the coefficients before and after."""
 
-OUTCOME_WORDS = {
-    "smaller": say("smaller"),
-    "larger": say("larger"),
-    "no change": say("no change"),
-    "not resolvable": say("not resolvable"),
-}
+_OUTCOMES = say("smaller"), say("larger"), say("no change"), say("not resolvable")
+OUTCOME_WORDS: dict[str, Phrase] = {word: word for word in _OUTCOMES}
 
 
 def first_of_comparison(value: Comparison, level: float) -> First:
     """The change of every coefficient of every channel."""
     changed = [pair.name or say("the noise") for pair in value.pairs if pair.changed and not pair.refusal]
     same = [pair.name or say("the noise") for pair in value.pairs if not pair.changed and not pair.refusal]
-    said = [say("changed: {names}", names=", ".join(changed))] if changed else []
-    said += [say("no change detected: {names}", names=", ".join(same))] if same else []
+    verdicts = [say("changed: {names}", names=", ".join(changed))] if changed else []
+    verdicts += [say("no change detected: {names}", names=", ".join(same))] if same else []
     remarks = [Remark.of(pair.name, pair.refusal, grave=True) for pair in value.pairs if pair.refusal]
     remarks += [
         Remark.of(pair.name, say("{record} ({grade})", record=name, grade=grade), grave=True)
@@ -52,22 +48,22 @@ def first_of_comparison(value: Comparison, level: float) -> First:
     title = say("{first} compared with {second}", first=value.names[0], second=value.names[1])
     needed = any(c.outcome == "not resolvable" for pair in value.pairs for c in pair.changes)
     legend = [("", say("unknown: a change by a factor of 2 is not excluded."))] if needed else []
-    answer = [_axes([pair for pair in value.pairs if not pair.refusal], level)]
-    return First(title, join("; ", said), answer, remarks, legend, list(value.notes), [FIGURES, DETAILS])
+    answer = [_channels([pair for pair in value.pairs if not pair.refusal], level)]
+    return First(title, join("; ", verdicts), answer, remarks, legend, list(value.notes), [FIGURES, DETAILS])
 
 
-def _axes(pairs: Sequence[Pair], level: float) -> Axes:
+def _channels(pairs: Sequence[Pair], level: float) -> Channels:
     changes = [c for pair in pairs for c in pair.changes]
-    rows = [Quantity(say("noise as a whole"), "", "", [_whole(pair) for pair in pairs])]
+    rows = [ChannelRow(say("noise as a whole"), "", "", [_whole(pair) for pair in pairs])]
     for symbol in names_in_order(c.symbol for c in changes):
-        found = [next((c for c in pair.changes if c.symbol == symbol), None) for pair in pairs]
-        there = next(c for c in found if c is not None)
-        cells = ["" if c is None else _cell(c, level, values=len(pairs) <= WITH_VALUES) for c in found]
-        claimed = any(c is not None and c.outcome != "not resolvable" for c in found)
+        own = [next((c for c in pair.changes if c.symbol == symbol), None) for pair in pairs]
+        known = next(c for c in own if c is not None)
+        cells = ["" if c is None else _cell(c, level, values=len(pairs) <= MAX_WITH_VALUES) for c in own]
+        claimed = any(c is not None and c.outcome != "not resolvable" for c in own)
         rows.append(
-            Quantity(words.title(symbol, there.signal), symbol, there.before.sheet_unit, cells, 0 if claimed else 1)
+            ChannelRow(words.title(symbol, known.signal), symbol, known.before.sheet_unit, cells, 0 if claimed else 1)
         )
-    return Axes([pair.name or say("channel") for pair in pairs], rows, _sensor(pairs))
+    return Channels([pair.name or say("channel") for pair in pairs], rows, _sensor(pairs))
 
 
 def _sensor(pairs: Sequence[Pair]) -> str:
@@ -175,8 +171,8 @@ def sheet_of(result: Pair | PooledChannel, names: Sequence[str], doubt: bool, ta
         about.append(say("compared from {low:.4g} to {high:.6g} Hz, the frequencies that all have", low=low, high=high))
     verdict = Note(result.verdict, "alert" if result.refusal else "strong")
     parts: list[Part] = [*(Note(alert, "alert") for alert in result.alerts), verdict, *tables]
-    said = join(": ", (result.name, result.verdict)) if result.name else result.verdict
-    return Sheet(result.name, about, parts, (said,), doubt or bool(result.refusal))
+    sentence = join(": ", (result.name, result.verdict)) if result.name else result.verdict
+    return Sheet(result.name, about, parts, (sentence,), doubt or bool(result.refusal))
 
 
 def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
@@ -227,9 +223,11 @@ def _compared_rows(value: Comparison, level: float) -> Rows:
     """The changes of the coefficients of each channel, and then of the curves."""
     rows: list[list[Any]] = []
     for pair in value:
-        for change in pair.changes:
-            symbol, _, before, after, unit, *rest = change.row(level)
-            rows.append([pair.name, symbol, None, before, after, unit, *rest, None, None])
+        for c in pair.changes:
+            unit = c.before.sheet_unit
+            values = [None if e.value is None else e.to(unit) for e in (c.before, c.after)]
+            tests = [c.percent, *c.interval(level), c.p, c.adjusted, c.outcome]
+            rows.append([pair.name, c.label, None, *values, unit, *tests, None, None])
     for name, ratios in ((pair.name, pair.ratios) for pair in value if pair.ratios is not None):
         unit = readable_unit(ratios.before.unit)
         for tau, before, after, nu, mu, *limits, p in _ratio_rows(ratios, level):
@@ -250,18 +248,15 @@ def comparison_view(value: Comparison, level: float) -> Face:
         tables += [_ratios_table(pair.ratios, value, (level, pair.alpha))] if pair.ratios is not None else []
         sheets.append(sheet_of(pair, value.names, not all(pair.explained), tables))
     return face_of(
-        value,
-        any(pair.ratios is not None for pair in value),
-        level,
-        title=say("Comparison of {first} and {second}", first=value.names[0], second=value.names[1]),
-        sheets=sheets,
+        value, any(pair.ratios is not None for pair in value), level,
+        title=say("Comparison of {first} and {second}", first=value.names[0], second=value.names[1]), sheets=sheets,
         close=[
             Note(join(": ", (OUTCOME_WORDS[outcome], meaning)), "quiet", where="text")
             for outcome, meaning in OUTCOMES.items()
             if outcome in met
         ],
         how=[*map(Note, COMPARED), outcomes],
-    )
+    )  # fmt: skip
 
 
 POOLED = (

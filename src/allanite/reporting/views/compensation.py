@@ -13,7 +13,7 @@ from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, printable, printed_number
-from allanite.reporting.first import Axes, First, Quantity, Remark, condensed, merged, plus_minus
+from allanite.reporting.first import Channels, First, Remark, condensed, merged, plus_minus
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Sheet, Table, known
 
 from . import view
@@ -30,18 +30,18 @@ def verdict(channel: Compensated, shown: Callable[[str], str] = str) -> str:
     gain = channel.gain
     share = shown(words.percent(abs(gain.explained), 3))
     if gain.explained < 0:
-        said = say("The correction increases the variance of {channel} by {share}", channel=name, share=share)
+        effect = say("The correction increases the variance of {channel} by {share}", channel=name, share=share)
     else:
-        said = say("The correction reduces the variance of {channel} by {share}", channel=name, share=share)
+        effect = say("The correction reduces the variance of {channel} by {share}", channel=name, share=share)
     if gain.low is None or gain.high is None:
-        return join("", (said, "."))
+        return join("", (effect, "."))
     expected = _share(gain.expected, gain)
     limits = shown(f"{expected} ({_share(gain.low, gain)} .. {_share(gain.high, gain)})")
     if gain.met:
-        return say("{effect}; {limits} could be expected.", effect=said, limits=limits)
+        return say("{effect}; {limits} could be expected.", effect=effect, limits=limits)
     return say(
         "{effect}; {limits} could be expected, and it does not: the dependence is another one here.",
-        effect=said,
+        effect=effect,
         limits=limits,
     )
 
@@ -74,7 +74,7 @@ def found(name: str, regression: Regression, shown: Callable[[str], str] = str) 
     also += [say("{share} expected by chance", share=shown(_share(gain.expected, gain)))]
     if held is not None:
         also.append(say("{share} in cross-validation", share=shown(f"{100 * held.explained:.3g} %")))
-    said = [
+    sentences = [
         say(
             "{channel} depends on {regressors}. The correction reduces the variance by {share} ({also}).",
             channel=name,
@@ -85,10 +85,10 @@ def found(name: str, regression: Regression, shown: Callable[[str], str] = str) 
         *undecided,
     ]
     rest = _names([e for e in own if not (e.chosen or e.significant)])
-    said += [say("Leave out {regressors}: no dependence on it is shown.", regressors=rest)] if rest else []
+    sentences += [say("Leave out {regressors}: no dependence on it is shown.", regressors=rest)] if rest else []
     if not regression.harmless:
-        said.append(say("In cross-validation it does harm: do not use it."))
-    return join(" ", said)
+        sentences.append(say("In cross-validation it does harm: do not use it."))
+    return join(" ", sentences)
 
 
 def _names(effects: Sequence[Effect]) -> str:
@@ -166,13 +166,13 @@ def _beside(regression: Regression) -> str:
 
 
 def _sheet(channel: Compensated, level: float, source: str = "") -> Sheet:
-    said = verdict(channel, printed_number)
-    said = join(": ", (source, said)) if source else said
+    sentence = verdict(channel, printed_number)
+    sentence = join(": ", (source, sentence)) if source else sentence
     regression, gain = channel.regression, channel.gain
     useful = regression is not None and regression.useful
     doubt = not useful if gain is None else gain.met is False or gain.explained < 0
     of = say("noise before the correction")
-    sheet = channel_sheet(channel, _parts(channel, level), (said,), doubt=doubt, of=of)
+    sheet = channel_sheet(channel, _parts(channel, level), (sentence,), doubt=doubt, of=of)
     if not source:
         return sheet
     name = channel.record.name or say("channel")
@@ -229,14 +229,11 @@ def _orders(channel: Compensated) -> Table:
     )  # fmt: skip
     rows = [
         [
-            o.power,
-            *digits(o.rms / scale, o.low / scale, o.high / scale).plain(),
-            unit,
-            o.p,
+            o.power, *digits(o.rms / scale, o.low / scale, o.high / scale).plain(), unit, o.p,
             100 * (o.explained or math.nan),
         ]
         for o in channel.orders
-    ]
+    ]  # fmt: skip
     key = say(
         "What each power removes beyond all lower ones: root mean square over the range of the temperature. "
         "Cross-validation: reduction of the variance of held-back blocks by all powers up to this one; {share} by the "
@@ -262,36 +259,34 @@ def first_of_study(study: CompensationStudy, level: float) -> First:
     own = [(c.record.name, alert) for c in shown if c.regression for alert in (*c.regression.notes, *c.alerts)]
     about = merged(Remark.of(name, alert, grave=True) for name, alert in own)
     others = [remark for remark in first.remarks if remark.clauses[0] not in [alert for _, alert in own]]
-    axes = [_axes([c for c in shown if c.record.signal.name == sensor], level) for sensor in sensors]
+    axes = [_channels([c for c in shown if c.record.signal.name == sensor], level) for sensor in sensors]
     return replace(first, answer=axes, remarks=[*others, *doubted, *about])
 
 
-def _axes(channels: Sequence[Compensated], level: float) -> Axes:
+def _channels(channels: Sequence[Compensated], level: float) -> Channels:
     """Coefficients and what higher powers would remove, the channels of a sensor side by side."""
-    unit = channels[0].record.signal.sheet[0]
+    effects = [(c.record.name, *cell) for c in channels if c.regression for cell in _effects(c.regression, level)]
+    removed = [(c.record.name, *cell) for c in channels for cell in _removed(c)]
+    return Channels.of([c.record.name for c in channels], [*effects, *removed], channels[0].record.signal.sensor)
+
+
+def _effects(regression: Regression, level: float) -> Iterator[tuple[str, str, str]]:
+    unit = regression.signal.sheet[0]
     scale = 1 / unit_of(unit).factor
-    removed = (say("variance removed"), "")
-    effects: dict[tuple[str, str], dict[str, str]] = {removed: {}}
-    orders: dict[tuple[str, str], dict[str, str]] = {}
-    for c in channels:
-        name, regression = c.record.name, c.regression
-        assert regression is not None  # noqa: S101 - for type checkers
-        share = f"{100 * regression.inside.explained:.3g} %" if regression.significant else say("no effect")
-        effects[removed][name] = share
-        for i in regression.taken:
-            e = regression.effect(i, level)
-            row = (e.label, f"{unit}/{e.regressor.column_unit}".removesuffix("/1"))
-            said = plus_minus(e.value * scale, e.low * scale, e.high * scale, signed=True)
-            effects.setdefault(row, {})[name] = said if e.significant else say("absent")
-        for o in c.orders:
-            row = (say("power {power} would remove, RMS", power=o.power), unit)
-            size = plus_minus(o.rms * scale, o.low * scale, o.high * scale)
-            said = size if o in c.further else f"< {digits(o.high * scale, figures=2).plain()[0]}"
-            orders.setdefault(row, {})[name] = said
-    names = [c.record.name for c in channels]
-    cells = effects | orders
-    rows = [Quantity(title, "", per, [found.get(n, "") for n in names]) for (title, per), found in cells.items()]
-    return Axes(names, rows, channels[0].record.signal.sensor)
+    share = f"{100 * regression.inside.explained:.3g} %" if regression.significant else say("no effect")
+    yield say("variance removed"), "", share
+    for e in (regression.effect(i, level) for i in regression.taken):
+        size = plus_minus(e.value * scale, e.low * scale, e.high * scale, signed=True)
+        yield e.label, f"{unit}/{e.regressor.column_unit}".removesuffix("/1"), size if e.significant else say("absent")
+
+
+def _removed(channel: Compensated) -> Iterator[tuple[str, str, str]]:
+    unit = channel.record.signal.sheet[0]
+    scale = 1 / unit_of(unit).factor
+    for o in channel.orders:
+        size = plus_minus(o.rms * scale, o.low * scale, o.high * scale)
+        limit = f"< {digits(o.high * scale, figures=2).plain()[0]}"
+        yield say("power {power} would remove, RMS", power=o.power), unit, size if o in channel.further else limit
 
 
 def _draw(channels: Sequence[Compensated], level: float) -> Plot:

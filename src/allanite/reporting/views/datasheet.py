@@ -8,21 +8,21 @@ from allanite.comparison.sheet import Measured, SheetComparison
 from allanite.core.curve import Curve
 from allanite.core.display_units import readable_unit
 from allanite.core.estimate import Estimate
-from allanite.core.readings import DataSheetRow
+from allanite.core.readings import IN_RUN, DataSheetRow
 from allanite.core.units import convert, signal_named
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
 from allanite.phrases.phrase import join, say
 from allanite.planning.datasheets import QUANTITIES, SENSOR_TYPES, Claim, DataSheet
 from allanite.reporting import words
 from allanite.reporting.digits import digits, printed_unit, rounded
-from allanite.reporting.first import DETAILS, Axes, First, Quantity, Remark, merged, plus_minus
+from allanite.reporting.first import DETAILS, ChannelRow, Channels, First, Remark, merged, plus_minus
 from allanite.reporting.sheet import Card, Column, Face, Mark, Note, Part, Table, known, one_sheet
 from allanite.statistics import statistic_named
 from allanite.study.results import Channel
 
 from . import Rows, view
-from .axes import cell_of
-from .jobs import channel_sheet, job_face, source_of
+from .channels import cell_of
+from .jobs import LEVELS, channel_sheet, job_face, source_of
 
 DATA_SHEET = say(
     "N is the square root of the two-sided power spectral density of white noise; a one-sided density, as of most "
@@ -30,7 +30,6 @@ DATA_SHEET = say(
     "lies at 0.664 B. N-second stability is the standard deviation of successive means."
 )
 SIGNS = {EXPLAINED: "✓", APPROXIMATE: "≈", UNEXPLAINED: "✗"}
-LEVELS = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}
 
 
 def data_sheet_table(channel: Channel, level: float) -> Table:
@@ -41,10 +40,10 @@ def data_sheet_table(channel: Channel, level: float) -> Table:
         Column(say("remark"), "text", aside=True),
     )  # fmt: skip
     rows = []
-    found = dict[str, DataSheetRow]()
+    entries = dict[str, DataSheetRow]()
     for entry in channel.data_sheet(level):
-        found |= {} if entry.coefficient or entry.quantity in found else {entry.quantity: entry}
-    for entry in found.values():
+        entries |= {} if entry.coefficient or entry.quantity in entries else {entry.quantity: entry}
+    for entry in entries.values():
         low, high = (np.nan if limit is None else limit for limit in (entry.low, entry.high))
         shown: tuple[str, str] = "", ""
         if entry.value is not None:
@@ -61,11 +60,12 @@ def card_of(channel: Channel, level: float) -> Card | None:
     """The main numbers of a channel; None where nothing was asked."""
     if channel.fit is None:
         return Card(say("✗ no result"), "alert", note=channel.refusal) if channel.refusal else None
+    minimum = tuple((words.capital(name), value) for name, value in _minimum(channel))
     grade = channel.noise.validity if channel.noise else ""
     badge = join(" ", (SIGNS[grade], graded(grade, channel.fit.scope))) if grade else ""
     if grade == UNEXPLAINED:
         points = channel.noise.statement.points if channel.noise else ()
-        return Card(badge, "alert", tuple(_capital(channel)), join("; ", (say("Coefficients not valid"), *points[:1])))
+        return Card(badge, "alert", minimum, join("; ", (say("Coefficients not valid"), *points[:1])))
     rows = []
     for e in (e for e in channel.fit if e.valued):
         # with the half width of its interval as a share: ``0.119 deg/√h ± 1 %``
@@ -78,7 +78,7 @@ def card_of(channel: Channel, level: float) -> Card | None:
     others = [_without_value(e, level) for e in channel.fit if not e.valued]
     length = words.duration(channel.record.duration)
     note = say("Not identified in {length}: {symbols}", length=length, symbols=join(", ", others)) if others else ""
-    return Card(badge, LEVELS.get(grade, ""), (*rows, *_capital(channel)), note)  # type: ignore[arg-type]
+    return Card(badge, LEVELS.get(grade, ""), (*rows, *minimum), note)
 
 
 def _without_value(estimate: Estimate, level: float) -> str:
@@ -97,12 +97,7 @@ def _minimum(channel: Channel) -> Iterator[tuple[str, str]]:
     number = digits(convert(readings.minimum.deviation, readings.unit, unit), figures=3).pretty()
     most = "" if readings.inside else "≤ "
     size, tau = f"{most}{number} {unit}", readings.minimum.tau
-    yield say("in-run bias stability"), say("{value} at {tau}", value=size, tau=words.averaging(tau))
-
-
-def _capital(channel: Channel) -> Iterator[tuple[str, str]]:
-    """The rows of a card."""
-    yield from ((words.capital(name), value) for name, value in _minimum(channel))
+    yield IN_RUN, say("{value} at {tau}", value=size, tau=words.averaging(tau))
 
 
 def alternative(channel: Channel, curve: Curve, level: float) -> str:
@@ -114,14 +109,14 @@ def alternative(channel: Channel, curve: Curve, level: float) -> str:
         statistic=statistic_named(curve.statistic).title, channel=channel.record.name or say("the channel"), unit=unit,
         first=shown.deviation[0], start=shown.tau[0], last=shown.deviation[-1], end=shown.tau[-1],
     )  # fmt: skip
-    said: list[str] = [words.capital(ends)]
-    said += [join(" ", row) for row in _minimum(channel)]
+    sentences: list[str] = [words.capital(ends)]
+    sentences += [join(" ", row) for row in _minimum(channel)]
     if channel.fit is not None:
-        said += [
+        sentences += [
             join(" = ", (words.symbol(e), words.in_print(e, e.sheet_unit, level))) for e in channel.fit if e.claimed
         ]
-        said += [words.grade(channel.fit)]
-    return join("; ", filter(None, said))
+        sentences += [words.grade(channel.fit)]
+    return join("; ", filter(None, sentences))
 
 
 BRAND = say("noise in a data sheet")
@@ -170,18 +165,8 @@ def _models(value: DataSheet) -> Iterator[str]:
 
 def _sheet_rows(value: DataSheet) -> Rows:
     heads = [
-        "name",
-        "maker",
-        "document",
-        "sensor",
-        "quantity",
-        "printed",
-        "value",
-        "unit",
-        "limit",
-        "conditions",
-        "place",
-    ]
+        "name", "maker", "document", "sensor", "quantity", "printed", "value", "unit", "limit", "conditions", "place",
+    ]  # fmt: skip
     return heads, [
         [value.name, value.maker, value.document, c.sensor, c.quantity, c.printed, c.value, c.unit, c.limit,
          c.conditions, c.place] for c in value.claims
@@ -194,31 +179,31 @@ def _size(claim: Claim) -> tuple[str, str]:
 
 def first_of_comparison(value: SheetComparison, level: float) -> First:
     """What was measured of every coefficient, beside the data sheet, and the ratio of the two."""
-    tables = [axes for sensor in SENSOR_TYPES if (axes := _axes(value, sensor, level)).rows]
+    tables = [axes for sensor in SENSOR_TYPES if (axes := _channels(value, sensor, level)).rows]
     alerts = [Remark.of(c.record.name, c.refusal, grave=True) for c in value if c.refusal]
-    alerts += merged(Remark.of(c.record.name, said) for c in value for said in c.alerts)
+    alerts += merged(Remark.of(c.record.name, alert) for c in value for alert in c.alerts)
     title = say("{file} beside the data sheet of the {sensor}", file=source_of(value), sensor=value.sheet.name)
     return First(title, value.sheet.document, tables, alerts, read=value.notes)
 
 
-def _axes(value: SheetComparison, sensor: str, level: float) -> Axes:
+def _channels(value: SheetComparison, sensor: str, level: float) -> Channels:
     """The lines of which the model of the data sheet is made, by channel."""
     channels = [c for c in value if c.record.signal.name == sensor and not c.refusal]
-    found = [{m.claim: m for m in value.measured(channel, level)} for channel in channels]
+    coefficients = [{m.claim: m for m in value.measured(channel, level)} for channel in channels]
     rows = []
     for claim in value.sheet.used(sensor) if channels else ():
         symbol = QUANTITIES[claim.quantity].symbol
-        measured = [each[claim] for each in found]
-        rows.append(Quantity(claim.printed, symbol, claim.unit, [f"{claim.value:g}", *map(_shown, measured)]))
+        measured = [each[claim] for each in coefficients]
+        rows.append(ChannelRow(claim.printed, symbol, claim.unit, [f"{claim.value:g}", *map(_shown, measured)]))
         ratios = [digits(m.ratio[0], figures=3).plain()[0] if m.value == m.value else "" for m in measured]
-        rows.append(Quantity(say("ratio to the data sheet"), "", "", ["", *ratios]))
-    return Axes([say("data sheet"), *(c.record.name for c in channels)], rows, signal_named(sensor).sensor)
+        rows.append(ChannelRow(say("ratio to the data sheet"), "", "", ["", *ratios]))
+    return Channels([say("data sheet"), *(c.record.name for c in channels)], rows, signal_named(sensor).sensor)
 
 
-def _shown(found: Measured) -> str:
-    if found.value != found.value:
-        return found.remark
-    return ("≤ " if found.remark else "") + plus_minus(found.value, found.low, found.high)
+def _shown(measured: Measured) -> str:
+    if measured.value != measured.value:
+        return measured.remark
+    return ("≤ " if measured.remark else "") + plus_minus(measured.value, measured.low, measured.high)
 
 
 @view(rows=lambda value, level: value.rows(level), first=first_of_comparison)
@@ -240,18 +225,13 @@ def comparison_view(value: SheetComparison, level: float) -> Face:
 
 
 def _rows(value: SheetComparison, channel: Channel, level: float) -> Iterator[list[str]]:
-    for found in value.measured(channel, level):
-        claim = found.claim
-        shown = [digits(*numbers).plain() for numbers in ((found.value, found.low, found.high), found.ratio)]
-        (size, limits), (ratio, around) = shown if rounded(found.value) else [("", "")] * 2
-        yield [
-            claim.printed,
-            LIMITS[claim.limit],
-            f"{claim.value:g}",
-            size,
-            limits,
-            claim.unit,
-            ratio,
-            around,
-            found.remark,
+    for measured in value.measured(channel, level):
+        claim = measured.claim
+        shown = [
+            digits(*numbers).plain() for numbers in ((measured.value, measured.low, measured.high), measured.ratio)
         ]
+        (size, limits), (ratio, around) = shown if rounded(measured.value) else [("", "")] * 2
+        yield [
+            claim.printed, LIMITS[claim.limit], f"{claim.value:g}", size, limits, claim.unit, ratio, around,
+            measured.remark,
+        ]  # fmt: skip

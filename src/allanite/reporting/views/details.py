@@ -5,12 +5,10 @@ from functools import partial
 
 import numpy as np
 
-from allanite.core.arrays import mean_and_deviation
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
 from allanite.core.plain import Header
 from allanite.core.record import Record, Recording
-from allanite.core.units import convert
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Deferred, Drawing, Face, Fold, Note, Part, Plot, Sheet, Table
@@ -20,6 +18,7 @@ from allanite.study.results import Channel
 
 from . import view
 from .fit import goodness_parts
+from .jobs import mean_and_spread
 from .values import numbers_table
 
 
@@ -91,11 +90,6 @@ def details(channel: Channel, level: float, panel: "figures.CurvePanel | None") 
         yield numbers_table(shown, level, say("the curve in numbers"), where="page")
 
 
-def mean_and_spread(record: Record) -> tuple[float, float]:
-    """Mean and standard deviation of a record, in the unit of data sheets."""
-    return mean_and_deviation(record.rate_values * convert(1.0, record.signal.si[0], record.signal.sheet[0]))
-
-
 def fitness(channel: Channel) -> str:
     """Mean and spread of a channel, and whether it can be analyzed."""
     record = channel.record
@@ -117,12 +111,9 @@ def over_time(record: Record) -> Drawing:
     mean, deviation = mean_and_spread(record)
     label = say(
         "{channel} over {length}: mean {mean:.4g}, standard deviation {deviation:.4g} {unit}",
-        channel=record.name or say("the record"),
-        length=words.duration(record.duration),
-        mean=mean,
-        deviation=deviation,
-        unit=record.signal.sheet[0],
-    )
+        channel=record.name or say("the record"), length=words.duration(record.duration), mean=mean,
+        deviation=deviation, unit=record.signal.sheet[0],
+    )  # fmt: skip
     return Drawing(lambda: figures.plot_records([record]), label, RECORD)
 
 
@@ -135,10 +126,10 @@ def _raw(record: Record, channel: Channel, level: float) -> Iterator[Part]:
         yield Note(say("no spectrum: {reason}", reason=str(error)), "quiet", where="page")
         return
     fits = {} if channel.fit is None else {record.name: channel.fit}
-    found = density.to(unit)
-    first, last = (f"{found.amplitude[i]:.3g} {found.amplitude_unit}" for i in (0, -1))
+    shown = density.to(unit)
+    first, last = (f"{shown.amplitude[i]:.3g} {shown.amplitude_unit}" for i in (0, -1))
     label = say(
         "one-sided amplitude spectral density of {channel}: {first} at {low:.3g} Hz and {last} at {high:.3g} Hz",
-        channel=record.name, first=first, low=found.frequency[0], last=last, high=found.frequency[-1],
+        channel=record.name, first=first, low=shown.frequency[0], last=last, high=shown.frequency[-1],
     )  # fmt: skip
     yield Drawing(lambda: figures.plot_spectra([density], fits, level=level), label, SPECTRUM)

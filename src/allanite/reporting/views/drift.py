@@ -18,7 +18,7 @@ from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, T
 from . import view
 
 BRAND = say("drift without aid")
-LEAST, SMALL, RAISED = 0.005, 1e-4, 0.1
+MIN_NAMED_SHARE, MIN_GIVEN_SHARE, MIN_RAISED_SHARE = 0.005, 1e-4, 0.1
 """Shares of the variance from which on a cause is named and has its share; how much limits that are shown add."""
 
 HOW = say(
@@ -35,22 +35,22 @@ CAPTION = say(
     "Standard deviation against the time without aid: all causes (black, with its interval), and each of them; dotted: "
     "with the upper limits of terms that were not identified."
 )
-AT_MOST = say("≤ with the upper limits of terms that were not identified.")
-ROUND = 900.0
+AT_MOST_KEY = say("≤ with the upper limits of terms that were not identified.")
+MIN_CURVED_TIME_S = 900.0
 """Times, s, from which on the earth's curvature counts: a tenth of the Schuler period and more."""
-LARGE = 0.5
+MAX_TILT_RAD = 0.5
 """Tilt, rad, from which on its sine is not the angle."""
 
 
 def _alike(value: Drift) -> list[tuple[str, DriftCourse]]:
     """Each quantity with its name; heading and attitude together where they are the same."""
-    found = {name: value[name] for name in value.quantities}
-    heading, attitude = found.get("heading"), found.get("attitude")
+    courses = {name: value[name] for name in value.quantities}
+    heading, attitude = courses.get("heading"), courses.get("attitude")
     if heading is None or attitude is None or not np.allclose(heading.sigma, attitude.sigma, rtol=1e-9):
-        return [(course.title, course) for course in found.values()]
+        return [(course.title, course) for course in courses.values()]
     return [
         (say("heading, attitude"), heading),
-        *((course.title, course) for name, course in found.items() if name not in ("heading", "attitude")),
+        *((course.title, course) for name, course in courses.items() if name not in ("heading", "attitude")),
     ]
 
 
@@ -69,7 +69,7 @@ def _cells(course: DriftCourse) -> list[str]:
     for size, low, high, most in zip(course.sigma, course.low, course.high, course.most, strict=True):
         upper = high if math.isfinite(high) else size
         shown = plus_minus(size * scale, low * scale, high * scale) if size else ""
-        limit = f"≤ {digits(most * scale, figures=2).plain()[0]}" if most > (1 + RAISED) * upper else ""
+        limit = f"≤ {digits(most * scale, figures=2).plain()[0]}" if most > (1 + MIN_RAISED_SHARE) * upper else ""
         cells.append(f"{shown} ({limit})" if shown and limit else shown or limit)
     return cells
 
@@ -84,7 +84,7 @@ def _mostly(course: DriftCourse, i: int, count: int) -> str:
     causes = [s for s in course.shares if not s.cause.limit and s.variance.any()] or course.shares
     whole = math.fsum(float(s.variance[i]) for s in causes)
     shares = [(float(s.variance[i]) / whole, s) for s in causes if whole]
-    largest = sorted((pair for pair in shares if pair[0] >= LEAST), key=lambda pair: -pair[0])[:count]
+    largest = sorted((pair for pair in shares if pair[0] >= MIN_NAMED_SHARE), key=lambda pair: -pair[0])[:count]
     named, before, told = _several(course), "", list[str]()
     for part, s in largest:
         cause = _cause(s, named=named and s.sensor != before)
@@ -128,7 +128,7 @@ def _remarks(value: Drift) -> list[Remark]:
     longest = min((axis.longest for axis in value.axes if axis.longest), default=math.inf)
     strapdown = settings.platform == "strapdown" and bool(sensors)
     tilt = value["attitude"] if "attitude" in value.quantities else None
-    lost = [] if tilt is None else tilt.times[np.where(tilt.sigma > 0, tilt.sigma, tilt.most) > LARGE].tolist()
+    lost = [] if tilt is None else tilt.times[np.where(tilt.sigma > 0, tilt.sigma, tilt.most) > MAX_TILT_RAD].tolist()
     told = (
         (lost, say("after {time} the tilt is no longer small: take velocity and position there as lost",
                    time=words.duration(min(lost, default=0.0))), ""),
@@ -139,7 +139,7 @@ def _remarks(value: Drift) -> list[Remark]:
          say("velocity and position without the errors of accelerometers, whose noise is not known"), ""),
         (strapdown and "gyro" not in sensors,
          say("velocity and position without the tilt: the noise of gyros is not known"), ""),
-        (last >= ROUND and not settings.schuler and "velocity" in value.quantities,
+        (last >= MIN_CURVED_TIME_S and not settings.schuler and "velocity" in value.quantities,
          say("after 15 min the curvature of the earth reduces the drift of velocity and position"), "--schuler"),
     )  # fmt: skip
     limits = [
@@ -179,7 +179,7 @@ def first_of_drift(value: Drift, _: float) -> First:
     after = [DETAILS, FIGURES]
     if not value.settings.requirements:
         after.append(("--require '1 deg in 10 min'", say("what is allowed")))
-    legend = [(MOST, AT_MOST)]
+    legend = [(MOST, AT_MOST_KEY)]
     return First(_title(value), "", answer, _remarks(value), legend, _said(value), after)
 
 
@@ -217,14 +217,10 @@ def _parts(value: Drift, name: str, course: DriftCourse) -> Iterator[Part]:
 def _sized(cell: tuple[float, float]) -> str:
     size, share = cell
     shown = digits(size, figures=3).plain()[0]
-    return shown if math.isnan(share) or share < SMALL else f"{shown} ({_percent(share)})"
+    return shown if math.isnan(share) or share < MIN_GIVEN_SHARE else f"{shown} ({_percent(share)})"
 
 
-@view(
-    lambda values, _, __: figures.plot_drifts(values[0]),
-    lambda value, _: value.rows(),
-    first=first_of_drift,
-)
+@view(lambda values, _, __: figures.plot_drifts(values[0]), lambda value, _: value.rows(), first=first_of_drift)
 def drift_view(value: Drift, _: float) -> Face:
     """Each quantity with its causes, and what the requirements allow."""
     parts: list[Part] = [Note(alert, "alert") for alert in value.alerts]

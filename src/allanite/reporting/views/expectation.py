@@ -23,7 +23,7 @@ from allanite.study.results import Channel
 
 from . import view
 from .fit import model_table
-from .numbers import ROWS, tables_of
+from .values import MAX_ROWS, tables_of
 
 if TYPE_CHECKING:
     from allanite.core.curve import Curve
@@ -35,16 +35,16 @@ CAPTION = say(
 )
 
 
-def _numbers(found: Expectation, curve: "Curve") -> Iterator[list[float]]:
-    columns = (curve.tau, curve.deviation, *found.terms(curve))
+def _numbers(expectation: Expectation, curve: "Curve") -> Iterator[list[float]]:
+    columns = (curve.tau, curve.deviation, *expectation.terms(curve))
     yield from (list(row) for row in zip(*(column.tolist() for column in columns), strict=True))
 
 
 def _plot(values: Sequence[Expectation], _: Fit | None, level: float) -> Plot:
     panels = [
-        figures.CurvePanel(found.name, curve, None, facts=figures.facts_of(curve), model=found.model)
-        for found in values
-        for curve in found.curves
+        figures.CurvePanel(value.name, curve, None, facts=figures.facts_of(curve), model=value.model)
+        for value in values
+        for curve in value.curves
     ]
     return figures.plot_panels(panels, level=level)
 
@@ -63,7 +63,7 @@ def _curves(found: Expectation) -> Iterator[Table]:
 
 def first_of_expectation(found: Expectation, level: float) -> First:
     """The expected deviations, and those of each term."""
-    most, answer = ROWS // len(found.curves), list[Answer]()
+    most, answer = MAX_ROWS // len(found.curves), list[Answer]()
     for table in _curves(found):
         answer += [table.title, replace(table, rows=[table.rows[i] for i in spread(len(table.rows), most)])]
     return First(str(found.model), "", answer, after=[("--plot curve.png", say("figure")), DETAILS])
@@ -87,7 +87,7 @@ def expectation_view(found: Expectation, _: float) -> Face:
 
 
 def _plot_all(values: Sequence[Expectations], _: Fit | None, level: float) -> Plot:
-    named = [replace(one, name=name) for found in values for name, one in found.apart]
+    named = [replace(each, name=name) for value in values for name, each in value.apart]
     return _plot(named, None, level)
 
 
@@ -95,11 +95,11 @@ def first_of_expectations(found: Expectations, level: float) -> First:
     """The expected deviations of the models side by side, by their numbers."""
     curves = [
         replace(curve.to(readable_unit(curve.unit)), name=str(i))
-        for i, one in enumerate(found.each, 1)
-        for curve in one.curves
+        for i, each in enumerate(found.each, 1)
+        for curve in each.curves
     ]
     named = [join("  ", (str(i), name)) for i, (name, _) in enumerate(found.apart, 1)]
-    answer = [*named, *tables_of(curves, level, max(4, ROWS - len(named)))]
+    answer = [*named, *tables_of(curves, level, max(4, MAX_ROWS - len(named)))]
     return First(say("Expected of several models"), "", answer, after=[("--plot curve.png", say("figure")), DETAILS])
 
 
@@ -109,8 +109,8 @@ def first_of_expectations(found: Expectations, level: float) -> First:
         ["model", "statistic", "tau_s", "deviation", "unit"],
         [
             [name, curve.statistic, *point, curve.unit]
-            for name, one in found.apart
-            for curve in one.curves
+            for name, each in found.apart
+            for curve in each.curves
             for point in zip(curve.tau.tolist(), curve.deviation.tolist(), strict=True)
         ],
     ),
@@ -119,7 +119,7 @@ def first_of_expectations(found: Expectations, level: float) -> First:
 def expectations_view(found: Expectations, level: float) -> Face:
     """The models, and what is expected of each."""
     drawing = Drawing(lambda: _plot_all([found], None, level), say("expected deviation of each model"), CAPTION)
-    sheets = [Sheet(name, (), (model_table(one.model), *_curves(one))) for name, one in found.apart]
+    sheets = [Sheet(name, (), (model_table(each.model), *_curves(each))) for name, each in found.apart]
     return Face(say("Expected of several models"), BRAND, sheets, parts=[drawing])
 
 
@@ -151,8 +151,8 @@ def meaning_of(channel: Channel, device: str | None) -> Meaning | None:
     if channel.fit is None:
         return None
     record = channel.record
-    found = meaning(channel.fit, channel.readings, rate=record.rate, length=record.duration, device=device)
-    return replace(found, name=record.name)
+    result = meaning(channel.fit, channel.readings, rate=record.rate, length=record.duration, device=device)
+    return replace(result, name=record.name)
 
 
 def meaning_notes(found: Meaning | None, head: str, where: Where = "") -> Iterator[Part]:
@@ -161,30 +161,30 @@ def meaning_notes(found: Meaning | None, head: str, where: Where = "") -> Iterat
         yield Note(head, "strong", where, found.sentences)
 
 
-def meanings(found: Sequence[Meaning | None]) -> Iterator[Part]:
+def meanings(each: Sequence[Meaning | None]) -> Iterator[Part]:
     """What the coefficients of each channel mean, in the terminal; a page says it with the channel."""
-    for one in found:
-        if one is not None:
-            yield from meaning_notes(one, join(": ", (say("what it means"), one.name)), "text")
+    for result in each:
+        if result is not None:
+            yield from meaning_notes(result, join(": ", (say("what it means"), result.name)), "text")
 
 
 def causes_of(channels: Iterable[Channel], device: str | None) -> Iterator[Part]:
     """What may cause the terms that were found in any of these channels, in a device; nothing where none is named."""
     if device is not None:
-        found = [meaning_of(channel, device) for channel in channels]
-        yield from causes([replace(one, name="") for one in found if one is not None])
+        results = [meaning_of(channel, device) for channel in channels]
+        yield from causes([replace(result, name="") for result in results if result is not None])
 
 
-def causes(found: Sequence[Meaning]) -> Iterator[Part]:
+def causes(results: Sequence[Meaning]) -> Iterator[Part]:
     """The rows of a device's table for the terms that were found, with the channels that have them."""
-    if not (found and found[0].device):
+    if not (results and results[0].device):
         return
-    device = DEVICES[found[0].device]
-    yield from (Note(note, "quiet") for note in dict.fromkeys(one.note for one in found if one.note))
+    device = DEVICES[results[0].device]
+    yield from (Note(note, "quiet") for note in dict.fromkeys(result.note for result in results if result.note))
     channels: dict[str, list[str]] = {}
-    for one in found:
-        for symbol in one.symbols:
-            channels.setdefault(symbol, []).append(one.name)
+    for result in results:
+        for symbol in result.symbols:
+            channels.setdefault(symbol, []).append(result.name)
     rows = []
     for symbol, cause in ((symbol, cause) for symbol, cause in device.terms.items() if symbol in channels):
         names = ", ".join(filter(None, channels[symbol]))

@@ -17,7 +17,7 @@ from allanite.phrases.phrase import Phrase, join, say
 from allanite.planning.datasheets import DATASHEETS
 from allanite.reporting import figures
 from allanite.reporting.digits import digits, printed_unit
-from allanite.reporting.first import DETAILS, Axes, First, Quantity, Remark, condensed, plus_minus
+from allanite.reporting.first import DETAILS, Channels, First, Remark, condensed, plus_minus
 from allanite.reporting.sheet import Code, Column, Drawing, Face, Note, Part, Plot, Sheet, Table, header_of, one_sheet
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS, WHITE
@@ -37,7 +37,7 @@ DRAWN = say(
 )
 
 SENSORS = {GYRO: say("gyro"), ACCELEROMETER: say("accelerometer")}
-HEADINGS = (
+COLUMNS = (
     Column(say("field"), "name"), Column(say("value")), Column(say("unit"), "unit"), Column(say("formula"), "text"),
     Column(say("channel"), "text"), Column(say("remark"), "text"),
 )  # fmt: skip
@@ -70,16 +70,15 @@ def first_of_export(value: Export, level: float) -> First:
         first = condensed(export_view.face(value, level))
         missing = [Remark.of("", note) for note in value.notes]
         return replace(first, remarks=[*first.remarks, *missing], after=after)
-    lines = [line.strip("| ").split(" | ") for line in value.text.splitlines() if line.startswith("| ")]
-    cells: dict[tuple[str, str], dict[str, str]] = {}
-    for channel, quantity, size, low, high, unit, *_ in (line for line in lines[2:] if any(line[2:5])):
+    rows = [line.strip("| ").split(" | ") for line in value.text.splitlines() if line.startswith("| ")][2:]
+    cells = []
+    for channel, quantity, size, low, high, unit, *_ in (row for row in rows if any(row[2:5])):
         limits = [float(v) if v.strip() else math.nan for v in (low, high)]
         shown = plus_minus(float(size), *limits) if size.strip() else f"< {digits(float(high), figures=2).plain()[0]}"
-        cells.setdefault((quantity, unit), {})[channel] = shown
-    names = list(dict.fromkeys(line[0] for line in lines[2:]))
-    rows = [Quantity(title, "", unit, [found.get(n, "") for n in names]) for (title, unit), found in cells.items()]
+        cells.append((channel, quantity, unit, shown))
+    channels = Channels.of(list(dict.fromkeys(row[0] for row in rows)), cells)
     alerts = [Remark.of("", alert, grave=True) for alert in value.alerts]
-    return First(EXPORTS[value.target].title, "", [Axes(names, rows)], alerts, after=after)
+    return First(EXPORTS[value.target].title, "", [channels], alerts, after=after)
 
 
 def _plot(values: Sequence[Export], _: Fit | None, __: float) -> Plot:
@@ -95,7 +94,7 @@ def export_view(value: Export, _: float) -> Face:
     row = row_of_file(value.target)
     parts: list[Part] = [Note(alert, "alert") for alert in value.alerts]
     if value.entries:
-        parts.append(Table(HEADINGS, value.rows()[1]))
+        parts.append(Table(COLUMNS, value.rows()[1]))
         parts.append(Note(KEY, "quiet"))
         if value.stated:
             parts.append(Drawing(lambda: figures.plot_stated(value.stated), DRAWN_LABEL, DRAWN))

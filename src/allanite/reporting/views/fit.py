@@ -67,9 +67,9 @@ def goodness_parts(fit: Fit, residuals: Residuals | None) -> Iterator[Part]:
         yield Drawing(lambda: figures.plot_goodness(good), label, GOODNESS, title)
     if residuals is not None and residuals.checks:
         name, title = fit.name or say("the record"), say("residuals")
-        found = join("; ", (join(" ", (check.title, f"{check.value:.3g}")) for check in residuals.checks))
+        checks = join("; ", (join(" ", (check.title, f"{check.value:.3g}")) for check in residuals.checks))
         label = say(
-            "residuals of {channel} over time, their correlation and quantiles: {checks}", channel=name, checks=found
+            "residuals of {channel} over time, their correlation and quantiles: {checks}", channel=name, checks=checks
         )
         yield Drawing(lambda: figures.plot_series(residuals), label, RESIDUALS_CAPTION, title)
         yield _checks(residuals, "page")
@@ -148,25 +148,18 @@ def _plot(fits: Sequence[Fit], fit: Fit | None, level: float) -> Plot:
 def fit_view(fit: Fit, level: float) -> Face:
     """The coefficients, and how well they explain the record."""
     return one_sheet(
-        fit.name or say("Noise"),
-        say("noise coefficients"),
-        fit.name or say("noise"),
-        fit_parts(fit, level),
-        about=(say("method {method}", method=fit.method),),
-        how=(definitions([fit]),),
-    )
+        fit.name or say("Noise"), say("noise coefficients"), fit.name or say("noise"), fit_parts(fit, level),
+        about=(say("method {method}", method=fit.method),), how=(definitions([fit]),),
+    )  # fmt: skip
 
 
 @view(lambda values, fit, level: figures.plot_residuals(values[0]))
 def residuals_view(residuals: Residuals, _: float) -> Face:
     """What a model leaves over."""
     return one_sheet(
-        say("Residuals"),
-        say("residuals of a noise model"),
-        say("residuals"),
+        say("Residuals"), say("residuals of a noise model"), say("residuals"),
         (
-            *statement_note(residuals.statement),
-            _checks(residuals),
+            *statement_note(residuals.statement), _checks(residuals),
             Drawing(lambda: figures.plot_residuals(residuals), say("residuals"), RESIDUALS_CAPTION),
         ),
-    )
+    )  # fmt: skip

@@ -2,17 +2,18 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any, Protocol, TypeGuard
+from typing import Any, TypeGuard
 
+from allanite.core.arrays import mean_and_deviation
 from allanite.core.names import sources_of, told_apart
-from allanite.core.plain import Header
 from allanite.core.record import Record
 from allanite.core.residuals import Statement
 from allanite.core.syntax import toml
+from allanite.core.units import convert
 from allanite.core.validity import APPROXIMATE, EXPLAINED, MOTION, UNEXPLAINED, Finding
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import words
-from allanite.reporting.first import ABOVE, Remark, kinds, sharing, told_of
+from allanite.reporting.first import ABOVE, Remark, channels_named, kinds, told_of
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of
 from allanite.study.job import Job
 from allanite.study.results import Channel, Noise
@@ -22,26 +23,6 @@ LEVELS: dict[str, Any] = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "
 
 REFUSED = "no result: "
 """How the note on a refusal begins in English."""
-
-
-class Warned(Protocol):
-    """Every channel of a job."""
-
-    @property
-    def alerts(self) -> tuple[str, ...]:
-        """Warnings that are shown beside its numbers."""
-
-    @property
-    def refusal(self) -> str:
-        """Why there is no result."""
-
-
-class Recorded(Warned, Protocol):
-    """A channel with its record."""
-
-    @property
-    def record(self) -> Record | Header:
-        """What was measured."""
 
 
 def source_of(job: Job[Any]) -> str:
@@ -54,21 +35,16 @@ def job_face(
 ) -> Face:
     """The face of a job: title and brand, findings and other parts, sheets, how it came about; `more` fields."""
     title, brand = names
-    once, kept = told_once(sheets)
+    once, kept = split_common(sheets)
     face = Face(
-        title,
-        brand,
-        kept,
-        header_of(job.provenance, job.notes),
+        title, brand, kept, header_of(job.provenance, job.notes),
         parts=[*(Note(str(finding), "warning") for finding in job.findings), *once, *parts],
-        choices=toml(job.choices()),
-        provenance=job.provenance,
-        notes=job.notes,
-    )
+        choices=toml(job.choices()), provenance=job.provenance, notes=job.notes,
+    )  # fmt: skip
     return replace(face, **more)
 
 
-def told_once(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:
+def split_common(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:
     """Warnings that several sheets have in common, with the names of the channels, and the sheets without them."""
     where: dict[Note, list[str]] = {}
     for sheet in sheets:
@@ -96,7 +72,7 @@ def _warns(part: Part) -> TypeGuard[Note]:
 
 
 def channel_sheet(
-    channel: Recorded,
+    channel: Any,
     parts: Iterable[Part],
     verdicts: Sequence[str] = (),
     *,
@@ -110,13 +86,13 @@ def channel_sheet(
     return Sheet(record.name, about, (*warnings(channel, of), *parts), verdicts, doubt, fair)
 
 
-def statement_note(said: Statement, before: str = "") -> Iterator[Note]:
+def statement_note(statement: Statement, before: str = "") -> Iterator[Note]:
     """How well a model explains a record: the grade with its reasons; nothing where it was not tested."""
-    if said.grade:
-        yield Note(join(": ", filter(None, (before, said.head))), LEVELS[said.grade], points=said.points)
+    if statement.grade:
+        yield Note(join(": ", filter(None, (before, statement.head))), LEVELS[statement.grade], points=statement.points)
 
 
-def warnings(channel: Warned, of: str = "") -> Iterator[Part]:
+def warnings(channel: Any, of: str = "") -> Iterator[Part]:
     """The grade of the noise of a channel, its warnings, and why there is no result."""
     noise: Noise | None = getattr(channel, "noise", None)
     if noise is not None:
@@ -149,15 +125,15 @@ def doubts(channels: Sequence[Any]) -> Iterator[Remark]:
         if not c.refusal and c.noise is not None and not c.noise.explained
     ]
     for alike in kinds(told):
-        named = sharing([(why.about, str(why.clauses[0])) for why in alike], len(channels))
+        named = channels_named([(why.about, str(why.clauses[0])) for why in alike], len(channels))
         what = say_count(len(alike), "{channel} DOES NOT FIT", "{channel} DO NOT FIT", channel=named)
         yield replace(alike[0], about=what)
 
 
 def _cause(noise: Noise, warnings: Iterable[Finding]) -> Remark:
     """The likeliest cause why no model explains a channel, and what to type."""
-    left = noise.residuals.findings if noise.residuals is not None else ()
-    every = (f for f in (*noise.fit.findings, *left, *warnings) if f.name not in ACCOUNTED)
+    leftover = noise.residuals.findings if noise.residuals is not None else ()
+    every = (f for f in (*noise.fit.findings, *leftover, *warnings) if f.name not in ACCOUNTED)
     told = [(f, Remark.about_finding("", f, grave=True)) for f in every]
     likeliest = min((pair for pair in told if pair[0].fatal or pair[1].command), key=_rank, default=None)
     why = noise.statement.points or (noise.statement.head,)
@@ -165,11 +141,9 @@ def _cause(noise: Noise, warnings: Iterable[Finding]) -> Remark:
 
 
 def _rank(told: tuple[Finding, Remark]) -> tuple[bool, int]:
-    """How far down a finding stands among those that explain a misfit.
-
-    First those that no command cures, and those whose command has values and can be typed as it is.
-    """
+    """How far down a finding stands among those that explain a misfit."""
     finding, remark = told
+    # first those that no command cures, and those whose command has values and can be typed as it is
     known = CAUSES.index(finding.name) if finding.name in CAUSES else len(CAUSES)
     return bool(remark.command) and not any(map(str.isdigit, remark.command)), known
 
@@ -185,15 +159,15 @@ def alerts(study: Job[Any]) -> Iterator[Remark]:
 
 def warned(channel: Any) -> Sequence[Finding]:
     """The findings about the data of a channel that its model does not settle."""
-    found: Sequence[Finding] = getattr(channel, "warnings", channel.quality.warnings)
-    return found
+    findings: Sequence[Finding] = getattr(channel, "warnings", channel.quality.warnings)
+    return findings
 
 
 def without_repeats(first: Iterable[Remark], others: Iterable[Remark]) -> list[Remark]:
     """Remarks, and those of the others that say anything else."""
     told = list(first)
-    said = {str(remark.clauses[0]) for remark in told}
-    return [*told, *(remark for remark in others if str(remark.clauses[0]) not in said)]
+    texts = {str(remark.clauses[0]) for remark in told}
+    return [*told, *(remark for remark in others if str(remark.clauses[0]) not in texts)]
 
 
 def weighed(remarks: Iterable[Remark]) -> list[Remark]:
@@ -205,4 +179,9 @@ def reservations(channels: Sequence[Channel]) -> Iterator[Remark]:
     """Why a model that explains a channel does so with a reservation."""
     noises = [(c.record.name, c.noise) for c in channels if c.explained and c.noise is not None]
     every = [(name, (*n.fit.findings, *(n.residuals.findings if n.residuals else ()))) for name, n in noises]
-    yield from told_of([(name, finding) for name, found in every for finding in found], len(channels))
+    yield from told_of([(name, finding) for name, findings in every for finding in findings], len(channels))
+
+
+def mean_and_spread(record: Record) -> tuple[float, float]:
+    """Mean and standard deviation of a record, in the unit of data sheets."""
+    return mean_and_deviation(record.rate_values * convert(1.0, record.signal.si[0], record.signal.sheet[0]))

@@ -13,7 +13,7 @@ from allanite.reporting.digits import rounded
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Table
 
 from . import view
-from .batch import EVERY, batch_view, symbol_of
+from .batch import ALL_ROWS, batch_view, symbol_of
 
 CAPTION = say(
     "The values of each coefficient in ascending order, and over temperature and date where these are given, with a "
@@ -37,25 +37,25 @@ def _parts(lot: Lot) -> Iterator[Part]:
     if _drawn(lot):
         yield Drawing(lambda: figures.plot_lot(_drawn(lot)), say("values of all units"), CAPTION)
     rows: list[list[Any]] = [
-        [one.channel, symbol_of(one.symbol), one.values.size,
-         *(value / one.factor for value in (one.low, one.median, one.high)), one.sheet_unit]
-        for one in lot.distributions if one.values.size >= FEWEST
+        [row.channel, symbol_of(row.symbol), row.values.size,
+         *(value / row.factor for value in (row.low, row.median, row.high)), row.sheet_unit]
+        for row in lot.distributions if row.values.size >= FEWEST
     ]  # fmt: skip
     if rows:
         shares = (Column(f"{share} %", form=rounded) for share in (10, 50, 90))
         title = say("quantiles of the units in which the term was identified")
-        yield Table((*TERM, Column(say("units")), *shares, UNIT), rows, title, most=EVERY)
+        yield Table((*TERM, Column(say("units")), *shares, UNIT), rows, title, most=ALL_ROWS)
     if lot.trends:
         yield _trends_table(lot)
     if lot.outlying:
         heads = (Column(say("file"), "name"), *TERM, Column(say("value"), form=rounded),
                  Column(say("median"), form=rounded), UNIT)  # fmt: skip
         rows = [
-            [lot.batch.label(lot.batch[one.file]), one.channel, symbol_of(one.symbol), one.value / one.factor,
-             one.median / one.factor, one.sheet_unit]
-            for one in lot.outlying
+            [lot.batch.label(lot.batch[row.file]), row.channel, symbol_of(row.symbol), row.value / row.factor,
+             row.median / row.factor, row.sheet_unit]
+            for row in lot.outlying
         ]  # fmt: skip
-        yield Table(heads, rows, say("outlying units"), key=OUTLYING_KEY, most=EVERY)
+        yield Table(heads, rows, say("outlying units"), key=OUTLYING_KEY, most=ALL_ROWS)
     yield from _tested(lot)
 
 
@@ -65,19 +65,19 @@ def _trends_table(lot: Lot) -> Table:
         Column(say("interval"), "interval"), UNIT,
     )  # fmt: skip
     rows = []
-    for one in lot.trends:
-        slope, low, high = (value * one.step / one.factor for value in (one.slope, one.low, one.high))
-        along, each = (say("date"), say("day")) if one.along == DATE else (say("temperature"), "K")
-        unit = say("{unit} per {step}", unit=one.sheet_unit, step=each)
+    for course in lot.trends:
+        slope, low, high = (value * course.step / course.factor for value in (course.slope, course.low, course.high))
+        along, each = (say("date"), say("day")) if course.along == DATE else (say("temperature"), "K")
+        unit = say("{unit} per {step}", unit=course.sheet_unit, step=each)
         interval = f"{rounded(low)} .. {rounded(high)}"
-        rows.append([one.channel, symbol_of(one.symbol), along, one.values.size, slope, interval, unit])
+        rows.append([course.channel, symbol_of(course.symbol), along, course.values.size, slope, interval, unit])
     marks: list[Mark] = ["alarm" if trend.shown else "" for trend in lot.trends]
-    return Table(heads, rows, say("trends"), marks, TREND_KEY, most=EVERY)
+    return Table(heads, rows, say("trends"), marks, TREND_KEY, most=ALL_ROWS)
 
 
 def _tested(lot: Lot) -> Iterator[Note]:
     """Whether and how well units were tested for being outlying."""
-    tested = [one.values.size for one in lot.distributions if one.tested]
+    tested = [row.values.size for row in lot.distributions if row.tested]
     if tested and not lot.outlying:
         yield Note(say("No unit is outlying."), "good")
     if tested:
@@ -99,10 +99,10 @@ def _tested(lot: Lot) -> Iterator[Note]:
 
 def _drawn(lot: Lot) -> "list[figures.LotRow]":
     """What is drawn: the coefficients with several values."""
-    found = []
-    for one in lot.distributions:
+    drawn = []
+    for row in lot.distributions:
         courses: dict[str, figures.Course] = {}
-        own = (t for t in lot.trends if (t.channel, t.symbol, t.signal) == (one.channel, one.symbol, one.signal))
+        own = (t for t in lot.trends if (t.channel, t.symbol, t.signal) == (row.channel, row.symbol, row.signal))
         for trend in own:
             start, label = 0.0, say("temperature (°C)")
             if trend.along == DATE:
@@ -110,10 +110,10 @@ def _drawn(lot: Lot) -> "list[figures.LotRow]":
                 label = say("days since {date}", date=datetime.fromtimestamp(start, UTC).date().isoformat())
             at, values = (trend.at - start) / trend.step, trend.values / trend.factor
             courses[label] = figures.Course(at, values, trend.slope * trend.step / trend.factor, trend.shown)
-        symbol, values = symbol_of(one.symbol), one.values / one.factor
+        symbol, values = symbol_of(row.symbol), row.values / row.factor
         if values.size > 1:
-            found.append(figures.LotRow(one.channel, symbol, one.sheet_unit, values, courses))
-    return found
+            drawn.append(figures.LotRow(row.channel, symbol, row.sheet_unit, values, courses))
+    return drawn
 
 
 _UNITS = batch_view.through(lambda lot: lot.batch)

@@ -8,8 +8,8 @@ from pathlib import Path
 from allanite.papers.paper import AGREES, DIFFERS, DRAWN, VERDICTS, Compared, Reproduction
 from allanite.phrases.phrase import Phrase, say, say_count
 from allanite.reporting.first import DETAILS, First
-from allanite.reporting.matplotlib_svg import Picture, stored
-from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Table, one_sheet
+from allanite.reporting.matplotlib_svg import stored
+from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Picture, Table, one_sheet
 
 from . import Rows, view
 
@@ -24,7 +24,7 @@ HEADS = (say("in the paper"), "", say("paper"), say("here"), "", say("why"))
 APART = ("not built", "computed", "present")
 """Verdicts on what the paper has no number for."""
 
-LINES = 13
+MAX_ITEMS = 13
 """Items on the first screen."""
 
 
@@ -39,7 +39,7 @@ def first_of_paper(value: Reproduction, _: float) -> First:
     )  # fmt: skip
     told = sorted(value.items, key=lambda item: (item.expected, item.verdict in (AGREES, DRAWN)))
     after = ((f"{Path(value.folder, 'page.html')}", say("all of them, with the figures")), DETAILS)
-    return First(value.title, verdict, [_brief(told[:LINES])], after=after)
+    return First(value.title, verdict, [_brief(told[:MAX_ITEMS])], after=after)
 
 
 @view(rows=lambda value, _: _rows(value), first=first_of_paper)
@@ -49,11 +49,8 @@ def paper_view(value: Reproduction, _: float) -> Face:
         Drawing(partial(_figure, Path(value.folder, name)), caption, caption) for name, caption in value.figures.items()
     ]
     parts: list[Part] = [
-        Note(value.data),
-        _table(value.items),
-        *figures,
-        Code("\n".join(value.commands), say("commands")),
-    ]
+        Note(value.data), _table(value.items), *figures, Code("\n".join(value.commands), say("commands")),
+    ]  # fmt: skip
     return one_sheet(value.title, BRAND, value.name, parts, about=(say("source: {source}", source=value.source),))
 
 

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -63,12 +62,16 @@ class ModelledForm(NamedTuple):
             sheets.append(Sheet(channel.name or self.name, about, parts))
         return job_face(job, names, sheets, limits, header=header, **self._legend())
 
+    def views(self, plot: Callable[[Sequence[Any], Fit | None, float], Plot] | None = None) -> tuple[View, View]:
+        """The views of a single result, and of those of all channels."""
+        return View(self.one_face, plot, lambda result, _: result.rows()), View(self.job_face, plot, _job_rows)
+
     def _legend(self) -> dict[str, list[Part]]:
         return {"close": [Note(self.key, "quiet", where="text")], "how": [Note(self.key)]}
 
 
-def job_rows(job: ModelJob, _: float) -> Rows:
-    """Rows of the results of all channels, each with the name of its channel before it."""
+def _job_rows(job: ModelJob, _: float) -> Rows:
+    """The rows of all channels, each with the name of its channel before it."""
     tables = [(c.name, *c.result.rows()) for c in job.channels if c.result is not None]
     return ["channel", *tables[0][1]], [[name, *row] for name, _, rows in tables for row in rows]
 
@@ -91,13 +94,13 @@ BOUNDED = say("Least relative standard errors (1 sigma, Cramer-Rao bound) of the
 
 def expected_values(model: Model) -> dict[str, tuple[str, str]]:
     """Each parameter's value, and the unit of data sheets that it is in."""
-    found = {}
+    expected = {}
     for t in model:
         name, unit = name_of(t, model), t.signal.sheet[t.row.power]
-        found[name] = (f"{t.to(unit):.4g}", unit)
+        expected[name] = (f"{t.to(unit):.4g}", unit)
         for parameter, value in zip(t.row.parameters, t.shape, strict=True):
-            found[f"{name} {parameter_title(parameter)}"] = (f"{value:.4g}", parameter.unit)
-    return found
+            expected[f"{name} {parameter_title(parameter)}"] = (f"{value:.4g}", parameter.unit)
+    return expected
 
 
 def _percent(error: float) -> str:
@@ -105,17 +108,12 @@ def _percent(error: float) -> str:
     return "> 100 %" if error >= 1 else words.percent(error, 2) or "-"
 
 
-@partial(
-    ModelledForm,
-    say("plan"),
-    say("Plan for"),
-    say("how long to record"),
-    PLANNED,
-    lambda plan: join(
-        ", ", (f"{plan.rate:.8g} Hz", say("a ramp of unknown size is allowed for") if plan.ramp else say("no ramp"))
-    ),
-)
-def plan_form(plan: RecordingPlan, _: Modelled | None) -> Iterator[Part]:
+def _plan_about(plan: RecordingPlan) -> str:
+    ramp = say("a ramp of unknown size is allowed for") if plan.ramp else say("no ramp")
+    return join(", ", (f"{plan.rate:.8g} Hz", ramp))
+
+
+def _plan_parts(plan: RecordingPlan, _: Modelled | None) -> Iterator[Part]:
     """The accuracy of each coefficient by the length of the record."""
     wanted = say("for {accuracy}", accuracy=_percent(plan.accuracy))
     heads = (
@@ -148,23 +146,17 @@ def _plot_plans(values: Sequence[RecordingPlan | RecordingPlans], _: Fit | None,
     return figures.plot_plans(plans)
 
 
-@partial(
-    ModelledForm,
-    say("check"),
-    say("Check of the identification:"),
-    say("simulated records, identified"),
-    CHECKED,
-    lambda check: say_count(
+def _check_about(check: SelfCheck) -> str:
+    return say_count(
         check.records,
         "{count} record of {samples} at {rate:.8g} Hz ({length}), intervals at {level}",
         "{count} records of {samples} at {rate:.8g} Hz ({length}), intervals at {level}",
-        samples=say_count(check.size, "{count} sample", "{count} samples"),
-        rate=check.rate,
-        length=words.duration(check.size / check.rate),
-        level=words.percent(check.level),
-    ),
-)
-def check_form(check: SelfCheck, _: Modelled | None) -> Iterator[Part]:
+        samples=say_count(check.size, "{count} sample", "{count} samples"), rate=check.rate,
+        length=words.duration(check.size / check.rate), level=words.percent(check.level),
+    )  # fmt: skip
+
+
+def _check_parts(check: SelfCheck, _: Modelled | None) -> Iterator[Part]:
     """What the identification finds of known noise."""
     values = expected_values(check.model)
     rows = [
@@ -192,10 +184,14 @@ def _with_error(measured: tuple[float, float]) -> str:
     return f"{100 * value:.{places}f} +- {100 * error:.{places}f} %"
 
 
-PLAN = View(plan_form.one_face, _plot_plans, lambda plan, _: plan.rows())
-PLANS = View(plan_form.job_face, _plot_plans, job_rows)
-CHECK = View(check_form.one_face, None, lambda check, _: check.rows())
-CHECKS = View(check_form.job_face, None, job_rows)
+PLAN, PLANS = ModelledForm(
+    name=say("plan"), title=say("Plan for"), brand=say("how long to record"), key=PLANNED, about=_plan_about,
+    parts=_plan_parts,
+).views(_plot_plans)  # fmt: skip
+CHECK, CHECKS = ModelledForm(
+    name=say("check"), title=say("Check of the identification:"), brand=say("simulated records, identified"),
+    key=CHECKED, about=_check_about, parts=_check_parts,
+).views()  # fmt: skip
 
 
 @view(
@@ -210,12 +206,9 @@ def bound_view(bound: Bound, _: float) -> Face:
     values = expected_values(bound.model)
     rows = [[name, *values.get(name, ("", "")), bound[name]] for name in bound.names]
     about = say_count(
-        bound.size,
-        "{count} sample at {rate:.8g} Hz ({length})",
-        "{count} samples at {rate:.8g} Hz ({length})",
-        rate=bound.rate,
-        length=words.duration(bound.size / bound.rate),
-    )
+        bound.size, "{count} sample at {rate:.8g} Hz ({length})", "{count} samples at {rate:.8g} Hz ({length})",
+        rate=bound.rate, length=words.duration(bound.size / bound.rate),
+    )  # fmt: skip
     heads = Column("", "symbol"), Column(say("value")), Column(say("unit"), "unit"), Column(say("error"), form=_percent)
     parts: list[Part] = [Table(heads, rows)]
     if bound.ramp is not None:
@@ -236,7 +229,7 @@ FREEDOM = say("equivalent degrees of freedom")
 EXACT = say("exact for each noise alone; the relative standard deviation of the variance is sqrt(2 / edf)")
 
 
-MOST = 10
+MAX_TIMES = 10
 """Averaging times of a first screen."""
 
 
@@ -244,12 +237,12 @@ def first_of_properties(value: Properties, _: float) -> First:
     """Degrees of freedom by averaging time, and the range of the ratio to the Allan variance."""
     rows, terms = value.rows()[1], len(value.symbols)
     ratios = [ratio for row in rows for ratio in row[2 : 2 + terms]]
-    said = say("{ratio}: {low:.3f} to {high:.3f}", ratio=_ratio(value), low=min(ratios), high=max(ratios))
+    span = say("{ratio}: {low:.3f} to {high:.3f}", ratio=_ratio(value), low=min(ratios), high=max(ratios))
     heads = (Column("tau", form=".6g"), *(Column(symbol, form=".4g") for symbol in value.symbols))
-    kept = [rows[i] for i in spread(len(rows), MOST)]
+    kept = [rows[i] for i in spread(len(rows), MAX_TIMES)]
     table = Table(heads, [[row[1], *row[2 + terms :]] for row in kept])
     title = say("{statistic}: a record of {n} samples", statistic=statistic_named(value.statistic).title, n=value.size)
-    answer: list[Answer] = [say("{what}, by tau in sampling intervals:", what=FREEDOM), table, said]
+    answer: list[Answer] = [say("{what}, by tau in sampling intervals:", what=FREEDOM), table, span]
     return First(title, "", answer, after=[DETAILS])
 
 
@@ -286,15 +279,7 @@ SPACE_DRAWN = say(
 )
 
 
-@partial(
-    ModelledForm,
-    say("model"),
-    say("State space of"),
-    say("state space of an inertial sensor's noise"),
-    KEY,
-    lambda space: join("; ", (f"{space.rate:.8g} Hz", str(space.model))),
-)
-def space_form(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
+def _space_parts(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
     """What it leaves out, its states, and its matrices."""
     low, high = space.tau
     within = say(
@@ -346,5 +331,7 @@ def _plot(values: Sequence[Any], _: Fit | None, level: float) -> Plot:
     return figures.plot_state_spaces(spaces, level=level)
 
 
-SPACE = View(space_form.one_face, _plot, lambda space, _: space.rows())
-SPACES = View(space_form.job_face, _plot, job_rows)
+SPACE, SPACES = ModelledForm(
+    name=say("model"), title=say("State space of"), brand=say("state space of an inertial sensor's noise"), key=KEY,
+    about=lambda space: join("; ", (f"{space.rate:.8g} Hz", str(space.model))), parts=_space_parts,
+).views(_plot)  # fmt: skip

@@ -21,27 +21,13 @@ from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, rounded
-from allanite.reporting.first import DETAILS, FIGURES, PLUS_MINUS, Answer, Axes, First, Quantity, Remark, merged
+from allanite.reporting.first import DETAILS, FIGURES, PLUS_MINUS, Answer, ChannelRow, Channels, First, Remark, merged
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Table, known, one_sheet
 
 from . import Rows, view
-from .axes import by_sensor, fit_words, how_read, names_of, title_of
+from . import rate_experiment as experiments
+from .channels import by_sensor, fit_words, how_read, names_of, title_of
 from .jobs import alerts, channel_sheet, doubts, job_face, source_of, warned
-from .rate_experiment import (
-    BRAND,
-    CAPTION,
-    HEADINGS,
-    by_time,
-    certain_limits,
-    closeup_parts,
-    every_interval,
-    experiment_rows,
-    finite,
-    sentences,
-    series_of,
-    table_of,
-    told,
-)
 
 
 def first_of_rates(study: RateStudy, level: float) -> First:
@@ -50,42 +36,48 @@ def first_of_rates(study: RateStudy, level: float) -> First:
     remarks = list(doubts([c for c in study.channels if c.refusal or identified]))
     own = list[Remark]()
     for channel in study.channels:
-        name, found = channel.record.name or say("channel"), channel.experiment
+        name, experiment = channel.record.name or say("channel"), channel.experiment
         told_here = (text for text in channel.alerts if text not in map(str, warned(channel)))
-        own += [Remark.of(name, text) for text in (found.drift if found else "", *told_here) if text]
+        own += [Remark.of(name, text) for text in (experiment.drift if experiment else "", *told_here) if text]
     remarks += merged(own, len(study.channels))
-    answer: list[Answer] = [_axes(alike, study, level) for alike in by_sensor(study.channels)]
+    answer: list[Answer] = [_channels(alike, study, level) for alike in by_sensor(study.channels)]
     ranked = [c.experiment.ranking for c in study.channels if c.experiment is not None]
-    answer += dict.fromkeys(told(ranking) for ranking in ranked if ranking is not None)
-    answer += dict.fromkeys(text for channel in study.channels for text in certain_limits(channel.estimates))
+    answer += dict.fromkeys(experiments.told(ranking) for ranking in ranked if ranking is not None)
+    answer += dict.fromkeys(
+        text for channel in study.channels for text in experiments.certain_limits(channel.estimates)
+    )
     if study.settings.durations not in (DURATIONS, ()):
-        answer += [next(by_time(series_of(c))) for c in study.channels if any(e.start.size > 1 for e in c.by_duration)]
+        answer += [
+            next(experiments.by_time(experiments.series_of(c)))
+            for c in study.channels
+            if any(e.start.size > 1 for e in c.by_duration)
+        ]
     legend = [(PLUS_MINUS, say("±: {share} half width.", share=words.percent(level)))]
     return First(title_of(study), "", answer, [*remarks, *alerts(study)], legend, how_read(study), [FIGURES, DETAILS])
 
 
-def _axes(channels: Sequence[RateChannel], study: RateStudy, level: float) -> Axes:
+def _channels(channels: Sequence[RateChannel], study: RateStudy, level: float) -> Channels:
     signal, unit = channels[0].record.signal, channels[0].record.signal.sheet[0]
-    length, rows = words.duration(channels[0].record.duration), list[Quantity]()
+    length, rows = words.duration(channels[0].record.duration), list[ChannelRow]()
     cells = [_rate(_whole(channel, study), channel, level) for channel in channels]
-    rows.append(Quantity(say("rate, mean over {length}", length=length), "", unit, cells, short=say("rate")))
+    rows.append(ChannelRow(say("rate, mean over {length}", length=length), "", unit, cells, short=say("rate")))
     norths = ["" if c.north is None else _number(c.north.heading, c.north.low, c.north.high) for c in channels]
     biases = ["" if c.bias is None else _size(c.bias, level) for c in channels]
-    found = [channel.experiment for channel in channels]
-    several = [e for e in found if e is not None and e.start.size > 1]
+    experiments = [channel.experiment for channel in channels]
+    several = [e for e in experiments if e is not None and e.start.size > 1]
     if several:
         time = words.duration(several[0].duration)
-        scatters = [None if e is None else e.scatter(e.methods[0]) for e in found]
+        scatters = [None if e is None else e.scatter(e.methods[0]) for e in experiments]
         factor = rate_factor(unit, signal)
         shown = ["" if s is None else rounded(s.deviation / factor) for s in scatters]
-        told = ["" if s is None or math.isnan(s.predicted) else rounded(s.predicted / factor) for s in scatters]
-        rows.append(Quantity(say("scatter of {time} means", time=time), "", unit, shown, short=say("scatter")))
-        rows.append(Quantity(say("predicted for {time}", time=time), "", unit, told, 2, say("predicted")))
-    rows.append(Quantity(say("north"), "", "deg", norths))
-    rows.append(Quantity(say("bias by reversal"), "", unit, biases, short=say("bias")))
+        predicted = ["" if s is None or math.isnan(s.predicted) else rounded(s.predicted / factor) for s in scatters]
+        rows.append(ChannelRow(say("scatter of {time} means", time=time), "", unit, shown, short=say("scatter")))
+        rows.append(ChannelRow(say("predicted for {time}", time=time), "", unit, predicted, 2, say("predicted")))
+    rows.append(ChannelRow(say("north"), "", "deg", norths))
+    rows.append(ChannelRow(say("bias by reversal"), "", unit, biases, short=say("bias")))
     fits = [fit_words(channel.noise, channel.refusal) for channel in channels]
-    rows.append(Quantity(say("model fit"), "", "", fits, short=say("model")))
-    return Axes(names_of(channels), [row for row in rows if any(row.cells)], signal.sensor)
+    rows.append(ChannelRow(say("model fit"), "", "", fits, short=say("model")))
+    return Channels(names_of(channels), [row for row in rows if any(row.cells)], signal.sensor)
 
 
 def _whole(channel: RateChannel, study: RateStudy) -> RateEstimate | None:
@@ -96,8 +88,8 @@ def _whole(channel: RateChannel, study: RateStudy) -> RateEstimate | None:
     if model is None and channel.noise is not None and channel.noise.explained:
         model = channel.noise.fit.usable()
     method = channel.experiment.methods[0]
-    found = estimate(channel.record, method, model=model, dither=chosen.dither, options=chosen.options)
-    return subtract_bias(found, chosen.bias, channel.record.signal.unit) if chosen.bias else found
+    rate = estimate(channel.record, method, model=model, dither=chosen.dither, options=chosen.options)
+    return subtract_bias(rate, chosen.bias, channel.record.signal.unit) if chosen.bias else rate
 
 
 def _rate(found: RateEstimate | None, channel: RateChannel, level: float) -> str:
@@ -116,8 +108,7 @@ def _size(found: RateEstimate, level: float) -> str:
 
 def _number(value: float, low: float, high: float) -> str:
     number = digits(value, low, high, figures=6)
-    half = (high - low) / 2 / 10.0**number.exponent
-    return f"{number.value} ± {half:.{len(number.value.partition('.')[2])}f}" if number.low else number.plain()[0]
+    return f"{number.value} ± {number.half}" if number.half else number.plain()[0]
 
 
 NO_ERROR = say("no standard errors: give a noise model (--noise)")
@@ -129,25 +120,25 @@ def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterat
         yield Note(say("noise: {model}", model=str(channel.noise.fit.model)))
     elif given is not None and not channel.refusal:
         yield Note(say("noise as given: {model}", model=str(given)))
-    found = channel.experiment
-    if found is None:
+    experiment = channel.experiment
+    if experiment is None:
         return
-    yield from sentences(found)
+    yield from experiments.sentences(experiment)
     if channel.bias is not None:
         yield Note(say("rate by reversal: {rate}", rate=channel.estimates[0].words(level=level)), "strong")
         yield Note(say("bias by reversal: {bias}", bias=channel.bias.words(level=level)))
     if channel.north is not None:
         yield Note(channel.north.words(), "strong")
-    if found.start.size > 1:
-        yield table_of(found)
+    if experiment.start.size > 1:
+        yield experiments.table_of(experiment)
     if any(e.start.size > 1 for e in channel.by_duration):
-        yield from by_time(series_of(channel))
-    yield from _estimates(channel.estimates, level, modeled=found.ranking is not None)
-    yield Drawing(lambda: _draw([channel]), say("errors of all methods"), CAPTION)
-    if found.start.size > 1:
-        yield every_interval(found)
+        yield from experiments.by_time(experiments.series_of(channel))
+    yield from _estimates(channel.estimates, level, modeled=experiment.ranking is not None)
+    yield Drawing(lambda: _draw([channel]), say("errors of all methods"), experiments.CAPTION)
+    if experiment.start.size > 1:
+        yield experiments.every_interval(experiment)
     if isinstance(channel.record, Record):
-        yield from closeup_parts(first_of(channel.record, found, settings), "page")
+        yield from experiments.closeup_parts(first_of(channel.record, experiment, settings), "page")
 
 
 def first_of(record: Record, found: Experiment, settings: RateSettings) -> Closeup:
@@ -169,13 +160,15 @@ def interval_rows(study: RateStudy) -> Rows:
     """The rate of every interval by every method, unrounded, in the unit of data sheets."""
     heads = ("channel", "interval", "start_s", "duration_s", "method", "rate", "error", "unit")
     rows = []
-    for found in (channel.experiment for channel in study if channel.experiment is not None):
-        unit = found.signal.sheet[0]
-        factor = rate_factor(unit, found.signal)
-        for i, start in enumerate(found.start.tolist()):
-            for method, rate, error in zip(found.methods, found.rates[:, i], found.errors[:, i], strict=True):
+    for experiment in (channel.experiment for channel in study if channel.experiment is not None):
+        unit = experiment.signal.sheet[0]
+        factor = rate_factor(unit, experiment.signal)
+        for i, start in enumerate(experiment.start.tolist()):
+            for method, rate, error in zip(
+                experiment.methods, experiment.rates[:, i], experiment.errors[:, i], strict=True
+            ):
                 numbers = (float(rate) / factor, float(error) / factor)
-                rows.append([found.name, i + 1, start, found.duration, method, *numbers, unit])
+                rows.append([experiment.name, i + 1, start, experiment.duration, method, *numbers, unit])
     return heads, rows
 
 
@@ -197,7 +190,7 @@ def _estimates(estimates: Sequence[RateEstimate], level: float, *, modeled: bool
             methods=", ".join(unknown),
         )
         yield Note(between if modeled else NO_ERROR)
-    yield from map(Note, certain_limits(estimates))
+    yield from map(Note, experiments.certain_limits(estimates))
 
 
 def _draw(channels: Iterable[RateChannel]) -> Plot:
@@ -210,15 +203,15 @@ def _draw(channels: Iterable[RateChannel]) -> Plot:
 def _rows(study: RateStudy, level: float) -> Rows:
     rows: list[list[Any]] = []
     for channel in study.channels:
-        for experiment in series_of(channel):
+        for experiment in experiments.series_of(channel):
             whole = experiment is channel.experiment and experiment.start.size == 1  # an estimate, below
-            rows += () if whole else experiment_rows(experiment)
+            rows += () if whole else experiments.experiment_rows(experiment)
         for e in channel.estimates:
             unit = e.signal.sheet[0]
             numbers = [v / rate_factor(unit, e.signal) for v in (e.value, *e.interval(level), e.standard_error)]
-            rows.append([channel.record.name, e.method, e.duration, 1, *map(finite, numbers[:3]), *[""] * 7,
-                         finite(numbers[3]), unit])  # fmt: skip
-    return HEADINGS, rows
+            rows.append([channel.record.name, e.method, e.duration, 1, *map(experiments.finite, numbers[:3]), *[""] * 7,
+                         experiments.finite(numbers[3]), unit])  # fmt: skip
+    return experiments.HEADINGS, rows
 
 
 @view(
@@ -232,28 +225,25 @@ def study_view(study: RateStudy, level: float) -> Face:
     sheets = []
     for channel in study.channels:
         given = study.settings.noise
-        name, found = channel.record.name, channel.experiment
-        said: str = say("no result: {reason}", reason=channel.refusal) if channel.refusal else ""
-        if found is not None and found.ranking is not None:
-            said = told(found.ranking)
-        verdicts = (join(", ", (name or say("the channel"), said)),) if said else ()
+        name, experiment = channel.record.name, channel.experiment
+        verdict: str = say("no result: {reason}", reason=channel.refusal) if channel.refusal else ""
+        if experiment is not None and experiment.ranking is not None:
+            verdict = experiments.told(experiment.ranking)
+        verdicts = (join(", ", (name or say("the channel"), verdict)),) if verdict else ()
         known = given is not None or channel.certain or (channel.noise is not None and channel.noise.explained)
         doubt = bool(channel.refusal) or not known
         sheets.append(channel_sheet(channel, _parts(channel, study.settings, level), verdicts, doubt=doubt))
     title = say("Rate of {source}", source=source_of(study))
-    return job_face(study, (title, BRAND), sheets, how=[METHODS])
+    return job_face(study, (title, experiments.BRAND), sheets, how=[METHODS])
 
 
 @view(rows=lambda ranking, level: ranking.rows())
 def ranking_view(ranking: Ranking, _: float) -> Face:
     """The methods in the order of their standard errors."""
     return one_sheet(
-        say("Methods"),
-        BRAND,
-        say("methods"),
+        say("Methods"), experiments.BRAND, say("methods"),
         (
-            Note(told(ranking), "strong"),
-            Note(say("noise: {model}", model=str(ranking.model))),
+            Note(experiments.told(ranking), "strong"), Note(say("noise: {model}", model=str(ranking.model))),
             Table(
                 (
                     Column(say("method"), "name"),
@@ -264,7 +254,7 @@ def ranking_view(ranking: Ranking, _: float) -> Face:
             ),
         ),
         how=(METHODS,),
-    )
+    )  # fmt: skip
 
 
 @view()
@@ -272,7 +262,7 @@ def estimate_view(found: RateEstimate, level: float) -> Face:
     """One rate."""
     return one_sheet(
         found.name or say("Rate"),
-        BRAND,
+        experiments.BRAND,
         found.name or say("rate"),
         (*(Note(str(finding), "warning") for finding in found.findings), *_estimates([found], level)),
         about=found.history,

@@ -104,22 +104,25 @@ def every_interval(found: Experiment) -> Table:
 
 def series_of(channel: RateChannel) -> list[Experiment]:
     """The experiment of a channel and those of the other measuring times."""
-    found = channel.experiment
-    return [] if found is None else [found, *(e for e in channel.by_duration if e.duration != found.duration)]
+    experiment = channel.experiment
+    return (
+        []
+        if experiment is None
+        else [experiment, *(e for e in channel.by_duration if e.duration != experiment.duration)]
+    )
 
 
 def certain_limits(estimates: Sequence[RateEstimate]) -> Iterator[str]:
     """What counts without noise prove about the rate."""
-    for found in (e for e in estimates if e.limits is not None):
-        unit = found.signal.sheet[0]
-        low, high = found.limits or (math.nan, math.nan)
-        alone, half = (
-            v / rate_factor(unit, found.signal) for v in (found.details["rate of a pulse"], (high - low) / 2)
-        )
+    for estimate in (e for e in estimates if e.limits is not None):
+        unit = estimate.signal.sheet[0]
+        low, high = estimate.limits or (math.nan, math.nan)
+        factor = rate_factor(unit, estimate.signal)
         yield say(
             "an ideal staircase: {pulses:.10g} ± 1 pulses alone leave ±{alone:.2g} {unit}, its steps ±{half:.2g} "
             "{unit}, and no other rate gives these counts without noise",
-            pulses=found.details["pulses"], alone=abs(alone), half=half, unit=unit,
+            pulses=estimate.details["pulses"], alone=abs(estimate.details["rate of a pulse"] / factor),
+            half=(high - low) / 2 / factor, unit=unit,
         )  # fmt: skip
 
 
@@ -131,21 +134,11 @@ def by_time(series: Sequence[Experiment]) -> Iterator[Table]:
     measured = say("std against the measuring time [{unit}]", unit=unit)
     predicted = say("predicted std against the measuring time [{unit}]", unit=unit)
     for name, title in (("deviation", measured), ("predicted", predicted)):
-        numbers = {
-            m: [
-                (
-                    math.nan
-                    if m not in e.methods
-                    else float(getattr(e.scatter(m), name)) / rate_factor(e.signal.sheet[0], e.signal)
-                )
-                for e in ordered
-            ]
-            for m in methods
-        }
+        numbers = {m: [_scatter(e, m, name) for e in ordered] for m in methods}
         if name == "predicted":
             numbers = {m: each for m, each in numbers.items() if any(map(math.isfinite, each))}
-        one = join(" ", (say("std"), f"[{unit}]")) if len(methods) == 1 and name == "deviation" else ""
-        heads = [Column(say("measuring time"), "name"), *(Column(one or m, form=known(".3g")) for m in numbers)]
+        heading = join(" ", (say("std"), f"[{unit}]")) if len(methods) == 1 and name == "deviation" else ""
+        heads = [Column(say("measuring time"), "name"), *(Column(heading or m, form=known(".3g")) for m in numbers)]
         rows = [[words.duration(e.duration), *row] for e, *row in zip(ordered, *numbers.values(), strict=True)]
         if name == "deviation":
             heads.append(Column(say("intervals"), aside=len(methods) > 1))
@@ -156,6 +149,12 @@ def by_time(series: Sequence[Experiment]) -> Iterator[Table]:
                 rows = [[*row, mean] for row, mean in zip(rows, means, strict=True)]
         if numbers:
             yield Table(heads, rows, title)
+
+
+def _scatter(e: Experiment, method: str, name: str) -> float:
+    """A measure of the scatter of a method in the unit of data sheets; NaN where it was left out."""
+    factor = rate_factor(e.signal.sheet[0], e.signal)
+    return float(getattr(e.scatter(method), name)) / factor if method in e.methods else math.nan
 
 
 HEADINGS = (
@@ -185,15 +184,12 @@ def finite(value: float) -> float | str:
 def experiment_view(found: Experiment, _: float) -> Face:
     """The rates of all methods over the intervals of a record."""
     return one_sheet(
-        found.name or say("Rate"),
-        BRAND,
-        found.name,
+        found.name or say("Rate"), BRAND, found.name,
         (
-            *sentences(found),
-            *([table_of(found)] if found.start.size > 1 else ()),
+            *sentences(found), *([table_of(found)] if found.start.size > 1 else ()),
             Drawing(lambda: figures.plot_rates([(found, ())]), say("errors of all methods"), CAPTION),
         ),
-    )
+    )  # fmt: skip
 
 
 CLOSEUP_CAPTION = say(
@@ -210,15 +206,11 @@ def closeup_parts(found: Closeup, where: Where = "") -> Iterator[Part]:
         say(
             "{lines} regression lines in the interval from {start}, {kept} kept: slopes from {low:.9g} to {high:.9g} "
             "{unit}",
-            lines=rates.size,
-            start=words.duration(found.start),
-            kept=int(found.kept.sum()),
-            low=float(rates.min()),
-            high=float(rates.max()),
-            unit=unit,
+            lines=rates.size, start=words.duration(found.start), kept=int(found.kept.sum()), low=float(rates.min()),
+            high=float(rates.max()), unit=unit,
         ),
         where=where,
-    )
+    )  # fmt: skip
     if found.counts.size:
         rms = float(np.sqrt(np.square(found.misfit).mean()))
         yield Note(say("counts less the staircase: {rms:.3g} quanta RMS", rms=rms), where=where)

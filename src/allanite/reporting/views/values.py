@@ -1,27 +1,32 @@
-"""How curves, spectra, surfaces, and values read off a curve are shown."""
+"""How curves, spectra, surfaces, and values read off a curve are shown; those of all channels side by side."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve, Surface
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
-from allanite.core.readings import Readings
+from allanite.core.readings import IN_RUN, Readings
 from allanite.core.spectrum import Spectrum
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
-from allanite.reporting.digits import digits, rounded
+from allanite.reporting.digits import digits, printed_unit, rounded
+from allanite.reporting.first import First
 from allanite.reporting.sheet import Column, Drawing, Face, Plot, Sheet, Table, Where, one_sheet
 from allanite.reporting.text import spread
 from allanite.statistics import statistic_named
+from allanite.study.survey import Survey
 
 from . import Rows, view
+from .channels import how_read, title_of
+from .jobs import alerts, channel_sheet, doubts, job_face, source_of
 
 BRAND = say("statistics of an inertial sensor")
 
-MOST_COLUMNS = 8
+MAX_SURFACE_TIMES = 8
 """Averaging times of a surface that are printed."""
 
 
@@ -37,8 +42,8 @@ class NumbersForm(NamedTuple):
 
 def numbers_table(value: Any, level: float, title: str = "", where: Where = "") -> Table:
     """The numbers of a curve, spectrum or surface; folded away on a page."""
-    said = title or join("; ", filter(None, (_title(value), _supposed(value))))
-    return Table(*FORMS[type(value)].table(value, level), said, details=True, where=where)
+    heading = title or join("; ", filter(None, (_title(value), _supposed(value))))
+    return Table(*FORMS[type(value)].table(value, level), heading, details=True, where=where)
 
 
 def _title(value: Any) -> str:
@@ -85,7 +90,7 @@ def _curve_lines(curve: Curve, level: float) -> list[list[Any]]:
 
 
 def _surface_table(surface: Surface, _: float) -> tuple[Sequence[Column], list[list[Any]]]:
-    kept = spread(surface.tau.size, MOST_COLUMNS)
+    kept = spread(surface.tau.size, MAX_SURFACE_TIMES)
     heads = (Column(say("time [s]"), form=".6g"), *(Column(f"{surface.tau[j]:.4g} s") for j in kept))
     numbers = zip(surface.time, surface.deviation[:, kept].tolist(), strict=True)
     return heads, [[time, *(rounded(value) or "-" for value in row)] for time, row in numbers]
@@ -111,10 +116,8 @@ FORMS: dict[type, NumbersForm] = {
         ),
         lambda found, level: (
             (
-                Column("f [Hz]", form=".5g"),
-                Column(f"[{found.density_unit}]"),
-                Column(words.interval(level), "interval"),
-                Column(f"[{found.amplitude_unit}]", form=".4g"),
+                Column("f [Hz]", form=".5g"), Column(f"[{found.density_unit}]"),
+                Column(words.interval(level), "interval"), Column(f"[{found.amplitude_unit}]", form=".4g"),
                 Column("dof", form=".4g"),
             ),
             [
@@ -132,20 +135,17 @@ FORMS: dict[type, NumbersForm] = {
     Surface: NumbersForm(
         lambda surface: say(
             "{statistic} in {unit}, windows of {length:g} s every {step:g} s",
-            statistic=statistic_named(surface.statistic).title,
-            unit=surface.unit,
-            length=surface.window,
+            statistic=statistic_named(surface.statistic).title, unit=surface.unit, length=surface.window,
             step=surface.step,
         ),
-        _surface_table,
-        ("channel", "statistic", "time_s", "m", "tau_s", "deviation", "unit", "count"),
+        _surface_table, ("channel", "statistic", "time_s", "m", "tau_s", "deviation", "unit", "count"),
         lambda surface, _: [
             [surface.name, surface.statistic, *at, "" if np.isnan(value) else value, surface.unit, count]
             for *at, value, count in surface.rows()[1]
         ],
         lambda surfaces, fits, level: figures.plot_surfaces(surfaces),
     ),
-}
+}  # fmt: skip
 
 
 def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> Plot:
@@ -179,8 +179,9 @@ READINGS_KEY = say(
     "where the curve has slope -0.5."
 )
 QUOTED_KEY = say(
-    "Data sheets quote the minimum as in-run bias stability. N-second stability is the standard deviation of "
-    "successive means; unless the noise is white it grows with the length of the record."
+    "Data sheets quote the minimum as {name}. N-second stability is the standard deviation of successive means; unless "
+    "the noise is white it grows with the length of the record.",
+    name=IN_RUN,
 )
 
 
@@ -209,3 +210,99 @@ def readings_view(readings: Readings, level: float) -> Face:
         say("read off the Allan deviation"),
         (Sheet(say("readings"), parts=(readings_table(readings, level),)),),
     )
+
+
+MAX_ROWS = 12
+"""Rows of all tables together."""
+
+MAX_WITH_INTERVALS, MAX_BESIDE = 3, 6
+"""Channels side by side with their intervals, and without."""
+
+
+def first_of_survey(survey: Survey, level: float) -> First:
+    """The values of every channel, at averaging times or frequencies that are spread evenly."""
+    after = [("--plot curve.png", say("figure")), ("--csv FILE", say("all values")), ("--details", say("edf"))]
+    answer = list(tables_of(survey.values, level))
+    return First(title_of(survey), "", answer, [*doubts(survey.channels), *alerts(survey)], (), how_read(survey), after)
+
+
+def tables_of(values: Sequence[Any], level: float, rows: int = MAX_ROWS) -> Iterator[Table | str]:
+    """A table for each statistic, of so many rows together: a column for each channel with the averaging times."""
+    alike: dict[tuple[str, tuple[float, ...]], list[Any]] = {}
+    for value in values:
+        at, title = tuple(_at(value).tolist()), _heading(value)
+        known = (key for key in alike if key[0] == title and {*at} <= {*key[1]})
+        alike.setdefault(next(known, (title, at)), []).append(value)
+    groups = [
+        (title, same[i : i + wide])
+        for (title, _), same in alike.items()
+        for wide in (MAX_BESIDE if len(same) > MAX_WITH_INTERVALS else MAX_WITH_INTERVALS,)
+        for i in range(0, len(same), wide)
+    ]
+    for title, group in groups:
+        yield title
+        yield _side_by_side(group, level, rows // len(groups), bare=len(group) > MAX_WITH_INTERVALS)
+
+
+def _at(value: Curve | Spectrum | Surface) -> FloatArray:
+    """The averaging times or frequencies of the rows."""
+    return value.frequency if isinstance(value, Spectrum) else value.tau
+
+
+def _heading(value: Curve | Spectrum | Surface) -> str:
+    if isinstance(value, Spectrum):
+        unit = printed_unit(value.amplitude_unit)
+        if value.sides == "one":
+            return say("one-sided amplitude spectral density in {unit}", unit=unit)
+        return say("two-sided amplitude spectral density in {unit}", unit=unit)
+    if isinstance(value, Surface):
+        return say("{title}: least to greatest", title=FORMS[Surface].title(value))
+    return FORMS[type(value)].title(value)
+
+
+def _side_by_side(values: Sequence[Any], level: float, rows: int, *, bare: bool) -> Table:
+    columns = [_cells(value, level, bare=bare) for value in values]
+    at = list(columns[0])
+    heads = [
+        Column(
+            "f [Hz]" if isinstance(values[0], Spectrum) else "tau [s]",
+            form=lambda at: f"{at:.4g}" if at < 1e4 else f"{at:.0f}",
+        ),
+        *(Column(value.name or say("channel"), "name") for value in values),
+    ]
+    return Table(heads, [[at[i], *(cells.get(at[i], "") for cells in columns)] for i in spread(len(at), rows)])
+
+
+def _cells(value: Curve | Spectrum | Surface, level: float, *, bare: bool) -> dict[float, str]:
+    """What was found at each averaging time or frequency."""
+    if isinstance(value, Surface):
+        ends = zip(np.nanmin(value.deviation, axis=0), np.nanmax(value.deviation, axis=0), strict=True)
+        ranges: list[str] = [say("{low} to {high}", low=rounded(float(a)), high=rounded(float(b))) for a, b in ends]
+        return dict(zip(value.tau.tolist(), ranges, strict=True))
+    if isinstance(value, Spectrum):
+        size, limits = value.amplitude, np.sqrt(value.interval(level))
+    else:
+        size = value.deviation
+        limits = np.array(value.interval(level)) if value.law is not None else np.full((2, size.size), np.nan)
+    numbers = [digits(*v).plain() for v in zip(size.tolist(), *limits.tolist(), strict=True)]
+    cells = [number if bare or not interval else f"{number} ({interval})" for number, interval in numbers]
+    return dict(zip(_at(value).tolist(), cells, strict=True))
+
+
+def _plot_survey(values: Sequence[Survey], fit: Fit | None, level: float) -> Plot:
+    shown = [value for survey in values for value in survey.values]
+    fits = {name: each for survey in values for name, each in survey.fits.items()}
+    return FORMS[type(shown[0])].plot(shown, fits, level)
+
+
+@view(_plot_survey, lambda survey, level: rows_of(survey.values, level), first=first_of_survey)
+def survey_view(survey: Survey, level: float) -> Face:
+    """The statistics of each channel."""
+    sheets = [channel_sheet(c, [numbers_table(value, level) for value in c.values]) for c in survey]
+    names = ", ".join(dict.fromkeys(value.name for value in survey.values if value.name))
+    titles = join("; ", dict.fromkeys(FORMS[type(value)].title(value) for value in survey.values))
+    drawing = Drawing(
+        lambda: _plot_survey([survey], None, level),
+        say("{titles}, of {channels}", titles=titles, channels=names) if names else titles,
+    )
+    return job_face(survey, (source_of(survey), BRAND), sheets, [drawing])

@@ -16,12 +16,11 @@ from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of, one_sheet
+from allanite.reporting.words import ARCSEC
 from allanite.study.job import provenance_of
 
 from . import Rows, view
 from .jobs import channel_sheet, job_face, source_of
-
-ARCSEC = math.pi / 648_000
 
 BRAND = say("roll and pitch from gyros and accelerometers")
 KEY = say(
@@ -33,7 +32,7 @@ DRAWN = say(
     "by source, of the recommended filter. Below: error against the time constant."
 )
 ANGLES = say("Roll and pitch: mean, least and largest of short blocks; dashed: predicted limits about the mean.")
-COMPARED = say(
+SCENARIOS_KEY = say(
     "RMS error of roll and pitch after the first fifth of the run, deg; in brackets the largest. Norm gate: ignores "
     "the accelerometers where the specific force differs from g in size; angle gate: where their tilt differs from the "
     "angle."
@@ -137,8 +136,8 @@ def _scenario_parts(found: ScenarioErrors) -> Iterator[Part]:
         [name, *(f"{r:.3g} ({w:.2g})" for r, w in zip(np.degrees(rms), np.degrees(worst), strict=True))]
         for name, rms, worst in zip(found.filters, found.rms, found.worst, strict=True)
     ]
-    yield Table(heads, cells, say("filters in the scenarios"), key=COMPARED)
-    yield Drawing(lambda: figures.plot_scenarios(found), say("filters in the scenarios"), COMPARED)
+    yield Table(heads, cells, say("filters in the scenarios"), key=SCENARIOS_KEY)
+    yield Drawing(lambda: figures.plot_scenarios(found), say("filters in the scenarios"), SCENARIOS_KEY)
 
 
 METHODS = Table(
@@ -158,7 +157,7 @@ def _angle_parts(angle: Angle) -> Iterator[Part]:
         yield Note(say("predicted: {error:.3g} arcsec (1 sigma), {limit:.2g} deg (2 sigma)",
                        error=p.to("arcsec"), limit=2 * p.to("deg")), "strong")  # fmt: skip
         # a measured scatter that the prediction does not explain
-        if isinstance(angle.record, Record) and angle.deviation >= BEYOND * p.rms:
+        if isinstance(angle.record, Record) and angle.deviation >= MIN_SCATTER_RATIO * p.rms:
             yield Note(
                 say("the angle scatters {ratio:.2g} times as much as predicted: the body moved, or noise is missing "
                     "from the models (see the channels)", ratio=angle.deviation / p.rms), "warning",
@@ -173,10 +172,10 @@ def _angle_parts(angle: Angle) -> Iterator[Part]:
         yield from _optimum_parts(angle.optimum, angle.name)
 
 
-HELD = 0.1
+MAX_IGNORED_SHARE = 0.1
 """Share of the samples without accelerometers from which a gate may do more harm than good."""
 
-BEYOND = 1.5
+MIN_SCATTER_RATIO = 1.5
 """Ratio of measured and predicted scatter from which it is mentioned."""
 
 
@@ -214,9 +213,9 @@ def study_view(study: VerticalStudy, _: float) -> Face:
     if study.held > study.falling and row.name != "bortz":
         share = (study.held - study.falling) / study.roll.size
         held = say("the accelerometers were ignored in {share} of the samples", share=words.percent(share, 3))
-        if share > HELD:
+        if share > MAX_IGNORED_SHARE:
             held = say("{held}: the gate is below the tilt of this motion", held=held)
-        parts.append(Note(held, "alert" if share > HELD else "note"))
+        parts.append(Note(held, "alert" if share > MAX_IGNORED_SHARE else "note"))
     parts.append(Drawing(lambda: figures.plot_angles(study.angles), say("roll and pitch"), ANGLES))
     names = say("Roll and pitch of {source}", source=source_of(study)), BRAND
     return job_face(study, names, sheets, parts, close=[_matrices(study.loop, study.rate)], how=[METHODS])

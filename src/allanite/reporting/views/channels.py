@@ -9,30 +9,24 @@ from allanite.core.fit import EXPLAINED as LEAST
 from allanite.core.kinds import KIND_WORDS
 from allanite.core.model import coefficient_factor
 from allanite.core.plain import Header
+from allanite.core.readings import IN_RUN
 from allanite.core.record import Record
 from allanite.core.units import Signal, convert
 from allanite.core.validity import APPROXIMATE, ROUGHLY, UNEXPLAINED
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import words
 from allanite.reporting.digits import digits, rounded
-from allanite.reporting.first import (
-    FIGURES,
-    MOST,
-    PLUS_MINUS,
-    Axes,
-    First,
-    Quantity,
-    plus_minus,
-)
+from allanite.reporting.first import FIGURES, MOST, PLUS_MINUS, ChannelRow, Channels, First, plus_minus
 from allanite.study.job import Job
 from allanite.study.results import Channel, Noise, Study
 from allanite.terms import TERMS
 
-from .details import mean_and_spread
-from .jobs import alerts, doubts, reservations, source_of, weighed, without_repeats
+from .jobs import alerts, doubts, mean_and_spread, reservations, source_of, weighed, without_repeats
 
 MAIN = ("N", "B", "K")
 """Terms whose limits are told as long as there is room for any."""
+
+IN_RUN_SHORT = say("in-run")
 
 MEANING = ("--details", say("intervals, densities, meaning"))
 LONGER = ("allanite plan FILE", say("how long to record until more is known"))
@@ -45,16 +39,12 @@ def first_of(study: Study, level: float) -> First:
     if not fitted:
         return _seen(study)
     lost = any(e.status == "absent" and e.symbol in MAIN for channel in fitted for e in channel.fit or ())
-    tables = list(_axes(channels, level))
+    tables = list(_channels(channels, level))
     return First(
-        title_of(study),
-        _verdict(channels),
-        tables,
+        title_of(study), _verdict(channels), tables,
         without_repeats(doubts(channels), weighed([*alerts(study), *reservations(channels)])),
-        list(_legend(level).items()),
-        how_read(study),
-        [FIGURES, MEANING, *([LONGER] if lost else [])],
-    )
+        list(_legend(level).items()), how_read(study), [FIGURES, MEANING, *([LONGER] if lost else [])],
+    )  # fmt: skip
 
 
 def title_of(study: Job[Any]) -> Phrase:
@@ -87,8 +77,8 @@ def _verdict(channels: Sequence[Channel]) -> Phrase:
     good, every = len(fits) - part, len(channels)
     if good == every:
         return say_count(good, "model fits", "model fits all {count} channels")
-    said = say("model fits {good} of {count} channels", good=good, count=every)
-    return say("{said}, {part} in part", said=said, part=part) if part else said
+    partial = say("model fits {good} of {count} channels", good=good, count=every)
+    return say("{said}, {part} in part", said=partial, part=part) if part else partial
 
 
 def by_sensor(channels: Iterable[Any]) -> list[list[Any]]:
@@ -104,27 +94,27 @@ def names_of(channels: Iterable[Any]) -> list[str]:
     return [channel.record.name or say("channel") for channel in channels]
 
 
-def _axes(channels: Sequence[Channel], level: float) -> Iterator[Axes]:
+def _channels(channels: Sequence[Channel], level: float) -> Iterator[Channels]:
     """A table for each kind of sensor."""
     for alike in by_sensor(channels):
         signal = alike[0].record.signal
-        yield Axes(names_of(alike), list(_quantities(alike, signal, level)), signal.sensor)
+        yield Channels(names_of(alike), list(_quantities(alike, signal, level)), signal.sensor)
 
 
-def _quantities(channels: Sequence[Channel], signal: Signal, level: float) -> Iterator[Quantity]:
+def _quantities(channels: Sequence[Channel], signal: Signal, level: float) -> Iterator[ChannelRow]:
     fits = [{e.symbol: e for e in channel.fit or ()} if channel.explained else {} for channel in channels]
     for symbol in names_in_order(symbol for fit in fits for symbol in fit):
-        there = [fit[symbol] for fit in fits if symbol in fit]
+        estimates = [fit[symbol] for fit in fits if symbol in fit]
         cells = [cell_of(fit[symbol], level) if symbol in fit else "" for fit in fits]
-        rank = 0 if any(e.valued for e in there) else 1 if symbol in MAIN else 2
+        rank = 0 if any(e.valued for e in estimates) else 1 if symbol in MAIN else 2
         if any(cells):
-            yield Quantity(words.title(symbol, signal), symbol, there[0].sheet_unit, cells, rank)
+            yield ChannelRow(words.title(symbol, signal), symbol, estimates[0].sheet_unit, cells, rank)
     unit = next((c.readings.shown_unit(0) for c in channels if c.readings is not None), signal.sheet[0])
     least = [_minimum(channel) for channel in channels]
     if any(least):
-        yield Quantity(say("in-run bias stability"), "", unit, least, short=say("in-run"))
+        yield ChannelRow(IN_RUN, "", unit, least, short=IN_RUN_SHORT)
     words_of = [fit_words(channel.noise, channel.refusal) for channel in channels]
-    yield Quantity(say("model fit"), "", "", words_of, short=say("model"))
+    yield ChannelRow(say("model fit"), "", "", words_of, short=say("model"))
 
 
 def names_in_order(symbols: Iterable[str]) -> list[str]:
@@ -194,13 +184,13 @@ def _seen(study: Study) -> First:
     tables, good = [], sum(not channel.refusal for channel in study.channels)
     for alike in by_sensor(study.channels):
         unit = alike[0].record.signal.sheet[0]
-        found = [None if isinstance(c.record, Header) else mean_and_spread(c.record) for c in alike]
+        spreads = [None if isinstance(c.record, Header) else mean_and_spread(c.record) for c in alike]
         rows = [
-            Quantity(say("mean"), "", unit, ["" if f is None else rounded(f[0]) for f in found]),
-            Quantity(say("standard deviation"), "", unit, ["" if f is None else rounded(f[1]) for f in found]),
-            Quantity(say("fit for analysis"), "", "", [_fitness(channel) for channel in alike]),
+            ChannelRow(say("mean"), "", unit, ["" if f is None else rounded(f[0]) for f in spreads]),
+            ChannelRow(say("standard deviation"), "", unit, ["" if f is None else rounded(f[1]) for f in spreads]),
+            ChannelRow(say("fit for analysis"), "", "", [_fitness(channel) for channel in alike]),
         ]
-        tables.append(Axes(names_of(alike), rows, alike[0].record.signal.sensor))
+        tables.append(Channels(names_of(alike), rows, alike[0].record.signal.sensor))
     count = len(study.channels)
     verdict = (
         say("fit for analysis")
