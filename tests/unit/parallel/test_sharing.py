@@ -17,7 +17,7 @@ from tests.rows import rows
 import allanite as al
 from allanite.parallel.processes import ahead, later, spread
 from allanite.parallel.processors import how_many, imported, importing, processes
-from allanite.parallel.sharing import Work, done, shared
+from allanite.parallel.sharing import shared
 from allanite.reporting import page
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="forks only where they are safe")
@@ -178,10 +178,9 @@ def running(pid: int) -> bool:
         return False
 
 
-def test_examples_of_threads_and_works():
+def test_examples_of_threads():
     assert later(lambda: 3).result() == 3
     assert list(ahead(iter(range(5)))) == [0, 1, 2, 3, 4]
     assert spread(abs, [-1, 2, -3], 2) == [1, 2, 3]
-    assert list(done(Work.one(list), Work([int, float], sum).then(str))) == [[], "0.0"]
     with importing(["string"]):
         imported()
