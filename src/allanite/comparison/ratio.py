@@ -112,7 +112,7 @@ def ratio_law(
     row = statistic_named(statistic)
     angles = [integrated(record, row.order) for record in records]
     points = [
-        CurvePoints(row, factors, angle.runs, record.size, record.rate, 0.2, places=angle.places)
+        CurvePoints(row, factors, angle.runs, record.size, record.rate, places=angle.places)
         for record, angle, factors in zip(records, angles, m, strict=True)
     ]
     edf_a, first = mixtures(points[0], [models[0]])

@@ -43,12 +43,12 @@ def mean_and_deviation(values: FloatArray) -> tuple[float, float]:
     >>> mean_and_deviation(np.array([4e300, np.nan, 0.0]))
     (2e+300, 2e+300)
     """
-    there = values[np.isfinite(values)]
-    if not there.size:
+    finite = values[np.isfinite(values)]
+    if not finite.size:
         return np.nan, np.nan
-    scale = float(np.abs(there).max()) or 1.0
-    there = there / scale  # whose squares can be represented
-    return scale * float(there.mean()), scale * float(there.std())
+    scale = float(np.abs(finite).max()) or 1.0
+    finite = finite / scale  # whose squares can be represented
+    return scale * float(finite.mean()), scale * float(finite.std())
 
 
 def samples(values: Any, unit: str, kind: str, name: str) -> NDArray[Any]:

@@ -36,10 +36,10 @@ class _Public(dict[str, Any]):
     """Public names, for annotations in modules that do not import them at run time."""
 
     def __missing__(self, name: str) -> Any:
-        found = getattr(import_module("allanite"), name, None)
-        if not isinstance(found, type):
+        public = getattr(import_module("allanite"), name, None)
+        if not isinstance(public, type):
             raise KeyError(name)
-        return found
+        return public
 
 
 def misfit(value: Any, hint: Any) -> str:

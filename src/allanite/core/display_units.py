@@ -38,8 +38,8 @@ def showing(unit: str) -> list[Signal]:
     (['gyro', 'angle'], [])
     """
     dimension = unit_of(unit).dimension
-    found = (signal_with(dimension, power, values=True) for power in {row.power for row in TERMS.values()})
-    return sorted(filter(None, found), key=SIGNALS.index)
+    signals = (signal_with(dimension, power, values=True) for power in {row.power for row in TERMS.values()})
+    return sorted(filter(None, signals), key=SIGNALS.index)
 
 
 def readable_unit(unit: str) -> str:

@@ -93,8 +93,8 @@ def noise_choice(value: ModelLike | Literal["auto"] | None) -> Averaged | Litera
             "noise must be a Model, a Term such as N(0.01, 'deg/sqrt(h)'), a Fit, 'identified', 'auto' or None, not "
             f"{given(value)}; allanite.Model(text) makes one of a text"
         )
-    found = value if isinstance(value, Averaged) else getattr(value, "averaged", None)
-    return found if isinstance(found, Averaged) else averaged([value], [1.0])
+    models = value if isinstance(value, Averaged) else getattr(value, "averaged", None)
+    return models if isinstance(models, Averaged) else averaged([value], [1.0])
 
 
 WEAK = 0.25

@@ -124,14 +124,14 @@ def coefficient_factor(symbol: str, unit: str, signal: Signal | None = None) -> 
     UnitError
         If `unit` is not a unit of this coefficient; the message names the usual ones.
     """
-    found = unit_of(unit)
-    fits = signal_with(found.dimension, TERMS[symbol].power, values=True)
+    size = unit_of(unit)
+    fits = signal_with(size.dimension, TERMS[symbol].power, values=True)
     if fits is None or (signal is not None and fits is not signal):
         meant = [s for s in SIGNALS if (s.inertial if signal is None else s is signal)]
         usual = ", ".join(s.sheet[TERMS[symbol].power] for s in meant)
         title = TERMS[symbol].title if signal is None else title_of(symbol, signal)
         raise UnitError(f"{unit!r} is not a unit of {symbol} ({title}); usual units: {usual}")
-    return found.factor
+    return size.factor
 
 
 def term(symbol: str, value: float, unit: str, shape: tuple[float, ...] = ()) -> Term:
@@ -207,8 +207,8 @@ class Model(Value):
     def __init__(self, terms: str | Term | Iterable[Term], *, doubt: str = "") -> None:
         from .syntax import terms_of
 
-        found = terms_of(terms) if isinstance(terms, str) else (terms,) if isinstance(terms, Term) else tuple(terms)
-        object.__setattr__(self, "terms", found)
+        listed = terms_of(terms) if isinstance(terms, str) else (terms,) if isinstance(terms, Term) else tuple(terms)
+        object.__setattr__(self, "terms", listed)
         object.__setattr__(self, "doubt", doubt)
         symbols = [t.symbol for t in self.terms]
         if not symbols:
@@ -259,11 +259,11 @@ class Model(Value):
         return Model(kept, doubt=self.doubt) if kept else None
 
     def __getitem__(self, symbol: str) -> Term:
-        found = [t for t in self.terms if t.symbol == symbol]
-        if len(found) > 1:
-            raise UsageError(f"{symbol!r} occurs {len(found)} times in this model: iterate over its terms")
-        if found:
-            return found[0]
+        alike = [t for t in self.terms if t.symbol == symbol]
+        if len(alike) > 1:
+            raise UsageError(f"{symbol!r} occurs {len(alike)} times in this model: iterate over its terms")
+        if alike:
+            return alike[0]
         raise UsageError(f"no term {symbol!r} in this model; its terms: {', '.join(t.symbol for t in self.terms)}")
 
     def __iter__(self) -> Iterator[Term]:
@@ -375,7 +375,7 @@ def constructor(symbol: str) -> Constructor:
         f"For example ``{symbol}({row.typical:g}, {sheet!r}{example})``{units}."
     )
     build.__signature__ = signature  # type: ignore[attr-defined]
-    build.__annotations__ = {name: one.annotation for name, one in signature.parameters.items()}
+    build.__annotations__ = {name: parameter.annotation for name, parameter in signature.parameters.items()}
     return public(build)
 
 

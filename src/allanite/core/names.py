@@ -31,8 +31,8 @@ def nearest(name: object, known: Iterable[str]) -> str:
     for word in known:
         row = known[word] if isinstance(known, Mapping) else None
         own |= dict.fromkeys(map(_plain, (*getattr(row, "synonyms", ()), word)), word)
-    found = get_close_matches(_plain(str(name)), own, n=1, cutoff=ALIKE)
-    return own[found[0]] if found else ""
+    similar = get_close_matches(_plain(str(name)), own, n=1, cutoff=ALIKE)
+    return own[similar[0]] if similar else ""
 
 
 def _plain(name: str) -> str:
@@ -50,10 +50,10 @@ def unknown(
     "unknown statistic 'oadv'; did you mean oadev? Known statistics: adev, oadev"
     """
     meant, names = nearest(name, known), list(known)
-    said = f"unknown {what} {given(name)}{where}" + (f"; did you mean {meant}?" if meant else "")
+    words = f"unknown {what} {given(name)}{where}" + (f"; did you mean {meant}?" if meant else "")
     if listed and (not meant or len(names) <= LISTED):
-        said += f"{' Known' if meant else '; known'} {what}s: " + ", ".join(names)
-    return UsageError(said, choice=choice, cure=(str(name), meant) if meant else ("", ""))
+        words += f"{' Known' if meant else '; known'} {what}s: " + ", ".join(names)
+    return UsageError(words, choice=choice, cure=(str(name), meant) if meant else ("", ""))
 
 
 def demand_name(what: str, name: object, known: Iterable[str], *, where: str = "", choice: str = "") -> None:

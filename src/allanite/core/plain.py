@@ -92,12 +92,12 @@ class Value(Portable):
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> Self:
         """The value of data of this type."""
-        found = cls(**read_fields(cls, data))
+        value = cls(**read_fields(cls, data))
         for names in cls._alike:
-            parts = (attrgetter(name)(found) for name in names.split())
+            parts = (attrgetter(name)(value) for name in names.split())
             if len({len(part) for part in parts if part is not None}) > 1:
                 raise StoredError(f"{', '.join(names.split())} must have as many items: the data were changed")
-        return found
+        return value
 
     def __repr__(self) -> str:
         text = f"<{type(self).__name__} {self._summary()}".rstrip().replace("\n", "; ")
@@ -155,16 +155,16 @@ def read_fields(cls: type[Value], data: dict[str, Any], *apart: str) -> dict[str
     """The fields of a class, but those `apart`, from plain data; what has a default may be missing."""
     optional = {f.name for f in fields(cls) if f.default is not MISSING or f.default_factory is not MISSING}  # type: ignore[arg-type]
     keys = {name: cls._keys.get(name, name) for name, _ in stored_fields(cls) if name not in apart}
-    found = {
+    values = {
         name: read_key(data, keys[name], hint)
         for name, hint in stored_fields(cls) if name in keys and (keys[name] in data or name not in optional)
     }  # fmt: skip
-    for name in cls._checks.keys() & found.keys():
+    for name in cls._checks.keys() & values.keys():
         try:
-            cls._checks[name](found[name])
+            cls._checks[name](values[name])
         except UsageError as error:
             raise StoredError.at(f".{keys[name]}", error) from None
-    return found
+    return values
 
 
 def demand_type(data: dict[str, Any], name: str) -> None:

@@ -21,19 +21,19 @@ def demand_ranges(ranges: object) -> dict[str, tuple[float, float]]:
     """
     if not isinstance(ranges, Mapping) or not ranges:
         raise UsageError(f"ranges are two averaging times in s for each term, as N=0.1:10, not {ranges!r}")
-    found: dict[str, tuple[float, float]] = {}
+    times: dict[str, tuple[float, float]] = {}
     for symbol, pair in ranges.items():
         numbers = isinstance(pair, (tuple, list)) and len(pair) == 2 and all(isinstance(v, (int, float)) for v in pair)
         if not numbers or not 0 < pair[0] < pair[1]:
             raise UsageError(f"the range of {symbol} must be two averaging times in s, the lower one first, not {pair}")
-        found[symbol] = (float(pair[0]), float(pair[1]))
-    for (one, (low, high)), (other, (start, end)) in pairwise(sorted(found.items(), key=lambda item: item[1])):
+        times[symbol] = (float(pair[0]), float(pair[1]))
+    for (symbol, (low, high)), (other, (start, end)) in pairwise(sorted(times.items(), key=lambda item: item[1])):
         if start < high:
             raise UsageError(
-                f"the ranges of {one} ({low:g} to {high:g} s) and {other} ({start:g} to {end:g} s) overlap; "
+                f"the ranges of {symbol} ({low:g} to {high:g} s) and {other} ({start:g} to {end:g} s) overlap; "
                 "one term at most makes a part of the curve"
             )
-    return found
+    return times
 
 
 def demand_pieces(pieces: object, unit: str = "s") -> tuple[tuple[float, float], ...]:

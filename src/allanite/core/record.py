@@ -354,12 +354,12 @@ def _describes_itself(column: Any, sampling: Sampling) -> bool:
 
 def as_record(source: Any, call: str, sampling: Sampling, *, unit: str = "") -> Record:
     """The record of what is one channel; parameters and errors are those of `as_source`."""
-    found = as_source(source, call, sampling, unit=unit)
-    if isinstance(found, Recording):
-        if len(found) > 1:
-            names = ", ".join(found.channels)
-            raise UsageError(f"{call} takes one channel, not {names}: choose one, e.g. [{found.channels[0]!r}]")
-        return found[0]
-    if not isinstance(found, Record):
-        raise WrongTypeError(f"{call} takes a record or samples, not a {type(found).__name__}")
-    return found
+    record = as_source(source, call, sampling, unit=unit)
+    if isinstance(record, Recording):
+        if len(record) > 1:
+            names = ", ".join(record.channels)
+            raise UsageError(f"{call} takes one channel, not {names}: choose one, e.g. [{record.channels[0]!r}]")
+        return record[0]
+    if not isinstance(record, Record):
+        raise WrongTypeError(f"{call} takes a record or samples, not a {type(record).__name__}")
+    return record

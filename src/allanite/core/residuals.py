@@ -95,10 +95,10 @@ class Residuals(Value):
     @property
     def reasons(self) -> tuple[str, ...]:
         """Why the model does not explain the record: rounding, spectrum, level and tails, the likeliest first."""
-        found = [(finding.name != "no dither", str(finding)) for finding in self.findings]
+        sentences = [(finding.name != "no dither", str(finding)) for finding in self.findings]
         spectral = () if self.goodness is None else self.goodness.reasons
-        first = tuple(text for late, text in found if not late)
-        return tuple(dict.fromkeys((*first, *spectral, *(text for late, text in found if late))))
+        first = tuple(text for late, text in sentences if not late)
+        return tuple(dict.fromkeys((*first, *spectral, *(text for late, text in sentences if late))))
 
     def __getitem__(self, name: str) -> Check:
         return next(check for check in self.checks if check.name == name)

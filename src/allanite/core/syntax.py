@@ -230,16 +230,16 @@ def split_quantities(words: list[str]) -> list[tuple[float, str]]:
     >>> split_quantities(["0.1", "deg/h", "20s", "3"])
     [(0.1, 'deg/h'), (20.0, 's'), (3.0, '')]
     """
-    found: list[tuple[float, str]] = []
+    quantities: list[tuple[float, str]] = []
     for word in words:
         number = _NUMBER.match(word)
         if number:
-            found.append((float(number[0]), word[number.end() :]))
-        elif found and not found[-1][1]:
-            found[-1] = (found[-1][0], word)
+            quantities.append((float(number[0]), word[number.end() :]))
+        elif quantities and not quantities[-1][1]:
+            quantities[-1] = (quantities[-1][0], word)
         else:
             raise UsageError(f"expected a number instead of {word!r} in {' '.join(words)!r}, e.g. 0.1 deg/h")
-    return found
+    return quantities
 
 
 def written(model: Model) -> str:
@@ -252,8 +252,8 @@ def written(model: Model) -> str:
     True
     """
     texts = list[str]()
-    for found in model:
-        parameters = zip(found.shape, found.row.parameters, strict=True)
+    for t in model:
+        parameters = zip(t.shape, t.row.parameters, strict=True)
         shape = (f"{float(value)!r} {row.unit}".rstrip() for value, row in parameters)
-        texts.append(" ".join([found.symbol, f"{float(found.value)!r}", found.unit, *shape]))
+        texts.append(" ".join([t.symbol, f"{float(t.value)!r}", t.unit, *shape]))
     return ", ".join(texts)

@@ -245,8 +245,8 @@ def unit_of(text: str) -> Unit:
     except (ValueError, ZeroDivisionError, OverflowError, RecursionError):
         rooted = bool(re.search("rt|root|√", text))  # a density is never meant by a rate, nor the other way round
         meant = nearest(text[:LONGEST], [unit for unit in USUAL if ("sqrt" in unit) == rooted])
-        said = f"did you mean {meant}?" if meant else f"units are written as {', '.join(USUAL)}"
-        raise UnitError(f"unknown unit {given(text)}; {said}", cure=(text, meant) if meant else ("", "")) from None
+        words = f"did you mean {meant}?" if meant else f"units are written as {', '.join(USUAL)}"
+        raise UnitError(f"unknown unit {given(text)}; {words}", cure=(text, meant) if meant else ("", "")) from None
     return unit
 
 
@@ -357,5 +357,5 @@ def signal_with(dimension: Dimension, time_power: float = 0, *, values: bool = F
     With `values` it may be one that only the kind "value" means.
     """
     wanted = _add(dimension, _powers(time=-time_power))
-    found = next((signal for signal in SIGNALS if signal.dimension == wanted), None)
-    return found if found is None or values or found.kind != "value" else None
+    match = next((signal for signal in SIGNALS if signal.dimension == wanted), None)
+    return match if match is None or values or match.kind != "value" else None

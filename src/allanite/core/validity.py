@@ -214,10 +214,10 @@ class Scope(Value):
     @property
     def sentences(self) -> tuple[str, ...]:
         """The assumptions beyond the terms, as text; empty if there are none."""
-        said = []
+        words = []
         if self.filter:
-            found = self.filter.words()
-            said.append(say("the samples are low-pass filtered: {filter}; the model includes the filter", filter=found))
+            words.append(say("the samples are low-pass filtered: {filter}; the model includes the filter",
+                             filter=self.filter.words()))  # fmt: skip
         if self.masks:
             loud, stop = list[str](), list[str]()
             for low, high in self.masks:
@@ -228,7 +228,7 @@ class Scope(Value):
                 (loud, say("excess power there: vibration or a resonance")),
                 (stop, say("stop band of the filter")),
             )
-            said += [
+            words += [
                 say("excluded from the fit: {where} ({why})", where=join(", ", where), why=why)
                 for where, why in reasons
                 if where
@@ -236,23 +236,23 @@ class Scope(Value):
         if self.limited:
             low, high = self.band
             slowest = f"{0.25 / low:.3g} s" if low else say("the whole record")
-            said.append(
+            words.append(
                 say(
                     "the model holds from {low:.3g} to {high:.3g} Hz, that is, from {fastest:.2g} s to {slowest}",
                     low=low, high=high, fastest=0.5 / high, slowest=slowest,
                 )
             )  # fmt: skip
         if self.until is not None:
-            said.append(
+            words.append(
                 say(
                     "beyond {until:.3g} s the deviation is not that of these terms: the slower drift is not described",
                     until=self.until,
                 )
             )
-        return (*said, *self.remarks)
+        return (*words, *self.remarks)
 
     def _summary(self) -> str:
         low, high = self.band
-        said = [f"{low:.3g} to {high:.3g} Hz"]
-        said += [f"without {len(self.masks)} parts"] if self.masks else []
-        return ", ".join([*said, self.filter.words()] if self.filter else said)
+        words = [f"{low:.3g} to {high:.3g} Hz"]
+        words += [f"without {len(self.masks)} parts"] if self.masks else []
+        return ", ".join([*words, self.filter.words()] if self.filter else words)

@@ -99,7 +99,7 @@ def dynamic(
         sums = windowed(angle.pieces[0].x, first.m, first.count, row.order, stride)
         variance = sums * (angle.scale**2 / (row.norm(first.m) * first.count * first.tau**2))
         shape = variance.shape
-        found = WindowMeans(variance, np.broadcast_to(first.count, shape), np.broadcast_to(first.factor, shape))
+        means = WindowMeans(variance, np.broadcast_to(first.count, shape), np.broadcast_to(first.factor, shape))
     else:
         points = samples + KINDS[record.kind][1]
         parts = [
@@ -110,14 +110,14 @@ def dynamic(
             for start in starts.tolist()
         ]
         shape = (len(parts), first.m.size)
-        found = WindowMeans(np.full(shape, np.nan), np.zeros(shape, dtype=np.int64), np.full(shape, np.nan))
+        means = WindowMeans(np.full(shape, np.nan), np.zeros(shape, dtype=np.int64), np.full(shape, np.nan))
         reason: DataError | None = None
-        for i, one in enumerate(spread(lambda part: _one(part, row, first), parts, threads)):
-            if isinstance(one, DataError):
-                reason = one
+        for i, result in enumerate(spread(lambda part: _one(part, row, first), parts, threads)):
+            if isinstance(result, DataError):
+                reason = result
                 continue
-            found.variance[i], found.number[i], found.factor[i] = one
-        if reason is not None and not found.number.any():
+            means.variance[i], means.number[i], means.factor[i] = result
+        if reason is not None and not means.number.any():
             raise DataError(
                 say(
                     "no window of {channel!r} supports {statistic}: {reason}",
@@ -131,9 +131,9 @@ def dynamic(
         time=np.asarray((starts + samples / 2) / record.rate),
         m=first.m,
         tau=first.tau,
-        variance=found.variance,
-        count=found.number,
-        factor=found.factor,
+        variance=means.variance,
+        count=means.number,
+        factor=means.factor,
         window=samples / record.rate,
         step=stride / record.rate,
         unit=first.unit,
@@ -164,7 +164,7 @@ def _one(part: Record, row: Statistic, first: Curve) -> WindowMeans | DataError:
     """A window by itself, or the reason if too many samples are missing."""
     try:
         angle = integrated(part, row.order)
-        variance, number, factor = estimate(row, angle, first.m, join=0.2, divisor=30)
+        variance, number, factor = estimate(row, angle, first.m)
     except DataError as error:
         return error
     return WindowMeans(variance * (angle.scale / part.interval ** (1 - row.power)) ** 2, number, factor)

@@ -11,7 +11,6 @@ from allanite.core.record import Record
 from allanite.parallel.processes import spread
 from allanite.phrases.phrase import say, windowing
 
-from .grids import part_of
 from .moments.means import There, takes_means, variance_of
 from .row import Statistic, seconds
 
@@ -103,16 +102,14 @@ class WindowMeans(NamedTuple):
     factor: FloatArray
 
 
-def estimate(
-    row: Statistic, angle: AngleRecord, m: IntArray, *, join: float, divisor: int, threads: int = 1
-) -> WindowMeans:
+def estimate(row: Statistic, angle: AngleRecord, m: IntArray, *, divisor: int = 30, threads: int = 1) -> WindowMeans:
     """A statistic of a record at averaging factors `m`, for a unit sample interval.
 
     DataError where the record has gaps and the statistic no meaning there, or is too short for the ratio of a hybrid.
     """
     if not row.parts:
         return windows(row, angle, m, threads)
-    which = part_of(row, m, angle.size, join)
+    which = row.part_of(m, angle.size)
     variance, count, factor = np.empty(m.size), np.zeros(m.size, np.int64), np.ones(m.size)
     for i, part in enumerate(row.parts):
         here = which == i
@@ -142,13 +139,13 @@ def windows(row: Statistic, angle: AngleRecord, m: IntArray, threads: int = 1) -
     sums, count = np.zeros(m.size), np.zeros(m.size, np.int64)
     for start, x in angle.pieces:
         if row.overlapped or start == 0:
-            found, number = _sums(row, x, m, threads), row.count(x.size - 1, m)
+            total, number = _sums(row, x, m, threads), row.count(x.size - 1, m)
         else:  # windows that do not overlap start at multiples of m of the record
             skip = -start % m
             each = [row.sums(x[s:], m[i : i + 1])[0] if s < x.size - 1 else 0.0 for i, s in enumerate(skip)]
-            found = np.array(each)
+            total = np.array(each)
             number = np.array([row.count(x.size - 1 - int(s), k) for s, k in zip(skip, m, strict=True)])
-        sums = np.maximum(sums, found) if row.extreme else sums + found
+        sums = np.maximum(sums, total) if row.extreme else sums + total
         count += number
     with np.errstate(invalid="ignore", divide="ignore"):
         mean = np.where(count > 0, sums / (1 if row.extreme else count), np.nan)
@@ -178,8 +175,8 @@ def _sums(row: Statistic, x: FloatArray, m: IntArray, threads: int) -> FloatArra
         return row.sums(x, m)
     shares = row.split(x.size, m, min(threads, m.size)) if threads > 1 else [np.arange(m.size)]
     sums = np.empty(m.size)
-    for share, found in zip(shares, spread(lambda share: row.sums(x, m[share]), shares, threads), strict=True):
-        sums[share] = found
+    for share, total in zip(shares, spread(lambda share: row.sums(x, m[share]), shares, threads), strict=True):
+        sums[share] = total
     return sums
 
 

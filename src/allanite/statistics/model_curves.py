@@ -18,9 +18,6 @@ from allanite.statistics.moments.expect import expected
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import statistic_named
 
-JOIN = 0.2
-"""Share of the record from which theoh is Theo1."""
-
 ALONE = (1e-2, 1e4)
 """Averaging times of a single term, s."""
 
@@ -50,7 +47,7 @@ class Expectation(Value):
 
     def terms(self, curve: Curve) -> list[FloatArray]:
         """Deviation of each term of the model alone, in the curve's unit."""
-        return [np.sqrt(_variance(term, curve.statistic, (curve.tau, curve.rate, curve.size))) for term in self.model]
+        return [np.sqrt(_variance(term, curve.statistic, curve.tau, curve.rate, curve.size)) for term in self.model]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -62,7 +59,7 @@ class Expectations(Value):
     @property
     def apart(self) -> list[tuple[str, Expectation]]:
         """Each with its name, or the text of its model."""
-        return [(one.name or str(one.model), one) for one in self.each]
+        return [(expected.name or str(expected.model), expected) for expected in self.each]
 
 
 @public
@@ -111,11 +108,10 @@ def expectation(
     if rate is not None and not 0 < rate < math.inf:
         raise UsageError(f"the sampling rate must be a positive number of Hz, not {rate!r}")
     rows = [statistic_named(statistic) for statistic in statistics]
-    return Expectation(model, tuple(_curve(model, row, (tau, rate, size)) for row in rows), name)
+    return Expectation(model, tuple(_curve(model, row, tau, rate, size) for row in rows), name)
 
 
-def _curve(model: Model, row: Statistic, record: tuple[str | Sequence[float], float | None, int | None]) -> Curve:
-    tau, rate, size = record
+def _curve(model: Model, row: Statistic, tau: str | Sequence[float], rate: float | None, size: int | None) -> Curve:
     m = np.zeros(0, np.int64)
     if rate is None and isinstance(tau, str):
         if tau != "log":
@@ -130,19 +126,18 @@ def _curve(model: Model, row: Statistic, record: tuple[str | Sequence[float], fl
         at = np.atleast_1d(np.asarray(tau, dtype=np.float64))
     else:
         length = size or max(8, math.ceil(4 * reach(model)[1] * rate))
-        m = factors_of(tau, row, length, rate, JOIN)
-        at = times(row, m, length, JOIN) / rate
+        m = factors_of(tau, row, length, rate)
+        at = times(row, m, length) / rate
     if not at.size:
         raise UsageError(f"a record of {size} samples is too short for {row.name}")
     return Curve(
         row.name, m if m.size else np.zeros(at.size, np.int64), at,
-        _variance(model, row.name, (at, rate or 0.0, size or 0)), np.zeros(at.size, np.int64), np.ones(at.size),
+        _variance(model, row.name, at, rate or 0.0, size or 0), np.zeros(at.size, np.int64), np.ones(at.size),
         model.signal.si[row.power], rate or 0.0, size or 0,
     )  # fmt: skip
 
 
-def _variance(model: Model | Term, statistic: str, where: tuple[FloatArray, float, int]) -> FloatArray:
-    tau, rate, size = where
+def _variance(model: Model | Term, statistic: str, tau: FloatArray, rate: float, size: int) -> FloatArray:
     return np.maximum(expected(model, statistic, tau, rate=rate or None, size=size or None), 0.0)
 
 
@@ -171,7 +166,5 @@ def reach(model: Model) -> tuple[float, float]:
         for parameter, value in zip(term.row.parameters, term.shape, strict=True)
         if parameter.unit in ("s", "Hz") and value > 0
     ]
-    found = np.array([*changes, *own])
-    if not found.size:
-        return ALONE
-    return float(found.min()) / BESIDE, float(found.max()) * BESIDE
+    marks = np.array([*changes, *own])
+    return (float(marks.min()) / BESIDE, float(marks.max()) * BESIDE) if marks.size else ALONE

@@ -53,8 +53,8 @@ class Exponential:
     @cached_property
     def variance(self) -> complex:
         """Variance of a mean over one interval."""
-        found: complex = 2 * self.T**2 * rest(self.u, 2).item()
-        return found
+        value: complex = 2 * self.T**2 * rest(self.u, 2).item()
+        return value
 
     @cached_property
     def neighbour(self) -> complex:

@@ -120,9 +120,9 @@ def oscillation_block(size: float, shape: tuple[float, ...], h: float) -> Block:
     whole[:2, :2], whole[2, 0] = -F, -1.0
     whole[:2, 3:5], whole[3:5, 3:5], whole[3, 5] = Qc, F.T, 1.0
     halvings = max(0, math.ceil(math.log2(2 * (1 + z) * w * h)))  # over a long interval exp(-F h) would overflow
-    found = expm(whole * h / 2**halvings)
-    Phi = found[3:, 3:].T
-    Q = Phi @ found[:3, 3:]
+    exponential = expm(whole * h / 2**halvings)
+    Phi = exponential[3:, 3:].T
+    Q = Phi @ exponential[:3, 3:]
     for _ in range(halvings):
         Phi, Q = Phi @ Phi, Phi @ Q @ Phi.T + Q
     mean = np.diag([1.0, 1.0, 1 / h])

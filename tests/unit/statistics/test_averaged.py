@@ -29,7 +29,7 @@ def simulated(model, n, seed=1):
 
 
 def points(statistic):
-    return CurvePoints.of(statistic, np.array(FACTORS), [(1024, 1)], 1024, 1.0, 0.2)
+    return CurvePoints.of(statistic, np.array(FACTORS), [(1024, 1)], 1024, 1.0)
 
 
 @pytest.mark.slow("takes more than half a second")

@@ -75,8 +75,8 @@ class Calibration(Value):
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> Self:
         """The value written by `to_dict`; the solution, stored once, belongs to each angle."""
-        found = super()._stored(data)
-        return replace(found, harmonics=tuple(replace(h, solution=found.solution) for h in found.harmonics))
+        result = super()._stored(data)
+        return replace(result, harmonics=tuple(replace(h, solution=result.solution) for h in result.harmonics))
 
     def _summary(self) -> str:
         return "; ".join(f"{h.name}: {h.what}" for h in self.harmonics)

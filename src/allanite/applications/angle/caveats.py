@@ -31,7 +31,7 @@ def caveats(
     """Findings about an experiment, performed or planned."""
     count = 2 * sum(map(len, harmonics.values()))
     errors, correlation = known.errors, correlation_of(known.covariance)
-    found = [*_short(gimbals, harmonics, names, correlation), *_alike(names[:count], correlation)]
+    findings = [*_short(gimbals, harmonics, names, correlation), *_alike(names[:count], correlation)]
     turning = [i for i, name in enumerate(names) if name in ("ax", "az")]
     if turning:
         growth = errors[:count] / known.without(turning).errors[:count]
@@ -43,8 +43,8 @@ def caveats(
                 factor=float(growth[worst]),
             )
             remedy = say("choose another period of the rotation, or another range of angles")
-            found.append(Finding("turn", increased, say("its period is near that of an error"), remedy))
-    found += _sparse(gimbals, harmonics)
+            findings.append(Finding("turn", increased, say("its period is near that of an error"), remedy))
+    findings += _sparse(gimbals, harmonics)
     ratios = errors / (math.inf if prior is None else prior)
     little = [name for name, ratio in zip(names, ratios, strict=True) if ratio > UNTOLD and name[0] in "SC"]
     if little:
@@ -53,8 +53,8 @@ def caveats(
             constants=", ".join(little),
         )
         remedy = say("choose a longer interval or another range of angles")
-        found.append(Finding("untold", untold, say("their estimates are biased towards zero"), remedy))
-    return tuple(found)
+        findings.append(Finding("untold", untold, say("their estimates are biased towards zero"), remedy))
+    return tuple(findings)
 
 
 def _short(

@@ -121,8 +121,8 @@ def calibrate(
     system = System(names, rows, z, np.arange(angle.size, dtype=np.float64))
     solution = solve(system, sigma=None if sigma is None else sigma * factor)
     harmonics = part(solution, name or getattr(measured, "name", ""), chosen, 0)
-    left = z - rows @ solution.values
-    findings = (*_caveats(angle, chosen, solution), *_remaining(angle, left, chosen), *too_large([harmonics]))
+    residuals = z - rows @ solution.values
+    findings = (*_caveats(angle, chosen, solution), *_remaining(angle, residuals, chosen), *too_large([harmonics]))
     return replace(harmonics, solution=replace(solution, findings=findings))
 
 
@@ -140,7 +140,7 @@ def _angle(what: str, values: Any, unit: str) -> tuple[FloatArray, float]:
     return column(what, values) * size.factor, size.factor
 
 
-def _remaining(angle: FloatArray, left: FloatArray, orders: tuple[int, ...]) -> Iterator[Finding]:
+def _remaining(angle: FloatArray, residuals: FloatArray, orders: tuple[int, ...]) -> Iterator[Finding]:
     """The largest harmonic that was not requested, where the sensor has seen its whole turn."""
     sectors = min(SECTORS, 1 << max(3, (angle.size // 8).bit_length() - 1))
     place = np.floor(np.mod(angle, 2 * math.pi) * (sectors / (2 * math.pi))).astype(np.int64) % sectors
@@ -148,13 +148,13 @@ def _remaining(angle: FloatArray, left: FloatArray, orders: tuple[int, ...]) -> 
     # a turn that is not evenly covered mixes orders: then no finding is given
     if count.min() < 0.2 * count.mean():
         return
-    means = np.bincount(place, weights=left, minlength=sectors) / count
+    means = np.bincount(place, weights=residuals, minlength=sectors) / count
     sizes = np.abs(np.fft.rfft(means))[: sectors // 4]
     sizes[[0, *(k for k in orders if k < sizes.size)]] = 0.0
-    order, noise = int(sizes.argmax()), float(np.std(left))
+    order, noise = int(sizes.argmax()), float(np.std(residuals))
     # sectors only point at it: an order beyond them would look like another one
-    size = 2 * abs(complex((left * np.exp(-1j * order * angle)).mean()))
-    if noise > 0 and sizes.size * math.exp(-left.size * (size / noise) ** 2 / 4) < RARE:
+    size = 2 * abs(complex((residuals * np.exp(-1j * order * angle)).mean()))
+    if noise > 0 and sizes.size * math.exp(-residuals.size * (size / noise) ** 2 / 4) < RARE:
         yield Finding(
             "order",
             say(

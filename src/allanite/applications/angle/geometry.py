@@ -227,8 +227,8 @@ def gimbals(
     )  # fmt: skip
     swaying = sway_of(sway)
     if swaying is not None:
-        seen = [swaying.turn(vector(*pair), clock) for pair in ((h, q), (still.h_polar, still.q_polar))]
-        (h, q), (h_polar, q_polar) = map(angles_of, seen)
+        swayed = [swaying.turn(vector(*pair), clock) for pair in ((h, q), (still.h_polar, still.q_polar))]
+        (h, q), (h_polar, q_polar) = map(angles_of, swayed)
         still = still.moved(h=h, q=q, h_polar=h_polar, q_polar=q_polar)
     if ring is None:
         return still

@@ -125,13 +125,13 @@ def waves(angle: FloatArray, orders: tuple[int, ...]) -> FloatArray:
 def orders_of(orders: Any, what: str = "orders") -> tuple[int, ...]:
     """Orders of harmonics: different positive whole numbers."""
     try:
-        found = tuple(int(k) for k in orders)
-        fine = all(k == given and k > 0 for k, given in zip(found, orders, strict=True))
+        whole = tuple(int(k) for k in orders)
+        fine = all(k == given and k > 0 for k, given in zip(whole, orders, strict=True))
     except (TypeError, ValueError):
-        found, fine = (), False
-    if not fine or not found or len(set(found)) < len(found):
+        whole, fine = (), False
+    if not fine or not whole or len(set(whole)) < len(whole):
         raise UsageError(f"{what} must be different positive whole numbers such as [128, 256], not {orders!r}")
-    return found
+    return whole
 
 
 COLUMNS = {"orders": "order", "sine": "S", "cosine": "C"}

@@ -286,7 +286,7 @@ def solve(
     vague = prior if prior is not None else VAGUE * spread / np.sqrt((system.rows**2).mean(axis=0))
     rows, values = system.rows / spread, system.values / spread
     demand_name("method", method, METHODS)
-    end, history, left = METHODS[method](SquareRoot.before(vague), rows, values, system.time)
+    end, history, innovations = METHODS[method](SquareRoot.before(vague), rows, values, system.time)
     level = () if sigma is None else (level_check(alone.squares / spread**2, freedom),)
     return Solution(
         names=system.names,
@@ -298,8 +298,8 @@ def solve(
         condition=alone.condition,
         prior=prior,
         history=history,
-        innovations=left,
-        checks=(*level, *checks(left, values - rows @ end.values)),
+        innovations=innovations,
+        checks=(*level, *checks(innovations, values - rows @ end.values)),
         known=end,
     )
 
@@ -317,20 +317,20 @@ def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tup
         raise DataError(f"the samples are constant (always {system.values[0]:.10g}); check the column")
     alone = batch(system.rows, system.values)
     values, directions = alone.singular
-    seen = int((values > SINGULAR * values[0]).sum())
-    if seen < p and prior is None:
+    rank = int((values > SINGULAR * values[0]).sum())
+    if rank < p and prior is None:
         mixed = [name for name, part in zip(system.names, np.abs(directions[-1]), strict=True) if part > 0.1]
         raise DataError(
-            f"the samples determine {seen} combinations of {p} constants; {', '.join(mixed)} cannot be separated: omit "
+            f"the samples determine {rank} combinations of {p} constants; {', '.join(mixed)} cannot be separated: omit "
             "one of them, let the angles move further, or give a prior"
         )
     # a column in the span of others leaves rounding noise on the diagonal; least squares proper ignores it
     x, *_ = np.linalg.lstsq(alone.factor[:, :-1], alone.factor[:, -1], rcond=SINGULAR)
     squares = alone.squares + float(((alone.factor[:, -1] - alone.factor[:, :-1] @ x) ** 2).sum())
-    spread = math.sqrt(squares / (n - seen)) if sigma is None else sigma
+    spread = math.sqrt(squares / (n - rank)) if sigma is None else sigma
     if spread == 0:
         raise DataError("the constants explain every sample exactly, so that the noise cannot be estimated; give sigma")
-    return SquareRoot(alone.factor, squares, n), spread, n - seen
+    return SquareRoot(alone.factor, squares, n), spread, n - rank
 
 
 Run = tuple[SquareRoot, History, FloatArray]
@@ -338,13 +338,13 @@ Run = tuple[SquareRoot, History, FloatArray]
 
 def _recursive(start: SquareRoot, rows: FloatArray, values: FloatArray, time: FloatArray) -> Run:
     marks = np.unique(np.linspace(0, values.size, min(CHECKPOINTS, values.size) + 1).astype(np.int64))
-    known, left, way = start, [], []
+    known, innovations, estimates = start, [], []
     for first, last in pairwise(marks.tolist()):
         known, part = known.absorb(rows[first:last], values[first:last])
-        left.append(part)
-        way.append((known.values, known.errors))
-    history = History(marks[1:], time[marks[1:] - 1], np.array([v for v, _ in way]), np.array([e for _, e in way]))
-    return known, history, np.concatenate(left)
+        innovations.append(part)
+        estimates.append((known.values, known.errors))
+    history = History(marks[1:], time[marks[1:] - 1], *map(np.array, zip(*estimates, strict=True)))
+    return known, history, np.concatenate(innovations)
 
 
 def _batch(start: SquareRoot, rows: FloatArray, values: FloatArray, time: FloatArray) -> Run:

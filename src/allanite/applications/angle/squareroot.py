@@ -42,8 +42,9 @@ class SquareRoot(Value):
         from allanite.kernels.leastsquares import absorb
 
         factor = self.factor.copy()
-        left = absorb(factor, np.ascontiguousarray(rows), np.ascontiguousarray(values))
-        return SquareRoot(factor, self.squares + float(left @ left), self.count + values.size), left
+        innovations = absorb(factor, np.ascontiguousarray(rows), np.ascontiguousarray(values))
+        squares = self.squares + float(innovations @ innovations)
+        return SquareRoot(factor, squares, self.count + values.size), innovations
 
     @property
     def values(self) -> FloatArray:

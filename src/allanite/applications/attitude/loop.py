@@ -123,13 +123,13 @@ def density(t: Term, f: FloatArray, interval: float | None) -> FloatArray:
     if interval is not None:
         return np.asarray(t.value**2 * t.sampled(1 / interval).spectrum(f, interval))
     # the limit of short intervals, taken for ten octaves at once
-    found = np.empty_like(f)
+    power = np.empty_like(f)
     decade = np.floor(np.log10(f) / 3)
     for which in np.unique(decade):
         at = decade == which
         fine = FINE / float(f[at].max())
-        found[at] = t.value**2 * t.sampled(1 / fine).spectrum(f[at], fine)
-    return found
+        power[at] = t.value**2 * t.sampled(1 / fine).spectrum(f[at], fine)
+    return power
 
 
 ComplexArray = NDArray[np.complex128]

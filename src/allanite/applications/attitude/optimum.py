@@ -56,8 +56,8 @@ def best_loop(noises: Sequence[SensorNoise], bias: Sequence[Bias]) -> Loop:
             f"the least error, because the {'accelerometer' if short else 'gyro'} has too little noise; give "
             + spelled("--time-constant", "time_constant=...")
         )
-    found = minimize_scalar(error, bounds=(grid[at - 1], grid[at + 1]), method="bounded", options={"xatol": 1e-9})
-    return Loop.of(math.exp(found.x))
+    minimum = minimize_scalar(error, bounds=(grid[at - 1], grid[at + 1]), method="bounded", options={"xatol": 1e-9})
+    return Loop.of(math.exp(minimum.x))
 
 
 def best_second(noises: Sequence[SensorNoise], bias: Sequence[Bias], first: Loop) -> Loop | None:
@@ -85,8 +85,8 @@ def best_second(noises: Sequence[SensorNoise], bias: Sequence[Bias], first: Loop
         minimize(lambda x: squares(loop_of(x)) / least, start, method="Nelder-Mead",
                  options={"xatol": 1e-5, "fatol": 1e-10}) for start in starts
     )  # fmt: skip
-    found = min(tries, key=lambda result: float(result.fun))
-    return None if found.fun > 1 - 2e-4 else loop_of(found.x)
+    nearest = min(tries, key=lambda result: float(result.fun))
+    return None if nearest.fun > 1 - 2e-4 else loop_of(nearest.x)
 
 
 def best_first_order(noises: Sequence[SensorNoise]) -> Loop:
@@ -252,10 +252,10 @@ class Optimum(Value):
     def rows(self) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows: RMS by source of each filter, arcsec."""
         headings = ["order", "k1", "k2", "sensor", "symbol", "term", "rms"]
-        found = [p for p in (self.first, self.second) if p is not None]
+        predictions = [p for p in (self.first, self.second) if p is not None]
         size = math.pi / 648_000
         rows: list[list[Any]] = []
-        for p in found:
+        for p in predictions:
             gains = [p.loop.order, p.loop.k1, p.loop.k2]
             rows += [[*gains, s.sensor, s.symbol, s.text, s.rms / size] for s in p.sources]
             rows.append([*gains, "all", "", "", p.rms / size])

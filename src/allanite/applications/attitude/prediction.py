@@ -103,10 +103,10 @@ FLOOR = ("B", "bias")
 
 def angle_unit(unit: str) -> float:
     """Size of a unit of angle in rad."""
-    found = unit_of(unit)
-    if found.dimension != unit_of("rad").dimension:
+    size = unit_of(unit)
+    if size.dimension != unit_of("rad").dimension:
         raise UnitError(f"{unit!r} is not a unit of an angle, such as arcsec, deg or mrad")
-    return found.factor
+    return size.factor
 
 
 @public
@@ -165,10 +165,10 @@ def biases(gyro: str | float, accelerometer: str | float) -> tuple[float, float]
 def _bias(value: str | float, si: str, example: str) -> float:
     if not isinstance(value, str):
         return float(value)
-    found = split_quantities(value.split())
-    if len(found) != 1 or not found[0][1]:
+    quantities = split_quantities(value.split())
+    if len(quantities) != 1 or not quantities[0][1]:
         raise UsageError(f"a bias has the form {example!r}, not {value!r}")
-    number, unit = found[0]
+    number, unit = quantities[0]
     if unit_of(unit).dimension != unit_of(si).dimension:
         raise UnitError(f"a bias has the form {example!r}; {unit!r} is a unit of something else")
     return number * unit_of(unit).factor

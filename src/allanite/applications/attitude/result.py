@@ -55,7 +55,7 @@ class VerticalSettings(VerticalChoices, Value):
     gate : float, optional
         Innovation of the angle, deg, above which the accelerometers are ignored.
     samples : int
-        Samples of the coning correction, 1 to 4.
+        Samples of the coning correction, 1 (none) or 2.
     keep_bias : bool
         Whether the mean rates are kept; those of a static recording are subtracted otherwise.
     axes : str, optional

@@ -128,9 +128,9 @@ def design(record: Record, along: Recording, settings: CompensationSettings) -> 
                 say("the regressor {regressor!r} is constant and cannot explain anything; omit it",
                     regressor=regressor.label)
             )  # fmt: skip
-    found = Design(y, X / size, regressors, np.asarray(size), parts, record.rate, optional, notes)
-    found.demand_separable(used)
-    return found
+    made = Design(y, X / size, regressors, np.asarray(size), parts, record.rate, optional, notes)
+    made.demand_separable(used)
+    return made
 
 
 class _Readings(NamedTuple):
@@ -158,7 +158,7 @@ def _regressors(
         for lag in settings.lags:
             if round(lag * record.rate) < 1:
                 raise UsageError(f"a lag of {lag:g} s is shorter than the sample interval of {record.interval:g} s")
-            yield Regressor(name, unit, centre, lag=lag, span=span), True
+            yield Regressor(name, unit, centre, lag=lag, span=span), False
     if settings.trend:
         yield Regressor(TREND, "s"), False
 
@@ -170,10 +170,10 @@ def _measured(name: str, record: Record, along: Recording) -> _Readings:
     channel = along[name]
     unit = channel.signal.unit if channel.integrated else channel.unit
     x = readings(name, unit, record, along)
-    there = x[np.isfinite(x)]
-    if not there.size:
+    finite = x[np.isfinite(x)]
+    if not finite.size:
         raise DataError(say("the regressor {regressor!r} has no finite sample", regressor=name))
-    mean, spread, span = float(there.mean()), float(there.std()), (float(there.min()), float(there.max()))
+    mean, spread, span = float(finite.mean()), float(finite.std()), (float(finite.min()), float(finite.max()))
     if span[0] == span[1]:
         raise DataError(
             say(

@@ -193,12 +193,13 @@ class Regression(Correction):
     def _stored(cls, data: dict[str, Any]) -> Self:
         """The regression written by `to_dict`."""
         try:
-            found = super()._stored(data)
+            result = super()._stored(data)
         except AllaniteError as error:
             raise DataError(f"not a saved regression, or it was changed: {error}") from None
-        if {len(found.regressors), len(found.chosen), found.inflation.size} != {found.mixture.centres.shape[1]}:
+        count = result.mixture.centres.shape[1]
+        if {len(result.regressors), len(result.chosen), result.inflation.size} != {count}:
             raise DataError("the numbers of coefficients and regressors of this regression differ: it was changed")
-        return found
+        return result
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write it as JSON, which `load` reads.
@@ -219,10 +220,10 @@ class Regression(Correction):
         DataError
             The file cannot be read, or holds something else, or several regressions.
         """
-        found = load(path)
-        if len(found) > 1:
-            raise DataError(f"{os.fspath(path)!r} contains {len(found)} regressions; use compensation.load")
-        return found[0]
+        regressions = load(path)
+        if len(regressions) > 1:
+            raise DataError(f"{os.fspath(path)!r} contains {len(regressions)} regressions; use compensation.load")
+        return regressions[0]
 
 
 @public

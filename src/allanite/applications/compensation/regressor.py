@@ -47,22 +47,22 @@ def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
 
     j = np.arange(-half, half + 1, dtype=np.float64)
     weight = 0.5 + 0.5 * np.cos(np.pi * j / (half + 1))
-    there = np.isfinite(x)
-    centre = float(np.mean(x[there])) if there.any() else 0.0
-    values = np.where(there, x - centre, 0.0)
+    finite = np.isfinite(x)
+    centre = float(np.mean(x[finite])) if finite.any() else 0.0
+    values = np.where(finite, x - centre, 0.0)
 
     def around(y: FloatArray, power: int) -> FloatArray:
         """Sum of weight * j^power * y[i + j]."""
         return np.asarray(oaconvolve(y, (weight * (j / half) ** power)[::-1], mode="full")[half : half + y.size])
 
-    ones = there.astype(np.float64)
+    ones = finite.astype(np.float64)
     w, t, tt = (around(ones, power) for power in (0, 1, 2))
     y, ty = around(values, 0), around(values, 1)
     spread = w * tt - t * t
     with np.errstate(divide="ignore", invalid="ignore"):
         slope = (w * ty - t * y) / spread
     # fewer than two samples in the window: the spread is rounding
-    return np.where(there & (spread > 1e-9 * np.sum(weight) ** 2), slope * rate / half, np.nan)
+    return np.where(finite & (spread > 1e-9 * np.sum(weight) ** 2), slope * rate / half, np.nan)
 
 
 @public
@@ -85,7 +85,7 @@ def aligned(along: Recording, record: Record) -> Recording:
     [20.0, 21.0, 22.0, 23.0, 24.0, nan]
     """
     at = np.arange(record.size) / record.rate
-    found = []
+    records = []
     for other in along:
         if other.integrated:
             raise DataError(
@@ -104,11 +104,11 @@ def aligned(along: Recording, record: Record) -> Recording:
         way = say("means") if faster else say("linear interpolation")
         what = say("resampled from {rate:.9g} Hz to the times of {name!r} by {way}",
                    rate=other.rate, name=record.name, way=way)  # fmt: skip
-        found.append(Record(
+        records.append(Record(
             values, record.rate, other.unit, scale=other.scale, name=other.name, start=record.start,
             history=(*other.history, what),
         ))  # fmt: skip
-    return replace(along, records=tuple(found))
+    return replace(along, records=tuple(records))
 
 
 def _means(x: FloatArray, rate: float, when: FloatArray, wanted: float) -> FloatArray:
@@ -276,16 +276,16 @@ class Effect(Value):
 def readings(channel: str, unit: str, record: Record, along: Recording | None) -> FloatArray:
     """Samples of a channel in `unit` at the intervals of `record`; errors as those of `Regressor.column`."""
     if along is None or channel not in along.channels:
-        there = "no channels were given" if along is None else f"channels: {', '.join(along.channels)}"
-        raise UsageError(f"the regressor {channel!r} is missing: {there}")
-    found = along[channel]
-    demand_clock(record, found)
-    own = found.signal.unit if found.integrated else found.unit
+        known = "no channels were given" if along is None else f"channels: {', '.join(along.channels)}"
+        raise UsageError(f"the regressor {channel!r} is missing: {known}")
+    measured = along[channel]
+    demand_clock(record, measured)
+    own = measured.signal.unit if measured.integrated else measured.unit
     if unit != own and "degC" in (unit, own):
         raise UnitError(f"{channel!r} was in {unit} and is in {own}, whose zeros differ; give it in {unit}")
-    x = np.asarray(found.rate_values if found.integrated else found.values, dtype=np.float64)
-    if not found.integrated and found.scale is not None:
-        x = x * found.scale
+    x = np.asarray(measured.rate_values if measured.integrated else measured.values, dtype=np.float64)
+    if not measured.integrated and measured.scale is not None:
+        x = x * measured.scale
     factor = 1.0 if unit == own else convert(1.0, own, unit)
     x = x if factor == 1.0 else x * factor
     return np.asarray((x[1:] + x[:-1]) / 2) if x.size == record.size + 1 else x

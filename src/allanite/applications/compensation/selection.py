@@ -132,7 +132,7 @@ def folds(design: Design, theta: FloatArray, symbols: str, blocks: int) -> list[
     """The record in so many blocks of equal length, each held back once; those without enough samples are omitted."""
     first, last = design.stretches[0][0], design.stretches[-1][1]
     edges = np.linspace(first, last, blocks + 1).astype(int)
-    found = []
+    held = []
     for a, b in pairwise(edges.tolist()):
         parts = [
             [
@@ -144,8 +144,8 @@ def folds(design: Design, theta: FloatArray, symbols: str, blocks: int) -> list[
             for windows in ([(first, a), (b, last)], [(a, b)])
         ]
         if all(parts):
-            found.append(HeldBlock(*(Products.of(design.likelihood(symbols, parts=p), theta) for p in parts)))
-    return found
+            held.append(HeldBlock(*(Products.of(design.likelihood(symbols, parts=p), theta) for p in parts)))
+    return held
 
 
 def choose(design: Design, folds: Sequence[HeldBlock]) -> list[int]:

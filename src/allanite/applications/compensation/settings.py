@@ -63,7 +63,7 @@ class CompensationSettings(CompensationChoices, Value):
     degree : int
         Highest power to try.
     lags : tuple of float
-        Lags to try, s.
+        Lags of the regressors, s.
     derivative_of : tuple of str
         Channels whose time derivative enters.
     trend : bool

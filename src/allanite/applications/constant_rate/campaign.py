@@ -98,10 +98,10 @@ class RateSettings(RateChoices, Value):
             )  # fmt: skip
         interval = self.experiment.interval
         if interval > record.duration and interval != ExperimentSettings.interval:
-            said = f"the interval of {interval:g} s is longer than the record of {record.duration:g} s"
+            too_long = f"the interval of {interval:g} s is longer than the record of {record.duration:g} s"
             option = spelled(f"--interval {record.duration / 10:.3g}", f"interval={record.duration / 10:.3g}")
             raise UsageError(
-                f"{said}; give a shorter one, as {option}", cure=(f"{interval:g}", f"{record.duration / 10:.3g}")
+                f"{too_long}; give a shorter one, as {option}", cure=(f"{interval:g}", f"{record.duration / 10:.3g}")
             )
         if self.latitude is None or self.horizontal or record.signal.name != "gyro":
             return self.experiment
@@ -251,17 +251,17 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
         for f in quality.warnings
         if f.name not in settled
     )
-    left = (
+    unfit = (
         say("{time:g} s is not measured: it needs three samples, and has to fit into {length:g} s",
             time=d, length=record.duration)
         for d in short
     )  # fmt: skip
     return RateChannel(
         record, seen.quality, noise, experiment=measured, by_duration=by_duration(record, durations, model, chosen),
-        estimates=estimates, bias=bias, north=heading, alerts=(*alerts, *map(str, measured.findings), *left, *warned),
+        estimates=estimates, bias=bias, north=heading, alerts=(*alerts, *map(str, measured.findings), *unfit, *warned),
     )  # fmt: skip
 
 
 def _whole(record: Record, method: str, model: Model | None, chosen: ExperimentSettings) -> RateEstimate:
-    found = estimate(record, method, model=model, target=chosen.target, dither=chosen.dither, options=chosen.options)
-    return subtract_bias(found, chosen.bias, record.signal.unit) if chosen.bias else found
+    rate = estimate(record, method, model=model, target=chosen.target, dither=chosen.dither, options=chosen.options)
+    return subtract_bias(rate, chosen.bias, record.signal.unit) if chosen.bias else rate

@@ -133,7 +133,7 @@ def north(
     >>> north(measured, 60.0).words()[:56]
     'heading 90.0000 deg (89.9692 .. 90.0308), standard error'
     """
-    if any(one is not None and one.signal.name != "gyro" for one in (rate, second)):
+    if any(position is not None and position.signal.name != "gyro" for position in (rate, second)):
         raise UsageError("north is found from the rates of a gyro")
     H = earth_rate(latitude, "north")
     if second is None:

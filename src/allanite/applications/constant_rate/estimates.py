@@ -9,12 +9,12 @@ from allanite.extending import Finding, Signal, UnitError, UsageError, Value, de
 
 def rate_factor(unit: str, signal: Signal) -> float:
     """Size of `unit`, a unit of the signal itself, in SI."""
-    found = unit_of(unit)
-    if found.dimension != signal.dimension:
+    size = unit_of(unit)
+    if size.dimension != signal.dimension:
         raise UnitError(
             f"{unit!r} is not a unit of the {signal.name}'s signal; usual units: {signal.sheet[0]}, {signal.unit}"
         )
-    return found.factor
+    return size.factor
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -106,8 +106,8 @@ def _supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:
     present = {t.symbol for t in model}
     absent = [e for e in fit if e.symbol not in present and e.upper is not None and TERMS[e.symbol].waveform is None]
     worst = Model((*model, *(Term(e.symbol, e.upper or 0.0, fit.signal) for e in absent)))
-    bound, seen = (rank(noise, size=n, rate=rate).best for noise in (worst, model))
-    if bound < HIDDEN * seen:
+    bound, best = (rank(noise, size=n, rate=rate).best for noise in (worst, model))
+    if bound < HIDDEN * best:
         return model, ()
     unit = fit.signal.sheet[0]
     limits = ", ".join(str(worst[e.symbol]) for e in absent)
@@ -120,7 +120,7 @@ def _supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:
             limits=limits,
             supposed=bound / factor,
             unit=unit,
-            seen=seen / factor,
+            seen=best / factor,
             option=spelled("--noise", "noise=..."),
         ),
     )

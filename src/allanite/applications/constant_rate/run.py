@@ -91,30 +91,30 @@ def estimate(
     demand_whole(record)
     row, task = estimator_named(method), task_of(record, model, target, dither=dither, options=options)
     weights, interval = row.weights(task), interval_of(record, task)
-    found = in_si(row.measure(interval, weights, task), interval)
+    measurement = in_si(row.measure(interval, weights, task), interval)
     return RateEstimate(
-        value=found.value,
+        value=measurement.value,
         standard_error=math.nan if task.model is None else standard_error(row, weights, task),
         method=row.name,
         assumes=row.assumes,
         signal=record.signal,
         target=task.target,
         duration=task.duration,
-        limits=found.bounds,
-        details=dict(found.details),
+        limits=measurement.bounds,
+        details=dict(measurement.details),
         findings=findings_of(record),
         name=record.name,
     )
 
 
-def in_si(found: RateMeasurement, interval: Interval) -> RateMeasurement:
+def in_si(measurement: RateMeasurement, interval: Interval) -> RateMeasurement:
     """A measurement with its offset, in SI."""
 
     def rate(value: float) -> float:
         return (value + interval.offset) * interval.size
 
-    bounds = None if found.bounds is None else (rate(found.bounds[0]), rate(found.bounds[1]))
-    return RateMeasurement(rate(found.value), found.details, bounds)
+    bounds = None if measurement.bounds is None else (rate(measurement.bounds[0]), rate(measurement.bounds[1]))
+    return RateMeasurement(rate(measurement.value), measurement.details, bounds)
 
 
 def task_of(
@@ -253,8 +253,8 @@ def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[In
     lost = np.flatnonzero(~np.isfinite(record.values))
     edges = np.concatenate(([-1], lost, [len(record.values)]))
     starts = np.array([
-        start for left, right in zip(edges[:-1] + 1, edges[1:], strict=True)
-        for start in range(int(left), int(right) - extra - size + 1, size)
+        start for omitted, right in zip(edges[:-1] + 1, edges[1:], strict=True)
+        for start in range(int(omitted), int(right) - extra - size + 1, size)
     ])  # fmt: skip
     if not starts.size:
         raise DataError(
@@ -263,10 +263,10 @@ def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[In
         )  # fmt: skip
     notes = []
     if rest := record.size - starts.size * size:
-        left = say("{rest:.6g} s of {length:.6g} s do not fill an interval and are omitted",
+        omitted = say("{rest:.6g} s of {length:.6g} s do not fill an interval and are omitted",
                    rest=rest / record.rate, length=record.duration)  # fmt: skip
         missing = say_count(int(lost.size), "{count} sample missing", "{count} samples missing")
-        notes.append(join("; ", (left, missing)) if lost.size else left)
+        notes.append(join("; ", (omitted, missing)) if lost.size else omitted)
     if settings.most is not None and starts.size > settings.most:
         starts = starts[np.linspace(0, starts.size - 1, settings.most).astype(np.int64)]
         notes.append(

@@ -214,7 +214,7 @@ def codes(readings: FloatArray) -> Codes | None:
     if np.mean(np.abs(x - grid) > OFF) > 1e-3 or np.ptp(grid) > MOST:
         return None
     count = np.bincount((grid - grid.min()).astype(np.int64))
-    seen = np.flatnonzero(count)
-    gaps = np.diff(seen) - 1
-    beside = np.minimum(count[seen[:-1]], count[seen[1:]])
-    return Codes(seen.size, count.size, int(gaps[beside >= OFTEN].sum()))
+    occurring = np.flatnonzero(count)
+    gaps = np.diff(occurring) - 1
+    beside = np.minimum(count[occurring[:-1]], count[occurring[1:]])
+    return Codes(occurring.size, count.size, int(gaps[beside >= OFTEN].sum()))

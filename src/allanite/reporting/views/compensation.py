@@ -115,8 +115,8 @@ HOW = (
         "is none in half of all records or more."
     ),
     say(
-        "Named regressors are always kept. Powers and lags are included only if the cross-validated gain "
-        "exceeds its standard error. The correction is zero at the means of the regressors: the bias stays. A linear "
+        "Named regressors are always kept. Powers are included only if the cross-validated gain exceeds its standard "
+        "error. The correction is zero at the means of the regressors: the bias stays. A linear "
         "drift is estimated together with the coefficients, unless it is left out, and not removed; the variances "
         "before and after are then those about a straight line."
     ),
@@ -186,8 +186,6 @@ def _parts(channel: Compensated, level: float) -> Iterator[Part]:
     yield Note(verdict(channel), "strong", where="text")
     if channel.gain is None:
         yield from _regression_parts(regression, level)
-    if channel.orders:
-        yield _orders(channel)
     caption = say(
         "Overlapping Allan deviation before and after with {level} bands, and the rate over time less "
         "its bias: what was recorded, what the regressors explain, what is left.",
@@ -219,39 +217,12 @@ def _regression_parts(regression: Regression, level: float) -> Iterator[Part]:
     yield coefficients(regression, level)
 
 
-def _orders(channel: Compensated) -> Table:
-    """What higher powers would remove."""
-    unit = channel.record.signal.sheet[0]
-    scale, last = unit_of(unit).factor, channel.regression and channel.regression.held
-    heads = (
-        Column(say("power")), Column(say("removes")), Column(say("limits"), "interval"), Column(say("unit"), "unit"),
-        Column("p", form=lambda p: words.probability(p, 1e-4)), Column(say("cross-validation [%]"), form=known(".3g")),
-    )  # fmt: skip
-    rows = [
-        [
-            o.power,
-            *digits(o.rms / scale, o.low / scale, o.high / scale).plain(),
-            unit,
-            o.p,
-            100 * (o.explained or math.nan),
-        ]
-        for o in channel.orders
-    ]
-    key = say(
-        "What each power removes beyond all lower ones: root mean square over the range of the temperature. "
-        "Cross-validation: reduction of the variance of held-back blocks by all powers up to this one; {share} by the "
-        "regression above.", share="-" if not last else f"{100 * last.explained:.3g} %",
-    )  # fmt: skip
-    return Table(heads, rows, say("higher powers"), key=key)
-
-
 def first_of_study(study: CompensationStudy, level: float) -> First:
-    """The sensitivities of each sensor side by side, and what higher powers would remove."""
+    """The sensitivities of each sensor side by side."""
     first = condensed(study_view.face(study, level), drawn=True)
     shown = [c for c in study.channels if c.regression is not None]
     if len(shown) < 2 or study.applied:
-        prospects = [Remark.of(c.record.name, c.prospect) for c in shown if c.prospect]
-        return replace(first, remarks=[*prospects, *first.remarks])
+        return first
     sensors = dict.fromkeys(c.record.signal.name for c in shown)
     told = [
         c
@@ -267,12 +238,11 @@ def first_of_study(study: CompensationStudy, level: float) -> First:
 
 
 def _axes(channels: Sequence[Compensated], level: float) -> Axes:
-    """Coefficients and what higher powers would remove, the channels of a sensor side by side."""
+    """Coefficients, the channels of a sensor side by side."""
     unit = channels[0].record.signal.sheet[0]
     scale = 1 / unit_of(unit).factor
     removed = (say("variance removed"), "")
     effects: dict[tuple[str, str], dict[str, str]] = {removed: {}}
-    orders: dict[tuple[str, str], dict[str, str]] = {}
     for c in channels:
         name, regression = c.record.name, c.regression
         assert regression is not None  # noqa: S101 - for type checkers
@@ -283,14 +253,8 @@ def _axes(channels: Sequence[Compensated], level: float) -> Axes:
             row = (e.label, f"{unit}/{e.regressor.column_unit}".removesuffix("/1"))
             said = plus_minus(e.value * scale, e.low * scale, e.high * scale, signed=True)
             effects.setdefault(row, {})[name] = said if e.significant else say("absent")
-        for o in c.orders:
-            row = (say("power {power} would remove, RMS", power=o.power), unit)
-            size = plus_minus(o.rms * scale, o.low * scale, o.high * scale)
-            said = size if o in c.further else f"< {digits(o.high * scale, figures=2).plain()[0]}"
-            orders.setdefault(row, {})[name] = said
     names = [c.record.name for c in channels]
-    cells = effects | orders
-    rows = [Quantity(title, "", per, [found.get(n, "") for n in names]) for (title, per), found in cells.items()]
+    rows = [Quantity(title, "", per, [found.get(n, "") for n in names]) for (title, per), found in effects.items()]
     return Axes(names, rows, channels[0].record.signal.sensor)
 
 

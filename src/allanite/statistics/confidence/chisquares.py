@@ -170,7 +170,7 @@ def table(mixture: ChiSquareSum, deviates: FloatArray) -> tuple[FloatArray, Floa
     """
     from scipy.special import ndtri
 
-    top, found = _pole(mixture), []
+    top, points = _pole(mixture), []
     middle = int(np.abs(deviates).argmin())
     for way in (range(middle, -1, -1), range(middle + 1, deviates.size)):
         y = np.full(top.shape, START)
@@ -183,9 +183,9 @@ def table(mixture: ChiSquareSum, deviates: FloatArray) -> tuple[FloatArray, Floa
                 y = y + np.clip((deviates[i] - r) / np.maximum(slope, 1e-12), -STRIDE, STRIDE)
                 y = np.where(np.abs(y) < START, START, y)
             r, v, skewness, x = _saddle(mixture, -top * np.expm1(-y))
-            found.append((i, x, ndtri(_probability(r, v, skewness))))
-    found.sort(key=lambda one: one[0])
-    return np.array([x for _, x, _ in found]), np.array([z for _, _, z in found])
+            points.append((i, x, ndtri(_probability(r, v, skewness))))
+    points.sort(key=lambda one: one[0])
+    return np.array([x for _, x, _ in points]), np.array([z for _, _, z in points])
 
 
 def _pole(mixture: ChiSquareSum) -> FloatArray:

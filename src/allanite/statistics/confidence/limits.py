@@ -20,7 +20,7 @@ from allanite.core.model import Model, Term
 from allanite.core.plain import Portable
 from allanite.core.units import Signal
 from allanite.statistics.estimator import AngleRecord
-from allanite.statistics.grids import part_of, times
+from allanite.statistics.grids import times
 from allanite.statistics.moments.compact import white_level
 from allanite.statistics.moments.means import MeanMoments, mean_moments, takes_means
 from allanite.statistics.moments.moments import grouped, moments, noise_of
@@ -139,12 +139,12 @@ class Local:
         held = np.asarray(np.any(power > 0, axis=1))
         if not held.any():
             return [None] * len(share)
-        terms = [row for row, there in zip(rows, smooth, strict=True) if there]
+        terms = [row for row, used in zip(rows, smooth, strict=True) if used]
         forms = self.means.forms(terms) if self.means else matrices(self.row, terms, self.m, self.count, self.size)
-        found = iter(spectra(forms, power[held], LEADING))
+        values = iter(spectra(forms, power[held], LEADING))
         kinds = Kinds(smooth, white, fixed)
         return [
-            _mixture(next(found), p, self.r, kinds, v) if h else None
+            _mixture(next(values), p, self.r, kinds, v) if h else None
             for p, v, h in zip(share, inverse.tolist(), held.tolist(), strict=True)
         ]
 
@@ -163,14 +163,14 @@ def at_point(points: CurvePoints, i: int, model: Model) -> Local:
     if takes_means(row, m, points.places, size):
         # the same where windows with missing samples count
         row, rate = points.row, points.rate
-        found, terms = mean_moments(row, m, points.places, points.size), [term.sampled(rate) for term in model]
-        E = found.expectation(terms)
+        means, terms = mean_moments(row, m, points.places, points.size), [term.sampled(rate) for term in model]
+        E = means.expectation(terms)
         power = np.array([term.power(rate) for term in model])
-        count = found.windows.start.size
+        count = means.windows.start.size
         return Local(
-            row, model, m, count, points.size, rate, E * power, found.relative(terms, E), np.ones(len(terms)), found
+            row, model, m, count, points.size, rate, E * power, means.relative(terms, E), np.ones(len(terms)), means
         )
-    part = row.parts[int(part_of(row, points.m[i : i + 1], size, points.join)[0])] if row.parts else row
+    part = row.part_at(m, size)
     runs = grouped(points.runs, part, m)
     count = sum(int(part.count(n, np.array([m]))[0]) * times for n, times in runs)
     hybrid = row.parts and part is row.parts[-1] and points.scattered
@@ -184,8 +184,8 @@ def _mixture(
     smooth, white, fixed = kinds
     mass = float(share[smooth].sum())
     lead = np.pad(mass * spectrum.leading, (0, LEADING - spectrum.leading.size))
-    left, squares = mass - float(lead.sum()), mass**2 * spectrum.squares - float(lead @ lead)
-    nu = left**2 / squares if left > 1e-12 and squares > 0 else 1.0
+    remainder, squares = mass - float(lead.sum()), mass**2 * spectrum.squares - float(lead @ lead)
+    nu = remainder**2 / squares if remainder > 1e-12 and squares > 0 else 1.0
     angle, ramp = float(share[white].sum()), float(share[fixed].sum())
     own = float(share[white] @ r[np.ix_(white, white)] @ share[white]) / angle**2 if angle else 0.0
     between = 2 * float(share[fixed] @ r[fixed] @ share)
@@ -226,10 +226,9 @@ class PublishedLaw(Portable):
         from scipy.special import chdtri
 
         row, size = self.points.row, self.points.size
-        which = part_of(row, self.points.m, size, self.points.join).tolist()
         edf = np.ones(self.points.m.size)
         for i, (alpha, m) in enumerate(zip(self.alpha.tolist(), self.points.m.tolist(), strict=True)):
-            part = row.parts[which[i]] if row.parts else row
+            part = row.part_at(m, size)
             try:
                 if part.published_edf is None:
                     raise KeyError
@@ -245,7 +244,7 @@ class PublishedLaw(Portable):
 def power_laws(points: CurvePoints, angle: AngleRecord) -> tuple[PowerLaw, ...]:
     """The power law of the noise at each point."""
     row = points.row.parts[0] if points.row.parts else points.row
-    return identify_power_law(angle, row, times(points.row, points.m, points.size, points.join))
+    return identify_power_law(angle, row, times(points.row, points.m, points.size))
 
 
 def unit_term(symbol: str, signal: Signal) -> Term:

@@ -67,8 +67,8 @@ def symbol_of(alpha: int) -> str:
     >>> [symbol_of(alpha) for alpha in (2, 1, 0, -1, -2, -3, -4)]
     ['Q', 'F', 'N', 'B', 'K', 'K', 'K']
     """
-    found = next((symbol for symbol, row in TERMS.items() if row.alpha == alpha), None)
-    return found or symbol_of(alpha - 1 if alpha > 0 else alpha + 1)
+    term = next((symbol for symbol, row in TERMS.items() if row.alpha == alpha), None)
+    return term or symbol_of(alpha - 1 if alpha > 0 else alpha + 1)
 
 
 class PowerLaw(NamedTuple):
@@ -150,7 +150,7 @@ def _flat(pieces: tuple[Piece, ...]) -> Callable[[int], list[FloatArray]]:
     step = 2 / max(pieces[-1].start + pieces[-1].x.size - 1, 1)
     begins = [step * piece.start - 1 for piece in pieces]
     sums = [parabola_sums(piece.x, begin, step) for piece, begin in zip(pieces, begins, strict=True)]
-    means = [found[:3] / piece.x.size for found, piece in zip(sums, pieces, strict=True)]
+    means = [total[:3] / piece.x.size for total, piece in zip(sums, pieces, strict=True)]
     # normal equations of u and u^2 less their means; all but orthogonal, they lose no digits that matter
     gram, right = np.zeros((2, 2)), np.zeros(2)
     for (_, u, uu, uuu, uuuu, xu, xuu), (x_mean, u_mean, uu_mean) in zip(sums, means, strict=True):

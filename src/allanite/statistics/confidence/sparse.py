@@ -13,7 +13,6 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Law
-from allanite.statistics.grids import part_of
 from allanite.statistics.table import CurvePoints
 
 FIRST, PER_DECADE, LONG, LATE = 8, 4, 6, 40
@@ -60,15 +59,15 @@ class CurvePart(NamedTuple):
 
 
 def _parts(points: CurvePoints) -> list[CurvePart]:
-    made, order = part_of(points.row, points.m, points.size, points.join), np.argsort(points.m, kind="stable")
-    found = []
+    made, order = points.row.part_of(points.m, points.size), np.argsort(points.m, kind="stable")
+    parts = []
     for i in np.unique(made):
         row = points.row.parts[i] if points.row.parts else points.row
         smooth = row.overlapped and len(points.runs) == 1 and points.runs[0][1] == 1
         places = order[made[order] == i]
         m = points.m[places]
-        found.append(CurvePart(places, _smooth_nodes(m) if smooth else _nodes(m), smooth))
-    return found
+        parts.append(CurvePart(places, _smooth_nodes(m) if smooth else _nodes(m), smooth))
+    return parts
 
 
 def _smooth_nodes(m: IntArray) -> IntArray:

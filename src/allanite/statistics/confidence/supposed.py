@@ -144,8 +144,8 @@ def supposed(noise: ModelLike | Literal["auto"]) -> SupposedNoise:
         if fit:
             under = say("intervals under the identified model {model}", model=str(choice.terms))
     else:
-        there = {term.symbol for term in choice.terms}
-        symbols = ", ".join(symbol for symbol in TERMS if symbol in there)
+        present = {term.symbol for term in choice.terms}
+        symbols = ", ".join(symbol for symbol in TERMS if symbol in present)
         under = say("intervals averaged over {count} models of {symbols}", count=len(choice), symbols=symbols)
         if fit:
             under = say("intervals averaged over {count} models of {symbols} identified from the record",

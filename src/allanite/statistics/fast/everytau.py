@@ -75,13 +75,13 @@ def _direct(x: FloatArray, m: IntArray, order: int, summed: bool) -> FloatArray:
 
 def groups(points: int, order: int, *, summed: bool = False) -> list[tuple[int, int]]:
     """Averaging factors from .. to below, that share frames; the last group takes the record as one."""
-    found, low, times = [], FIRST, 1 << OCTAVES[summed]
+    bounds, low, times = [], FIRST, 1 << OCTAVES[summed]
     while order * low < points:
         # four windows make a frame
         whole = points <= 4 * order * times * low
-        found.append((low, (points - 1) // order + 1 if whole else times * low))
-        low = found[-1][1]
-    return found
+        bounds.append((low, (points - 1) // order + 1 if whole else times * low))
+        low = bounds[-1][1]
+    return bounds
 
 
 def split(points: int, m: IntArray, threads: int, *, order: int, summed: bool = False) -> list[IntArray]:

@@ -35,10 +35,10 @@ def response(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int) -> F
     for k in (m / 2, m, size - m, size - m / 2):
         kinks |= {float(np.floor(k)), float(np.ceil(k))}
     i, weight = lag_nodes(sorted(k for k in kinks if 1 <= k <= size - 1), size - 1.0)
-    left, right = i - m, i + m
-    beyond = right > size
-    points = np.array([i, np.abs(left), 0 * i, np.where(beyond, 2 * size - right, right), 0 * i + size])
-    c = np.array([0 * i - 2, np.where(left < 0, -1, 1), 2.0 * (left < 0), np.where(beyond, -1, 1), 2.0 * beyond])
+    before, after = i - m, i + m
+    beyond = after > size
+    points = np.array([i, np.abs(before), 0 * i, np.where(beyond, 2 * size - after, after), 0 * i + size])
+    c = np.array([0 * i - 2, np.where(before < 0, -1, 1), 2.0 * (before < 0), np.where(beyond, -1, 1), 2.0 * beyond])
     distance, both = np.abs(points[:, None] - points), c[:, None] * c
     sums = [-0.5 * float(np.sum(both * term.structure(distance), axis=(0, 1)) @ weight) for term in terms]
     return np.array(sums) / (float(row.norm(np.array([m]))[0]) * (size - 1) * float(m) ** 2)

@@ -46,20 +46,20 @@ def lag_nodes(kinks: list[float], end: float) -> tuple[FloatArray, FloatArray]:
         nodes.append(kink)
         weights.append(1.0)
         # (first lag, number of lags) of panels covering what lies between two kinks, or beyond the last one
-        left, right = kink + 1, end if following is None else following - 1
+        low, high = kink + 1, end if following is None else following - 1
         panels = []
-        while left <= right:
-            remaining = round(right - left) + 1
-            size = max(4, math.floor(GROWTH * (left - kink)))
+        while low <= high:
+            remaining = round(high - low) + 1
+            size = max(4, math.floor(GROWTH * (low - kink)))
             if following is None or remaining <= 4:
-                panels.append((left, min(size, remaining)))
-                left += size
+                panels.append((low, min(size, remaining)))
+                low += size
                 continue
             size = min(size, remaining - remaining // 2)
-            panels.append((left, size))
+            panels.append((low, size))
             mirrored = min(size, remaining - size)
-            panels.append((right - mirrored + 1, mirrored))
-            left, right = left + size, right - mirrored
+            panels.append((high - mirrored + 1, mirrored))
+            low, high = low + size, high - mirrored
         for first, count in panels:
             x, w = sum_nodes(first, count)
             nodes += x

@@ -123,9 +123,9 @@ class WindowPair(NamedTuple):
     def shortened(self, k: int) -> "WindowPair":
         """The same with k for the longer window, in a record that is as many times shorter."""
         windows = self.counts[1] * k / self.m[1]
-        one = self._replace(m=(self.m[0], k))
-        first, second = (row.span[0] * m + row.span[1] for row, m in zip(one.rows, one.m, strict=True))
-        return one._replace(counts=(windows + (second - first), windows))
+        shorter = self._replace(m=(self.m[0], k))
+        first, second = (row.span[0] * m + row.span[1] for row, m in zip(shorter.rows, shorter.m, strict=True))
+        return shorter._replace(counts=(windows + (second - first), windows))
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,7 @@ class Pairs:
             even, top = max(pair.rows[0].step, 2), SHORT / (a + b * k / m)
             tops = [int(top / 2**i) for i in range(3 if pair.power == 1 else 2)]
             levels = sorted({max(n - (n - m) % even, m % even + even) for n in tops})
-            found = []
+            reduced = []
             for level in levels:  # between two factors for the longer window
                 wanted = k / m * level
                 below = int(wanted) // step * step
@@ -181,8 +181,8 @@ class Pairs:
                 if below != wanted:
                     share = math.log(wanted / below) / math.log1p(step / below)
                     at = (1 - share) * at + share * self._reduced(pair, (level, below + step))
-                found.append(at)
-            return np.asarray(np.tensordot(extrapolation(levels, m, pair.power), found, 1))
+                reduced.append(at)
+            return np.asarray(np.tensordot(extrapolation(levels, m, pair.power), reduced, 1))
         widest = 2 ** int(math.log2(widest))
         near, nearer = (pair.shortened(int(w * m) // step * step) for w in (widest, widest / 2))
         far, close = (self.within(p) * p.counts[0] for p in (near, nearer))

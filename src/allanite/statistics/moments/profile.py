@@ -83,8 +83,8 @@ def profile_of(
 
     `order` is that of both differences together; `between` asks for nodes between the samples, not only at these.
     """
-    one, two = (form_of(window, k) for window, k in zip(windows, m, strict=True))
-    sizes = len(one.A), len(two.A)
+    first, second = (form_of(window, k) for window, k in zip(windows, m, strict=True))
+    sizes = len(first.A), len(second.A)
     last = sum(sizes) / 2
     nodes = np.array([0.0, *INSIDE]) if between else np.zeros(1)
     kinks = np.arange(last % 1, last + 1.5 + (0 if between else BESIDE))
@@ -92,13 +92,13 @@ def profile_of(
     # the first lag of the rates of two windows at these distances
     start = np.append(kinks[:-1, None] + nodes, beyond) - (last - 1)
     C = [_lagged(term, start, sum(sizes) - 1, kinks.size - 1) for term in terms]
-    if one.single is not None and two.single is not None:
-        c = np.einsum("is,js->ijs", *[np.array(C) @ np.correlate(two.single, one.single, "full")] * 2)
+    if first.single is not None and second.single is not None:
+        c = np.einsum("is,js->ijs", *[np.array(C) @ np.correlate(second.single, first.single, "full")] * 2)
     else:
         # m, shape (len(A) + len(B) - 1,) * 2, by FFT
         from scipy.fft import fft, irfft2, next_fast_len, rfft
 
-        A, B = one.A, two.A
+        A, B = first.A, second.A
         length = next_fast_len(len(A) + len(B) - 1, real=True)
         a, b = (fft(rfft(form, length), length, axis=0, overwrite_x=True) for form in (A, B))
         M = irfft2(np.conj(a) * b, (length, length))
@@ -107,7 +107,7 @@ def profile_of(
     E = np.array(
         [
             [float(form.diagonals @ _rates(term, np.abs(np.arange(1.0 - len(form.A), len(form.A))))) for term in terms]
-            for form in (one, two)
+            for form in (first, second)
         ]
     )
     scale = np.sqrt(E.prod(axis=0))
@@ -236,10 +236,10 @@ class Ends:
         return self._cut(start, stop) - self._cut(start - self.windows, stop - self.windows)
 
     def _cut(self, start: int, stop: int) -> FloatArray:
-        found = np.zeros(stop - start)
+        piece = np.zeros(stop - start)
         inside = self.first[max(start, 0) : max(stop, 0)]
-        found[max(-start, 0) :][: inside.size] = inside
-        return found
+        piece[max(-start, 0) :][: inside.size] = inside
+        return piece
 
     def twice(self, start: int, stop: int) -> FloatArray:
         """The running sum of the running sum of W before these samples."""
@@ -272,12 +272,12 @@ def crossed(rows: Sequence[Statistic], m: IntArray, size: int, terms: Sequence[N
     The variances are those of the rate; windows that remove a ramp have nothing.
     """
     span = np.array([row.span[0] * k for row, k in zip(rows, m.tolist(), strict=True)])
-    seen = [i for i in np.argsort(span, kind="stable").tolist() if rows[i].order < 3]
-    short = [i for i in seen if span[i] <= MOST]
+    free = [i for i in np.argsort(span, kind="stable").tolist() if rows[i].order < 3]
+    short = [i for i in free if span[i] <= MOST]
     ends = {i: ends_of(rows[i], int(m[i]), size) for i in short}
     T = np.zeros((m.size, m.size, len(terms)))
-    if len(short) < len(seen):
-        coarser = -(-int(span[seen].max()) // MOST)
+    if len(short) < len(free):
+        coarser = -(-int(span[free].max()) // MOST)
         step = np.array([row.step for row in rows])
         fewer = np.maximum(np.rint(m / coarser / step).astype(np.int64), 1) * step
         T = crossed(rows, fewer, size // coarser, [slower(term, 1 / coarser, averaged) for term in terms])

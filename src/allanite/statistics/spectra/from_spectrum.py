@@ -73,7 +73,7 @@ def deviation_of_spectrum(
     """
     row = statistic_named(statistic)
     if not row.differences or row.order < 2:
-        able = ", ".join(name for name, one in STATISTICS.items() if one.differences and one.order > 1)
+        able = ", ".join(name for name, other in STATISTICS.items() if other.differences and other.order > 1)
         raise UsageError(f"{statistic} has no transfer function that is known here; a spectrum gives {able}")
     m = _factors(spectrum, row, taus)
     variance = np.array([_integral(spectrum, row, k) for k in m.tolist()])

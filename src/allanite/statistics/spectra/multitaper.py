@@ -135,9 +135,9 @@ def _shape(bandwidth: float, weights: tuple[float, ...], size: int) -> tuple[Flo
     tapers, _ = slepian(size, bandwidth, len(weights))
     length = tapers.shape[1]
     overlap = np.zeros(length // 2 + 1)
-    for a, one in zip(weights, tapers, strict=True):
+    for a, taper in zip(weights, tapers, strict=True):
         for b, other in zip(weights, tapers, strict=True):
-            overlap += a * b * np.abs(np.fft.rfft(one * other)) ** 2
+            overlap += a * b * np.abs(np.fft.rfft(taper * other)) ** 2
     overlap.flags.writeable = False
     response = np.array(weights) @ np.abs(np.fft.rfft(tapers, 16 * length, axis=1)) ** 2
     return overlap, length / float(response.max())

@@ -157,7 +157,7 @@ class Periodograms:
     def _run(self, part: FloatArray) -> None:
         """Add samples that follow the last ones without a gap."""
         self._rest.append(part)
-        size = sum(one.size for one in self._rest)
+        size = sum(piece.size for piece in self._rest)
         if size < self.length:
             self._rest[-1] = part.copy()  # the caller may use its memory again
             return

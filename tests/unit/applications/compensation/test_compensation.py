@@ -188,7 +188,7 @@ def test_a_changed_regression_is_refused():
         al.Regression.from_dict(data)
 
 
-def test_powers_and_lags_enter_where_held_back_blocks_gain():
+def test_powers_enter_where_held_back_blocks_gain_and_lags_as_they_are_asked_for():
     temp = channel(cycles(period=400.0))
     centred = temp.values - temp.values.mean()
     bent = compensate(gyro(8, 1e-5 * centred + 2e-6 * centred**2), temp, ["temp"], degree=3)
@@ -199,6 +199,7 @@ def test_powers_and_lags_enter_where_held_back_blocks_gain():
     lagged = compensate(gyro(9, 1e-5 * late), temp, ["temp"], lags=(60.0,))
     assert lagged["temp, 60 s before"].low < 1e-5 < lagged["temp, 60 s before"].high
     assert lagged["temp, 60 s before"].regressor.column_unit == "degC"
+    assert not lagged["temp, 60 s before"].chosen
 
 
 @pytest.mark.slow("takes more than half a second")
