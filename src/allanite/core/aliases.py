@@ -16,6 +16,7 @@ ALIASES = {"fs": "rate"}
 """Names of arguments in other libraries: the name here."""
 
 F = TypeVar("F", bound=Callable[..., Any])
+T = TypeVar("T")
 
 
 def public(function: F) -> F:
@@ -64,6 +65,12 @@ def public(function: F) -> F:
             raise UsageError(f"{called}: the numbers given are too large or too small: {error}") from error
 
     return entered  # type: ignore[return-value]
+
+
+def constructed(cls: type[T]) -> type[T]:
+    """The class, whose constructor is called as a `public` function is."""
+    cls.__init__ = public(cls.__init__)  # type: ignore[method-assign]
+    return cls
 
 
 def generator(rng: "np.random.Generator | int") -> "np.random.Generator":

@@ -88,10 +88,8 @@ class Curve(Value):
     def _limits(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         demand_level(level)
         if self.law is None:
-            raise UsageError(
-                "confidence intervals need the noise of the record: deviation(record, ..., "
-                "noise=allanite.identify(record))"
-            )
+            raise UsageError("confidence intervals need the noise of the record: deviation(record, ..., "
+                             "noise=allanite.identify(record))")  # fmt: skip
         return self.law(level)
 
     @property
@@ -212,20 +210,11 @@ class Surface(Value):
         if not known.any():
             raise UsageError(f"the window at {self.time[i]:g} s of {self.name!r} has no values")
         return Curve(
-            statistic=self.statistic,
-            m=self.m[known],
-            tau=self.tau[known],
-            variance=self.variance[i, known],
-            count=self.count[i, known],
-            factor=self.factor[i, known],
-            unit=self.unit,
-            rate=self.rate,
-            name=self.name,
+            statistic=self.statistic, m=self.m[known], tau=self.tau[known], variance=self.variance[i, known],
+            count=self.count[i, known], factor=self.factor[i, known], unit=self.unit, rate=self.rate, name=self.name,
             history=(*self.history, say("window of {length:g} s at {time:g} s", length=self.window, time=self.time[i])),
-            noise=self.noise,
-            law=self.law if known.all() else None,
-            supposes=self.supposes if known.all() else None,
-        )
+            noise=self.noise, law=self.law if known.all() else None, supposes=self.supposes if known.all() else None,
+        )  # fmt: skip
 
     def to(self, unit: str) -> "Surface":
         """The same surface in another unit."""

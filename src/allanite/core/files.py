@@ -45,10 +45,8 @@ def demand_writable(path: PathLike, *, force: bool = False) -> None:
     if not folder.is_dir():
         raise UsageError(f"the folder {str(folder)!r} of {target.name!r} does not exist; create it first")
     if target.is_file() and not force:
-        raise UsageError(
-            f"{str(target)!r} already exists; give another name, or overwrite it with "
-            f"{spelled('--force', 'force=True')}"
-        )
+        raise UsageError(f"{str(target)!r} already exists; give another name, or overwrite it with "
+                         f"{spelled('--force', 'force=True')}")  # fmt: skip
     if not os.access(target if _is_device(target) else folder, os.W_OK):
         raise UsageError(f"the folder {str(folder)!r} is not writable; give a path in another folder")
 

@@ -346,12 +346,8 @@ class Fit(Value):
         """Plain data."""
         good = self.goodness
         p, reasons, remarks = (good.p, good.reasons, good.remarks) if good else (None, (), ())
-        extra = {
-            "validity": self.validity or None,
-            "gof_p": p,
-            "gof_reasons": list(reasons),
-            "gof_remarks": list(remarks),
-        }
+        extra = {"validity": self.validity or None, "gof_p": p, "gof_reasons": list(reasons),
+                 "gof_remarks": list(remarks)}  # fmt: skip
         others = {"alternatives": [other.to_dict() for other in self.alternatives], "averaged": self.averaged.to_dict()}
         return super().to_dict(level) | others | extra
 
@@ -359,10 +355,8 @@ class Fit(Value):
     def _stored(cls, data: dict[str, Any]) -> "Fit":
         others = data.get("alternatives")
         nodes = data.get("averaged")
-        kept = {
-            "alternatives": {"values": others} if others else None,
-            "averaged": {"values": nodes} if nodes else None,
-        }
+        kept = {"alternatives": {"values": others} if others else None,
+                "averaged": {"values": nodes} if nodes else None}  # fmt: skip
         return super()._stored(data | kept)
 
     def _summary(self) -> str:

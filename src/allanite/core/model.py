@@ -1,6 +1,7 @@
 """Term and Model: the noise terms that describe a sensor's random errors, and functions that make them."""
 
 import math
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from inspect import Parameter, Signature
@@ -17,9 +18,10 @@ from .encoding import read_key
 from .errors import DataError, StoredError, UnitError, UsageError, WrongTypeError, given
 from .kinds import title_of
 from .limits import demand_stored_size
-from .names import demand_name, row_of
+from .names import demand_name, row_of, unknown
 from .plain import Value
-from .units import SIGNALS, Signal, signal_with, unit_of
+from .syntax import NUMBER, split_quantities
+from .units import SIGNALS, Signal, convert, signal_with, unit_of
 
 
 @dataclass(frozen=True, repr=False)
@@ -205,9 +207,7 @@ class Model(Value):
     doubt: str = field(default="", compare=False)
 
     def __init__(self, terms: str | Term | Iterable[Term], *, doubt: str = "") -> None:
-        from .syntax import terms_of
-
-        listed = terms_of(terms) if isinstance(terms, str) else (terms,) if isinstance(terms, Term) else tuple(terms)
+        listed = _terms_of(terms) if isinstance(terms, str) else (terms,) if isinstance(terms, Term) else tuple(terms)
         object.__setattr__(self, "terms", listed)
         object.__setattr__(self, "doubt", doubt)
         symbols = [t.symbol for t in self.terms]
@@ -290,6 +290,41 @@ class Model(Value):
         return cls(read_key({"terms": terms}, "terms", tuple[Term, ...]), doubt=doubt)
 
 
+def _terms_of(text: str) -> tuple[Term, ...]:
+    """The terms of a model that a text describes; see `Model`."""
+    parts: list[list[str]] = []
+    titles = (f"{p.name} {p.title}" for row in TERMS.values() for p in row.parameters)
+    fillers = {"with", *" ".join(titles).replace("_", " ").split()}  # words that carry no information
+    for part in text.split(","):
+        words = [word for word in part.replace("=", " ").split() if word not in fillers]
+        if parts and words and NUMBER.match(words[0]):  # the previous term has another parameter
+            parts[-1] += words
+        else:
+            parts.append(words)
+    return tuple(_term(words, text) for words in parts)
+
+
+def _term(words: list[str], text: str) -> Term:
+    if not words or words[0] not in TERMS:
+        where = f" in {text!r}"
+        error = unknown("term", words[0], TERMS, where=where) if words else UsageError(f"there is no term{where}")
+        raise type(error)(f"{error}; a model has the form 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'", cure=error.cure)
+    symbol, parameters = words[0], TERMS[words[0]].parameters
+    # the unit of the coefficient may begin with 1, as 1/s
+    plain = len(words) > 2 and NUMBER.fullmatch(words[1]) and re.fullmatch(r"1(/.*)?", words[2])
+    first = [(float(words[1]), words[2])] if plain else []
+    quantities = [*first, *split_quantities(words[1 + 2 * len(first) :])]
+    if not 0 < len(quantities) <= 1 + len(parameters) or not quantities[0][1]:
+        wanted = "".join(f", its {p.name.replace('_', ' ')}{p.unit and f' in {p.unit}'}" for p in parameters)
+        raise UsageError(
+            f"{' '.join(words)!r} is not a noise term: {symbol} must be followed by a number and a unit{wanted}, "
+            "e.g. 'N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s'"
+        )
+    (value, unit), *rest = quantities
+    shape = (convert(v, u or p.unit or "1", p.unit or "1") for (v, u), p in zip(rest, parameters, strict=False))
+    return term(symbol, value, unit, tuple(shape))
+
+
 class HasModel(Protocol):
     """An object with a model, such as the result of a fit."""
 
@@ -370,10 +405,8 @@ def constructor(symbol: str) -> Constructor:
     example = "".join(f", {p.name}={p.typical:g}" for p in row.parameters if p.default is None)
     units = "".join(f"; {p.name} in {p.unit}" for p in row.parameters if p.unit)
     build.__name__ = build.__qualname__ = symbol
-    build.__doc__ = (
-        f"{row.title.capitalize()}: {row.meaning}.\n\n"
-        f"For example ``{symbol}({row.typical:g}, {sheet!r}{example})``{units}."
-    )
+    build.__doc__ = (f"{row.title.capitalize()}: {row.meaning}.\n\n"
+                     f"For example ``{symbol}({row.typical:g}, {sheet!r}{example})``{units}.")  # fmt: skip
     build.__signature__ = signature  # type: ignore[attr-defined]
     build.__annotations__ = {name: parameter.annotation for name, parameter in signature.parameters.items()}
     return public(build)

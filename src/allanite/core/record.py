@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from allanite.phrases.phrase import join, say
 
-from .aliases import public
+from .aliases import constructed
 from .arrays import LARGEST, FloatArray, complete, samples
 from .errors import DataError, UsageError, WrongTypeError, given
 from .kinds import KINDS, explain_kinds, offered, signal_of_kind
@@ -31,6 +31,7 @@ def header_dict(record: "Record | Header", kind: str) -> dict[str, Any]:
     return header.to_dict() | {"type": kind}
 
 
+@constructed
 @dataclass(frozen=True, eq=False, repr=False)
 class Record(Value):
     """One evenly sampled channel of an inertial sensor.
@@ -229,9 +230,6 @@ class Record(Value):
         """
         kind = "increment" if self.kind == "count" and values.dtype.kind == "f" else self.kind
         return replace(self, values=values, kind=kind, start=start, history=(*self.history, what))
-
-
-Record.__init__ = public(Record.__init__)  # type: ignore[method-assign]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -156,10 +156,8 @@ def _rejection(good: Goodness | None, scope: Scope | None) -> tuple[Phrase, tupl
         head = say("{said} (goodness of fit {p})", said=head, p=chance(good.p))
     if scope is None or scope.choice != "auto":
         return head, () if scope is None else (try_band(),)
-    tried = say(
-        "low-pass filters, vibration, steps, a warm-up and power of any other shape were tried beside the terms; none "
-        "of them explains the record"
-    )
+    tried = say("low-pass filters, vibration, steps, a warm-up and power of any other shape were tried beside the "
+                "terms; none of them explains the record")  # fmt: skip
     return head, (tried,)
 
 

@@ -224,10 +224,8 @@ class Scope(Value):
                 inside = (self.frequency >= low) & (self.frequency <= high)
                 excess = self.level[inside].max(initial=0.0) > STOPPED  # power that the model does not have
                 (loud if excess else stop).append(say("{low:.3g} to {high:.3g} Hz", low=low, high=high))
-            reasons = (
-                (loud, say("excess power there: vibration or a resonance")),
-                (stop, say("stop band of the filter")),
-            )
+            reasons = ((loud, say("excess power there: vibration or a resonance")),
+                       (stop, say("stop band of the filter")))  # fmt: skip
             words += [
                 say("excluded from the fit: {where} ({why})", where=join(", ", where), why=why)
                 for where, why in reasons
@@ -244,11 +242,9 @@ class Scope(Value):
             )  # fmt: skip
         if self.until is not None:
             words.append(
-                say(
-                    "beyond {until:.3g} s the deviation is not that of these terms: the slower drift is not described",
-                    until=self.until,
-                )
-            )
+                say("beyond {until:.3g} s the deviation is not that of these terms: the slower drift is not described",
+                    until=self.until)
+            )  # fmt: skip
         return (*words, *self.remarks)
 
     def _summary(self) -> str:

@@ -171,12 +171,6 @@ def simulate_ring_laser(
     walk = np.cumsum(rng.standard_normal(n)) * math.sqrt(2 / (gyro.coherence * rate))
     angle += gyro.residual * np.sin(np.asarray(2 * math.pi * (frequency * np.arange(n) / rate + rng.random()) + walk))
     pulses = np.floor(angle / gyro.pulse + rng.random())
-    return Record(
-        np.diff(pulses).astype(np.int64),
-        rate,
-        "arcsec",
-        kind="count",
-        scale=gyro.pulse,
-        name=name,
-        history=(say("simulated ring laser turning at {rate:g} deg/h: {gyro}", rate=turning, gyro=str(gyro)),),
-    )
+    return Record(np.diff(pulses).astype(np.int64), rate, "arcsec", kind="count", scale=gyro.pulse, name=name,
+                  history=(say("simulated ring laser turning at {rate:g} deg/h: {gyro}", rate=turning,
+                               gyro=str(gyro)),))  # fmt: skip

@@ -105,22 +105,12 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     # a maximum has no known distribution, and the RMS angle error only under white noise
     law = None if noise is None or row.order < 2 else _later(curve, assumed, published=edf == "published")
     return Curve(
-        statistic=row.name,
-        m=curve.points.m,
-        tau=times(row, curve.points.m, record.size) / record.rate,
-        variance=curve.variance * (angle.scale / record.interval ** (1 - row.power)) ** 2,
-        count=curve.number,
-        factor=curve.factor,
-        unit=record.signal.si[row.power],
-        rate=record.rate,
-        size=record.size,
-        name=record.name,
-        history=record.history,
-        noise=assumed.model,
-        law=law,
-        supposes=law.words if law else None,
+        statistic=row.name, m=curve.points.m, tau=times(row, curve.points.m, record.size) / record.rate,
+        variance=curve.variance * (angle.scale / record.interval ** (1 - row.power)) ** 2, count=curve.number,
+        factor=curve.factor, unit=record.signal.si[row.power], rate=record.rate, size=record.size, name=record.name,
+        history=record.history, noise=assumed.model, law=law, supposes=law.words if law else None,
         alpha=_alphas(curve.points, angle) if power_law else None,
-    )
+    )  # fmt: skip
 
 
 def _warn_of_long(row: Statistic, size: int, m: IntArray, threads: int) -> None:
@@ -152,13 +142,8 @@ class CurveEstimate(NamedTuple):
         """Some of the points."""
         points = self.points._replace(m=self.points.m[which])
         each = None if self.each is None else self.each[:, which]
-        return self._replace(
-            points=points,
-            variance=self.variance[which],
-            number=self.number[which],
-            factor=self.factor[which],
-            each=each,
-        )
+        return self._replace(points=points, variance=self.variance[which], number=self.number[which],
+                             factor=self.factor[which], each=each)  # fmt: skip
 
 
 def _later(curve: CurveEstimate, assumed: Assumption, *, published: bool) -> LaterLaw:
@@ -256,13 +241,7 @@ def _told(curve: CurveEstimate, noise: Averaged | Literal["auto"] | None, *, nam
     if named or told.all():
         return told
     first = int(np.flatnonzero(~told)[0])
-    raise DataError(
-        say(
-            "where samples are missing the angle is open, and angle noise makes {statistic} {factor:.3g} times "
-            "that of the record without gaps at averaging factor {m}, so that it carries no information; use "
-            "shorter times, or a record of the angle",
-            statistic=row.name,
-            factor=1 / factor[first],
-            m=m[first],
-        )
-    )
+    raise DataError(say("where samples are missing the angle is open, and angle noise makes {statistic} {factor:.3g} "
+                        "times that of the record without gaps at averaging factor {m}, so that it carries no "
+                        "information; use shorter times, or a record of the angle", statistic=row.name,
+                        factor=1 / factor[first], m=m[first]))  # fmt: skip

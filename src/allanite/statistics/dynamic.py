@@ -118,32 +118,12 @@ def dynamic(
                 continue
             means.variance[i], means.number[i], means.factor[i] = result
         if reason is not None and not means.number.any():
-            raise DataError(
-                say(
-                    "no window of {channel!r} supports {statistic}: {reason}",
-                    channel=parts[0].name,
-                    statistic=row.name,
-                    reason=reason,
-                )
-            ) from None
-    return Surface(
-        statistic=row.name,
-        time=np.asarray((starts + samples / 2) / record.rate),
-        m=first.m,
-        tau=first.tau,
-        variance=means.variance,
-        count=means.number,
-        factor=means.factor,
-        window=samples / record.rate,
-        step=stride / record.rate,
-        unit=first.unit,
-        rate=record.rate,
-        name=record.name,
-        history=record.history,
-        noise=first.noise,
-        law=first.law,
-        supposes=first.supposes,
-    )
+            raise DataError(say("no window of {channel!r} supports {statistic}: {reason}", channel=parts[0].name,
+                                statistic=row.name, reason=reason)) from None  # fmt: skip
+    return Surface(statistic=row.name, time=np.asarray((starts + samples / 2) / record.rate), m=first.m, tau=first.tau,
+                   variance=means.variance, count=means.number, factor=means.factor, window=samples / record.rate,
+                   step=stride / record.rate, unit=first.unit, rate=record.rate, name=record.name,
+                   history=record.history, noise=first.noise, law=first.law, supposes=first.supposes)  # fmt: skip
 
 
 def _samples(record: Record, window: float | None, step: float | None) -> tuple[int, int]:

@@ -11,6 +11,7 @@ from allanite.core.record import Record
 from allanite.parallel.processes import spread
 from allanite.phrases.phrase import say, windowing
 
+from .differences import OADEV
 from .moments.means import There, takes_means, variance_of
 from .row import Statistic, seconds
 
@@ -71,12 +72,8 @@ def integrated(record: Record, order: int) -> AngleRecord:
         )
     long = tuple(piece for piece in pieces if piece.x.size > 2)
     if not long:
-        raise DataError(
-            say(
-                "{channel!r} has no two successive samples that are finite; no differences can be computed",
-                channel=record.name,
-            )
-        )
+        raise DataError(say("{channel!r} has no two successive samples that are finite; no differences can be computed",
+                            channel=record.name))  # fmt: skip
     return AngleRecord(long, record.size, record.factor * (1.0 if record.integrated else record.interval))
 
 
@@ -123,14 +120,9 @@ def estimate(row: Statistic, angle: AngleRecord, m: IntArray, *, divisor: int = 
 def windows(row: Statistic, angle: AngleRecord, m: IntArray, threads: int = 1) -> WindowMeans:
     """The mean over all windows that are complete; NaN where there is none."""
     if len(angle.pieces) > 1 and not row.gaps:
-        raise DataError(
-            say(
-                "{statistic} folds the record back at its ends and is not defined for a record with gaps; use "
-                "another statistic (oadev, theo1, mtotdev), or select a window without gaps ({choice})",
-                statistic=row.name,
-                choice=windowing(),
-            )
-        )
+        raise DataError(say("{statistic} folds the record back at its ends and is not defined for a record with gaps; "
+                            "use another statistic (oadev, theo1, mtotdev), or select a window without gaps ({choice})",
+                            statistic=row.name, choice=windowing()))  # fmt: skip
     if m.size > 1 and not np.all(m[1:] >= m[:-1]):
         order = np.argsort(m, kind="stable")
         variance, number, factor = windows(row, angle, m[order], threads)
@@ -182,8 +174,6 @@ def _sums(row: Statistic, x: FloatArray, m: IntArray, threads: int) -> FloatArra
 
 def bias_ratio(theo1: Statistic, angle: AngleRecord, divisor: int, threads: int = 1) -> float:
     """kf: mean of OAVAR(m = 9 + 3i) / Theo1(m = 12 + 4i), both at one tau, for i = 0 .. points / divisor - 3."""
-    from .differences import OADEV
-
     if divisor not in (6, 30):
         raise UsageError(
             f"the divisor of TheoBR's ratio must be 30 (as published) or 6 (as in Stable32), not {divisor!r}"
@@ -191,12 +181,9 @@ def bias_ratio(theo1: Statistic, angle: AngleRecord, divisor: int, threads: int 
     last = (angle.size + 1) // divisor - 3
     if last < 0:
         raise DataError(
-            say(
-                "TheoBR needs at least {least} samples for its bias ratio, but there are {size}; use theo1, or oadev",
-                least=3 * divisor - 1,
-                size=angle.size,
-            )
-        )
+            say("TheoBR needs at least {least} samples for its bias ratio, but there are {size}; use theo1, or oadev",
+                least=3 * divisor - 1, size=angle.size)
+        )  # fmt: skip
     i = np.arange(last + 1)
     allan, theo = (windows(row, angle, m, threads) for row, m in ((OADEV, 9 + 3 * i), (theo1, 12 + 4 * i)))
     both = (allan.number > 0) & (theo.number > 0)

@@ -115,11 +115,9 @@ def _curve(model: Model, row: Statistic, tau: str | Sequence[float], rate: float
     m = np.zeros(0, np.int64)
     if rate is None and isinstance(tau, str):
         if tau != "log":
-            raise UsageError(
-                f"the averaging times {tau!r} are multiples of a sample interval: pass "
-                + spelled("--rate HZ", "rate=...")
-                + ", or the times in seconds"
-            )
+            raise UsageError(f"the averaging times {tau!r} are multiples of a sample interval: pass " + spelled(
+                                 "--rate HZ", "rate=...",
+                             ) + ", or the times in seconds")  # fmt: skip
         low, high = (PER_DECADE * math.log10(end) for end in reach(model))
         at = np.asarray(10 ** (np.arange(math.floor(low), math.ceil(high) + 1) / PER_DECADE))
     elif rate is None:

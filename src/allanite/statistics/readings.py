@@ -85,13 +85,8 @@ def averaging_stability(record: Record, seconds: float = 10.0, *, model: ModelLi
     if blocks < FEWEST:
         names: dict[str, Any] = {"channel": record.name, "blocks": blocks, "seconds": seconds}
         if blocks < whole.size:
-            raise DataError(
-                say(
-                    "{channel!r} has {blocks} complete means over {seconds:g} s, but 2 are needed, and a mean that "
-                    "touches a gap is not complete; choose a shorter time",
-                    **names,
-                )
-            )
+            raise DataError(say("{channel!r} has {blocks} complete means over {seconds:g} s, but 2 are needed, and a "
+                                "mean that touches a gap is not complete; choose a shorter time", **names))  # fmt: skip
         raise DataError(
             say(
                 "{channel!r} has {blocks} complete means over {seconds:g} s, but 2 are needed; the longest "
@@ -215,14 +210,11 @@ def readings(record: Record, curve: Curve | None = None) -> Readings:
     points = _Points(deviation(record, "oadev", m=sorted({usual, *around, *marks, *least}), omit=True))
     slopes = (points.slope(first, last) for first, last in pairwise(marks))
     return Readings(
-        signal=record.signal,
-        usual=points.reading(usual if usual in points.place else max(points.place)),
-        around=points.slope(*around),
-        minimum=points.reading(least[0]) if least and least[0] in points.place else None,
-        inside=lowest < len(factors) - 1,
-        slopes=tuple(slope for slope in slopes if slope is not None),
+        signal=record.signal, usual=points.reading(usual if usual in points.place else max(points.place)),
+        around=points.slope(*around), minimum=points.reading(least[0]) if least and least[0] in points.place else None,
+        inside=lowest < len(factors) - 1, slopes=tuple(slope for slope in slopes if slope is not None),
         means=tuple(_means(record)),
-    )
+    )  # fmt: skip
 
 
 class _Points:

@@ -65,27 +65,10 @@ def oscillation(frequency: float, damping: float) -> NoiseTerm:
         level=math.nan,
         **made,
         parameters=(
-            Parameter(
-                "frequency",
-                say("natural frequency"),
-                "Hz",
-                least=0.0,
-                letter="f",
-                typical=0.02,
-                time=-1.0,
-                search=lambda n: (PERIODS / n, HIGHEST),
-                steps=16,
-            ),
-            Parameter(
-                "damping",
-                say("damping ratio"),
-                "",
-                least=0.0,
-                letter="zeta",
-                typical=0.15,
-                search=lambda n: DAMPINGS,
-                steps=2,
-            ),
+            Parameter("frequency", say("natural frequency"), "Hz", least=0.0, letter="f", typical=0.02, time=-1.0,
+                      search=lambda n: (PERIODS / n, HIGHEST), steps=16),
+            Parameter("damping", say("damping ratio"), "", least=0.0, letter="zeta", typical=0.15,
+                      search=lambda n: DAMPINGS, steps=2),
         ),
         period=1 / frequency if damping < 1 else 0.0,
         shape=(frequency, damping),
@@ -102,7 +85,7 @@ def oscillation(frequency: float, damping: float) -> NoiseTerm:
         dark="#D3B157",
         dash=(2.4, 1.2, 1, 1.2),
         block=oscillation_block,
-    )
+    )  # fmt: skip
 
 
 LINEAR, POWERS = ("structure", "derivative", "summed", "increments"), ("spectrum", "dct")

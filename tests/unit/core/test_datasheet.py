@@ -44,13 +44,10 @@ def lines(entries):
 @pytest.fixture(scope="module")
 def gyro():
     signal = signal_named("gyro")
-    fit = fit_of(
-        absent(term("Q", 0.3, "arcsec")),
-        estimate(term("N", 0.12, "deg/sqrt(h)"), 0.98, 1.03),
-        estimate(term("B", 3.0, "deg/h"), 0.8, 1.3, "weak"),
-        estimate(term("K", 40.0, "deg/h/sqrt(h)"), 0.8, 1.25),
-        estimate(term("R", -58.0, "deg/h^2"), 1.2, 0.8),
-    )
+    fit = fit_of(absent(term("Q", 0.3, "arcsec")), estimate(term("N", 0.12, "deg/sqrt(h)"), 0.98, 1.03),
+                 estimate(term("B", 3.0, "deg/h"), 0.8, 1.3, "weak"),
+                 estimate(term("K", 40.0, "deg/h/sqrt(h)"), 0.8, 1.25),
+                 estimate(term("R", -58.0, "deg/h^2"), 1.2, 0.8))  # fmt: skip
     return lines(data_sheet(fit, readings_of(signal, math.radians(1.5) / 3600), 100.0))
 
 

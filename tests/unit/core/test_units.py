@@ -14,16 +14,10 @@ from allanite.reporting.digits import in_ascii, printed_unit
 
 DEGREE = math.pi / 180
 
-SAME = [
-    ("deg/sqrt(h)", 2.908882e-4, "rad/sqrt(s)"),
-    ("deg/h", 4.848137e-6, "rad/s"),
-    ("arcsec", 4.848137e-6, "rad"),
-    ("deg/h^1.5", 8.080228e-8, "rad/s^1.5"),
-    ("deg/h^2", 1.346705e-9, "rad/s^2"),
-    ("deg/h/sqrt(Hz)", 4.848137e-6, "rad/s/sqrt(Hz)"),
-    ("ug/sqrt(Hz)", 9.80665e-6, "m/s^2/sqrt(Hz)"),
-    ("ug/sqrt(Hz)", 5.88399e-4, "m/s/sqrt(h)"),
-]
+SAME = [("deg/sqrt(h)", 2.908882e-4, "rad/sqrt(s)"), ("deg/h", 4.848137e-6, "rad/s"), ("arcsec", 4.848137e-6, "rad"),
+        ("deg/h^1.5", 8.080228e-8, "rad/s^1.5"), ("deg/h^2", 1.346705e-9, "rad/s^2"),
+        ("deg/h/sqrt(Hz)", 4.848137e-6, "rad/s/sqrt(Hz)"), ("ug/sqrt(Hz)", 9.80665e-6, "m/s^2/sqrt(Hz)"),
+        ("ug/sqrt(Hz)", 5.88399e-4, "m/s/sqrt(h)")]  # fmt: skip
 
 
 @rows(("unit", "factor", "to"), SAME)
@@ -31,29 +25,15 @@ def test_published_conversions(unit, factor, to):
     assert convert(1.0, unit, to) == pytest.approx(factor, rel=2e-7)
 
 
-SPELLINGS = [
-    (
-        "deg/sqrt(h)",
-        [
-            "°/√h",
-            "deg/rth",
-            "deg/h^0.5",
-            "deg h^-0.5",
-            "deg/sqrt(hr)",
-            "deg/rt-hr",
-            "deg/rt(h)",
-            "deg/root-hour",
-            "deg/√hr",
-        ],
-    ),
-    ("deg/h", ["°/h", "dph", "deg/hr", "deg h^-1", "Deg/H"]),
-    ("deg/s", ["dps", "DPS", "deg/sec", "°/s", "deg s-1"]),
-    ("rad/sqrt(s)", ["rad/s/sqrt(Hz)", "rad/s/√Hz", "rad/(s*sqrt(Hz))", "rad*s^-0.5"]),
-    ("rad/s^1.5", ["rad/s^2/sqrt(Hz)", "rad/s/sqrt(s)"]),
-    ("deg/h/sqrt(Hz)", ["deg/h*sqrt(s)", "(deg/h)/rtHz"]),
-    ("ug/sqrt(Hz)", ["µg/√Hz", "ug/rtHz", "ug/rt-Hz"]),
-    ("m/s^2", ["m/s²", "m s^-2", "m/s2", "m s-2", "mps2"]),
-]
+SPELLINGS = [("deg/sqrt(h)",
+              ["°/√h", "deg/rth", "deg/h^0.5", "deg h^-0.5", "deg/sqrt(hr)", "deg/rt-hr", "deg/rt(h)", "deg/root-hour",
+               "deg/√hr"]),
+             ("deg/h", ["°/h", "dph", "deg/hr", "deg h^-1", "Deg/H"]),
+             ("deg/s", ["dps", "DPS", "deg/sec", "°/s", "deg s-1"]),
+             ("rad/sqrt(s)", ["rad/s/sqrt(Hz)", "rad/s/√Hz", "rad/(s*sqrt(Hz))", "rad*s^-0.5"]),
+             ("rad/s^1.5", ["rad/s^2/sqrt(Hz)", "rad/s/sqrt(s)"]),
+             ("deg/h/sqrt(Hz)", ["deg/h*sqrt(s)", "(deg/h)/rtHz"]), ("ug/sqrt(Hz)", ["µg/√Hz", "ug/rtHz", "ug/rt-Hz"]),
+             ("m/s^2", ["m/s²", "m s^-2", "m/s2", "m s-2", "mps2"])]  # fmt: skip
 
 
 @rows(("unit", "others"), SPELLINGS)

@@ -12,20 +12,10 @@ from allanite.core.units import SIGNALS
 
 NUMBERS = np.random.default_rng(1).integers(-50, 50, 1000)
 
-UNITS = {
-    "angle": ("rad", "deg", "arcmin", "arcsec", "mrad", "rev"),
-    "voltage": ("V", "mV"),
-    "temperature": ("K", "mK", "degC"),
-    "pressure": ("Pa", "hPa", "kPa", "mbar", "bar"),
-    "displacement": ("m", "mm", "um"),
-    "velocity": ("m/s",),
-    "current": ("A", "mA"),
-    "time": ("s", "ns", "h"),
-    "frequency": ("Hz",),
-    "dimensionless": ("1",),
-    "gyro": ("deg/s",),
-    "accelerometer": ("ug",),
-}
+UNITS = {"angle": ("rad", "deg", "arcmin", "arcsec", "mrad", "rev"), "voltage": ("V", "mV"),
+         "temperature": ("K", "mK", "degC"), "pressure": ("Pa", "hPa", "kPa", "mbar", "bar"),
+         "displacement": ("m", "mm", "um"), "velocity": ("m/s",), "current": ("A", "mA"), "time": ("s", "ns", "h"),
+         "frequency": ("Hz",), "dimensionless": ("1",), "gyro": ("deg/s",), "accelerometer": ("ug",)}  # fmt: skip
 
 
 @rows(("signal", "unit"), [(name, unit) for name, units in UNITS.items() for unit in units])

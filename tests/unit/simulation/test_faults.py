@@ -179,11 +179,7 @@ def test_they_compose_and_say_so():
     rng = np.random.default_rng(5)
     record = faults.constant(white(5000), 15.0, "deg/h")
     record = faults.gaps(faults.quantize_angle(record, 0.1, "arcsec"), 0.02, 0.3, rng=rng)
-    assert [step.split()[0] for step in record.history] == [
-        "simulated:",
-        "constant",
-        "angle",
-        record.history[-1].split()[0],
-    ]
+    assert [step.split()[0] for step in record.history] == ["simulated:", "constant", "angle",
+                                                            record.history[-1].split()[0]]  # fmt: skip
     assert record.kind == "increment"
     assert np.isnan(record.values).any()

@@ -11,13 +11,8 @@ import allanite as al
 from allanite.statistics.moments.gls import Covariance, autocovariance
 from allanite.statistics.moments.lagsums import FAR_LAG
 
-TERMS = {
-    "Q": al.Q(0.3, "arcsec"),
-    "N": al.N(1e-3, "deg/sqrt(h)"),
-    "B": al.B(0.02, "deg/h"),
-    "K": al.K(0.05, "deg/h/sqrt(h)"),
-    "R": al.R(0.1, "deg/h^2"),
-}
+TERMS = {"Q": al.Q(0.3, "arcsec"), "N": al.N(1e-3, "deg/sqrt(h)"), "B": al.B(0.02, "deg/h"),
+         "K": al.K(0.05, "deg/h/sqrt(h)"), "R": al.R(0.1, "deg/h^2")}  # fmt: skip
 MIXTURES = ["Q", "N", "B", "K", "QN", "NB", "QK", "QB", "QNBK", "QNBKR"]
 
 

@@ -27,17 +27,11 @@ def test_a_damping_ratio_of_one_is_between_its_neighbours(column):
 
 
 RATE = 4.0
-SHAPED = {
-    "GM": al.GM(2.0, "rad/s", time_constant=1.5),
-    "slow GM": al.GM(2.0, "rad/s", time_constant=80.0),
-    "Sine": al.Sine(2.0, "rad/s", frequency=0.21),
-    "fast Sine": al.Sine(2.0, "rad/s", frequency=1.7),
-    "F": al.F(2.0, "rad"),
-    "GMA": al.GMA(2.0, "rad", time_constant=1.5),
-    "slow GMA": al.GMA(2.0, "rad", time_constant=8.0),
-    "GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=0.15),
-    "aperiodic GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=1.5),
-}
+SHAPED = {"GM": al.GM(2.0, "rad/s", time_constant=1.5), "slow GM": al.GM(2.0, "rad/s", time_constant=80.0),
+          "Sine": al.Sine(2.0, "rad/s", frequency=0.21), "fast Sine": al.Sine(2.0, "rad/s", frequency=1.7),
+          "F": al.F(2.0, "rad"), "GMA": al.GMA(2.0, "rad", time_constant=1.5),
+          "slow GMA": al.GMA(2.0, "rad", time_constant=8.0), "GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=0.15),
+          "aperiodic GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=1.5)}  # fmt: skip
 
 
 @rows("name, kind", paired([n for n, row in al.STATISTICS.items() if not row.parts and not row.extreme], list(SHAPED)))
@@ -82,15 +76,11 @@ def test_a_warm_up_needs_the_length_of_the_record_and_does_not_scatter():
     np.testing.assert_allclose(alone, exact - exact.mean(), atol=1e-12)
 
 
-MIXED = {
-    "GM 1.5": al.GM(2.0, "rad/s", time_constant=1.5),
-    "GM 80": al.GM(2.0, "rad/s", time_constant=80.0),
-    "F": al.F(2.0, "rad"),
-    "GMA": al.GMA(2.0, "rad", time_constant=1.5),
-    "GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=0.15),
-    "sharp GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=0.02),
-    "fast GM2": al.GM2(2.0, "rad/s", frequency=1.0, damping=0.05),
-}
+MIXED = {"GM 1.5": al.GM(2.0, "rad/s", time_constant=1.5), "GM 80": al.GM(2.0, "rad/s", time_constant=80.0),
+         "F": al.F(2.0, "rad"), "GMA": al.GMA(2.0, "rad", time_constant=1.5),
+         "GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=0.15),
+         "sharp GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=0.02),
+         "fast GM2": al.GM2(2.0, "rad/s", frequency=1.0, damping=0.05)}  # fmt: skip
 
 
 @rows("kind, name", paired(list(MIXED), ["oadev", "mdev", "ohdev"]))

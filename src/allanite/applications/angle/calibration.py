@@ -192,14 +192,8 @@ def too_large(harmonics: Sequence[Harmonics]) -> Iterator[Finding]:
         phase = h.amplitude * np.array(h.orders)
         worst = int(phase.argmax())
         if phase[worst] > LARGE:
-            yield Finding(
-                "large",
-                say(
-                    "harmonic {order} of {angle} shifts its own phase by {shift:.2g} rad",
-                    order=h.orders[worst],
-                    angle=h.name or say("the angle"),
-                    shift=float(phase[worst]),
-                ),
-                say("the linear model is doubtful for errors that are not small relative to their period"),
-                say("check units; correct the angles by this estimate, and estimate again"),
-            )
+            yield Finding("large",
+                          say("harmonic {order} of {angle} shifts its own phase by {shift:.2g} rad",
+                              order=h.orders[worst], angle=h.name or say("the angle"), shift=float(phase[worst])),
+                          say("the linear model is doubtful for errors that are not small relative to their period"),
+                          say("check units; correct the angles by this estimate, and estimate again"))  # fmt: skip

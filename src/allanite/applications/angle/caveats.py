@@ -68,22 +68,13 @@ def _short(
             i, j = np.unravel_index(int(others.argmax()), others.shape)
             yield Finding(
                 "span",
-                say(
-                    "the angle {angle} moves by {span:.3g} deg, less than one period of its harmonic {order} "
-                    "({period:.3g} deg)",
-                    angle=angle,
-                    span=math.degrees(span),
-                    order=min(orders),
-                    period=math.degrees(period),
-                ),
-                say(
-                    "its harmonics can hardly be separated: {first} correlates with {second} by {correlation:+.3f}",
-                    first=names[mine[i]],
-                    second=names[j],
-                    correlation=float(correlation[mine[i], j]),
-                ),
+                say("the angle {angle} moves by {span:.3g} deg, less than one period of its harmonic {order} "
+                    "({period:.3g} deg)", angle=angle, span=math.degrees(span), order=min(orders),
+                    period=math.degrees(period)),
+                say("its harmonics can hardly be separated: {first} correlates with {second} by {correlation:+.3f}",
+                    first=names[mine[i]], second=names[j], correlation=float(correlation[mine[i], j])),
                 say("choose a longer interval, or a part of the day where the angle moves faster"),
-            )
+            )  # fmt: skip
 
 
 def _alike(names: tuple[str, ...], correlation: FloatArray) -> Iterator[Finding]:
@@ -101,15 +92,10 @@ def _alike(names: tuple[str, ...], correlation: FloatArray) -> Iterator[Finding]
         ]
         shown = say("hardly separable: {pairs}", pairs=join(", ", worst))
         more = say_count(len(pairs) - 3, "{shown} and {count} more pair", "{shown} and {count} more pairs", shown=shown)
-        yield Finding(
-            "alike",
-            more if len(pairs) > 3 else shown,
-            say(
-                "their periods nearly coincide, so that their errors are large and correlated; their joint effect is "
-                "known better"
-            ),
-            say("choose a range of angles where the periods differ, a longer interval, or sway"),
-        )
+        yield Finding("alike", more if len(pairs) > 3 else shown,
+                      say("their periods nearly coincide, so that their errors are large and correlated; their joint "
+                          "effect is known better"),
+                      say("choose a range of angles where the periods differ, a longer interval, or sway"))  # fmt: skip
 
 
 def _sparse(gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]) -> Iterator[Finding]:
@@ -118,19 +104,10 @@ def _sparse(gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]) -> Itera
         moved = np.abs(np.diff(np.unwrap(getattr(gimbals, angle)))) * max(orders) / (2 * math.pi)
         worst = int(moved.argmax())
         if moved[worst] > 0.25:
-            yield Finding(
-                "sparse",
-                say(
-                    "between two samples ({step:.4g} s) {angle} moves by up to {periods:.2g} periods of its harmonic "
-                    "{order}",
-                    step=float(step[worst]),
-                    angle=angle,
-                    periods=float(moved[worst]),
-                    order=max(orders),
-                ),
-                say(
-                    "an error between the samples is not observed, and angle and cosine must be sampled at the same "
-                    "instant"
-                ),
-                say("sample at least four times per period"),
-            )
+            yield Finding("sparse",
+                          say("between two samples ({step:.4g} s) {angle} moves by up to {periods:.2g} periods of its "
+                              "harmonic {order}", step=float(step[worst]), angle=angle, periods=float(moved[worst]),
+                              order=max(orders)),
+                          say("an error between the samples is not observed, and angle and cosine must be sampled at "
+                              "the same instant"),
+                          say("sample at least four times per period"))  # fmt: skip

@@ -100,10 +100,8 @@ def calibrate(
     torn = np.abs(steps - 360.0) < 5.0  # a jump of 360 in what are said to be radians is a turn in degrees
     if torn.any() and np.median(steps) < 5.0:
         at = int(torn.argmax())
-        raise UnitError(
-            f"measured jumps by {steps[at]:.5g} rad at sample {at + 1}: is it in degrees? "
-            f"({spelled('--unit deg', f'unit={unit!r}')})"
-        )
+        raise UnitError(f"measured jumps by {steps[at]:.5g} rad at sample {at + 1}: is it in degrees? "
+                        f"({spelled('--unit deg', f'unit={unit!r}')})")  # fmt: skip
     # into half a turn about the mean direction, so that an offset near half a turn is not torn
     middle = float(np.angle(np.exp(1j * (angle - against)).mean()))
     z = np.asarray(np.mod(angle - against - middle + math.pi, 2 * math.pi) - math.pi + middle)
@@ -155,40 +153,27 @@ def _remaining(angle: FloatArray, residuals: FloatArray, orders: tuple[int, ...]
     # sectors only point at it: an order beyond them would look like another one
     size = 2 * abs(complex((residuals * np.exp(-1j * order * angle)).mean()))
     if noise > 0 and sizes.size * math.exp(-residuals.size * (size / noise) ** 2 / 4) < RARE:
-        yield Finding(
-            "order",
-            say(
-                "harmonic {order} is also present, with an amplitude of about {amplitude:.3g} arcsec",
-                order=order,
-                amplitude=size * 648_000 / math.pi,
-            ),
-            say("it was not requested, and makes the standard errors of the others wrong"),
-            say("add {order} to the orders", order=order),
-        )
+        yield Finding("order",
+                      say("harmonic {order} is also present, with an amplitude of about {amplitude:.3g} arcsec",
+                          order=order, amplitude=size * 648_000 / math.pi),
+                      say("it was not requested, and makes the standard errors of the others wrong"),
+                      say("add {order} to the orders", order=order))  # fmt: skip
 
 
 def _caveats(angle: FloatArray, orders: tuple[int, ...], solution: Solution) -> Iterator[Finding]:
     span, period = float(np.ptp(np.unwrap(angle))), 2 * math.pi / min(orders)
     correlation = correlation_of(solution.covariance) - np.eye(len(solution.names))
     i, j = np.unravel_index(int(np.abs(correlation).argmax()), correlation.shape)
-    pair = say(
-        "{first} correlates with {second} by {correlation:+.3f}",
-        first=solution.names[i],
-        second=solution.names[j],
-        correlation=float(correlation[i, j]),
-    )
+    pair = say("{first} correlates with {second} by {correlation:+.3f}", first=solution.names[i],
+               second=solution.names[j], correlation=float(correlation[i, j]))  # fmt: skip
     if span < period:
         yield Finding(
             "span",
-            say(
-                "the angle moves by {span:.3g} deg, less than one period of harmonic {order} ({period:.3g} deg)",
-                span=math.degrees(span),
-                order=min(orders),
-                period=math.degrees(period),
-            ),
+            say("the angle moves by {span:.3g} deg, less than one period of harmonic {order} ({period:.3g} deg)",
+                span=math.degrees(span), order=min(orders), period=math.degrees(period)),
             say("the parameters can hardly be separated: {pair}", pair=pair),
             say("turn further, or omit the lowest orders"),
-        )
+        )  # fmt: skip
     elif abs(correlation[i, j]) > 0.9:
         what = say("hardly separable: {pairs}", pairs=pair)
         yield Finding("alike", what, say("their errors are large and correlated"), say("turn further"))

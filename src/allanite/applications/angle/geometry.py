@@ -130,11 +130,8 @@ class Gimbals(Value):
         base = self._seen(self.h, self.q, -np.asarray(self.mu))
         polar = self.h_polar, self.q_polar
         across = np.cross(horizontal(self.ring_heading), vector(*base), axisb=0)
-        slopes = (
-            *_slopes((self.h, self.q), self._polar),
-            *_slopes(polar, base),
-            (across * vector(*polar).T).sum(axis=1),
-        )
+        slopes = (*_slopes((self.h, self.q), self._polar), *_slopes(polar, base),
+                  (across * vector(*polar).T).sum(axis=1))  # fmt: skip
         return dict(zip(ANGLES, slopes, strict=True))
 
     def _summary(self) -> str:
@@ -215,10 +212,8 @@ def gimbals(
         raise UnitError(f"a latitude must not exceed a right angle, as {latitude!r} rad does: is it in degrees?")
     demand_name("law", q_law, Q_LAWS)
     if turn_period is not None and not 1 / LARGEST <= turn_period <= LARGEST:
-        raise UsageError(
-            f"the period of the auto-compensating rotation must be from {1 / LARGEST:g} to {LARGEST:g} s, "
-            f"not {given(turn_period)}"
-        )
+        raise UsageError(f"the period of the auto-compensating rotation must be from {1 / LARGEST:g} to {LARGEST:g} s, "
+                         f"not {given(turn_period)}")  # fmt: skip
     H = EARTH_RATE * clock
     h, q = np.arcsin(math.cos(latitude) * np.sin(H)), Q_LAWS[q_law](H, latitude)
     still = Gimbals(

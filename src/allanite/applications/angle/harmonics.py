@@ -40,14 +40,10 @@ class Nuisance(NamedTuple):
 
 def _turning(g: Gimbals) -> tuple[FloatArray, FloatArray]:
     if g.rho is None:
-        raise UsageError(
-            spelled(
-                "ax and az need the angle rho of the auto-compensating rotation (--rho or --turn-period); without "
-                "one omit them: --nuisance A1,A2,A3",
-                "ax and az need the angle rho of the auto-compensating rotation (turn_period=...); without one omit "
-                "them: nuisance=('A1', 'A2', 'A3')",
-            )
-        )
+        raise UsageError(spelled("ax and az need the angle rho of the auto-compensating rotation (--rho or "
+                                 "--turn-period); without one omit them: --nuisance A1,A2,A3",
+                                 "ax and az need the angle rho of the auto-compensating rotation (turn_period=...); "
+                                 "without one omit them: nuisance=('A1', 'A2', 'A3')"))  # fmt: skip
     return np.sin(g.rho), np.cos(g.rho)
 
 
@@ -309,16 +305,9 @@ class Harmonics(Correction):
         terms = [dict(zip(keys, row, strict=True)) for row in rows]
         for term in terms:
             term["upper"] = self.upper(term["order"]) if term["status"] == "absent" else None
-        data: dict[str, Any] = {
-            "allanite": 1,
-            "type": "Harmonics",
-            "name": self.name,
-            "unit": "rad",
-            "level": level,
-            "terms": terms,
-            "covariance": self.covariance.tolist(),
-            "freedom": None if math.isinf(self.freedom) else self.freedom,
-        }
+        data: dict[str, Any] = {"allanite": 1, "type": "Harmonics", "name": self.name, "unit": "rad", "level": level,
+                                "terms": terms, "covariance": self.covariance.tolist(),
+                                "freedom": None if math.isinf(self.freedom) else self.freedom}  # fmt: skip
         return data | ({} if self.solution is None else {"solution": self.solution.shown(level)})
 
     @classmethod

@@ -57,11 +57,9 @@ def white(left: FloatArray) -> tuple[float, float, str]:
     centred = left - left.mean()
     r = np.array([centred[k:] @ centred[: n - k] for k in range(1, lags + 1)]) / (centred @ centred)
     q = float(n * (n + 2) * (r**2 / (n - np.arange(1, lags + 1))).sum())
-    words = say(
-        "successive innovations are correlated ({correlation:+.2f}), so that the standard deviations are too small; "
-        "model what is missing (another harmonic, a drift), or sample at longer intervals",
-        correlation=float(r[0]),
-    )
+    words = say("successive innovations are correlated ({correlation:+.2f}), so that the standard deviations are too "
+                "small; model what is missing (another harmonic, a drift), or sample at longer intervals",
+                correlation=float(r[0]))  # fmt: skip
     return q, float(gammaincc(lags / 2, q / 2)), words
 
 
@@ -73,12 +71,8 @@ def steady(left: FloatArray) -> tuple[float, float, str]:
     way = np.abs(np.cumsum(left)) / math.sqrt(left.size) / (1 + 2 * r)
     a = float(way.max())
     p = 2 * (ndtr(-3 * a) + math.exp(-4 * a * a) * ndtr(a))
-    words = say(
-        "the running sum of the innovations exceeds its limits after {sample} of {samples} samples: the constants "
-        "changed, or the samples drift",
-        sample=int(way.argmax()) + 1,
-        samples=left.size,
-    )
+    words = say("the running sum of the innovations exceeds its limits after {sample} of {samples} samples: the "
+                "constants changed, or the samples drift", sample=int(way.argmax()) + 1, samples=left.size)  # fmt: skip
     return a, float(min(p, 1.0)), words
 
 
@@ -90,11 +84,8 @@ def outlying(left: FloatArray) -> tuple[float, float, str]:
     worst = float(abs(left[at]))
     tail = math.exp(math.log(2.0) + float(log_ndtr(-worst)))
     p = -math.expm1(left.size * math.log1p(-min(tail, 1 - 1e-16)))
-    words = say(
-        "sample {sample} deviates by {deviation:.3g} standard deviations; inspect it, or omit it",
-        sample=at,
-        deviation=worst,
-    )
+    words = say("sample {sample} deviates by {deviation:.3g} standard deviations; inspect it, or omit it", sample=at,
+                deviation=worst)  # fmt: skip
     return worst, p, words
 
 
@@ -120,10 +111,8 @@ def level_check(squares: float, freedom: int) -> InnovationTest:
 
     low, high = float(gammainc(freedom / 2, squares / 2)), float(gammaincc(freedom / 2, squares / 2))
     ratio = math.sqrt(squares / freedom)
-    words = say(
-        "the residuals are {ratio:.3g} times the sigma given; correct sigma, or omit it to have it estimated",
-        ratio=ratio,
-    )
+    words = say("the residuals are {ratio:.3g} times the sigma given; correct sigma, or omit it to have it estimated",
+                ratio=ratio)  # fmt: skip
     title = say("the noise is as large as sigma states")
     return InnovationTest("level", title, ratio, min(1.0, 2 * min(low, high)), words)
 
@@ -214,17 +203,11 @@ class Solution(Value):
         """Plain data of the result alone, SI: the constants with limits at `level`, without the way to them."""
         keys = ("name", "value", "standard_error", "low", "high")
         rows = ((name, self[name], self.error(name), *self.interval(name, level)) for name in self.names)
-        return {
-            "sigma": self.sigma,
-            "sigma_given": self.given,
-            "readings": self.innovations.size,
-            "condition": self.condition,
-            "level": level,
-            "constants": [dict(zip(keys, row, strict=True)) for row in rows],
-            "correlation": self.correlation.tolist(),
-            "checks": [check.to_dict() for check in self.checks],
-            "findings": [finding.to_dict() for finding in self.findings],
-        }
+        return {"sigma": self.sigma, "sigma_given": self.given, "readings": self.innovations.size,
+                "condition": self.condition, "level": level,
+                "constants": [dict(zip(keys, row, strict=True)) for row in rows],
+                "correlation": self.correlation.tolist(), "checks": [check.to_dict() for check in self.checks],
+                "findings": [finding.to_dict() for finding in self.findings]}  # fmt: skip
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI."""
@@ -289,19 +272,10 @@ def solve(
     end, history, innovations = METHODS[method](SquareRoot.before(vague), rows, values, system.time)
     level = () if sigma is None else (level_check(alone.squares / spread**2, freedom),)
     return Solution(
-        names=system.names,
-        values=end.values,
-        covariance=end.covariance,
-        sigma=spread,
-        given=sigma is not None,
-        freedom=math.inf if sigma is not None else freedom,
-        condition=alone.condition,
-        prior=prior,
-        history=history,
-        innovations=innovations,
-        checks=(*level, *checks(innovations, values - rows @ end.values)),
-        known=end,
-    )
+        names=system.names, values=end.values, covariance=end.covariance, sigma=spread, given=sigma is not None,
+        freedom=math.inf if sigma is not None else freedom, condition=alone.condition, prior=prior, history=history,
+        innovations=innovations, checks=(*level, *checks(innovations, values - rows @ end.values)), known=end,
+    )  # fmt: skip
 
 
 def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tuple[SquareRoot, float, int]:

@@ -23,7 +23,7 @@ import numpy as np
 from allanite.extending import DataError, FloatArray, Model, ModelLike, UsageError, Value, public, spelled
 
 from .loop import GRAVITY, ComplexArray, Loop, SensorNoise, kalman
-from .prediction import Prediction, biases, predict
+from .prediction import Prediction, biases, noise_errors, predict
 
 SHORTEST, LONGEST = 1e-5, 1e6
 """Time constants between which the best one is sought, s."""
@@ -178,9 +178,7 @@ def wiener_error(noise: SensorNoise, best: Loop) -> float:
 
 def random_error(noise: SensorNoise, loop: Loop) -> float:
     """Standard deviation of the angle from noise alone, rad."""
-    f, weight = noise.nodes
-    gain = [np.abs(response) ** 2 * weight for response in loop.responses(f, noise.interval)]
-    return math.sqrt(sum(float(gain[sensor != "gyro"] @ density) for sensor, _, density in noise.noise))
+    return math.hypot(*(rms for _, _, rms in noise_errors(noise, loop)))
 
 
 def _error(responses: tuple[ComplexArray, ComplexArray], densities: tuple[FloatArray, FloatArray]) -> float:

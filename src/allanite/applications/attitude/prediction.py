@@ -1,6 +1,7 @@
 """Predicted error of a gyro-vertical, and its parts by source."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -174,14 +175,17 @@ def _bias(value: str | float, si: str, example: str) -> float:
     return number * unit_of(unit).factor
 
 
-def predict(noise: SensorNoise, loop: Loop, bias: tuple[float, float] = (0.0, 0.0)) -> Prediction:
-    """`predicted_error` of densities that were checked, with biases in SI."""
+def noise_errors(noise: SensorNoise, loop: Loop) -> Iterator[tuple[str, Term, float]]:
+    """Sensor, term and the standard deviation of the angle from it, rad."""
     f, weight = noise.nodes
     gain = [np.abs(response) ** 2 * weight for response in loop.responses(f, noise.interval)]
-    sources = [
-        Source(sensor, t.symbol, text_of(t), math.sqrt(float(gain[SENSORS.index(sensor)] @ power)))
-        for sensor, t, power in noise.noise
-    ]
+    for sensor, t, power in noise.noise:
+        yield sensor, t, math.sqrt(float(gain[SENSORS.index(sensor)] @ power))
+
+
+def predict(noise: SensorNoise, loop: Loop, bias: tuple[float, float] = (0.0, 0.0)) -> Prediction:
+    """`predicted_error` of densities that were checked, with biases in SI."""
+    sources = [Source(sensor, t.symbol, text_of(t), rms) for sensor, t, rms in noise_errors(noise, loop)]
     for i, (sensor, model) in enumerate(zip(SENSORS, (noise.gyro, noise.accelerometer), strict=True)):
         constant = steady(loop, sensor, noise.interval)
         for t in (t for t in model if t.row.waveform is not None):

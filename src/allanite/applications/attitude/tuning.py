@@ -107,12 +107,9 @@ def _identified(seen: Inspected, settings: VerticalSettings, recipe: Recipe) -> 
 
 
 def _angle(
-    i: int,
-    values: FloatArray,
-    channels: Sequence[VerticalChannel],
-    noises: Sequence[SensorNoise],
+    i: int, values: FloatArray, channels: Sequence[VerticalChannel], noises: Sequence[SensorNoise],
     predictions: Sequence[Prediction],
-) -> Angle:
+) -> Angle:  # fmt: skip
     """Roll or pitch; the best filters are left out where there are none: a given time constant does not need them."""
     pair = channels[PAIRS[i][0]], channels[2 + PAIRS[i][1]]
     gyro, accelerometer = (channel.record for channel in pair)

@@ -48,28 +48,14 @@ from .settings import CompensationSettings
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Compensated(RecordResult):
-    """A channel before and after its correction; `refusal` says why there is none.
-
-    Attributes
-    ----------
-    record : Record
-    regression : Regression or None
-    corrected : Record or None
-    before, after : Curve or None
-    noise : Noise or None
-        Noise of the uncorrected record, assumed by the intervals of `before`.
-    gain : Gain or None
-        Gain on a record that was not used for the fit.
-    alerts : tuple of str
-    refusal : str
-    """
+    """A channel before and after its correction; `refusal` says why there is none."""
 
     regression: Regression | None = None
     corrected: Record | Header | None = None
     before: Curve | None = None
     after: Curve | None = None
-    noise: Noise | None = None
-    gain: Gain | None = None
+    noise: Noise | None = None  # of the uncorrected record, assumed by the intervals of `before`
+    gain: Gain | None = None  # on a record that was not used for the fit
     alerts: tuple[str, ...] = ()
     refusal: str = ""
 

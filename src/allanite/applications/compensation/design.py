@@ -22,7 +22,7 @@ from allanite.extending import (
 )
 
 from .mixture import Stretch, restricted
-from .regressor import TREND, Regressor, readings
+from .regressor import TREND, Columns, Regressor, readings
 from .settings import CompensationSettings
 
 SHORTEST = 64
@@ -33,7 +33,7 @@ SAME = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class Design:
+class Design(Columns):
     """Rates and columns of a record, and where they count."""
 
     y: FloatArray  # shape (n,); rates, SI
@@ -56,16 +56,6 @@ class Design:
     def labels(self) -> tuple[str, ...]:
         """Names of the columns."""
         return tuple(regressor.label for regressor in self.regressors)
-
-    @property
-    def taken(self) -> list[int]:
-        """Columns that a correction subtracts: all but a trend."""
-        return [i for i, regressor in enumerate(self.regressors) if not regressor.is_trend]
-
-    @property
-    def trend(self) -> list[int]:
-        """The column of a trend, if there is one."""
-        return [i for i, regressor in enumerate(self.regressors) if regressor.is_trend]
 
     @property
     def count(self) -> int:
@@ -106,16 +96,10 @@ def design(record: Record, along: Recording, settings: CompensationSettings) -> 
     # NaN of the named channels are losses, those of a lag are not
     lost = int(np.isnan(y).sum()), sum(int(np.isnan(channel.x).sum()) for channel in channels.values())
     if any(lost) and not settings.fit.split_gaps:
-        raise DataError(
-            say(
-                "{samples} samples of {name!r} and {regressors} of its regressors are missing; use the stretches "
-                "between them, each with its own constant: {option}",
-                samples=lost[0],
-                name=record.name,
-                regressors=lost[1],
-                option=spelled("--split-gaps", "FitSettings(split_gaps=True)"),
-            )
-        )
+        raise DataError(say("{samples} samples of {name!r} and {regressors} of its regressors are missing; use the "
+                            "stretches between them, each with its own constant: {option}", samples=lost[0],
+                            name=record.name, regressors=lost[1],
+                            option=spelled("--split-gaps", "FitSettings(split_gaps=True)")))  # fmt: skip
     parts, notes = _stretches(np.isfinite(y) & np.isfinite(X).all(axis=1), y.size)
     used = np.zeros(y.size, dtype=bool)
     for a, b in parts:
@@ -176,13 +160,9 @@ def _measured(name: str, record: Record, along: Recording) -> _Readings:
     mean, spread, span = float(finite.mean()), float(finite.std()), (float(finite.min()), float(finite.max()))
     if span[0] == span[1]:
         raise DataError(
-            say(
-                "the regressor {regressor!r} is constant (always {value:g} {unit}) and cannot explain anything",
-                regressor=name,
-                value=span[0],
-                unit=unit,
-            )
-        )
+            say("the regressor {regressor!r} is constant (always {value:g} {unit}) and cannot explain anything",
+                regressor=name, value=span[0], unit=unit)
+        )  # fmt: skip
     return _Readings(unit, round(mean, int(4 - np.floor(np.log10(spread)))), x, span)
 
 
@@ -197,9 +177,7 @@ def _stretches(fine: NDArray[np.bool_], n: int) -> tuple[tuple[Stretch, ...], tu
         return kept, ()
     missing = say(
         "{missing} of {samples} samples are missing, have no regressors, or belong to stretches shorter than {least}",
-        missing=n - count,
-        samples=n,
-        least=SHORTEST,
-    )
+        missing=n - count, samples=n, least=SHORTEST,
+    )  # fmt: skip
     used = say_count(len(kept), "{count} stretch used", "{count} stretches used, each with its own constant")
     return kept, (join("; ", (missing, used)),)

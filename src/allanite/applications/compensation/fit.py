@@ -109,15 +109,9 @@ def compensate(
         raise UsageError("regressors and derivative_of are sequences of names, for example ['temp']")
     beside = along if isinstance(along, Recording) else Recording((along,))
     if record.size < SHORTEST:
-        raise DataError(
-            say_count(
-                record.size,
-                "{name!r} has {count} sample; a regression needs at least {least}",
-                "{name!r} has {count} samples; a regression needs at least {least}",
-                name=record.name,
-                least=SHORTEST,
-            )
-        )
+        raise DataError(say_count(record.size, "{name!r} has {count} sample; a regression needs at least {least}",
+                                  "{name!r} has {count} samples; a regression needs at least {least}", name=record.name,
+                                  least=SHORTEST))  # fmt: skip
     wanted = CompensationSettings(tuple(regressors), degree, tuple(lags), tuple(derivative_of), trend, fit=settings)
     whole = design(record, beside, wanted)
     residuals = whole.y - whole.X @ _plain(whole)
@@ -147,14 +141,9 @@ def compensate(
 
 
 def _regression(
-    record: Record,
-    whole: Design,
-    kept: list[int],
-    settings: FitSettings,
-    *,
-    held: Gain | None = None,
+    record: Record, whole: Design, kept: list[int], settings: FitSettings, *, held: Gain | None = None,
     notes: tuple[str, ...] = (),
-) -> Regression:
+) -> Regression:  # fmt: skip
     part = whole.only(kept)
     first = _plain(part)
     # the bins of the spectrum lose digits where an effect is many thousand times the noise: most of it is removed

@@ -27,7 +27,7 @@ from allanite.extending import (
 )
 
 from .mixture import Gain, Mixture, about_line
-from .regressor import Effect, Regressor
+from .regressor import Columns, Effect, Regressor
 from .selection import LARGE, TRENDING
 
 WITHIN = 1.959964
@@ -38,7 +38,7 @@ CHI_SQUARE = WITHIN**2
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Regression(Correction):
+class Regression(Columns, Correction):
     """Coefficients of regressors, their uncertainties, and the variance reduction; see `compensate`.
 
     The correction (`apply`) keeps the bias at the regressors' means in the record, and a linear drift that was
@@ -89,11 +89,6 @@ class Regression(Correction):
         return say("regression on {regressors}", regressors=labels)
 
     @property
-    def taken(self) -> list[int]:
-        """Columns that are subtracted: all but a trend."""
-        return [i for i, regressor in enumerate(self.regressors) if not regressor.is_trend]
-
-    @property
     def significant(self) -> bool:
         """Whether at least one effect is significant, beside the others and the noise."""
         return any(self.effect(i).significant for i in self.taken)
@@ -107,11 +102,6 @@ class Regression(Correction):
     def useful(self) -> bool:
         """Whether an effect is significant, and the correction harmless."""
         return self.significant and self.harmless
-
-    @property
-    def trend(self) -> list[int]:
-        """The column of a linear drift, if one was estimated."""
-        return [i for i, regressor in enumerate(self.regressors) if regressor.is_trend]
 
     @property
     def shared(self) -> float:
@@ -147,18 +137,11 @@ class Regression(Correction):
     def effect(self, which: int, level: float = 0.95) -> Effect:
         """The coefficient of a column, with limits at `level`."""
         p, regressor = self.mixture.p(which), self.regressors[which]
-        return Effect(
-            regressor,
-            float(self.mixture.values[which]),
-            float(self.mixture.errors[which]),
-            f"{self.signal.unit} per {regressor.column_unit}",
-            min(1.0, p * self.candidates) if self.chosen[which] else p,
-            self.mixture.quantile((1 - level) / 2, which),
-            self.mixture.quantile((1 + level) / 2, which),
-            float(self.inflation[which]),
-            self.chosen[which],
-            level,
-        )
+        return Effect(regressor, float(self.mixture.values[which]), float(self.mixture.errors[which]),
+                      f"{self.signal.unit} per {regressor.column_unit}",
+                      min(1.0, p * self.candidates) if self.chosen[which] else p,
+                      self.mixture.quantile((1 - level) / 2, which), self.mixture.quantile((1 + level) / 2, which),
+                      float(self.inflation[which]), self.chosen[which], level)  # fmt: skip
 
     def rate_error(self, record: Record, along: Recording | None = None) -> FloatArray:
         """Error of the rate in each interval, SI, shape (record.size,); NaN where a regressor has no value."""

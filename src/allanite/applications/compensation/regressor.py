@@ -219,6 +219,22 @@ class Regressor(Value):
         return np.asarray((x - self.centre) ** self.power)
 
 
+class Columns:
+    """What has regressors: of a design, and of a regression."""
+
+    regressors: tuple[Regressor, ...]
+
+    @property
+    def taken(self) -> list[int]:
+        """Columns that a correction subtracts: all but a trend."""
+        return [i for i, regressor in enumerate(self.regressors) if not regressor.is_trend]
+
+    @property
+    def trend(self) -> list[int]:
+        """The column of a trend, if there is one."""
+        return [i for i, regressor in enumerate(self.regressors) if regressor.is_trend]
+
+
 @dataclass(frozen=True, repr=False)
 class Effect(Value):
     """One coefficient: rate per unit of its regressor, SI.
@@ -299,25 +315,15 @@ def demand_clock(record: Record, other: Record) -> None:
     if same_rate and apart < 0.5 / record.rate and other.size in lengths:
         return
     raise DataError(
-        say(
-            "{regressor!r} ({clock}) does not have the sample times of {name!r} ({own}); interpolate it with {option}",
-            regressor=other.name,
-            clock=_clock(other),
-            name=record.name,
-            own=_clock(record),
-            option=spelled("--interpolate", "compensation.aligned"),
-        )
-    )
+        say("{regressor!r} ({clock}) does not have the sample times of {name!r} ({own}); interpolate it with {option}",
+            regressor=other.name, clock=_clock(other), name=record.name, own=_clock(record),
+            option=spelled("--interpolate", "compensation.aligned"))
+    )  # fmt: skip
 
 
 def _clock(record: Record) -> str:
     rate, size = record.rate, record.size
     if record.start is None:
         return say_count(size, "{rate:.9g} Hz, {count} sample", "{rate:.9g} Hz, {count} samples", rate=rate)
-    return say_count(
-        size,
-        "{rate:.9g} Hz, {count} sample from {start:.9g} s",
-        "{rate:.9g} Hz, {count} samples from {start:.9g} s",
-        rate=rate,
-        start=record.start,
-    )
+    return say_count(size, "{rate:.9g} Hz, {count} sample from {start:.9g} s",
+                     "{rate:.9g} Hz, {count} samples from {start:.9g} s", rate=rate, start=record.start)  # fmt: skip

@@ -53,31 +53,11 @@ FEWEST = 20
 
 @dataclass(frozen=True, repr=False)
 class RateSettings(RateChoices, Value):
-    """What is measured of a recording.
+    """What is measured of a recording; with a latitude the earth's rate is the reference, or north is found."""
 
-    Attributes
-    ----------
-    experiment : ExperimentSettings
-        Intervals, methods, target; its `reference` is overruled by `latitude`.
-    noise : Model or None
-        The noise; identified if it is not given.
-    signal : Signal or None
-        The kind of sensor that `reference` and `bias` are of, if they are given.
-    latitude : float or None
-        Degrees. For a vertical axis the earth's rate is the reference, for a horizontal one north is found.
-    horizontal : bool
-        Whether the axis is horizontal.
-    turned, near : float
-        Degrees: from the first position to the second, and the approximate heading.
-    position_method : str
-        Estimator of the whole record, for north and the bias.
-    durations : tuple of float
-        Measuring times for the accuracy against time, s; none if empty.
-    """
-
-    experiment: ExperimentSettings = field(default_factory=ExperimentSettings)
-    noise: Model | None = None
-    signal: Signal | None = None
+    experiment: ExperimentSettings = field(default_factory=ExperimentSettings)  # `latitude` overrules its `reference`
+    noise: Model | None = None  # identified if it is not given
+    signal: Signal | None = None  # the kind of sensor that `reference` and `bias` are of, if they are given
     durations: tuple[float, ...] = DURATIONS
 
     def __post_init__(self) -> None:

@@ -34,18 +34,10 @@ def demand_whole(record: Record) -> None:
     """Refuse samples that are not finite."""
     bad = ~np.isfinite(record.values)
     if bad.any():
-        raise DataError(
-            say(
-                "{bad} of {all} samples of {name!r} are not finite, the first at sample {first}; measure between the "
-                "gaps ({split}), or select a window without them ({window})",
-                bad=int(bad.sum()),
-                all=bad.size,
-                name=record.name,
-                first=int(bad.argmax()),
-                split=spelled("--split-gaps", "gaps=split"),
-                window=windowing(),
-            )
-        )
+        raise DataError(say("{bad} of {all} samples of {name!r} are not finite, the first at sample {first}; measure "
+                            "between the gaps ({split}), or select a window without them ({window})",
+                            bad=int(bad.sum()), all=bad.size, name=record.name, first=int(bad.argmax()),
+                            split=spelled("--split-gaps", "gaps=split"), window=windowing()))  # fmt: skip
 
 
 def interval_of(record: Record, task: Task) -> Interval:
@@ -89,16 +81,11 @@ def findings_of(record: Record) -> tuple[Finding, ...]:
     if away[worst] <= limit:
         return ()
     count = int((away > limit).sum())
-    what = say_count(
-        count,
-        "{count} sample with a jump, the first at sample {first}, the largest by {jump:.6g} at sample {worst}, where "
-        "{typical:.3g} is typical",
-        "{count} samples with a jump, the first at sample {first}, the largest by {jump:.6g} at sample {worst}, where "
-        "{typical:.3g} is typical",
-        first=int((away > limit).argmax()),
-        jump=float(away[worst]),
-        worst=worst,
-        typical=spread,
-    )
+    what = say_count(count,
+                     "{count} sample with a jump, the first at sample {first}, the largest by {jump:.6g} at sample "
+                     "{worst}, where {typical:.3g} is typical",
+                     "{count} samples with a jump, the first at sample {first}, the largest by {jump:.6g} at sample "
+                     "{worst}, where {typical:.3g} is typical", first=int((away > limit).argmax()),
+                     jump=float(away[worst]), worst=worst, typical=spread)  # fmt: skip
     consequence = say("missing or doubled pulses enter the rate in full")
     return (Finding("slip", what, consequence, say("choose a window without them")),)

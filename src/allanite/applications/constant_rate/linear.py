@@ -91,10 +91,8 @@ def regression_lines(interval: Interval, task: Task) -> tuple[FloatArray, BoolAr
     reach = REACH * float(np.median(away)) if allowed is None else allowed / interval.size
     kept = away <= reach
     if not kept.any():
-        raise UsageError(
-            f"no regression line is within {allowed:.3g} (SI) of their median; allow at least "
-            f"{float(away.min()) * interval.size:.3g}"
-        )
+        raise UsageError(f"no regression line is within {allowed:.3g} (SI) of their median; allow at least "
+                         f"{float(away.min()) * interval.size:.3g}")  # fmt: skip
     return slopes, kept
 
 

@@ -73,11 +73,9 @@ def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model
             if coarse.verdict and coarse.explained:
                 model, alerts = _supposed(coarse.fit, size, record.rate)
                 if record.kind == "count":
-                    counted = say(
-                        "the noise was identified from counts over {length:.3g} s, which the model explains: dither "
-                        "and single pulses, which are faster, are part of Q",
-                        length=m / record.rate,
-                    )
+                    counted = say("the noise was identified from counts over {length:.3g} s, which the model "
+                                  "explains: dither and single pulses, which are faster, are part of Q",
+                                  length=m / record.rate)  # fmt: skip
                     return RateNoise(coarse, model, alerts, FAST, (counted,))
                 note = say_count(
                     m,
@@ -112,15 +110,8 @@ def _supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:
     unit = fit.signal.sheet[0]
     limits = ", ".join(str(worst[e.symbol]) for e in absent)
     factor = unit_of(unit).factor
-    return worst, (
-        say(
-            "the record is too short to determine all of its noise; terms that were not identified are assumed at "
-            "their upper limits ({limits}): the best standard error is then {supposed:.2g} {unit}, without them "
-            "{seen:.2g}; give the noise if you know it ({option})",
-            limits=limits,
-            supposed=bound / factor,
-            unit=unit,
-            seen=best / factor,
-            option=spelled("--noise", "noise=..."),
-        ),
-    )
+    return worst, (say("the record is too short to determine all of its noise; terms that were not identified are "
+                       "assumed at their upper limits ({limits}): the best standard error is then {supposed:.2g} "
+                       "{unit}, without them {seen:.2g}; give the noise if you know it ({option})", limits=limits,
+                       supposed=bound / factor, unit=unit, seen=best / factor,
+                       option=spelled("--noise", "noise=...")),)  # fmt: skip

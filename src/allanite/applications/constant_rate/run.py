@@ -28,10 +28,9 @@ from allanite.extending import (
 )
 
 from .estimates import RateEstimate
-from .estimators import RATE_ESTIMATORS, estimator_named
 from .experiments import Experiment
 from .inputs import demand_whole, findings_of, interval_of, pulse_of, reading_size
-from .predict import ranking, standard_error
+from .predict import RATE_ESTIMATORS, estimator_named, ranking, standard_error
 from .row import EstimatorSettings, Interval, RateMeasurement, Task
 
 
@@ -93,18 +92,10 @@ def estimate(
     weights, interval = row.weights(task), interval_of(record, task)
     measurement = in_si(row.measure(interval, weights, task), interval)
     return RateEstimate(
-        value=measurement.value,
-        standard_error=math.nan if task.model is None else standard_error(row, weights, task),
-        method=row.name,
-        assumes=row.assumes,
-        signal=record.signal,
-        target=task.target,
-        duration=task.duration,
-        limits=measurement.bounds,
-        details=dict(measurement.details),
-        findings=findings_of(record),
-        name=record.name,
-    )
+        value=measurement.value, standard_error=math.nan if task.model is None else standard_error(row, weights, task),
+        method=row.name, assumes=row.assumes, signal=record.signal, target=task.target, duration=task.duration,
+        limits=measurement.bounds, details=dict(measurement.details), findings=findings_of(record), name=record.name,
+    )  # fmt: skip
 
 
 def in_si(measurement: RateMeasurement, interval: Interval) -> RateMeasurement:
@@ -118,13 +109,9 @@ def in_si(measurement: RateMeasurement, interval: Interval) -> RateMeasurement:
 
 
 def task_of(
-    record: Record,
-    model: ModelLike | None,
-    target: str,
-    *,
-    dither: tuple[float, ...] = (),
+    record: Record, model: ModelLike | None, target: str, *, dither: tuple[float, ...] = (),
     options: EstimatorSettings | None = None,
-) -> Task:
+) -> Task:  # fmt: skip
     """What the weights follow from, for a record."""
     whole = None if model is None else usable_model(model)
     if whole is not None and whole.signal is not record.signal:
@@ -228,21 +215,14 @@ def experiment(
     rates = rates - settings.bias
     known = task.model is not None
     return Experiment(
-        name=record.name,
-        signal=record.signal,
-        methods=tuple(rows),
-        start=starts / record.rate,
-        duration=size / record.rate,
-        rate=record.rate,
-        rates=rates,
+        name=record.name, signal=record.signal, methods=tuple(rows), start=starts / record.rate,
+        duration=size / record.rate, rate=record.rate, rates=rates,
         reference=float(rates[-1].mean()) if settings.reference is None else settings.reference,
         known=settings.reference is not None,
         predicted=np.array([standard_error(row, weights[m], task) if known else math.nan for m, row in rows.items()]),
-        ranking=ranking(task) if known else None,
-        left_out=left_out,
-        notes=notes,
+        ranking=ranking(task) if known else None, left_out=left_out, notes=notes,
         findings=() if settings.gaps == "split" else findings_of(record),
-    )
+    )  # fmt: skip
 
 
 def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[IntArray, tuple[str, ...]]:

@@ -33,14 +33,9 @@ def _staircase(interval: Interval, _: FloatArray, task: Task) -> RateMeasurement
     y, line = _steps_and_line(interval)
     p, q, least, bound, slopes = _search(y, line, math.inf if task.options.certified else WORK)
     slope = (line[-1] - line[0] + q - p) / (y.size - 1)
-    details = {
-        "misfit": least,
-        "least possible misfit": max(bound, 0.0),
-        "phase": float(line[0] + p) % 1.0,
-        "RMS residual": math.sqrt(least / y.size),
-        "pulses": float(y[-1]),
-        "rate of a pulse": interval.pulse * interval.size / (y.size - 1),
-    }
+    details = {"misfit": least, "least possible misfit": max(bound, 0.0), "phase": float(line[0] + p) % 1.0,
+               "RMS residual": math.sqrt(least / y.size), "pulses": float(y[-1]),
+               "rate of a pulse": interval.pulse * interval.size / (y.size - 1)}  # fmt: skip
     limits = None
     if slopes is not None:
         low, high = (a * interval.pulse - interval.offset for a in slopes)

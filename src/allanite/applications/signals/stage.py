@@ -135,14 +135,9 @@ class Stage(Value):
         return signal_with(unit_of(self.unit).dimension) is None
 
     def __str__(self) -> str:
-        told = say_count(
-            self.bits,
-            "{name}, {count} bit over +-{full_scale:g} {unit}",
-            "{name}, {count} bits over +-{full_scale:g} {unit}",
-            name=self.name,
-            full_scale=self.full_scale,
-            unit=self.unit,
-        )
+        told = say_count(self.bits, "{name}, {count} bit over +-{full_scale:g} {unit}",
+                         "{name}, {count} bits over +-{full_scale:g} {unit}", name=self.name,
+                         full_scale=self.full_scale, unit=self.unit)  # fmt: skip
         return told if self.gain == 1 else say("{stage}, behind a gain of {gain:g}", stage=told, gain=self.gain)
 
 
@@ -171,19 +166,11 @@ def demand_unclipped(record: Record, stage: Stage) -> int:
     with np.errstate(invalid="ignore"):
         count = int(((values <= limits[0]) | (values >= limits[1])).sum())
     if count > CLIPPED * values.size:
-        raise DataError(
-            say(
-                "{clipped} of {samples} samples of {name!r} ({percent:.2g} %) are clipped at the ends of {stage}: "
-                "values beyond are missing, and the noise comes out too small. Use a larger range, or a window without "
-                "them ({option})",
-                clipped=count,
-                samples=values.size,
-                name=record.name,
-                percent=100 * count / values.size,
-                stage=str(stage),
-                option=windowing(),
-            )
-        )
+        raise DataError(say("{clipped} of {samples} samples of {name!r} ({percent:.2g} %) are clipped at the ends of "
+                            "{stage}: values beyond are missing, and the noise comes out too small. Use a larger "
+                            "range, or a window without them ({option})", clipped=count, samples=values.size,
+                            name=record.name, percent=100 * count / values.size, stage=str(stage),
+                            option=windowing()))  # fmt: skip
     return count
 
 

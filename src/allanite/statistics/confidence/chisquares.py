@@ -115,10 +115,8 @@ def _folded(terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
         place += [end, 2 * end - other]
         weight += [np.where(inside, 1.0, 2.0), np.where(inside, 0.0, -1.0)]
     places, where = np.unique(np.array(place), return_inverse=True)
-    lag, parts = (
-        np.abs(np.subtract.outer(places, places)),
-        list(zip(where.reshape(len(place), -1), weight, strict=True)),
-    )
+    lag, parts = (np.abs(np.subtract.outer(places, places)),
+                  list(zip(where.reshape(len(place), -1), weight, strict=True)))  # fmt: skip
     D = np.array([term.structure(lag) for term in terms])
     half = sum(w[:, None] * D[:, at] for at, w in parts)
     return np.asarray(-0.5 * sum(w * half[..., at] for at, w in parts))

@@ -84,11 +84,9 @@ def compact(window: Callable[[int], Window], order: int, m: int) -> Compact:
     size, directions = np.linalg.eigh((pairs + pairs.T) / 8)
     kept = size > 1e-13 * size[-1]
     power = np.prod([(np.arange(points) - points / 2) / k for k in range(1, order + 1)], axis=0)
-    return Compact(
-        mean=mean_weights(window, m),
-        factor=np.ascontiguousarray((directions[:, kept] * np.sqrt(size[kept])).T),
-        moment=float(weights @ (filters @ power) ** 2),
-    )
+    return Compact(mean=mean_weights(window, m),
+                   factor=np.ascontiguousarray((directions[:, kept] * np.sqrt(size[kept])).T),
+                   moment=float(weights @ (filters @ power) ** 2))  # fmt: skip
 
 
 def expectation(mean: FloatArray, structure: Structure) -> float:
@@ -96,6 +94,16 @@ def expectation(mean: FloatArray, structure: Structure) -> float:
     D = structure(np.abs(np.arange(mean.size) - mean.size // 2.0))
     total = float(mean @ D)
     return 0.0 if abs(total) <= NOTHING * float(np.abs(mean) @ np.abs(D)) else total
+
+
+def kinked_nodes(kinks: FloatArray, end: float) -> tuple[FloatArray, FloatArray]:
+    """Lags and weights of a sum up to `end` of what has kinks: at these, two between each of them, and those beyond."""
+    between = np.diff(kinks) - 1
+    half = np.sqrt(np.maximum(between**2 - 1, 0) / 12)
+    centre = (kinks[1:] + kinks[:-1]) / 2
+    x, w = lag_nodes([float(kinks[-1])], max(float(end), float(kinks[-1])))
+    lag = np.concatenate((kinks[:-1], centre - half, centre + half, x))
+    return lag, np.concatenate((np.ones(between.size), between / 2, between / 2, w))
 
 
 @lru_cache(maxsize=16)
@@ -109,13 +117,7 @@ def lattice(points: int, step: float, count: int) -> tuple[FloatArray, FloatArra
         lag, weight = np.arange(float(count)), np.ones(count)
     else:
         kinks = np.minimum(np.arange(points + 1) / step, count)
-        kinks = kinks[: np.searchsorted(kinks, count) + 1]
-        between = np.diff(kinks) - 1
-        half = np.sqrt(np.maximum(between**2 - 1, 0) / 12)
-        centre = (kinks[1:] + kinks[:-1]) / 2
-        x, w = lag_nodes([float(kinks[-1])], max(float(count - 1), float(kinks[-1])))
-        lag = np.concatenate((kinks[:-1], centre - half, centre + half, x))
-        weight = np.concatenate((np.ones(between.size), between / 2, between / 2, w))
+        lag, weight = kinked_nodes(kinks[: np.searchsorted(kinks, count) + 1], count - 1)
     kept = np.abs(weight) > 1e-9
     lag, weight = lag[kept], weight[kept]
     return lag * step, weight * (count - lag) / float(count) ** 2 * np.where(lag > 0, 2.0, 1.0)

@@ -20,7 +20,7 @@ from allanite.core.arrays import FloatArray
 from allanite.statistics.row import Statistic
 from allanite.terms import NoiseTerm
 
-from .compact import averaged, extrapolation, sampled, slower, white_level
+from .compact import averaged, extrapolation, kinked_nodes, sampled, slower, white_level
 from .lagsums import lag_nodes, responses
 from .profile import BESIDE, LagProfile, Windows, profile_of, total
 from .windowed import relative, response
@@ -69,13 +69,7 @@ def pair_lattice(half: float, step: float, counts: tuple[float, float], first: f
     else:
         kinks = (half % 1 + np.arange(math.ceil(half) + 1)) / step
         kinks = np.unique(np.concatenate(([start], kinks[kinks > start], [(M1 - M2) / 2])))
-        kinks = kinks[(kinks >= start) & (kinks <= end)]
-        between = np.diff(kinks) - 1
-        spread = np.sqrt(np.maximum(between**2 - 1, 0) / 12)
-        centre = (kinks[1:] + kinks[:-1]) / 2
-        x, w = lag_nodes([float(kinks[-1])], max(end - 1, float(kinks[-1])))
-        lag = np.concatenate((kinks[:-1], centre - spread, centre + spread, x))
-        weight = np.concatenate((np.ones(between.size), between / 2, between / 2, w))
+        lag, weight = kinked_nodes(kinks[(kinks >= start) & (kinks <= end)], end - 1)
     pairs = np.clip(end - lag, 0.0, M2)
     return lag * step, weight * pairs * np.where(lag > 0, 2.0, 1.0) / (M1 * M2)
 

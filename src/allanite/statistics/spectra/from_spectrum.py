@@ -128,12 +128,7 @@ def _integral(spectrum: Spectrum, row: Statistic, m: int) -> float:
     unit = np.sin(np.pi * f) ** 2  # the angle is the running sum of the rates, and `summed` that of the angle
     stride = np.sin(np.pi * f * m) ** 2
     norm = float(row.norm(np.array([m]))[0]) * float(m) ** 2
-    gain = (
-        np.add.reduceat(
-            np.asarray((4 * stride) ** row.differences / (4 * unit) ** (1 + row.summed) / norm),
-            np.cumsum(points) - points,
-        )
-        / points
-    )
+    gain = (np.add.reduceat(np.asarray((4 * stride) ** row.differences / (4 * unit) ** (1 + row.summed) / norm),
+                            np.cumsum(points) - points) / points)  # fmt: skip
     density = np.concatenate((spectrum.density[:1], spectrum.density)) * 2 / SIDES[spectrum.sides]
     return float(density @ (gain * width))

@@ -75,17 +75,10 @@ class Multitaper:
         y = record.rate_values
         lost = int((~np.isfinite(y)).sum())
         if lost:
-            raise DataError(
-                say(
-                    "{lost} of {size} samples of {channel!r} are missing: tapers need a record without gaps; use "
-                    "{option}, or select a window without gaps ({choice})",
-                    lost=lost,
-                    size=y.size,
-                    channel=record.name,
-                    option=spelled("--estimator welch", "method=welch"),
-                    choice=windowing(),
-                )
-            )
+            raise DataError(say("{lost} of {size} samples of {channel!r} are missing: tapers need a record without "
+                                "gaps; use {option}, or select a window without gaps ({choice})", lost=lost,
+                                size=y.size, channel=record.name, option=spelled("--estimator welch", "method=welch"),
+                                choice=windowing()))  # fmt: skip
         first = math.ceil(2 * self.bandwidth)
         demand_frequencies((y.size + 1) // 2 - first, record)
         tapers, shares = slepian(y.size, self.bandwidth, self.count)

@@ -95,18 +95,11 @@ def of_raw(raw: Raw, record: Record | Header, title: str, *, sides: str = "one",
         raw.overlap, raw.period - 2 * (k + size - 1), size
     )
     return Spectrum(
-        frequency=np.sqrt(k * (k + size - 1.0)) * raw.df,
-        width=size * raw.df,
+        frequency=np.sqrt(k * (k + size - 1.0)) * raw.df, width=size * raw.df,
         density=np.add.reduceat(raw.density, starts) / size * factor,
-        dof=np.asarray(2.0 * size**2 / (neighbours + mirrored)),
-        unit=record.signal.unit,
-        sides=sides,
-        method=title,
-        resolution=raw.resolution,
-        rate=record.rate,
-        name=record.name,
-        history=record.history,
-    )
+        dof=np.asarray(2.0 * size**2 / (neighbours + mirrored)), unit=record.signal.unit, sides=sides, method=title,
+        resolution=raw.resolution, rate=record.rate, name=record.name, history=record.history,
+    )  # fmt: skip
 
 
 def method_named(name: str, **settings: Any) -> SpectralEstimator:

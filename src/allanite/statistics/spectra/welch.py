@@ -142,11 +142,9 @@ class Periodograms:
         self.end()
         if not self.counts:
             raise DataError(
-                say(
-                    "no gap-free stretch of {length} samples, the length of a segment; use shorter segments",
-                    length=self.length,
-                )
-            )
+                say("no gap-free stretch of {length} samples, the length of a segment; use shorter segments",
+                    length=self.length)
+            )  # fmt: skip
         energy, first = float(self.w @ self.w), len(WINDOWS[self.window])
         segments = sum(size * many for size, many in self.counts.items())
         density = self.power[first : (self.length + 1) // 2] * (factor**2 / (segments * energy * rate))

@@ -37,10 +37,8 @@ def planned(start, law="exact", **options):
 
 
 def sensors(unit=1e-6):
-    return {
-        "h": al.angle.Harmonics.of({128: (3 * unit, -unit), 256: (0.5 * unit, 2 * unit)}, "h"),
-        "q": al.angle.Harmonics.of({128: (-2 * unit, 2 * unit), 256: (unit, 0.0)}, "q"),
-    }
+    return {"h": al.angle.Harmonics.of({128: (3 * unit, -unit), 256: (0.5 * unit, 2 * unit)}, "h"),
+            "q": al.angle.Harmonics.of({128: (-2 * unit, 2 * unit), 256: (unit, 0.0)}, "q")}  # fmt: skip
 
 
 # geometry
@@ -545,10 +543,8 @@ REFUSED = {
     "polar": (lambda: planned(0.0, orders={"h_polar": [128]}), "under sway only"),
     "polar data": (lambda: al.angle.estimate(z360, hour(), orders={"q_polar": [128]}), "under sway only"),
     "pole": (lambda: planned(0.0, latitude=math.pi / 2), "does not move cannot be separated from a constant"),
-    "no range": (
-        lambda: al.angle.estimate(z360, hour().moved(h=np.full(360, 0.2))),
-        "h stays within 0 deg, .* cannot be separated",
-    ),
+    "no range": (lambda: al.angle.estimate(z360, hour().moved(h=np.full(360, 0.2))),
+                 "h stays within 0 deg, .* cannot be separated"),
     "constant": (lambda: al.angle.estimate(np.zeros(360), hour()), "constant"),
     "scaled": (lambda: al.angle.estimate(z360 * 1e7, hour()), "must be within 2"),
     "no turn": (lambda: al.angle.estimate(z360, hour(turn_period=None)), "need the angle rho"),
@@ -565,23 +561,17 @@ REFUSED = {
     "interval": (lambda: planned(0.0, interval=-1.0), "interval must be a positive number"),
     "start": (lambda: planned(math.nan), "start must be a time"),
     "text": (lambda: al.angle.estimate(["a"] * 360, hour()), "real numbers"),
-    "calibrate degrees": (
-        lambda: al.angle.calibrate(np.arange(0, 720, 0.5) % 360 + 1e-5, np.arange(0, 720, 0.5) % 360),
-        "in degrees",
-    ),
+    "calibrate degrees": (lambda: al.angle.calibrate(np.arange(0, 720, 0.5) % 360 + 1e-5, np.arange(0, 720, 0.5) % 360),
+                          "in degrees"),
     "calibrate unit": (lambda: al.angle.calibrate(HOUR, HOUR, unit="deg/s"), "not a unit of an angle"),
     "calibrate still": (lambda: al.angle.calibrate(z360 + 0.1, z360 * 0.5), "Turn the sensor"),
-    "calibrate columns": (
-        lambda: al.angle.calibrate(np.linspace(0, 6, 360), -np.linspace(0, 6, 360)),
-        "not small relative",
-    ),
+    "calibrate columns": (lambda: al.angle.calibrate(np.linspace(0, 6, 360), -np.linspace(0, 6, 360)),
+                          "not small relative"),
     "calibrate lengths": (lambda: al.angle.calibrate(HOUR, HOUR[1:]), "359 samples instead of 360"),
-    "calibrate kind": (
-        lambda: al.angle.calibrate(al.Record(HOUR, rate=1.0, unit="deg/s"), HOUR),
-        "must be a record of kind 'angle'",
-    ),
+    "calibrate kind": (lambda: al.angle.calibrate(al.Record(HOUR, rate=1.0, unit="deg/s"), HOUR),
+                       "must be a record of kind 'angle'"),
     "calibrate trend": (lambda: al.angle.calibrate(HOUR, HOUR, trend=7), "degree 0, 1 or 2"),
-}
+}  # fmt: skip
 
 
 @rows("case", REFUSED)

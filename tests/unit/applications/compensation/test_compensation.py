@@ -165,12 +165,9 @@ def test_what_was_saved_corrects_in_the_same_way(tmp_path):
     assert gain_on(again, record, along) == gain_on(found, record, along)
 
 
-BROKEN = [
-    ("[]", "contains no saved regression"),
-    ("{", "cannot be read"),
-    ('{"regressions": [{"type": "Regression"}]}', "not a saved regression"),
-    ('{"regressions": [{"type": "Fit"}]}', "not a saved regression"),
-]
+BROKEN = [("[]", "contains no saved regression"), ("{", "cannot be read"),
+          ('{"regressions": [{"type": "Regression"}]}', "not a saved regression"),
+          ('{"regressions": [{"type": "Fit"}]}', "not a saved regression")]  # fmt: skip
 
 
 @rows(("text", "words"), BROKEN)
@@ -299,27 +296,23 @@ DOUBLE = channel(2 * TEMP.values, name="double")
 SLOW = al.Record(cycles(360), 0.1, "degC", name="slow")
 HOLED = channel(np.where(HOUR == 7, np.nan, TEMP.values), name="holed")
 ALONG = al.Recording((TEMP, FLAT, DOUBLE, SLOW, HOLED))
-WRONG = [
-    ({"regressors": ["flat"]}, al.DataError, r"'flat' is constant \(always 21 degC\)"),
-    ({"regressors": ["temp", "double"]}, al.DataError, "'temp', 'double' are collinear"),
-    (
-        {"regressors": ["slow"]},
-        al.DataError,
-        r"'slow' \(0.1 Hz, 360 samples\) does not have the sample times .*aligned",
-    ),
-    ({"regressors": ["holed"]}, al.DataError, "1 of its regressors are missing"),
-    ({"regressors": ["flux"]}, al.UsageError, "'flux' is missing; channels: temp, flat"),
-    ({"regressors": []}, al.UsageError, "at least one regressor"),
-    ({"regressors": "temp"}, al.UsageError, "a sequence of strings"),
-    ({"regressors": ["temp", "temp"]}, al.UsageError, "named twice"),
-    ({"regressors": ["time"]}, al.UsageError, "leave out 'time'"),
-    ({"regressors": ["temp"], "degree": 0}, al.UsageError, "from 1 to 6"),
-    ({"regressors": ["temp"], "lags": (-1.0,)}, al.UsageError, "positive numbers of seconds"),
-    ({"regressors": ["temp"], "lags": (0.2,)}, al.UsageError, "shorter than the sample interval"),
-    ({"regressors": ["temp"], "lags": (4000.0,)}, al.DataError, "longer than"),
-    ({"regressors": ["temp"], "settings": FitSettings(least=1e4)}, al.DataError, "effective samples.*least="),
-    ({"derivative_of": ["temp"], "settings": FitSettings(smooth=10.0)}, al.UsageError, "at least 60 s"),
-]
+WRONG = [({"regressors": ["flat"]}, al.DataError, r"'flat' is constant \(always 21 degC\)"),
+         ({"regressors": ["temp", "double"]}, al.DataError, "'temp', 'double' are collinear"),
+         ({"regressors": ["slow"]}, al.DataError,
+          r"'slow' \(0.1 Hz, 360 samples\) does not have the sample times .*aligned"),
+         ({"regressors": ["holed"]}, al.DataError, "1 of its regressors are missing"),
+         ({"regressors": ["flux"]}, al.UsageError, "'flux' is missing; channels: temp, flat"),
+         ({"regressors": []}, al.UsageError, "at least one regressor"),
+         ({"regressors": "temp"}, al.UsageError, "a sequence of strings"),
+         ({"regressors": ["temp", "temp"]}, al.UsageError, "named twice"),
+         ({"regressors": ["time"]}, al.UsageError, "leave out 'time'"),
+         ({"regressors": ["temp"], "degree": 0}, al.UsageError, "from 1 to 6"),
+         ({"regressors": ["temp"], "lags": (-1.0,)}, al.UsageError, "positive numbers of seconds"),
+         ({"regressors": ["temp"], "lags": (0.2,)}, al.UsageError, "shorter than the sample interval"),
+         ({"regressors": ["temp"], "lags": (4000.0,)}, al.DataError, "longer than"),
+         ({"regressors": ["temp"], "settings": FitSettings(least=1e4)}, al.DataError, "effective samples.*least="),
+         ({"derivative_of": ["temp"], "settings": FitSettings(smooth=10.0)}, al.UsageError,
+          "at least 60 s")]  # fmt: skip
 
 
 @rows(("options", "error", "words"), WRONG, ids=lambda v: str(v)[:40])

@@ -28,13 +28,11 @@ from allanite.simulation.ring_laser import GL1
 ARCSEC = math.pi / 180 / 3600
 RUNS, N, RATE, PULSE = 400, 4800, 40.0, 0.33
 TURNING = 12.3
-MODELS = {
-    "N": (("N", 0.001, "deg/sqrt(h)"),),
-    "Q": (("Q", 0.25, "arcsec"),),
-    "QN": (("N", 3e-4, "deg/sqrt(h)"), ("Q", 0.25, "arcsec")),
-    "NB": (("N", 3e-4, "deg/sqrt(h)"), ("B", 0.01, "deg/h")),
-    "QNBK": (("N", 3e-4, "deg/sqrt(h)"), ("Q", 0.2, "arcsec"), ("B", 0.005, "deg/h"), ("K", 0.05, "deg/h/sqrt(h)")),
-}
+MODELS = {"N": (("N", 0.001, "deg/sqrt(h)"),), "Q": (("Q", 0.25, "arcsec"),),
+          "QN": (("N", 3e-4, "deg/sqrt(h)"), ("Q", 0.25, "arcsec")),
+          "NB": (("N", 3e-4, "deg/sqrt(h)"), ("B", 0.01, "deg/h")),
+          "QNBK": (("N", 3e-4, "deg/sqrt(h)"), ("Q", 0.2, "arcsec"), ("B", 0.005, "deg/h"),
+                   ("K", 0.05, "deg/h/sqrt(h)"))}  # fmt: skip
 
 
 def simulated(model, rng):

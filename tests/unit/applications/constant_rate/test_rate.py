@@ -27,16 +27,10 @@ from allanite.statistics.moments.gls import autocovariance
 
 ARCSEC = math.pi / 180 / 3600
 WHITE = al.N(3e-3, "deg/sqrt(h)")
-MODELS = {
-    "N": WHITE,
-    "Q": al.Q(0.25, "arcsec"),
-    "QN": al.N(3e-4, "deg/sqrt(h)") + al.Q(0.25, "arcsec"),
-    "B": al.B(0.01, "deg/h"),
-    "K": al.K(0.02, "deg/h/sqrt(h)"),
-    "NB": WHITE + al.B(0.01, "deg/h"),
-    "QNBK": WHITE + al.Q(0.25, "arcsec") + al.B(0.01, "deg/h") + al.K(0.5, "deg/h/sqrt(h)"),
-    "QNKR": WHITE + al.Q(0.25, "arcsec") + al.K(0.5, "deg/h/sqrt(h)") + al.R(0.3, "deg/h^2"),
-}
+MODELS = {"N": WHITE, "Q": al.Q(0.25, "arcsec"), "QN": al.N(3e-4, "deg/sqrt(h)") + al.Q(0.25, "arcsec"),
+          "B": al.B(0.01, "deg/h"), "K": al.K(0.02, "deg/h/sqrt(h)"), "NB": WHITE + al.B(0.01, "deg/h"),
+          "QNBK": WHITE + al.Q(0.25, "arcsec") + al.B(0.01, "deg/h") + al.K(0.5, "deg/h/sqrt(h)"),
+          "QNKR": WHITE + al.Q(0.25, "arcsec") + al.K(0.5, "deg/h/sqrt(h)") + al.R(0.3, "deg/h^2")}  # fmt: skip
 
 
 def model_of(name):
@@ -176,11 +170,9 @@ def test_nothing_beats_the_optimum(method):
 
 
 # a.4 of the plan of these estimators: standard error over the bound against rho = sigma / (N sqrt T), 48000 samples
-EFFICIENCY = {
-    "mean": [1.000, 1.001, 1.010, 1.085, 1.724, 4.30, 13.5, 73.6],
-    "hamming": [1.167, 1.167, 1.167, 1.168, 1.181, 1.309, 2.29, 11.0],
-    "regression": [1.095, 1.095, 1.095, 1.094, 1.091, 1.081, 1.055, 1.001],
-}
+EFFICIENCY = {"mean": [1.000, 1.001, 1.010, 1.085, 1.724, 4.30, 13.5, 73.6],
+              "hamming": [1.167, 1.167, 1.167, 1.168, 1.181, 1.309, 2.29, 11.0],
+              "regression": [1.095, 1.095, 1.095, 1.094, 1.091, 1.081, 1.055, 1.001]}  # fmt: skip
 
 
 @rows("which", range(8))
@@ -273,11 +265,9 @@ def test_counts_increments_angle_and_rate_are_the_same_data(method):
     record = counts(1000)
     steps = record.values * 0.33
     options = EstimatorSettings(quantum=0.33)
-    same = [
-        (al.Record(steps, rate=100.0, unit="arcsec", kind="increment"), options),
-        (al.Record(np.r_[7.0, 7.0 + np.cumsum(steps)], rate=100.0, unit="arcsec", kind="angle"), options),
-        (al.Record(steps * 100, rate=100.0, unit="arcsec/s", kind="rate"), options),
-    ]
+    same = [(al.Record(steps, rate=100.0, unit="arcsec", kind="increment"), options),
+            (al.Record(np.r_[7.0, 7.0 + np.cumsum(steps)], rate=100.0, unit="arcsec", kind="angle"), options),
+            (al.Record(steps * 100, rate=100.0, unit="arcsec/s", kind="rate"), options)]  # fmt: skip
     wanted = estimate(record, method, model=MODELS["QN"])
     for other, chosen in same:
         found = estimate(other, method, model=MODELS["QN"], options=chosen)
@@ -295,44 +285,24 @@ def test_an_accelerometer_is_measured_too():
 # ---- bad input
 
 
-BAD = {
-    "a reading that is no number": (lambda: ([1.0, math.nan, 2.0], "mean", {}), al.DataError, "1 of 3 samples"),
-    "infinity": (lambda: ([1.0, math.inf, 2.0, 3.0], "mean", {}), al.DataError, "first at sample 1"),
-    "two samples": (lambda: ([1.0, 2.0], "mean", {}), al.UsageError, "at least 3 samples"),
-    "an unknown method": (lambda: (np.ones(9), "median", {}), al.UsageError, "Known rate estimators: mean, hamming"),
-    "an unknown target": (
-        lambda: (np.ones(9), "mean", {"target": "end"}),
-        al.UsageError,
-        "known targets: mean, constant",
-    ),
-    "too many lines": (
-        lambda: (np.ones(9), "conditional", {"options": EstimatorSettings(lines=9)}),
-        al.UsageError,
-        "do not fit into 9 samples",
-    ),
-    "no lines": (
-        lambda: (np.ones(9), "conditional", {"options": EstimatorSettings(lines=0)}),
-        al.UsageError,
-        "0 regression lines",
-    ),
-    "an unknown window": (
-        lambda: (np.ones(9), "hamming", {"options": EstimatorSettings(window="x")}),
-        al.UsageError,
-        "hann",
-    ),
-    "no model": (lambda: (np.ones(9), "optimal", {}), al.UsageError, r"allanite.identify\(record\)"),
-    "no quantum": (lambda: (np.ones(9), "staircase", {}), al.UsageError, "quantum="),
-    "a quantum of nothing": (
-        lambda: (np.ones(9), "staircase", {"options": EstimatorSettings(quantum=0.0)}),
-        al.UsageError,
-        "positive number",
-    ),
-    "a model of another sensor": (
-        lambda: (np.ones(9), "mean", {"model": al.N(1.0, "m/s/sqrt(h)")}),
-        al.UnitError,
-        "accelerometer",
-    ),
-}
+BAD = {"a reading that is no number": (lambda: ([1.0, math.nan, 2.0], "mean", {}), al.DataError, "1 of 3 samples"),
+       "infinity": (lambda: ([1.0, math.inf, 2.0, 3.0], "mean", {}), al.DataError, "first at sample 1"),
+       "two samples": (lambda: ([1.0, 2.0], "mean", {}), al.UsageError, "at least 3 samples"),
+       "an unknown method": (lambda: (np.ones(9), "median", {}), al.UsageError, "Known rate estimators: mean, hamming"),
+       "an unknown target": (lambda: (np.ones(9), "mean", {"target": "end"}), al.UsageError,
+                             "known targets: mean, constant"),
+       "too many lines": (lambda: (np.ones(9), "conditional", {"options": EstimatorSettings(lines=9)}), al.UsageError,
+                          "do not fit into 9 samples"),
+       "no lines": (lambda: (np.ones(9), "conditional", {"options": EstimatorSettings(lines=0)}), al.UsageError,
+                    "0 regression lines"),
+       "an unknown window": (lambda: (np.ones(9), "hamming", {"options": EstimatorSettings(window="x")}), al.UsageError,
+                             "hann"),
+       "no model": (lambda: (np.ones(9), "optimal", {}), al.UsageError, r"allanite.identify\(record\)"),
+       "no quantum": (lambda: (np.ones(9), "staircase", {}), al.UsageError, "quantum="),
+       "a quantum of nothing": (lambda: (np.ones(9), "staircase", {"options": EstimatorSettings(quantum=0.0)}),
+                                al.UsageError, "positive number"),
+       "a model of another sensor": (lambda: (np.ones(9), "mean", {"model": al.N(1.0, "m/s/sqrt(h)")}), al.UnitError,
+                                     "accelerometer")}  # fmt: skip
 
 
 @rows("what", BAD)

@@ -46,14 +46,11 @@ def test_constants_are_positive(name, value):
         replace(SCALE, **{name: value})
 
 
-SAME = [
-    (al.Record([1.0, -2.0], 1000.0, "A"), {}),
-    (al.Record([1e3, -2e3], 1000.0, "mA"), {}),
-    (al.Record([0.5, -1.0], 1000.0, "V"), {"sense": 0.5}),
-    (al.Record([500.0, -1000.0], 1000.0, "mV"), {"sense": 0.5}),
-    (al.Record([1024, -2048], 1000.0, "1"), {"sense": 0.5, "stage": al.Stage("ADC", 14, 4.0, "V")}),
-    (al.Record([512, -1024], 1000.0, "1"), {"stage": al.Stage("ADC", 12, 4.0, "A")}),
-]
+SAME = [(al.Record([1.0, -2.0], 1000.0, "A"), {}), (al.Record([1e3, -2e3], 1000.0, "mA"), {}),
+        (al.Record([0.5, -1.0], 1000.0, "V"), {"sense": 0.5}),
+        (al.Record([500.0, -1000.0], 1000.0, "mV"), {"sense": 0.5}),
+        (al.Record([1024, -2048], 1000.0, "1"), {"sense": 0.5, "stage": al.Stage("ADC", 14, 4.0, "V")}),
+        (al.Record([512, -1024], 1000.0, "1"), {"stage": al.Stage("ADC", 12, 4.0, "A")})]  # fmt: skip
 
 
 @rows(("record", "options"), SAME, ids=lambda v: str(getattr(v, "unit", "")))
@@ -222,13 +219,9 @@ def test_codes_are_counted_whatever_the_offset(values, offset):
     assert found == Codes(len(set(values)), max(values) - min(values) + 1, 0)
 
 
-STAGES = [
-    ("ADC 12 5V", ("ADC", 12, 5.0, "V")),
-    ("output 16 +-100 deg/s", ("output", 16, 100.0, "deg/s")),
-    ("bus 24 1e3mA", ("bus", 24, 1e3, "mA")),
-    ("raw 12 2048", ("raw", 12, 2048.0, "1")),
-    ("e 8 1.5e-2rad/s", ("e", 8, 0.015, "rad/s")),
-]
+STAGES = [("ADC 12 5V", ("ADC", 12, 5.0, "V")), ("output 16 +-100 deg/s", ("output", 16, 100.0, "deg/s")),
+          ("bus 24 1e3mA", ("bus", 24, 1e3, "mA")), ("raw 12 2048", ("raw", 12, 2048.0, "1")),
+          ("e 8 1.5e-2rad/s", ("e", 8, 0.015, "rad/s"))]  # fmt: skip
 
 
 @rows(("text", "wanted"), STAGES)
