@@ -76,8 +76,6 @@ def constructed(cls: type[T]) -> type[T]:
 def generator(rng: "np.random.Generator | int") -> "np.random.Generator":
     """The source of randomness, which may be given by its seed.
 
-    Examples
-    --------
     >>> generator(1).integers(10)
     np.int64(4)
     """

@@ -24,8 +24,6 @@ LARGEST = 1e30
 def complete(values: NDArray[Any]) -> bool:
     """Whether all values are finite, by their sum, without an array of flags.
 
-    Examples
-    --------
     >>> complete(np.array([1.0, np.nan])), complete(np.array([np.inf, -np.inf])), complete(np.arange(3))
     (False, False, True)
     """
@@ -38,8 +36,6 @@ def complete(values: NDArray[Any]) -> bool:
 def mean_and_deviation(values: FloatArray) -> tuple[float, float]:
     """Mean and standard deviation of the finite values, of any size; NaN if there are none.
 
-    Examples
-    --------
     >>> mean_and_deviation(np.array([4e300, np.nan, 0.0]))
     (2e+300, 2e+300)
     """

@@ -26,8 +26,6 @@ from .units import Signal
 class Averaged(Value):
     """Models that are consistent with a record, each with its weight.
 
-    Examples
-    --------
     >>> from allanite import K, N
     >>> quiet, drifting = N(0.1, "deg/sqrt(h)"), N(0.1, "deg/sqrt(h)") + K(1, "deg/h/sqrt(h)")
     >>> both = averaged([quiet, drifting], [0.75, 0.25])

@@ -22,8 +22,6 @@ DRAFTS = ".allanite-*.part"
 def encoded(text: str) -> bytes:
     r"""Text as UTF-8; what is no character, of a name that was not UTF-8, as its escape.
 
-    Examples
-    --------
     >>> encoded("\udcff")
     b'\\udcff'
     """

@@ -356,8 +356,6 @@ def usable_model(value: ModelLike) -> Model:
 def model_of(value: ModelLike) -> Model:
     """The model that a term, a model or a fit represents; anything else is refused.
 
-    Examples
-    --------
     >>> from allanite import N
     >>> print(model_of(N(0.01, "deg/sqrt(h)")))
     N = 0.01 deg/sqrt(h)
@@ -383,8 +381,6 @@ class Constructor(Protocol):
 def constructor(symbol: str) -> Constructor:
     """The function that makes a term of this symbol, from the term's row of `TERMS`.
 
-    Examples
-    --------
     >>> print(constructor("GM")(0.1, "deg/h", time_constant=20.0))
     GM = 0.1 deg/h with time constant 20 s
     """

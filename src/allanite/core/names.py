@@ -20,8 +20,6 @@ def nearest(name: object, known: Iterable[str]) -> str:
 
     Upper case, hyphens and underscores do not matter. Empty if no known name is similar.
 
-    Examples
-    --------
     >>> nearest("open_vins", ["kalibr", "openvins"]), nearest("windows", ["window", "rate"]), nearest("x", ["N"])
     ('openvins', 'window', '')
     """
@@ -44,8 +42,6 @@ def unknown(
 ) -> UsageError:
     """The error of an unknown name of `what`, such as a statistic: the name that may be meant, and the known ones.
 
-    Examples
-    --------
     >>> str(unknown("statistic", "oadv", ["adev", "oadev"]))
     "unknown statistic 'oadv'; did you mean oadev? Known statistics: adev, oadev"
     """
@@ -78,8 +74,6 @@ def row_of(what: str, name: Any, table: Mapping[str, Row], *, where: str = "", c
 def row_alike(what: str, name: Any, table: Mapping[str, Row]) -> Row:
     """The row of a name in which upper case, hyphens, underscores and spaces do not matter; or refused as by `row_of`.
 
-    Examples
-    --------
     >>> row_alike("target", "LIO_SAM", {"lio-sam": 1})
     1
     """
@@ -91,8 +85,6 @@ def row_alike(what: str, name: Any, table: Mapping[str, Row]) -> Row:
 def told_apart(paths: Sequence[str]) -> tuple[str, ...]:
     """The shortest names that tell files apart: with folders where the last names are equal, numbered where paths are.
 
-    Examples
-    --------
     >>> told_apart(["/data/a.csv", "/data/b.csv"]), told_apart(["/data/before/run.csv", "/data/after/run.csv"])
     (('a.csv', 'b.csv'), ('before/run.csv', 'after/run.csv'))
     >>> told_apart(["/1/imu/raw/run.csv", "/2/imu/raw/run.csv"]), told_apart(["a.csv", "a.csv"])

@@ -14,8 +14,6 @@ AS = {"s": "100..160,300..310", "Hz": "0.4..2.1,19..20"}
 def demand_ranges(ranges: object) -> dict[str, tuple[float, float]]:
     """Check ranges of averaging times by the symbol of a term: two times each, the lower one first, none in common.
 
-    Examples
-    --------
     >>> demand_ranges({"N": [0.1, 10], "K": [100, 1000]})
     {'N': (0.1, 10.0), 'K': (100.0, 1000.0)}
     """
@@ -39,8 +37,6 @@ def demand_ranges(ranges: object) -> dict[str, tuple[float, float]]:
 def demand_pieces(pieces: object, unit: str = "s") -> tuple[tuple[float, float], ...]:
     """Pieces of a record, or of a spectrum, as pairs of numbers, from text or numbers, in their order.
 
-    Examples
-    --------
     >>> demand_pieces("300..310,100..160")
     ((100.0, 160.0), (300.0, 310.0))
     """
@@ -63,8 +59,6 @@ def demand_pieces(pieces: object, unit: str = "s") -> tuple[tuple[float, float],
 class Units(dict[float, str]):
     """The units of a signal times time to a power, by the power: those that are named, others as they are written.
 
-    Examples
-    --------
     >>> units = Units("deg/h", "h", {1: "arcsec"})
     >>> units[1], units[0.5], units[0], units[-1.5]
     ('arcsec', 'deg/sqrt(h)', 'deg/h', 'deg/h^2.5')
@@ -81,8 +75,6 @@ class Units(dict[float, str]):
 def times(unit: str, power: float, second: str = "s") -> str:
     """A unit times time to a power; `second` is the unit of the time.
 
-    Examples
-    --------
     >>> times("rad/s", -1.5), times("m/s^2", 1), times("V", 0.5), times("1", 1), times("s", -0.5), times("ug", -1, "h")
     ('rad/s^2.5', 'm/s', 'V*sqrt(s)', 's', 'sqrt(s)', 'ug/h')
     """

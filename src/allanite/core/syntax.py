@@ -23,8 +23,6 @@ NOTHING = r"(?!)"
 def escaped(text: str, meaning: str = NOTHING) -> str:
     r"""Text on one line, which shows what it holds; of what matches `meaning` the last sign is an escape, too.
 
-    Examples
-    --------
     >>> print(escaped("gx\nkey: 1"), escaped("gx --> 1", "--"))
     gx\nkey: 1 gx -\x2d> 1
     """
@@ -46,8 +44,6 @@ class Syntax:
     def comments(self, text: str) -> list[str]:
         r"""The lines of a comment.
 
-        Examples
-        --------
         >>> XML.comments("gx --> gy"), PARAMETERS.comments("gyro " * 25)[1:]
         (['<!-- gx -\\x2d> gy -->'], ['# gyro gyro gyro gyro gyro gyro'])
         """
@@ -80,8 +76,6 @@ def _markdown(text: str) -> str:
 def uncomputed(text: str) -> str:
     """A cell that a spreadsheet does not compute: with an apostrophe before it, as spreadsheets write text.
 
-    Examples
-    --------
     >>> uncomputed("=1+1"), uncomputed("gx"), uncomputed("-1.5e-3")
     ("'=1+1", 'gx', '-1.5e-3')
     """
@@ -109,8 +103,6 @@ CSV = Syntax(meaning=r'"|[,;][=+@-]', cell=lambda text: uncomputed(escaped(text,
 def json_text(data: Any, indent: int | None = None) -> str:
     r"""Plain data as JSON that shows what it holds: what cannot be seen is an escape, which is read back the same.
 
-    Examples
-    --------
     >>> print(json_text({"name": "ω\u202e"}))
     {"name": "ω\u202e"}
     """
@@ -121,8 +113,6 @@ def json_text(data: Any, indent: int | None = None) -> str:
 def toml_text(value: Any) -> str:
     r"""Plain data as a value of TOML; half a character, which TOML cannot hold, as the text of its escape.
 
-    Examples
-    --------
     >>> print(toml_text({"N": [1.0, float("inf")], "name": "a\x7f"}))
     {"N" = [1.0, inf], "name" = "a\u007f"}
     """
@@ -142,8 +132,6 @@ def toml_text(value: Any) -> str:
 def toml(choices: dict[str, Any]) -> str:
     """Plain choices as TOML: the keys of a recipe file.
 
-    Examples
-    --------
     >>> print(toml({"rate": 100.0, "channels": ["gx"], "window": None}), end="")
     rate = 100.0
     channels = ["gx"]
@@ -165,8 +153,6 @@ def identifiers(names: Sequence[str], word: str, *, longest: int = 24, taken: It
 
     Upper case does not tell names apart; `word` stands before what does not begin with a letter.
 
-    Examples
-    --------
     >>> identifiers(["gx", "g x", "G_x", "1", "ω"], "axis")
     ['gx', 'g_x', 'G_x_2', 'axis_1', 'axis']
     """

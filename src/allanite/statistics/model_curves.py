@@ -142,8 +142,6 @@ def _variance(model: Model | Term, statistic: str, tau: FloatArray, rate: float,
 def reach(model: Model) -> tuple[float, float]:
     """Averaging times from where one term alone matters to where another alone does, s.
 
-    Examples
-    --------
     >>> from allanite import K, N
     >>> low, high = reach(N(1.0, "rad/sqrt(s)") + K(1.0, "rad/s^1.5"))
     >>> bool(low < 0.1), bool(high > 30)

@@ -63,8 +63,6 @@ def _summed(law: tuple[int, int], lags: int, windows: float, stride: float, F: f
 def greenhall_riley(alpha: int, m: int, N: int, *, d: int, modified: bool = False, overlapped: bool = True) -> float:
     """That of differences of order d (2 Allan, 3 Hadamard); C. A. Greenhall & W. J. Riley, PTTI 2003.
 
-    Examples
-    --------
     >>> round(greenhall_riley(0, 8, 257, d=2), 2)
     41.13
     """
@@ -121,8 +119,6 @@ def hadamard_total(alpha: int, m: int, N: int) -> float:
 def theo1(alpha: int, m: int, N: int) -> float:
     """That of Theo1, and by convention of TheoBR; T. N. Tasset, D. A. Howe & D. B. Percival, FCS 2004.
 
-    Examples
-    --------
     >>> [round(theo1(0, m, 7201), 1) for m in (720, 3600, 7200)]
     [51.6, 7.8, 2.4]
     """

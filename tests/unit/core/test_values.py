@@ -131,9 +131,6 @@ def test_curves_come_back_with_their_limits_as_numbers():
     assert (again.unit, again.name, again.noise) == ("deg/h", "z", MODEL)
     with pytest.raises(al.UsageError, match=r"were stored for level 0\.95"):
         again.interval(0.5)
-
-
-def test_confidence_needs_the_noise():
     with pytest.raises(al.UsageError, match="identify"):
         _ = al.deviation(record(), noise=None).edf
     with pytest.raises(al.UsageError, match="between 0 and 1"):

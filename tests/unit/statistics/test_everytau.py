@@ -58,9 +58,6 @@ def test_a_strong_vibration_leaves_the_noise_at_whole_periods():
     found, expected = dense(x, m, 2), second(x, m)
     assert expected[499] < 1e-9 * expected[249]
     np.testing.assert_allclose(found, expected, rtol=1e-9)
-
-
-def test_nothing_is_nothing():
     assert not dense(np.zeros(3001), np.arange(1, 1501), 2).any()
 
 

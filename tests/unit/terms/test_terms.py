@@ -101,15 +101,12 @@ def test_limits_are_those_of_the_noise_where_a_line_stands_in_the_model():
     np.testing.assert_array_equal(curves[0].edf, curves[1].edf)
     with pytest.raises(al.UsageError, match="no noise"):
         _ = al.deviation(record, "oadev", noise=al.Model((line,))).edf
-
-
-def test_a_sinusoid_has_its_amplitude_frequency_and_phase():
     wave = al.simulate(al.Sine(3.0, "rad/s", frequency=0.5, phase=0.3), 4000, RATE, rng=np.random.default_rng(1)).values
     t = (np.arange(4000) + 0.5) / RATE
     np.testing.assert_allclose(wave, 3 * np.sinc(0.125) * np.sin(2 * np.pi * 0.5 * t + 0.3), atol=1e-9)
 
 
-def test_models_with_shapes():
+def test_models_with_shapes_are_read_as_they_are_written():
     two = al.GM(1.0, "deg/h", time_constant=10.0) + al.GM(2.0, "deg/h", time_constant=100.0)
     assert "GM = 1 deg/h with time constant 10 s" in str(two)
     again = al.Model.from_dict(two.to_dict())
@@ -124,9 +121,6 @@ def test_models_with_shapes():
         al.GM(1.0, "deg/h", time_constant=0.0)
     assert str(al.Sine(1.0, "deg/h", frequency=2.0)) == "Sine = 1 deg/h with frequency 2 Hz"
     assert (two + al.Sine(1.0, "deg/h", frequency=2.0)).noise == two
-
-
-def test_a_damping_has_no_unit_and_models_are_read_as_they_are_written():
     text = "N 0.1 deg/sqrt(h), F 1 arcsec, GMA 2 arcsec 3 s, GM2 1 deg/h 0.5 Hz 0.2, W -3 deg/h 10 min"
     model = al.Model(text)
     assert str(model["GM2"]) == "GM2 = 1 deg/h with natural frequency 0.5 Hz, damping ratio 0.2"
@@ -137,9 +131,6 @@ def test_a_damping_has_no_unit_and_models_are_read_as_they_are_written():
     assert model["W"].value < 0
     with pytest.raises(al.UsageError, match="must be finite and not negative"):
         al.Model("GM2 -1 deg/h 0.5 Hz 0.2")
-
-
-def test_names_of_the_angle_follow_the_sensor():
     from allanite.core.kinds import title_of
     from allanite.core.units import signal_named
 

@@ -256,8 +256,6 @@ def solve(
 ) -> Solution:
     """Constants from samples.
 
-    Examples
-    --------
     >>> rng = np.random.default_rng(1)
     >>> time = np.arange(100.0)
     >>> rows = np.column_stack([np.ones(100), time])

@@ -18,8 +18,6 @@ BLOCK = 4096
 class SquareRoot(Value):
     """What is known of p constants x from n samples ``z = a x + v``, all divided by the deviation of v.
 
-    Examples
-    --------
     >>> known = SquareRoot.before(np.array([10.0, 10.0]))
     >>> known, _ = known.absorb(np.array([[1.0, 0.0], [1.0, 1.0]]), np.array([3.0, 4.0]))
     >>> known.values.round(1).tolist(), known.count

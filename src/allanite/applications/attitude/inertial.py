@@ -18,8 +18,6 @@ class Axes:
 
     With the vertical axis up the second is to the left, with the vertical axis down to the right.
 
-    Examples
-    --------
     >>> Axes.of("y,-x,z")
     Axes(index=(1, 0, 2), sign=(1, -1, 1))
     >>> str(Axes.upright(np.array([0.1, -9.8, 0.2])))

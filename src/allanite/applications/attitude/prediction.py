@@ -208,8 +208,6 @@ def predict(noise: SensorNoise, loop: Loop, bias: tuple[float, float] = (0.0, 0.
 def text_of(t: Term) -> str:
     """A term as text; white noise of an accelerometer as data sheets give it.
 
-    Examples
-    --------
     >>> from allanite import N
     >>> text_of(N(100, "ug/sqrt(Hz)"))
     'N = 100 ug/sqrt(Hz)'

@@ -30,8 +30,6 @@ def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
     At the ends the window is cut off, and the line fitted to what is left. A reading that is NaN counts for nothing in
     its neighbours' windows, and has no slope of its own.
 
-    Examples
-    --------
     >>> x = 0.5 * np.arange(300.0)
     >>> x[100] = np.nan
     >>> slope = local_slope(x, 2.0, 60.0)

@@ -45,8 +45,6 @@ def _window(task: Task) -> FloatArray:
 def parabola(n: int) -> FloatArray:
     """Weights of n rates in the slope of the line through their n + 1 angles.
 
-    Examples
-    --------
     >>> parabola(3).round(12).tolist()
     [0.3, 0.4, 0.3]
     """
@@ -145,8 +143,6 @@ CONDITIONAL = RateEstimator(
 def white_and_angle(n: int, kappa: float) -> FloatArray:
     """The closed form; shape (n,).
 
-    Examples
-    --------
     >>> white_and_angle(3, math.inf).round(9).tolist(), white_and_angle(3, 0.0).round(9).tolist()
     ([0.333333333, 0.333333333, 0.333333333], [0.3, 0.4, 0.3])
     """

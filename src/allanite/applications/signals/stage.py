@@ -186,8 +186,6 @@ class Codes(Value):
 def codes(readings: FloatArray) -> Codes | None:
     """Codes of samples in steps, which may share an offset; None if they lie on no grid of one step.
 
-    Examples
-    --------
     >>> codes(np.repeat([0.0, 1.0, 3.0, 4.0], 50) + 0.3)
     <Codes distinct=4 span=5 missing=1>
     >>> codes(np.linspace(0.0, 3.0, 50)) is None

@@ -62,8 +62,6 @@ def symbol_of(alpha: int) -> str:
     Flicker and random walk of the ramp have no term: the one with the fewest degrees of freedom (K) is used, so that
     no interval is too narrow.
 
-    Examples
-    --------
     >>> [symbol_of(alpha) for alpha in (2, 1, 0, -1, -2, -3, -4)]
     ['Q', 'F', 'N', 'B', 'K', 'K', 'K']
     """
@@ -109,8 +107,6 @@ def identify_power_law(angle: AngleRecord, row: Statistic, times: FloatArray) ->
     W. J. Riley & C. A. Greenhall, Power law noise identification using the lag 1 autocorrelation, EFTF 2004;
     NIST SP 1065 section 5.5; J. A. Barnes, NBS Technical Note 375, 1969 (B1).
 
-    Examples
-    --------
     >>> from allanite import Record
     >>> from allanite.statistics import integrated
     >>> record = Record(np.random.default_rng(1).standard_normal(5000), rate=1.0, unit="rad/s", kind="rate")

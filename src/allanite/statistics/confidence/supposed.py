@@ -129,8 +129,6 @@ Supposing = ModelLike | Literal["auto"] | Callable[[], SupposedNoise]
 def supposed(noise: ModelLike | Literal["auto"]) -> SupposedNoise:
     """A choice of the noise, with its description.
 
-    Examples
-    --------
     >>> from allanite import N
     >>> supposed(N(0.1, "deg/sqrt(h)")).words
     'intervals under the given model N = 0.1 deg/sqrt(h)'

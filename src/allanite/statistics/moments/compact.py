@@ -167,8 +167,6 @@ def slower(term: NoiseTerm, step: float, D: Callable[[NoiseTerm, float], Structu
 def extrapolation(levels: Sequence[int], m: int, power: int) -> FloatArray:
     """Weights of the values at `levels` in that at m of the polynomial in m^-power through them.
 
-    Examples
-    --------
     >>> extrapolation([10, 20], 10**9, 2).round(6).tolist()
     [-0.333333, 1.333333]
     """

@@ -32,8 +32,6 @@ MOST = 500
 def autocovariance(terms: Iterable[Term], n: int, rate: float) -> FloatArray:
     """Generalized covariance of mean rates at lags 0 to n - 1 samples, rate squared, SI; deterministic terms have none.
 
-    Examples
-    --------
     >>> from allanite import N, Q
     >>> autocovariance(N(1.0, "rad/sqrt(s)") + Q(1.0, "rad"), 3, 2.0).tolist()
     [10.0, -4.0, 0.0]

@@ -34,8 +34,6 @@ def lag_nodes(kinks: list[float], end: float) -> tuple[FloatArray, FloatArray]:
 
     Kinks are lattice points (all integers, or all half-integers) at or below `end`, ascending.
 
-    Examples
-    --------
     >>> nodes, weights = lag_nodes([0.0, 10.0], 1000.0)
     >>> len(nodes) < 60, round(float((weights * nodes**3).sum()))
     (True, 250500250000)
@@ -70,8 +68,6 @@ def lag_nodes(kinks: list[float], end: float) -> tuple[FloatArray, FloatArray]:
 def sum_nodes(first: float, count: int) -> tuple[list[float], list[float]]:
     """Nodes and weights of the sum over first, first + 1, ..., first + count - 1.
 
-    Examples
-    --------
     >>> nodes, weights = sum_nodes(1.0, 100)
     >>> len(nodes), round(sum(w * x**3 for x, w in zip(nodes, weights)))
     (4, 25502500)

@@ -105,8 +105,6 @@ def of_raw(raw: Raw, record: Record | Header, title: str, *, sides: str = "one",
 def method_named(name: str, **settings: Any) -> SpectralEstimator:
     """The method of `METHODS` with other settings; an unknown setting is an error that lists the known ones.
 
-    Examples
-    --------
     >>> method_named("welch", segment=20.0)
     Welch(segment=20.0, window='hann')
     """

@@ -221,9 +221,6 @@ def test_gaps_are_an_error_or_split_the_record():
     assert "2 stretches" in found.notes[0]
     corrected = found.apply(holed, al.Recording((TEMP,)))
     np.testing.assert_array_equal(np.isnan(corrected.values), np.isnan(values))
-
-
-def test_many_gaps_lose_no_more_than_their_readings():
     rng = np.random.default_rng(1)
     values = gyro(11, 1e-5 * TEMP.values).values.copy()
     values[rng.choice(3600, 12, replace=False)] = np.nan
@@ -252,9 +249,6 @@ def test_a_temperature_beside_a_ramp_has_its_own_coefficient():
     alone = compensate(record, WARMING, ["temp"], trend=False)
     assert alone["temp"].high < 0
     assert any("rate ramp R" in note and "omit trend=False" in note for note in alone.notes)
-
-
-def test_a_ramp_beside_which_a_temperature_does_nothing():
     found = compensate(gyro(12, RAMP, model=al.Model((al.N(0.01, "deg/sqrt(h)"),))), WARMING, ["temp"])
     assert not found.significant
     assert "z shows no dependence on temp" in table(found)
@@ -341,9 +335,6 @@ def test_records_that_are_no_use_are_said_to_be():
         compensate(gyro(1), TEMP, ["temp"]).apply(gyro(1))
     with pytest.raises(al.UsageError, match="belongs to a gyro"):
         compensate(gyro(1), TEMP, ["temp"]).apply(channel(np.zeros(3600), "m/s^2", "a"), al.Recording((TEMP,)))
-
-
-def test_too_few_effective_samples_are_refused():
     walk = al.Model((al.K(100.0, "deg/h/sqrt(h)"),))
     short = channel(cycles(300))
     with pytest.raises(al.DataError, match=r"has \d+(\.\d+)? effective samples"):
@@ -434,14 +425,11 @@ def study(tmp_path_factory):
     return al.compensate_file(path, settings=al.CompensationSettings(regressors=("temp",)))
 
 
-def test_a_study_that_was_stored_has_no_samples_to_write(study):
+def test_a_study_is_stored_and_drawn(study):
     assert study.corrected.channels == ("z",)
     again = al.from_dict(json.loads(json.dumps(study.to_dict())))
     with pytest.raises(al.DataError, match="nothing to write"):
         _ = again.corrected
-
-
-def test_the_figure_shows_means_of_the_rate_over_minutes(study):
     axes = al.plot(study).axes[1]
     before, after, taken = (line.get_xydata() for line in axes.lines)
     assert axes.get_xlabel() == "time (min)"

@@ -31,12 +31,18 @@ def coefficient(stage):
     return stage.step / math.sqrt(12) * math.sqrt(INTERVAL) * 60
 
 
-def test_the_scale_factor_is_the_torque_over_the_momentum():
+def test_the_scale_factor_is_the_torque_over_the_momentum_and_keeps_the_history():
     assert SCALE.factor == pytest.approx(4 * 100 * 0.4 * 0.05 * 0.05 / (2e-3 * 1000))
     assert replace(SCALE, sides=1.0).factor == pytest.approx(SCALE.factor / 4)
     # one ampere in arcsec per second, which is the same number in deg/h
     rate = rate_from_current(al.Record([1.0, 2.0], 1000.0, "A"), SCALE)
     assert convert(rate.values[0], "rad/s", "deg/h") == pytest.approx(0.2 * 206264.8, rel=1e-6)
+    assert TorqueScale.parse(SCALE.text) == SCALE
+    assert TorqueScale.parse("turns=1,field=2, span=3,radius=4,inertia=5,spin=6").sides == 1.0
+    record = al.Record([1.0, math.nan, 2.0], 10.0, "A", name="ix", start=5.0, history=("cut",))
+    rate = rate_from_current(record, 0.5)
+    assert np.isnan(rate.values).tolist() == [False, True, False]
+    assert (rate.name, rate.start, rate.history[0]) == ("ix", 5.0, "cut")
 
 
 @rows("name", ["turns", "field", "span", "radius", "inertia", "spin", "sides"])
@@ -59,18 +65,6 @@ def test_all_ways_to_a_current_give_the_same_rate(record, options):
     np.testing.assert_allclose(rate.values, [0.2, -0.4], rtol=1e-12)
     assert (rate.unit, rate.kind, rate.rate) == ("rad/s", "rate", 1000.0)
     assert "0.2 rad/s per A" in rate.history[-1]
-
-
-def test_the_constants_are_read_from_text():
-    assert TorqueScale.parse(SCALE.text) == SCALE
-    assert TorqueScale.parse("turns=1,field=2, span=3,radius=4,inertia=5,spin=6").sides == 1.0
-
-
-def test_lost_readings_stay_lost_and_history_is_kept():
-    record = al.Record([1.0, math.nan, 2.0], 10.0, "A", name="ix", start=5.0, history=("cut",))
-    rate = rate_from_current(record, 0.5)
-    assert np.isnan(rate.values).tolist() == [False, True, False]
-    assert (rate.name, rate.start, rate.history[0]) == ("ix", 5.0, "cut")
 
 
 WRONG = [
