@@ -15,7 +15,7 @@ import numpy as np
 
 from .arrays import LARGEST, RATES
 
-SEEN = 1000
+MAX_ITEMS = 1000
 """Items of a sequence that are looked at."""
 
 SIZES = {"rate": ("the sampling rate", *RATES, "Hz")}
@@ -93,11 +93,11 @@ def _kind(hint: Any) -> tuple[Kind, tuple[Any, ...]]:
     origin, args = get_origin(hint) or hint, get_args(hint)
     if hasattr(origin, "__value__"):  # the name of a type, such as NDArray of numpy 2.5
         return _kind(origin.__value__[args] if args else origin.__value__)
-    if origin in KINDS:
-        return KINDS[origin], args
+    if origin in TYPE_KINDS:
+        return TYPE_KINDS[origin], args
     unchecked = getattr(origin, "_is_protocol", False) and not getattr(origin, "_is_runtime_protocol", False)
     if unchecked or not isinstance(origin, type):
-        return KINDS[Any], ()  # whatever converts it says what it takes
+        return TYPE_KINDS[Any], ()  # whatever converts it says what it takes
     if origin.__module__.startswith("numpy._typing"):
         return ARRAY_LIKE, ()
     return Kind(lambda _: _named(origin), lambda value, _: isinstance(value, origin)), ()
@@ -126,17 +126,17 @@ def _of(words: str, args: tuple[Any, ...]) -> str:
 
 
 def _items(value: Any, hints: Iterable[Any]) -> bool:
-    return all(_holds(item, hint) for item, hint in zip(islice(value, SEEN), hints, strict=False))
+    return all(_holds(item, hint) for item, hint in zip(islice(value, MAX_ITEMS), hints, strict=False))
 
 
 def _sequence(value: Any, args: tuple[Any, ...]) -> bool:
     if isinstance(value, np.ndarray):
-        return value.ndim > 0 and (not args or (value.ndim == 1 and _items(value.flat, (args[0],) * SEEN)))
+        return value.ndim > 0 and (not args or (value.ndim == 1 and _items(value.flat, (args[0],) * MAX_ITEMS)))
     ordered = args[:1] in ((float,), (int,))
     many = isinstance(value, Sequence if ordered else (Sequence, set, frozenset)) or (
         hasattr(value, "__len__") and hasattr(value, "iloc")
     )
-    return many and not isinstance(value, (str, bytes)) and (not args or _items(value, (args[0],) * SEEN))
+    return many and not isinstance(value, (str, bytes)) and (not args or _items(value, (args[0],) * MAX_ITEMS))
 
 
 def _array(value: Any, args: tuple[Any, ...]) -> bool:
@@ -182,7 +182,7 @@ def _tuple_words(args: tuple[Any, ...]) -> str:
 
 
 def _mapping(value: Any, args: tuple[Any, ...]) -> bool:
-    return isinstance(value, Mapping) and (not args or _items(value.values(), (args[1],) * SEEN))
+    return isinstance(value, Mapping) and (not args or _items(value.values(), (args[1],) * MAX_ITEMS))
 
 
 def _is(words: str, *kinds: type, but: tuple[type, ...] = ()) -> Kind:
@@ -194,7 +194,7 @@ _anything = Kind(lambda _: "", lambda value, _: True)
 _alternatives = Kind(_union, lambda value, args: any(_holds(value, hint) for hint in args))
 _many = Kind(lambda args: _of("a sequence", args), _sequence)
 
-KINDS: dict[Any, Kind] = {
+TYPE_KINDS: dict[Any, Kind] = {
     Any: _anything,
     object: _anything,
     types.NoneType: _is("None", types.NoneType),

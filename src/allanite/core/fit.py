@@ -49,7 +49,7 @@ class Component(Value):
         return f"{self.words or self.name}, weight {self.weight:.2f}"
 
 
-EXPLAINED = 0.01
+MIN_P = 0.01
 """p-value of the goodness of fit below which the model does not explain the record."""
 
 REJECTED = say("the model does not explain the record")
@@ -87,12 +87,12 @@ class Goodness(Value):
     @property
     def explained(self) -> bool:
         """Whether the model explains the data."""
-        return self.p >= EXPLAINED and not self.reasons
+        return self.p >= MIN_P and not self.reasons
 
     @property
     def grade(self) -> str:
         """One of `GRADES`; a narrow peak that the test does not detect does not affect the coefficients."""
-        return "explained" if self.explained else UNEXPLAINED if self.p < EXPLAINED else APPROXIMATE
+        return "explained" if self.explained else UNEXPLAINED if self.p < MIN_P else APPROXIMATE
 
     @property
     def verdict(self) -> str:

@@ -17,7 +17,7 @@ from .units import Signal
 VERSION = 1
 """Version of the plain data, stored under "allanite"."""
 
-LONGEST = 120
+MAX_REPR = 120
 """Maximum length of a `repr`."""
 
 TYPES: "dict[str, type[Value]]" = {}
@@ -101,7 +101,7 @@ class Value(Portable):
 
     def __repr__(self) -> str:
         text = f"<{type(self).__name__} {self._summary()}".rstrip().replace("\n", "; ")
-        return (text if len(text) < LONGEST else text[: LONGEST - 5] + " ...") + ">"
+        return (text if len(text) < MAX_REPR else text[: MAX_REPR - 5] + " ...") + ">"
 
     def _summary(self) -> str:
         """The content of `repr`: the fields that are words or numbers."""

@@ -10,7 +10,7 @@ from .fit import REJECTED, Fit, Goodness, chance, tested
 from .plain import Value
 from .validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, Finding, Scope, worst
 
-SURE = 1e-3
+MIN_CHECK_P = 1e-3
 """p-value of a check below which the model does not explain the record."""
 
 
@@ -30,7 +30,7 @@ class Check(Value):
     @property
     def passed(self) -> bool:
         """Whether the deviation can be due to chance."""
-        return self.p >= SURE
+        return self.p >= MIN_CHECK_P
 
 
 @dataclass(frozen=True, eq=False, repr=False)

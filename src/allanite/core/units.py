@@ -126,7 +126,7 @@ ATOMS: dict[str, tuple[float, Dimension]] = {
     for prefix in ("", *prefixes)
 }
 
-LONGEST, LARGEST = 200, 1e60
+MAX_LETTERS, MAX_SIZE = 200, 1e60
 """Letters of a unit, and its size in SI, at most."""
 
 USUAL = (
@@ -232,15 +232,15 @@ def unit_of(text: str) -> Unit:
     True
     """
     try:
-        if len(text) > LONGEST:
+        if len(text) > MAX_LETTERS:
             raise ValueError(text)
         parser = _Parser(text)
         unit = parser.expression()
-        if parser.tokens or not 1 / LARGEST < unit.factor < LARGEST:
+        if parser.tokens or not 1 / MAX_SIZE < unit.factor < MAX_SIZE:
             raise ValueError(text)
     except (ValueError, ZeroDivisionError, OverflowError, RecursionError):
         rooted = bool(re.search("rt|root|√", text))  # a density is never meant by a rate, nor the other way round
-        meant = nearest(text[:LONGEST], [unit for unit in USUAL if ("sqrt" in unit) == rooted])
+        meant = nearest(text[:MAX_LETTERS], [unit for unit in USUAL if ("sqrt" in unit) == rooted])
         words = f"did you mean {meant}?" if meant else f"units are written as {', '.join(USUAL)}"
         raise UnitError(f"unknown unit {given(text)}; {words}", cure=(text, meant) if meant else ("", "")) from None
     return unit

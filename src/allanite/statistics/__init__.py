@@ -38,7 +38,7 @@ from .table import STATISTICS as STATISTICS
 from .table import CurvePoints
 from .table import statistic_named as statistic_named
 
-HIDDEN = 0.05
+MIN_NOISE_SHARE = 0.05
 """Variance of white rate and angle noise without gaps over that of means of the remaining samples.
 
 Below this ratio the joints dominate, and the slow noise could only be guessed.
@@ -237,7 +237,7 @@ def _told(curve: CurveEstimate, noise: Averaged | Literal["auto"] | None, *, nam
             return np.ones(m.size, dtype=np.bool_)
         part = Averaged(Model(tuple(noise.terms.terms[i] for i in fast)), noise.scale[:, fast], noise.weight)
         factor = noise.weight @ _corrections(curve, MEANS, part)
-    told = np.asarray(factor >= HIDDEN)
+    told = np.asarray(factor >= MIN_NOISE_SHARE)
     if named or told.all():
         return told
     first = int(np.flatnonzero(~told)[0])

@@ -20,7 +20,7 @@ from .estimator import WindowMeans, estimate, integrated
 from .row import Statistic
 from .table import statistic_named
 
-FEWEST = 8
+MIN_SAMPLES = 8
 """Minimum number of samples in a window."""
 
 
@@ -132,10 +132,10 @@ def _samples(record: Record, window: float | None, step: float | None) -> tuple[
         if value is not None and not (np.isfinite(value) and value > 0):
             raise UsageError(f"the {name} must be a positive number of seconds, not {value!r}")
     samples = record.size // 10 if window is None else round(window * record.rate)
-    if not FEWEST <= samples <= record.size:
+    if not MIN_SAMPLES <= samples <= record.size:
         raise UsageError(
             f"a window of {samples / record.rate:g} s is not possible: {record.name!r} is {record.duration:g} s "
-            f"long, and the minimum of {FEWEST} samples is {FEWEST / record.rate:g} s"
+            f"long, and the minimum of {MIN_SAMPLES} samples is {MIN_SAMPLES / record.rate:g} s"
         )
     return samples, max(1, samples // 8 if step is None else round(step * record.rate))
 

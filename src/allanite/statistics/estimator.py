@@ -15,7 +15,7 @@ from .differences import OADEV
 from .moments.means import There, takes_means, variance_of
 from .row import Statistic, seconds
 
-LONG = 0.2
+MAX_DIRECT_SECONDS = 0.2
 """Seconds of a compiled loop from which on it runs in a thread of its own, so that it can be interrupted."""
 
 
@@ -163,7 +163,7 @@ def with_means(row: Statistic, angle: AngleRecord, m: IntArray, plain: WindowMea
 
 
 def _sums(row: Statistic, x: FloatArray, m: IntArray, threads: int) -> FloatArray:
-    if threads == 1 and seconds(row, x.size, m) < LONG:
+    if threads == 1 and seconds(row, x.size, m) < MAX_DIRECT_SECONDS:
         return row.sums(x, m)
     shares = row.split(x.size, m, min(threads, m.size)) if threads > 1 else [np.arange(m.size)]
     sums = np.empty(m.size)

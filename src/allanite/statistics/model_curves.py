@@ -18,13 +18,13 @@ from allanite.statistics.moments.expect import expected
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import statistic_named
 
-ALONE = (1e-2, 1e4)
+DEFAULT_TIMES = (1e-2, 1e4)
 """Averaging times of a single term, s."""
 
-BESIDE = 30.0
+MARGIN = 30.0
 """Ratio of the first and last averaging time to the times at which one term takes over from another."""
 
-PER_DECADE = 20
+TIMES_PER_DECADE = 20
 """Averaging times a decade if there is no sampling rate."""
 
 
@@ -118,8 +118,8 @@ def _curve(model: Model, row: Statistic, tau: str | Sequence[float], rate: float
             raise UsageError(f"the averaging times {tau!r} are multiples of a sample interval: pass " + spelled(
                                  "--rate HZ", "rate=...",
                              ) + ", or the times in seconds")  # fmt: skip
-        low, high = (PER_DECADE * math.log10(end) for end in reach(model))
-        at = np.asarray(10 ** (np.arange(math.floor(low), math.ceil(high) + 1) / PER_DECADE))
+        low, high = (TIMES_PER_DECADE * math.log10(end) for end in reach(model))
+        at = np.asarray(10 ** (np.arange(math.floor(low), math.ceil(high) + 1) / TIMES_PER_DECADE))
     elif rate is None:
         at = np.atleast_1d(np.asarray(tau, dtype=np.float64))
     else:
@@ -163,4 +163,4 @@ def reach(model: Model) -> tuple[float, float]:
         if parameter.unit in ("s", "Hz") and value > 0
     ]
     marks = np.array([*changes, *own])
-    return (float(marks.min()) / BESIDE, float(marks.max()) * BESIDE) if marks.size else ALONE
+    return (float(marks.min()) / MARGIN, float(marks.max()) * MARGIN) if marks.size else DEFAULT_TIMES

@@ -18,7 +18,7 @@ from .solve import Solution, System, solve
 
 Prior = tuple[float, float]
 
-LARGE = 0.2
+MAX_PHASE = 0.2
 """Phase shift of a harmonic by the error itself, rad, above which the linear model is doubtful."""
 
 
@@ -191,7 +191,7 @@ def too_large(harmonics: Sequence[Harmonics]) -> Iterator[Finding]:
     for h in harmonics:
         phase = h.amplitude * np.array(h.orders)
         worst = int(phase.argmax())
-        if phase[worst] > LARGE:
+        if phase[worst] > MAX_PHASE:
             yield Finding("large",
                           say("harmonic {order} of {angle} shifts its own phase by {shift:.2g} rad",
                               order=h.orders[worst], angle=h.name or say("the angle"), shift=float(phase[worst])),

@@ -26,13 +26,13 @@ from .checks import column, demand_motion
 from .harmonics import Harmonics, orders_of, waves
 from .solve import Solution, System, correlation_of, solve
 
-SECTORS = 4096
+MAX_SECTORS = 4096
 """Most parts of a turn in which what is left over is averaged, to look for harmonics up to a quarter as many."""
 
-RARE = 1e-3
+FALSE_ALARM = 1e-3
 """Probability of a false detection of a further harmonic."""
 
-ABSURD = 0.5
+MAX_SCATTER = 0.5
 """Phase of the highest harmonic, rad, that the scatter of the two angles may amount to at most."""
 
 
@@ -106,7 +106,7 @@ def calibrate(
     middle = float(np.angle(np.exp(1j * (angle - against)).mean()))
     z = np.asarray(np.mod(angle - against - middle + math.pi, 2 * math.pi) - math.pi + middle)
     demand_motion("the angle", float(np.ptp(np.unwrap(angle))), chosen, "Turn the sensor")
-    if (scatter := float(np.std(z))) * max(chosen) > ABSURD:
+    if (scatter := float(np.std(z))) * max(chosen) > MAX_SCATTER:
         raise DataError(
             f"measured and reference differ by {scatter:.3g} rad about their mean, which is not small relative to a "
             f"period of harmonic {max(chosen)} ({2 * math.pi / max(chosen):.3g} rad): are units, signs and columns "
@@ -140,7 +140,7 @@ def _angle(what: str, values: Any, unit: str) -> tuple[FloatArray, float]:
 
 def _remaining(angle: FloatArray, residuals: FloatArray, orders: tuple[int, ...]) -> Iterator[Finding]:
     """The largest harmonic that was not requested, where the sensor has seen its whole turn."""
-    sectors = min(SECTORS, 1 << max(3, (angle.size // 8).bit_length() - 1))
+    sectors = min(MAX_SECTORS, 1 << max(3, (angle.size // 8).bit_length() - 1))
     place = np.floor(np.mod(angle, 2 * math.pi) * (sectors / (2 * math.pi))).astype(np.int64) % sectors
     count = np.bincount(place, minlength=sectors)
     # a turn that is not evenly covered mixes orders: then no finding is given
@@ -152,7 +152,7 @@ def _remaining(angle: FloatArray, residuals: FloatArray, orders: tuple[int, ...]
     order, noise = int(sizes.argmax()), float(np.std(residuals))
     # sectors only point at it: an order beyond them would look like another one
     size = 2 * abs(complex((residuals * np.exp(-1j * order * angle)).mean()))
-    if noise > 0 and sizes.size * math.exp(-residuals.size * (size / noise) ** 2 / 4) < RARE:
+    if noise > 0 and sizes.size * math.exp(-residuals.size * (size / noise) ** 2 / 4) < FALSE_ALARM:
         yield Finding("order",
                       say("harmonic {order} is also present, with an amplitude of about {amplitude:.3g} arcsec",
                           order=order, amplitude=size * 648_000 / math.pi),

@@ -109,7 +109,7 @@ def design(
     return (*amplitude_names(harmonics), *nuisance), np.column_stack([*blocks, *columns])
 
 
-FOUND = 0.01
+MAX_P = 0.01
 """p-value below which an amplitude is called identified."""
 
 
@@ -255,7 +255,7 @@ class Harmonics(Correction):
 
     def found(self, order: int) -> bool:
         """Whether the harmonic is significant (p below 1 %)."""
-        return self.p(order) < FOUND
+        return self.p(order) < MAX_P
 
     def status(self, order: int) -> str:
         """Whether it is "identified", "absent", or "weak": significant, but the noise is not as assumed."""

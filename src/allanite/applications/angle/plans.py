@@ -17,10 +17,10 @@ from .motion import Ring, Sway, sway_of
 from .solve import correlation_of
 from .squareroot import batch
 
-READINGS = 4096
+MAX_READINGS = 4096
 """Samples of one window of a scan; more are thinned, their noise averaged."""
 
-STEP = 300.0
+START_STEP = 300.0
 """Between the starts of a scan, s: finer than anybody schedules, and than the total changes."""
 
 
@@ -72,7 +72,7 @@ class AngleSettings(Value):
 
     def thinned(self) -> "AngleSettings":
         """The same with at most `READINGS` samples that carry the same information."""
-        stride = max(1, math.ceil(self.count / READINGS))
+        stride = max(1, math.ceil(self.count / MAX_READINGS))
         return replace(self, interval=self.interval * stride, sigma=self.sigma / math.sqrt(stride))
 
     def gimbals(self, start: float) -> Gimbals:
@@ -253,7 +253,7 @@ def scan(settings: AngleSettings, starts: Sequence[float] | None = None) -> Scan
     [13.4, 19.8]
     """
     if starts is None:
-        duration, step = settings.duration, min(STEP, settings.duration / 2)
+        duration, step = settings.duration, min(START_STEP, settings.duration / 2)
         # the last window is the first that reaches the extreme of h
         last = math.ceil((QUARTER - duration) / step) if duration < QUARTER else math.ceil(QUARTER / step)
         starts = (step * np.arange(last + 1)).tolist()

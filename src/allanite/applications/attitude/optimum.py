@@ -25,13 +25,13 @@ from allanite.extending import DataError, FloatArray, Model, ModelLike, UsageErr
 from .loop import GRAVITY, ComplexArray, Loop, SensorNoise, kalman
 from .prediction import Prediction, biases, noise_errors, predict
 
-SHORTEST, LONGEST = 1e-5, 1e6
+MIN_TIME_CONSTANT, MAX_TIME_CONSTANT = 1e-5, 1e6
 """Time constants between which the best one is sought, s."""
 
-GRID = 89
+GRID_POINTS = 89
 """Time constants that are tried first: eight in a decade."""
 
-SETTLED = 10.0
+MIN_SETTLINGS = 10.0
 """Time constants of the bias of a filter of second order in the horizon, at least."""
 
 Bias = tuple[float, float]
@@ -46,10 +46,10 @@ def best_loop(noises: Sequence[SensorNoise], bias: Sequence[Bias]) -> Loop:
         loop = Loop.of(math.exp(log))
         return math.log(sum(predict(n, loop, b).rms ** 2 for n, b in zip(noises, bias, strict=True)))
 
-    shortest = max((n.interval or SHORTEST) for n in noises)
-    grid = np.linspace(math.log(shortest), math.log(LONGEST), GRID)
+    shortest = max((n.interval or MIN_TIME_CONSTANT) for n in noises)
+    grid = np.linspace(math.log(shortest), math.log(MAX_TIME_CONSTANT), GRID_POINTS)
     at = int(np.argmin([error(float(log)) for log in grid]))
-    if at in (0, GRID - 1):
+    if at in (0, GRID_POINTS - 1):
         short = at == 0
         raise UsageError(
             f"no time constant is best: the {'shortest' if short else 'longest'} one, {math.exp(grid[at]):.3g} s, has "
@@ -70,7 +70,7 @@ def best_second(noises: Sequence[SensorNoise], bias: Sequence[Bias], first: Loop
     durations = [n.duration for n in noises if n.duration is not None]
     if len(durations) < len(noises):
         return None
-    settling = SETTLED / min(durations)
+    settling = MIN_SETTLINGS / min(durations)
 
     def loop_of(logs: np.ndarray) -> Loop:
         k1, k2 = np.exp(np.clip(logs, -60.0, 20.0)).tolist()
@@ -126,10 +126,10 @@ MEMORY = 400.0
 FINER = 4
 """Frequencies below the lowest of the horizon."""
 
-MOST = 1 << 21
+MAX_POINTS = 1 << 21
 """Points of the transform at most."""
 
-STEEP = 4
+FALL = 4
 """Power of the frequency with which the densities fall below the lowest one."""
 
 PER_OCTAVE = 128
@@ -145,7 +145,7 @@ def wiener_error(noise: SensorNoise, best: Loop) -> float:
     interval, longest = noise.interval or best.time_constant / STEPS, MEMORY * best.time_constant
     if noise.duration:
         longest = FINER * 2 * noise.duration
-    n = 1 << math.ceil(math.log2(min(MOST, max(1024, longest / interval))))
+    n = 1 << math.ceil(math.log2(min(MAX_POINTS, max(1024, longest / interval))))
     interval = interval if noise.interval else min(max(interval, longest / n), COARSE * interval)
     sampled = SensorNoise(noise.gyro, noise.accelerometer, noise.duration, interval)
     f = np.asarray(np.fft.rfftfreq(n, interval), dtype=np.float64)
@@ -159,7 +159,7 @@ def wiener_error(noise: SensorNoise, best: Loop) -> float:
         if not density.all():
             raise UsageError(f"the bound needs noise of both sensors, but that of the {sensor} is 0")
         smooth = np.exp(np.interp(np.log(np.maximum(f, low)), np.log(x), np.log(density)))
-        return np.asarray(smooth * np.minimum(below, 1.0) ** STEEP)
+        return np.asarray(smooth * np.minimum(below, 1.0) ** FALL)
 
     rate, tilt = held("gyro"), held("accelerometer")
     # responses of the optimal filter to dt n_g and to n_a, from their densities

@@ -25,10 +25,10 @@ from .mixture import Stretch, restricted
 from .regressor import TREND, Columns, Regressor, readings
 from .settings import CompensationSettings
 
-SHORTEST = 64
+MIN_STRETCH = 64
 """Minimum number of samples of a stretch between gaps."""
 
-SAME = 1e-10
+MIN_EIGENVALUE = 1e-10
 """Least eigenvalue of the columns' correlation at which one of them is a sum of the others."""
 
 
@@ -71,7 +71,7 @@ class Design(Columns):
         """Refuse columns of which one is, where the samples are used, a sum of others."""
         Z = self.X[used] - self.X[used].mean(axis=0)
         values, vectors = np.linalg.eigh(Z.T @ Z / used.sum())
-        if values[0] > SAME:
+        if values[0] > MIN_EIGENVALUE:
             return
         share = np.abs(vectors[:, 0])
         names = [label for label, part in zip(self.labels, share, strict=True) if part > 0.05]
@@ -167,17 +167,17 @@ def _measured(name: str, record: Record, along: Recording) -> _Readings:
 
 
 def _stretches(fine: NDArray[np.bool_], n: int) -> tuple[tuple[Stretch, ...], tuple[str, ...]]:
-    kept = tuple((int(a), int(b)) for a, b in stretches(fine) if b - a >= SHORTEST)
+    kept = tuple((int(a), int(b)) for a, b in stretches(fine) if b - a >= MIN_STRETCH)
     count = sum(b - a for a, b in kept)
     if not kept:
         raise DataError(
-            say("no stretch of {least} samples is complete in the record and its regressors", least=SHORTEST)
+            say("no stretch of {least} samples is complete in the record and its regressors", least=MIN_STRETCH)
         )
     if count == n:
         return kept, ()
     missing = say(
         "{missing} of {samples} samples are missing, have no regressors, or belong to stretches shorter than {least}",
-        missing=n - count, samples=n, least=SHORTEST,
+        missing=n - count, samples=n, least=MIN_STRETCH,
     )  # fmt: skip
     used = say_count(len(kept), "{count} stretch used", "{count} stretches used, each with its own constant")
     return kept, (join("; ", (missing, used)),)

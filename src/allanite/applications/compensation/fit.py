@@ -29,7 +29,7 @@ from .regression import Regression
 from .selection import choose, collinearity, folds
 from .settings import CompensationSettings, FitSettings
 
-WHOLLY = 1e-11
+MIN_RESIDUAL = 1e-11
 """Residual, relative to the record, at which only rounding errors remain."""
 
 
@@ -121,7 +121,7 @@ def compensate(
             say("{name!r} is constant (always {value:g} SI): check the sensor", name=record.name,
                 value=float(whole.y[whole.stretches[0][0]]))
         )  # fmt: skip
-    if rest < WHOLLY * size:
+    if rest < MIN_RESIDUAL * size:
         raise DataError(
             say("{regressors} explain {name!r} completely: no noise remains. Is the record, or something derived from "
                 "it, among the regressors?", name=record.name,

@@ -28,7 +28,7 @@ from allanite.extending import (
 
 from .mixture import Gain, Mixture, about_line
 from .regressor import Columns, Effect, Regressor
-from .selection import LARGE, TRENDING
+from .selection import BEYOND_DOUBT, TRENDING
 
 WITHIN = 1.959964
 """Standard errors of 95 % limits."""
@@ -123,7 +123,7 @@ class Regression(Columns, Correction):
             return float(b @ np.linalg.solve(V, b))
 
         both, regressors, drift = (evidence(of) for of in (self.taken + self.trend, self.taken, self.trend))
-        return both > CHI_SQUARE > abs(regressors - drift) and min(regressors, drift) < LARGE**2
+        return both > CHI_SQUARE > abs(regressors - drift) and min(regressors, drift) < BEYOND_DOUBT**2
 
     def __iter__(self) -> Iterator[Effect]:
         return (self.effect(i) for i in range(len(self.regressors)))

@@ -20,7 +20,7 @@ from allanite.extending import (
     spelled,
 )
 
-SHORTEST = 60.0
+MIN_WINDOW = 60.0
 """Seconds of a window; in a shorter one the steps of a digital thermometer are what changes."""
 
 
@@ -37,9 +37,9 @@ def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
     ([1.0, 1.0, 1.0, 1.0], True)
     """
     half = int(window * rate / 2)
-    if not (np.isfinite(window) and window >= SHORTEST and half >= 1):
+    if not (np.isfinite(window) and window >= MIN_WINDOW and half >= 1):
         raise UsageError(
-            f"the window of a derivative must have at least {SHORTEST:g} s and 3 samples, not {window!r} s"
+            f"the window of a derivative must have at least {MIN_WINDOW:g} s and 3 samples, not {window!r} s"
         )
     from scipy.signal import oaconvolve
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from allanite.extending import FloatArray, Likelihood, join, say, spelled
 
-from .design import SHORTEST, Design
+from .design import MIN_STRETCH, Design
 
 CONDITION = 30.0
 """Scaled condition number above which coefficients cannot be separated (Belsley, Kuh, Welsch 1980)."""
@@ -17,7 +17,7 @@ CONDITION = 30.0
 TRENDING = 0.5
 """Share of a ramp explained by the regressors from which on they are confounded with it."""
 
-LARGE = 3.0
+BEYOND_DOUBT = 3.0
 """Standard errors from which on an effect is beyond doubt."""
 
 
@@ -54,7 +54,7 @@ def collinearity(design: Design, likelihood: Likelihood, theta: FloatArray, symb
     if share > TRENDING:
         why = say("the regressors have a trend: they explain {percent:.3g} % of a linear drift, so that a rate ramp R "
                   "would be taken for their effect", percent=100 * share)  # fmt: skip
-    elif abs(t) > LARGE:
+    elif abs(t) > BEYOND_DOUBT:
         why = say("the record shows a rate ramp R beside the regressors ({t:.3g} standard errors): part of it is taken "
                   "for their effect", t=abs(t))  # fmt: skip
     if why:
@@ -123,7 +123,7 @@ def folds(design: Design, theta: FloatArray, symbols: str, blocks: int) -> list[
                 (max(i, c), min(j, d))
                 for i, j in design.stretches
                 for c, d in windows
-                if min(j, d) - max(i, c) >= SHORTEST
+                if min(j, d) - max(i, c) >= MIN_STRETCH
             ]
             for windows in ([(first, a), (b, last)], [(a, b)])
         ]

@@ -47,7 +47,7 @@ from .run import fits
 DURATIONS = (1.0, 3.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)
 """Measuring times that are compared, s."""
 
-FEWEST = 20
+MIN_INTERVALS = 20
 """Intervals of a measuring time below which its scatter says little."""
 
 
@@ -208,7 +208,7 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
     measured = experiment(record, model, chosen)
     measured = replace(measured, notes=(*source, *measured.notes))
     asked = settings.durations != DURATIONS
-    durations = tuple(d for d in settings.durations if asked or d * FEWEST <= record.duration)
+    durations = tuple(d for d in settings.durations if asked or d * MIN_INTERVALS <= record.duration)
     short = [d for d in durations if asked and not fits(record, d)]
     methods = measured.methods if measured.start.size == 1 else ()
     estimates = tuple(_whole(record, method, model, chosen) for method in methods)

@@ -21,7 +21,7 @@ from allanite.extending import BoolArray, Covariance, FloatArray, UsageError, sa
 
 from .row import Interval, RateEstimator, RateMeasurement, Task, linear
 
-REACH = 2 * 1.4826
+MAX_AWAY = 2 * 1.4826
 """Median absolute deviations from the median within which a line's slope is kept: two standard deviations."""
 
 
@@ -86,7 +86,7 @@ def regression_lines(interval: Interval, task: Task) -> tuple[FloatArray, BoolAr
     slopes = np.asarray(whole + centred * 12 / (length * (length + 1.0) * (length + 2.0)))
     away = np.abs(slopes - float(np.median(slopes)))
     allowed = task.options.allowed
-    reach = REACH * float(np.median(away)) if allowed is None else allowed / interval.size
+    reach = MAX_AWAY * float(np.median(away)) if allowed is None else allowed / interval.size
     kept = away <= reach
     if not kept.any():
         raise UsageError(f"no regression line is within {allowed:.3g} (SI) of their median; allow at least "

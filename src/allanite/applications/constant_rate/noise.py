@@ -29,7 +29,7 @@ BLOCKS = (1.0, 0.4, 0.2, 0.1)
 used.
 """
 
-HIDDEN = 1.2
+MIN_RATIO = 1.2
 """Ratio of standard errors from which noise that was not identified is mentioned."""
 
 
@@ -105,7 +105,7 @@ def _supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:
     absent = [e for e in fit if e.symbol not in present and e.upper is not None and TERMS[e.symbol].waveform is None]
     worst = Model((*model, *(Term(e.symbol, e.upper or 0.0, fit.signal) for e in absent)))
     bound, best = (rank(noise, size=n, rate=rate).best for noise in (worst, model))
-    if bound < HIDDEN * best:
+    if bound < MIN_RATIO * best:
         return model, ()
     unit = fit.signal.sheet[0]
     limits = ", ".join(str(worst[e.symbol]) for e in absent)

@@ -29,7 +29,7 @@ RATE_ESTIMATORS: dict[str, RateEstimator] = {
     row.name: row for row in (MEAN, HAMMING, REGRESSION, CONDITIONAL, STAIRCASE, OPTIMAL)
 }
 
-NEAR = 0.02
+MAX_LOSS = 0.02
 """Loss of accuracy that is not worth another method."""
 
 
@@ -158,11 +158,11 @@ class Ranking(Value):
         if not self.best > 0:
             return say("under this model the rate is measured without error")
         loss = self.ratio("mean") - 1
-        if loss <= NEAR:
+        if loss <= MAX_LOSS:
             return say(
                 "for this gyro averaging is already within {percent:.2g} % of the optimum", percent=max(100 * loss, 0.1)
             )
-        simple = [m for m in self.errors if self.ratio(m) <= 1 + NEAR and m != "optimal"]
+        simple = [m for m in self.errors if self.ratio(m) <= 1 + MAX_LOSS and m != "optimal"]
         use = simple[0] if simple else "optimal"
         gain = self.errors["mean"] / self.errors[use]
         if use == "optimal" and self.ratio("regression") < self.ratio("mean"):

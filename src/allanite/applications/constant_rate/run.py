@@ -121,7 +121,7 @@ def task_of(
     return Task(record.size, record.rate, whole, target, tuple(dither), options, pulse)
 
 
-MOST = 120
+MAX_INTERVALS = 120
 """Intervals of one measuring time, where times are compared: their scatter is known to 6.5 %; all seconds of 2 min."""
 
 
@@ -274,7 +274,7 @@ def by_duration(
     the record, are measured.
     """
     settings = settings or ExperimentSettings()
-    most = settings.most or MOST
+    most = settings.most or MAX_INTERVALS
     fitting = [d for d in durations if fits(record, d)]
     return tuple(experiment(record, model, replace(settings, interval=d, most=most)) for d in fitting)
 

@@ -22,16 +22,16 @@ from allanite.extending import (
 
 FloatArray = NDArray[np.float64]
 
-CLIPPED = 1e-3
+MAX_CLIPPED = 1e-3
 """Share of clipped samples above which noise coefficients are meaningless."""
 
-OFF = 0.05
+MAX_OFF_GRID = 0.05
 """Distance from the grid, in steps, up to which a reading printed with rounding lies on it."""
 
-OFTEN = 20
+MIN_OCCURRENCES = 20
 """Occurrences of the codes on both sides of one that never occurs, from which it is missing: by chance once in 1e8."""
 
-MOST = 1 << 24
+MAX_CODES = 1 << 24
 """Codes between the least and the largest up to which they are counted out."""
 
 
@@ -165,7 +165,7 @@ def demand_unclipped(record: Record, stage: Stage) -> int:
     values = record.values
     with np.errstate(invalid="ignore"):
         count = int(((values <= limits[0]) | (values >= limits[1])).sum())
-    if count > CLIPPED * values.size:
+    if count > MAX_CLIPPED * values.size:
         raise DataError(say("{clipped} of {samples} samples of {name!r} ({percent:.2g} %) are clipped at the ends of "
                             "{stage}: values beyond are missing, and the noise comes out too small. Use a larger "
                             "range, or a window without them ({option})", clipped=count, samples=values.size,
@@ -196,10 +196,10 @@ def codes(readings: FloatArray) -> Codes | None:
         return None
     x = x - x[0]
     grid = np.rint(x)
-    if np.mean(np.abs(x - grid) > OFF) > 1e-3 or np.ptp(grid) > MOST:
+    if np.mean(np.abs(x - grid) > MAX_OFF_GRID) > 1e-3 or np.ptp(grid) > MAX_CODES:
         return None
     count = np.bincount((grid - grid.min()).astype(np.int64))
     occurring = np.flatnonzero(count)
     gaps = np.diff(occurring) - 1
     beside = np.minimum(count[occurring[:-1]], count[occurring[1:]])
-    return Codes(occurring.size, count.size, int(gaps[beside >= OFTEN].sum()))
+    return Codes(occurring.size, count.size, int(gaps[beside >= MIN_OCCURRENCES].sum()))

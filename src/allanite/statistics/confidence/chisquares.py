@@ -28,16 +28,16 @@ from allanite.statistics.moments.compact import averaged
 from allanite.statistics.row import Statistic
 from allanite.terms import NoiseTerm
 
-WINDOWS = 96
+MAX_WINDOWS = 96
 """Windows of one row each that represent all."""
 
-FEW = 32
+MAX_WIDE_WINDOWS = 32
 """Windows of several rows that represent all."""
 
-SPACE = 10
+SUBSPACE = 10
 """Leading eigenvectors of one model that carry those of its neighbours."""
 
-STEPS = 5
+POWER_STEPS = 5
 """Power steps to them in a large matrix."""
 
 
@@ -51,7 +51,7 @@ class Eigenvalues(NamedTuple):
 def matrices(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, size: int) -> FloatArray:
     """The form under each term of size 1, shape (t, w, w)."""
     if row.differences:
-        at = _places(count, WINDOWS) * (1 if row.overlapped else m)
+        at = _places(count, MAX_WINDOWS) * (1 if row.overlapped else m)
         lags, where = np.unique(np.abs(np.subtract.outer(at, at)), return_inverse=True)
         C = np.array([lagsums.covariance_of_windows(row, term, m, lags) for term in terms])
         return np.asarray(C[:, where.ravel()].reshape(-1, at.size, at.size))
@@ -61,7 +61,7 @@ def matrices(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, siz
     weights, filters = row.window(short)
     _, sizes, factors = np.linalg.svd(np.sqrt(weights)[:, None] * filters, full_matrices=False)
     factors = (sizes[:, None] * factors)[sizes > 1e-9 * sizes[0]]
-    at, short_lags = _places(count, FEW), np.arange(1.0 - filters.shape[1], filters.shape[1])
+    at, short_lags = _places(count, MAX_WIDE_WINDOWS), np.arange(1.0 - filters.shape[1], filters.shape[1])
     apart, where = np.unique(np.subtract.outer(at, at), return_inverse=True)
     lag = np.abs(apart[:, None] * (short / m) + short_lags)
     D = np.array([averaged(term, short / m)(lag) for term in terms])
@@ -83,8 +83,8 @@ def spectra(forms: FloatArray, powers: FloatArray, leading: int) -> list[Eigenva
     # orthonormal columns that hold the leading eigenvectors of models near one with these squared coefficients
     mean = np.tensordot((powers / total[:, None]).mean(axis=0), forms, axes=1)
     width = len(mean)
-    vectors = np.cos(np.pi / width * np.outer(np.arange(width) + 0.5, np.arange(min(SPACE, width))))
-    for _ in range(STEPS):
+    vectors = np.cos(np.pi / width * np.outer(np.arange(width) + 0.5, np.arange(min(SUBSPACE, width))))
+    for _ in range(POWER_STEPS):
         vectors = mean @ np.linalg.qr(vectors)[0]
     both = np.concatenate((vectors[None], forms @ vectors))
     basis = np.linalg.qr(both.swapaxes(0, 1).reshape(width, -1))[0]
@@ -96,7 +96,7 @@ def spectra(forms: FloatArray, powers: FloatArray, leading: int) -> list[Eigenva
 def is_sharp(row: Statistic, count: int) -> bool:
     """Whether white angle noise cannot be in the matrix: its windows neither average it nor are all there."""
     if row.differences:
-        return not row.summed and count > WINDOWS
+        return not row.summed and count > MAX_WINDOWS
     return row.window is not None and row.scheme.sharp is not None
 
 
@@ -107,7 +107,7 @@ def _places(count: int, most: int) -> FloatArray:
 
 def _folded(terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
     """Second differences of the record folded back at its ends, as weights of its own points."""
-    middle = 1 + _places(size - 1, WINDOWS)
+    middle = 1 + _places(size - 1, MAX_WINDOWS)
     place, weight = [middle], [np.full(middle.size, -2.0)]
     for other in (middle - m, middle + m):
         end = np.where(other < 0, 0.0, np.where(other > size, float(size), other))
@@ -122,7 +122,7 @@ def _folded(terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
     return np.asarray(-0.5 * sum(w * half[..., at] for at, w in parts))
 
 
-NEAR = 1e-4
+MIN_DEVIATE = 1e-4
 """|t| in standard deviations below which the limit at the mean is taken."""
 
 
@@ -194,7 +194,7 @@ def _probability(r: FloatArray, v: FloatArray, skewness: FloatArray) -> FloatArr
 
     with np.errstate(divide="ignore", invalid="ignore"):
         probability = ndtr(r) + np.exp(-r * r / 2) / math.sqrt(2 * math.pi) * (1 / r - 1 / v)
-    return np.where(np.abs(v) < NEAR, 0.5 + skewness / (6 * math.sqrt(2 * math.pi)), probability)
+    return np.where(np.abs(v) < MIN_DEVIATE, 0.5 + skewness / (6 * math.sqrt(2 * math.pi)), probability)
 
 
 def _saddle(mixture: ChiSquareSum, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:

@@ -31,10 +31,10 @@ from allanite.terms import TERMS
 from .chisquares import ChiSquareSum, Eigenvalues, is_sharp, matrices, quantiles, spectra
 from .powerlaw import PowerLaw, identify_power_law
 
-MANY = 60.0
+MANY_EDF = 60.0
 """Degrees of freedom from which on a chi-square of as many is the law."""
 
-CERTAIN = 1e8
+MAX_EDF = 1e8
 """Degrees of freedom beyond which a law is as good as certain."""
 
 NO_SCATTER = 1e-15
@@ -43,11 +43,11 @@ NO_SCATTER = 1e-15
 LEADING = 3
 """Spectrum that are distinguished."""
 
-STRETCH = (0.5, 1.3)
+RESCALING = (0.5, 1.3)
 """Factor within which the approximate leading eigenvalues may be scaled to the exact degrees of freedom."""
 
 
-NOTHING = 1e-9
+MIN_SHARE = 1e-9
 """Share of a term below which it has none."""
 
 
@@ -115,14 +115,14 @@ class Local:
         kept = np.where(whole[:, 0] > 0, share @ self.kept, 1.0)
         inverse = np.einsum("ki,ij,kj->k", share, self.r, share) / kept
         edf = [max(1 / max(v, NO_SCATTER), 1.0) for v in inverse.tolist()]
-        few = np.array([e < MANY for e in edf])
+        few = np.array([e < MANY_EDF for e in edf])
         several = iter(self._several(share[few], scale[few], 1 / np.array(edf)[few]) if few.any() else [])
         laws = []
         for e, f in zip(edf, few, strict=True):
             law = next(several) if f else None
             if law is None:
                 weight, dof = np.zeros(LEADING + 2), np.ones(LEADING + 2)
-                dof[0] = min(e, CERTAIN)
+                dof[0] = min(e, MAX_EDF)
                 weight[0] = 1 / dof[0]
                 law = ChiSquareSum(weight, dof, np.array(0.0), np.array(0.0))
             laws.append((e, law))
@@ -196,13 +196,13 @@ def _mixture(
     if root < 0 or a == 0:
         return None
     f = min((-b + root**0.5) / (2 * a), mass / first)
-    if not STRETCH[0] <= f <= STRETCH[1]:
+    if not RESCALING[0] <= f <= RESCALING[1]:
         return None
     rest = max(mass - f * float(lead.sum()), 0.0)  # where f leaves nothing, what rounding leaves may be negative
     weight = np.array([*(f * lead), rest / nu, angle * own])
     dof = np.array([1.0] * LEADING + [nu, 1 / own if own else 1.0])
     # a third difference leaves of a ramp what rounding leaves
-    beside = max(between / (2 * ramp), 0.0) if ramp > NOTHING else 0.0
+    beside = max(between / (2 * ramp), 0.0) if ramp > MIN_SHARE else 0.0
     return ChiSquareSum(weight, dof, np.array(ramp), np.array(beside))
 
 

@@ -32,10 +32,10 @@ from allanite.terms import TERMS
 from .chisquares import table
 from .limits import at_point, stacked
 
-REACH, STEPS = 4.2, 22
+REACH, DEVIATES = 4.2, 22
 """Normal deviates between which the laws are tabulated, and how many."""
 
-BISECTIONS = 30
+MIXTURE_BISECTIONS = 30
 """Steps to a quantile."""
 
 FLATTENED = 0.3
@@ -68,7 +68,7 @@ class AveragedLaw(Portable):
         k, p = self.noise.weight.size, self.points.m.size
         each = [at_point(self.points, i, self.noise.terms).laws(self.noise.scale) for i in range(p)]
         edf, laws = stacked([each[i][j] for j in range(k) for i in range(p)])
-        x, deviate = (part.reshape(-1, k, p)[::-1] for part in table(laws, np.linspace(-REACH, REACH, STEPS)))
+        x, deviate = (part.reshape(-1, k, p)[::-1] for part in table(laws, np.linspace(-REACH, REACH, DEVIATES)))
         return 1 / (self.weight @ (1 / edf.reshape(k, p))), -np.log(x), -deviate
 
     def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -84,7 +84,7 @@ class AveragedLaw(Portable):
         _, logs, deviates = self.found
         shape = (p.size, logs.shape[-1])
         low, high = (np.broadcast_to(x, shape) for x in (logs[0].min(axis=0), logs[-1].max(axis=0)))
-        for _ in range(BISECTIONS):
+        for _ in range(MIXTURE_BISECTIONS):
             middle = (low + high) / 2
             below = self.weight @ ndtr(_between(logs, deviates, middle)) < p
             low, high = np.where(below, middle, low), np.where(below, high, middle)

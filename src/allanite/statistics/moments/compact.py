@@ -23,10 +23,10 @@ from allanite.terms import NoiseTerm
 
 from .lagsums import lag_nodes
 
-FAR = 20
+FAR_WINDOWS = 20
 """Windows' lengths beyond which a covariance is taken from derivatives of D: differences of D lose its digits there."""
 
-NOTHING = 1e-11
+MIN_EXPECTATION = 1e-11
 """What is left of an expectation, relative to its summands, where the window removes the term altogether."""
 
 TINY = 1e-60
@@ -93,7 +93,7 @@ def expectation(mean: FloatArray, structure: Structure) -> float:
     """E of a process with this D; an exact zero where the window removes it."""
     D = structure(np.abs(np.arange(mean.size) - mean.size // 2.0))
     total = float(mean @ D)
-    return 0.0 if abs(total) <= NOTHING * float(np.abs(mean) @ np.abs(D)) else total
+    return 0.0 if abs(total) <= MIN_EXPECTATION * float(np.abs(mean) @ np.abs(D)) else total
 
 
 def kinked_nodes(kinks: FloatArray, end: float) -> tuple[FloatArray, FloatArray]:
@@ -128,7 +128,7 @@ def products(
 ) -> tuple[FloatArray, FloatArray]:
     """E (t,) and T (t, t) of `count` windows, one sample apart, which is `step` of the window's own intervals."""
     lags, weights = lattice(window.points, step, count)
-    near = lags <= FAR * window.points
+    near = lags <= FAR_WINDOWS * window.points
     structures = [averaged(term, step) for term in terms]
     close = np.array([window.covariances(D, lags[near]).T for D in structures]).reshape(len(terms), -1, int(near.sum()))
     far = np.array([term.derivative(2 * order, lags[~near] / step) for term in terms])

@@ -25,7 +25,7 @@ from .lagsums import second_difference
 PRECISION = 1e-11
 """Residual, over that of the start, at which the conjugate gradients stop."""
 
-MOST = 500
+MAX_STEPS = 500
 """Steps of the conjugate gradients; they need 5 to 40."""
 
 
@@ -116,7 +116,7 @@ class Covariance:
         z = self._precondition(r)
         p, rho = z.copy(), float(r @ z)
         goal = PRECISION**2 * rho
-        for _ in range(MOST):
+        for _ in range(MAX_STEPS):
             if rho <= goal:
                 return v
             q = self.times(p)

@@ -113,7 +113,7 @@ def line_of(row: NoiseTerm) -> tuple[float, float, float] | None:
     return float(c[0] - c[2]) + 2 * slope, float(c[1] - c[2]) + slope, slope
 
 
-FAR = 40
+FAR_STRIDES = 40
 """A difference over m at a lag beyond FAR m is taken from derivatives: there it would lose its digits."""
 
 TAIL = 1000
@@ -130,7 +130,7 @@ class CovarianceField(NamedTuple):
     derivative: Callable[[int, FloatArray], FloatArray]
 
 
-NOTHING = CovarianceField(np.zeros_like, lambda _, t: np.zeros_like(t))
+NO_FIELD = CovarianceField(np.zeros_like, lambda _, t: np.zeros_like(t))
 """F of a polynomial that the differences remove."""
 
 
@@ -138,7 +138,7 @@ def field_of(row: Statistic, term: NoiseTerm) -> CovarianceField:
     """F: the structure function of what the row takes differences of."""
     degree = 2 * term.slope + 2 + 2 * row.summed  # of F
     if term.waveform is not None and degree < 2 * row.differences:
-        return NOTHING
+        return NO_FIELD
     if not row.summed:
         return CovarianceField(term.structure, term.derivative)
     D = term.derivative
@@ -221,7 +221,7 @@ def _covariance(field: CovarianceField, order: int, m: tuple[int, int], h: Float
 
 def _one_difference(field: CovarianceField, order: int, m: int, t: FloatArray) -> FloatArray:
     """Central difference of F(|t|) over m, shape of t."""
-    far = np.abs(t) > FAR * m
+    far = np.abs(t) > FAR_STRIDES * m
     result = np.empty_like(t)
     points = np.abs(t[~far] + (order / 2 - np.arange(order + 1.0))[:, None] * m)
     result[~far] = np.asarray(binomials(order) @ field.value(points))

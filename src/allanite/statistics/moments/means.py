@@ -35,7 +35,7 @@ QUARTERS = 4
 REFERENCES = 64
 """Windows whose covariances with all others represent those of all."""
 
-ENOUGH = 24
+MIN_WINDOWS = 24
 """Windows, at least, that a long averaging time is given."""
 
 
@@ -246,9 +246,9 @@ class MeanMoments:
 def mean_moments(row: Statistic, m: int, places: Places, size: int) -> MeanMoments:
     """Moments of the variance at m from means of the readings there."""
     most, readings = int(row.count(size, np.array([m]))[0]), There(places, size)
-    stride = max(1, min(m // QUARTERS, most // ENOUGH)) if row.overlapped else m
+    stride = max(1, min(m // QUARTERS, most // MIN_WINDOWS)) if row.overlapped else m
     windows = windows_of(row, m, readings, stride)
-    while row.overlapped and stride > 1 and windows.start.size < ENOUGH:  # those with readings are close together
+    while row.overlapped and stride > 1 and windows.start.size < MIN_WINDOWS:  # those with readings are close together
         stride //= 2
         windows = windows_of(row, m, readings, stride)
     return MeanMoments(windows)

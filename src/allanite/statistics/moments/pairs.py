@@ -22,16 +22,16 @@ from allanite.terms import NoiseTerm
 
 from .compact import averaged, extrapolation, kinked_nodes, sampled, slower, white_level
 from .lagsums import lag_nodes, responses
-from .profile import BESIDE, LagProfile, Windows, profile_of, total
+from .profile import SAMPLES_BEYOND, LagProfile, Windows, profile_of, total
 from .windowed import relative, response
 
-POINTS = 750
+MAX_WHOLE_POINTS = 750
 """Points of the longer window up to which both are taken as they are."""
 
-SHORT = 320
+REDUCED_POINTS = 320
 """Points of two windows together that longer ones are reduced to."""
 
-LEAST = {1: 8, 2: 4}
+MIN_FACTOR = {1: 8, 2: 4}
 """By the power of the extrapolation: the least averaging factor of the shorter of two reduced windows."""
 
 
@@ -41,7 +41,7 @@ def whole_lattice(p: int, q: int, counts: tuple[float, float]) -> tuple[FloatArr
     `counts` are the numbers of windows: of both, the first one starts with the record.
     """
     first, end = -((q - p) // 2), math.ceil(max(counts[1], p - q + counts[0])) - 1
-    near = min(end, p + BESIDE)
+    near = min(end, p + SAMPLES_BEYOND)
     s, weight = np.arange(first, near + 1.0), np.ones(near + 1 - first)
     if end > near:
         rest, weights = lag_nodes([float(near)], float(end))
@@ -103,7 +103,7 @@ class WindowPair(NamedTuple):
     @property
     def whole(self) -> bool:
         """Whether they are taken as they are."""
-        return self.rows[1].span[0] * self.m[1] < POINTS
+        return self.rows[1].span[0] * self.m[1] < MAX_WHOLE_POINTS
 
     @property
     def power(self) -> int:
@@ -161,11 +161,11 @@ class Pairs:
             return self._whole(pair)
         a, b = pair.span
         (m, k), step = pair.m, pair.rows[1].step
-        least = LEAST[pair.power]
-        widest = (POINTS - 1) / (b * m) if m <= least else (SHORT / least - a) / b
+        least = MIN_FACTOR[pair.power]
+        widest = (MAX_WHOLE_POINTS - 1) / (b * m) if m <= least else (REDUCED_POINTS / least - a) / b
         if k <= widest * m:
             # averaging factors of the shorter window, as even or odd as m, the largest below `top`
-            even, top = max(pair.rows[0].step, 2), SHORT / (a + b * k / m)
+            even, top = max(pair.rows[0].step, 2), REDUCED_POINTS / (a + b * k / m)
             tops = [int(top / 2**i) for i in range(3 if pair.power == 1 else 2)]
             levels = sorted({max(n - (n - m) % even, m % even + even) for n in tops})
             reduced = []

@@ -25,11 +25,11 @@ from allanite.core.arrays import FloatArray, IntArray
 from allanite.statistics.row import Statistic, Window
 from allanite.terms import NoiseTerm
 
-from .compact import FAR, averaged, slower
+from .compact import FAR_WINDOWS, averaged, slower
 from .lagsums import FAR_LAG as SMOOTH
 from .lagsums import far_difference, line_of, second_difference
 
-BESIDE, AFTER, FARTHEST = 64, 80, 600
+SAMPLES_BEYOND, NODES_BEYOND, MIN_END = 64, 80, 600
 """Distances beyond the last kink where c is taken at every sample, nodes of the smooth rest, and its least end."""
 
 INSIDE = (0.5 - 0.05**0.5, 0.5 + 0.05**0.5)
@@ -87,8 +87,8 @@ def profile_of(
     sizes = len(first.A), len(second.A)
     last = sum(sizes) / 2
     nodes = np.array([0.0, *INSIDE]) if between else np.zeros(1)
-    kinks = np.arange(last % 1, last + 1.5 + (0 if between else BESIDE))
-    beyond = last + np.geomspace(kinks[-1] - last, max(2 * FAR * (last + 1), FARTHEST), AFTER)
+    kinks = np.arange(last % 1, last + 1.5 + (0 if between else SAMPLES_BEYOND))
+    beyond = last + np.geomspace(kinks[-1] - last, max(2 * FAR_WINDOWS * (last + 1), MIN_END), NODES_BEYOND)
     # the first lag of the rates of two windows at these distances
     start = np.append(kinks[:-1, None] + nodes, beyond) - (last - 1)
     C = [_lagged(term, start, sum(sizes) - 1, kinks.size - 1) for term in terms]
@@ -112,7 +112,7 @@ def profile_of(
     )
     scale = np.sqrt(E.prod(axis=0))
     c /= np.outer(scale, scale)[..., None]
-    near = start.size - AFTER
+    near = start.size - NODES_BEYOND
     return LagProfile(E, sizes, last % 1, last, nodes, c[..., :near], beyond, c[..., near:], 2.0 * order - 4)
 
 
@@ -166,7 +166,7 @@ def _lagged(term: NoiseTerm, start: FloatArray, size: int, cells: int) -> FloatA
 
     The starts are equally spaced in `cells` rows, but for some at the end.
     """
-    nodes = (start.size - AFTER) // cells
+    nodes = (start.size - NODES_BEYOND) // cells
     h = np.arange(size)
     C = np.empty((start.size, size))
     for i in range(nodes):
@@ -209,7 +209,7 @@ def _gathered(places: IntArray, weights: FloatArray, size: int) -> FloatArray:
     return np.asarray(np.bincount(places.ravel(), weights.ravel(), size), dtype=np.float64)
 
 
-MOST = 2**19
+MAX_SAMPLES = 2**19
 """Samples of a window above which all is done in a record of fewer samples that lasts as long."""
 
 
@@ -273,18 +273,18 @@ def crossed(rows: Sequence[Statistic], m: IntArray, size: int, terms: Sequence[N
     """
     span = np.array([row.span[0] * k for row, k in zip(rows, m.tolist(), strict=True)])
     free = [i for i in np.argsort(span, kind="stable").tolist() if rows[i].order < 3]
-    short = [i for i in free if span[i] <= MOST]
+    short = [i for i in free if span[i] <= MAX_SAMPLES]
     ends = {i: ends_of(rows[i], int(m[i]), size) for i in short}
     T = np.zeros((m.size, m.size, len(terms)))
     if len(short) < len(free):
-        coarser = -(-int(span[free].max()) // MOST)
+        coarser = -(-int(span[free].max()) // MAX_SAMPLES)
         step = np.array([row.step for row in rows])
         fewer = np.maximum(np.rint(m / coarser / step).astype(np.int64), 1) * step
         T = crossed(rows, fewer, size // coarser, [slower(term, 1 / coarser, averaged) for term in terms])
         own = np.ones(m.size)
         own[short] = [ends[i].mass / ends_of(rows[i], int(fewer[i]), size // coarser).mass / coarser for i in short]
         T *= np.outer(own, own)[..., None]
-    tables = [second_difference(term, min(size, 2 * MOST)) / 2 if short and not line_of(term) else np.empty(0)
+    tables = [second_difference(term, min(size, 2 * MAX_SAMPLES)) / 2 if short and not line_of(term) else np.empty(0)
               for term in terms]  # fmt: skip
     for n, b in enumerate(short, 1):
         T[short[:n], b] = T[b, short[:n]] = _with(ends[b], [ends[a] for a in short[:n]], terms, tables)

@@ -17,10 +17,10 @@ from allanite.statistics.table import STATISTICS, statistic_named
 RESOLVED = 1 / 8
 """Averaging time times the resolution of the spectrum, at most: the transfer function peaks near 0.37/tau."""
 
-FINE = 8
+POINTS_PER_PERIOD = 8
 """Points of the integral in each period of the transfer function."""
 
-MOST = 4096
+MAX_BAND_POINTS = 4096
 """Points in a band, beyond which only the mean over many periods counts."""
 
 
@@ -120,7 +120,8 @@ def _integral(spectrum: Spectrum, row: Statistic, m: int) -> float:
     inner = start + np.cumsum(spectrum.width[:-1])
     edges = np.concatenate(([0.0, start], np.minimum(inner, spectrum.rate / 2), [spectrum.rate / 2]))
     width = np.diff(edges)
-    points = np.clip(np.ceil(FINE * row.differences * m * width / spectrum.rate), 1, MOST).astype(np.int64)
+    wanted = np.ceil(POINTS_PER_PERIOD * row.differences * m * width / spectrum.rate)
+    points = np.clip(wanted, 1, MAX_BAND_POINTS).astype(np.int64)
     first = np.repeat(np.cumsum(points) - points, points)
     inside = (np.arange(points.sum()) - first + 0.5) * np.repeat(width / points, points)
     f = (np.repeat(edges[:-1], points) + inside) / spectrum.rate

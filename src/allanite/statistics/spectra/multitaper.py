@@ -16,7 +16,7 @@ from .raw_spectrum import Raw, demand_frequencies
 LARGEST_TAPERS = 2**16
 """Length up to which tapers are computed; longer ones are interpolated, with an error of 1e-8."""
 
-SHORT = 4096
+SHAPE_LENGTH = 4096
 """Length at which the shape of the tapers is looked at."""
 
 
@@ -89,7 +89,7 @@ class Multitaper:
         for weight, taper in zip(weights, tapers, strict=True):
             density += weight * np.abs(rfft(y * taper)[first : (y.size + 1) // 2]) ** 2
         df = record.rate / y.size
-        overlap, bandwidth = _shape(self.bandwidth, tuple(weights.tolist()), min(y.size, SHORT))
+        overlap, bandwidth = _shape(self.bandwidth, tuple(weights.tolist()), min(y.size, SHAPE_LENGTH))
         return Raw(first, df, y.size, density / record.rate, overlap, bandwidth * df)
 
 

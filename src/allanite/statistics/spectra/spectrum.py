@@ -22,7 +22,7 @@ from .welch import Welch
 METHODS: dict[str, SpectralEstimator] = {"welch": Welch(), "multitaper": Multitaper()}
 """Methods by name, with their default settings."""
 
-MOST = 1_000_000
+MAX_PER_DECADE = 1_000_000
 """Most values per decade: edges between them are computed before frequencies are counted."""
 
 
@@ -123,8 +123,9 @@ def _starts(first: int, size: int, bins: int | None) -> IntArray:
         return np.arange(size)
     if isinstance(bins, bool) or not isinstance(bins, (int, np.integer)) or bins < 1:
         raise UsageError(f"bins must be the number of values per decade, at least 1, not {bins!r}")
-    if bins > MOST:
-        raise UsageError(f"a spectrum has at most {MOST} values per decade, not {bins}: omit bins to have all")
+    if bins > MAX_PER_DECADE:
+        raise UsageError(f"a spectrum has at most {MAX_PER_DECADE} values per decade, not {bins}: omit bins to have "
+                         "all")  # fmt: skip
     decades = math.log10((first + size) / first)
     # edges lie half way between frequencies
     edges = (first - 0.5) * 10 ** (np.arange(math.ceil(decades * bins) + 1) / bins)

@@ -27,10 +27,10 @@ WINDOWS: dict[str, tuple[float, ...]] = {
 Those of scipy.signal, which takes a second to import; the number of cosines says which frequencies are omitted.
 """
 
-LONGEST = 2**22
+MAX_SEGMENT = 2**22
 """Samples of a segment of a record that is read in parts, at most."""
 
-AT_ONCE = 2**22
+BATCH_SAMPLES = 2**22
 """Samples that are transformed at once: what bounds the memory."""
 
 
@@ -95,13 +95,13 @@ class Welch:
 
         Without `segment`, segments are an eighth of the record, but at most `LONGEST` samples.
         """
-        usual = min(max(size // 8, 64), LONGEST)
+        usual = min(max(size // 8, 64), MAX_SEGMENT)
         length = usual if self.segment is None else round(self.segment * record.rate)
-        if length > LONGEST:
+        if length > MAX_SEGMENT:
             raise UsageError(
                 f"a segment of {self.segment:g} s is {length} samples, and a record that is read in parts has "
-                f"segments of at most {LONGEST}: give {spelled('--segment', 'segment=')} up to "
-                f"{LONGEST / record.rate:.6g} s"
+                f"segments of at most {MAX_SEGMENT}: give {spelled('--segment', 'segment=')} up to "
+                f"{MAX_SEGMENT / record.rate:.6g} s"
             )
         demand_frequencies((length + 1) // 2 - len(WINDOWS[self.window]), record)
         return Periodograms(self.window, length)
@@ -165,7 +165,7 @@ class Periodograms:
 
         segments = np.lib.stride_tricks.sliding_window_view(run, w.size)[:: self.hop]
         power = np.zeros(w.size // 2 + 1)
-        group = max(1, AT_ONCE // w.size)
+        group = max(1, BATCH_SAMPLES // w.size)
         for start in range(0, len(segments), group):
             part = segments[start : start + group]
             part = (part - part.mean(axis=1, keepdims=True)) * w
