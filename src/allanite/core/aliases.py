@@ -12,8 +12,7 @@ from .errors import UsageError, WrongTypeError, given
 if TYPE_CHECKING:
     import numpy as np
 
-ALIASES = {"fs": "rate"}
-"""Names of arguments in other libraries: the name here."""
+ALIASES = {"fs": "rate"}  # names of arguments in other libraries: the name here
 
 F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")

@@ -14,8 +14,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-RATES = (1e-9, 1e15)
-"""Sampling rates, Hz: beyond them powers of averaging times are not numbers any more."""
+RATES = (1e-9, 1e15)  # sampling rates, Hz: beyond them powers of averaging times are not numbers any more
 
 LARGEST = 1e30
 """Size of rates, accelerations and coefficients, SI, to which, and down to whose inverse, eighth powers are numbers."""

@@ -15,8 +15,7 @@ import numpy as np
 
 from .arrays import LARGEST, RATES
 
-MAX_ITEMS = 1000
-"""Items of a sequence that are looked at."""
+MAX_ITEMS = 1000  # items of a sequence that are looked at
 
 SIZES = {"rate": ("the sampling rate", *RATES, "Hz")}
 """The least and the largest number of a name; of other names, functions refuse what is infinite or not a number."""

@@ -95,8 +95,7 @@ def noise_choice(value: ModelLike | Literal["auto"] | None) -> Averaged | Litera
     return models if isinstance(models, Averaged) else averaged([value], [1.0])
 
 
-WEAK = 0.25
-"""Relative standard error above which an identified term is called weak."""
+WEAK = 0.25  # relative standard error above which an identified term is called weak
 
 
 class Status(NamedTuple):

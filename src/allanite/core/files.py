@@ -15,8 +15,7 @@ from .errors import UsageError, given
 
 PathLike = str | os.PathLike[str]
 
-DRAFTS = ".allanite-*.part"
-"""Pattern of the names of drafts."""
+DRAFTS = ".allanite-*.part"  # pattern of the names of drafts
 
 
 def encoded(text: str) -> bytes:

@@ -49,8 +49,7 @@ class Component(Value):
         return f"{self.words or self.name}, weight {self.weight:.2f}"
 
 
-MIN_P = 0.01
-"""p-value of the goodness of fit below which the model does not explain the record."""
+MIN_P = 0.01  # p-value of the goodness of fit below which the model does not explain the record
 
 REJECTED = say("the model does not explain the record")
 """Reason why the coefficients are not valid if the model does not explain the record."""

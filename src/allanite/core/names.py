@@ -8,11 +8,8 @@ from .errors import UsageError, given
 
 Row = TypeVar("Row")
 
-ALIKE = 0.7
-"""Similarity, 0 to 1, from which a known name may be the one that was meant."""
-
-LISTED = 12
-"""Number of names up to which a message lists all of them although it suggests one."""
+ALIKE = 0.7  # similarity, 0 to 1, from which a known name may be the one that was meant
+LISTED = 12  # number of names up to which a message lists all of them although it suggests one
 
 
 def nearest(name: object, known: Iterable[str]) -> str:

@@ -14,11 +14,8 @@ from .limits import demand_stored_rate
 from .names import unknown
 from .units import Signal
 
-VERSION = 1
-"""Version of the plain data, stored under "allanite"."""
-
-MAX_REPR = 120
-"""Maximum length of a `repr`."""
+VERSION = 1  # version of the plain data, stored under "allanite"
+MAX_REPR = 120  # maximum length of a `repr`
 
 TYPES: "dict[str, type[Value]]" = {}
 """Every kind of value that is imported, by its "type"; a class is here as soon as it is defined."""

@@ -7,8 +7,7 @@ from itertools import pairwise
 
 from .errors import UsageError
 
-AS = {"s": "100..160,300..310", "Hz": "0.4..2.1,19..20"}
-"""An example of pieces in each unit."""
+AS = {"s": "100..160,300..310", "Hz": "0.4..2.1,19..20"}  # an example of pieces in each unit
 
 
 def demand_ranges(ranges: object) -> dict[str, tuple[float, float]]:

@@ -293,11 +293,8 @@ class Recording(Value):
 
 
 NEEDED = {"rate": "a sampling rate", "unit": "a unit"}
-EXAMPLE = {"rate": 100, "unit": "deg/s"}
-"""What samples need to become a record, and what is typed."""
-
-READERS = "allanite.readers"
-"""The package that reads tables; it is imported when one is given."""
+EXAMPLE = {"rate": 100, "unit": "deg/s"}  # what samples need to become a record, and what is typed
+READERS = "allanite.readers"  # the package that reads tables; it is imported when one is given
 
 Samples = Record | ArrayLike
 """A record, or samples that become one: an array, or a column of pandas or polars."""

@@ -10,8 +10,7 @@ from .fit import REJECTED, Fit, Goodness, chance, tested
 from .plain import Value
 from .validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, Finding, Scope, worst
 
-MIN_CHECK_P = 1e-3
-"""p-value of a check below which the model does not explain the record."""
+MIN_CHECK_P = 1e-3  # p-value of a check below which the model does not explain the record
 
 
 @dataclass(frozen=True, repr=False)

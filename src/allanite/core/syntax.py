@@ -168,8 +168,7 @@ def identifiers(names: Sequence[str], word: str, *, longest: int = 24, taken: It
     return result
 
 
-NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")
-"""A number at the begin of a word."""
+NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")  # a number at the begin of a word
 
 
 def split_quantities(words: list[str]) -> list[tuple[float, str]]:

@@ -26,11 +26,8 @@ SPELLINGS: dict[str, str] = {
     "tesla": "T",
 }  # fmt: skip
 
-SIGNS = {"√(": "sqrt(", "µ": "u", "μ": "u", "·": "*"}
-"""Signs of units that are no words."""
-
-RAISED = str.maketrans("-.0123456789", "⁻·⁰¹²³⁴⁵⁶⁷⁸⁹")
-"""How the letters of a power are printed."""
+SIGNS = {"√(": "sqrt(", "µ": "u", "μ": "u", "·": "*"}  # signs of units that are no words
+RAISED = str.maketrans("-.0123456789", "⁻·⁰¹²³⁴⁵⁶⁷⁸⁹")  # how the letters of a power are printed
 
 _LOWERED = {chr(raised): chr(letter) for letter, raised in RAISED.items()}
 _RAISED = re.compile("⁻?[⁰¹²³⁴-⁹]+(?:·[⁰¹²³⁴-⁹]+)?")
@@ -126,8 +123,7 @@ ATOMS: dict[str, tuple[float, Dimension]] = {
     for prefix in ("", *prefixes)
 }
 
-MAX_LETTERS, MAX_SIZE = 200, 1e60
-"""Letters of a unit, and its size in SI, at most."""
+MAX_LETTERS, MAX_SIZE = 200, 1e60  # letters of a unit, and its size in SI, at most
 
 USUAL = (
     "deg/s", "deg/h", "rad/s", "mdeg/s", "arcsec", "deg", "rad", "g", "mg", "ug", "m/s^2", "m/s", "deg/sqrt(h)",
@@ -141,8 +137,7 @@ _ROOT = re.compile(
 )
 """A square root as data sheets write it: rt-hr, rt(h), root-hour, rtHz."""
 
-_BARE_POWER = re.compile(r"(?<=[A-Za-z])(-?[1-9])\b")
-"""A power as written in headers: m/s2, rad s-1."""
+_BARE_POWER = re.compile(r"(?<=[A-Za-z])(-?[1-9])\b")  # a power as written in headers: m/s2, rad s-1
 
 _TOKEN = re.compile(r"\s*(?:(\d+(?:\.\d*)?(?:[eE][-+]?\d+)?|\.\d+)|([A-Za-z°º_]+)|(\^-|.))")
 

@@ -11,8 +11,7 @@ from .arrays import BoolArray, FloatArray
 from .errors import UsageError
 from .plain import Value
 
-MOTION = ("moving", "body moved")
-"""Names of the findings of motion."""
+MOTION = ("moving", "body moved")  # names of the findings of motion
 
 
 @dataclass(frozen=True, repr=False)
@@ -89,8 +88,7 @@ ROUGHLY = 0.3
 SETTLED = 10.0
 """Multiple of the period of a filter's cut-off beyond which it lowers a deviation by a few per cent at most."""
 
-GRADES = (EXPLAINED, APPROXIMATE, UNEXPLAINED)
-"""How well a model describes a record, from best to worst."""
+GRADES = (EXPLAINED, APPROXIMATE, UNEXPLAINED)  # how well a model describes a record, from best to worst
 
 
 def worst(*grades: str) -> str:
@@ -118,8 +116,7 @@ def demand_band(band: object) -> None:
         raise UsageError(f"a band must be 'auto', 'all' or two frequencies in Hz, not {band!r}")
 
 
-STOPPED = 0.1
-"""Gain below which a mask is the stop band of a filter."""
+STOPPED = 0.1  # gain below which a mask is the stop band of a filter
 
 
 @dataclass(frozen=True, repr=False)

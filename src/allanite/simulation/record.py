@@ -14,11 +14,8 @@ from allanite.core.plain import Header, Value
 from allanite.core.record import Record, Recording
 from allanite.phrases.phrase import say, spelled
 
-MAX_SAMPLES = 10_000_000_000
-"""Most samples of a simulated record, which would take 80 GB."""
-
-LONGER = (1, 2, 4, 8, 16)
-"""Lengths of embeddings that are tried, over that of the record."""
+MAX_SAMPLES = 10_000_000_000  # most samples of a simulated record, which would take 80 GB
+LONGER = (1, 2, 4, 8, 16)  # lengths of embeddings that are tried, over that of the record
 
 
 @public

@@ -108,8 +108,7 @@ Quarter pulses, and an angle noise that keeps within bounds; whole pulses would 
 is as good as Hamming's window: no single noise fits all tables.
 """
 
-RING_LASERS: dict[str, RingLaser] = {"gl1": GL1, "gl1-smooth": GL1_SMOOTH}
-"""Ring laser gyros by name."""
+RING_LASERS: dict[str, RingLaser] = {"gl1": GL1, "gl1-smooth": GL1_SMOOTH}  # ring laser gyros by name
 
 
 @public

@@ -44,8 +44,7 @@ MIN_NOISE_SHARE = 0.05
 Below this ratio the joints dominate, and the slow noise could only be guessed.
 """
 
-PATIENCE = 60.0
-"""Duration in seconds above which a warning is given."""
+PATIENCE = 60.0  # duration in seconds above which a warning is given
 
 
 def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own

@@ -20,8 +20,7 @@ from .estimator import WindowMeans, estimate, integrated
 from .row import Statistic
 from .table import statistic_named
 
-MIN_SAMPLES = 8
-"""Minimum number of samples in a window."""
+MIN_SAMPLES = 8  # minimum number of samples in a window
 
 
 @public

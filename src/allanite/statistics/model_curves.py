@@ -18,14 +18,9 @@ from allanite.statistics.moments.expect import expected
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import statistic_named
 
-DEFAULT_TIMES = (1e-2, 1e4)
-"""Averaging times of a single term, s."""
-
-MARGIN = 30.0
-"""Ratio of the first and last averaging time to the times at which one term takes over from another."""
-
-TIMES_PER_DECADE = 20
-"""Averaging times a decade if there is no sampling rate."""
+DEFAULT_TIMES = (1e-2, 1e4)  # averaging times of a single term, s
+MARGIN = 30.0  # ratio of the first and last averaging time to the times at which one term takes over from another
+TIMES_PER_DECADE = 20  # averaging times a decade if there is no sampling rate
 
 
 @dataclass(frozen=True, eq=False, repr=False)

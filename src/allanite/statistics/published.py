@@ -12,8 +12,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 
-MAX_LAGS = 100
-"""Lags that are summed."""
+MAX_LAGS = 100  # lags that are summed
 
 TABLE_1 = {
     2: ((2 / 3, 1 / 3), (7 / 9, 1 / 2), (22 / 25, 2 / 3)), 1: ((0.840, 0.345), (0.997, 0.616), (1.141, 0.843)),
@@ -29,8 +28,7 @@ TABLE_2 = {
 }  # fmt: skip
 """Those of table 2."""
 
-TABLE_3 = ((6.0, 4.0), (15.23, 12.0), (47.8, 40.0))
-"""Those of table 3, for alpha = 1."""
+TABLE_3 = ((6.0, 4.0), (15.23, 12.0), (47.8, 40.0))  # those of table 3, for alpha = 1
 
 
 def _angle(t: FloatArray, alpha: int) -> FloatArray:

@@ -22,11 +22,8 @@ from allanite.statistics import deviation
 FLOOR = math.sqrt(2 * math.log(2) / math.pi)
 """Allan deviation of flicker over B: 0.66428. (The 0.6648 of some texts is a misprint.)"""
 
-MIN_COMPLETE_MEANS = 2
-"""Minimum number of complete means."""
-
-MIN_EDF = 10.0
-"""Minimum degrees of freedom of a point for the minimum."""
+MIN_COMPLETE_MEANS = 2  # minimum number of complete means
+MIN_EDF = 10.0  # minimum degrees of freedom of a point for the minimum
 
 
 class Stability(NamedTuple):
@@ -141,20 +138,11 @@ def minimum(curve: Curve) -> Minimum:
     return Minimum(value / FLOOR, value, float(curve.tau[lowest]), lowest < last)
 
 
-USUAL_TIME = 1.0
-"""Averaging time, s, at which the angle random walk is read."""
-
-MEAN_TIMES = (10.0, 100.0)
-"""Averaging times, s, of the N-second stability of data sheets."""
-
-MIN_STABILITY_MEANS = 10
-"""Minimum number of means for which their standard deviation is given."""
-
-MIN_SUCCESSIVE = 8
-"""Minimum number of successive windows at an averaging time."""
-
-MIN_RANGE = 2.0
-"""Ratio of averaging times below which a range is too narrow for a slope."""
+USUAL_TIME = 1.0  # averaging time, s, at which the angle random walk is read
+MEAN_TIMES = (10.0, 100.0)  # averaging times, s, of the N-second stability of data sheets
+MIN_STABILITY_MEANS = 10  # minimum number of means for which their standard deviation is given
+MIN_SUCCESSIVE = 8  # minimum number of successive windows at an averaging time
+MIN_RANGE = 2.0  # ratio of averaging times below which a range is too narrow for a slope
 
 
 @dataclass(frozen=True, eq=False)

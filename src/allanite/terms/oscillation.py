@@ -15,8 +15,7 @@ from .row import Block, FloatArray, NoiseTerm, Parameter
 CRITICAL = 1e-7
 """Distance from critical damping, where both time constants are equal, at which the functions are evaluated."""
 
-PERIODS, HIGHEST = 10.0, 0.4
-"""Natural frequencies that are looked for: periods in the record, and periods a sample."""
+PERIODS, HIGHEST = 10.0, 0.4  # natural frequencies that are looked for: periods in the record, and periods a sample
 
 DAMPINGS = (0.01, 0.9)
 """Damping ratios that are looked for: a weaker one is that of a sinusoid, a stronger one of Gauss-Markov noise."""

@@ -18,8 +18,7 @@ from .solve import Solution, System, solve
 
 Prior = tuple[float, float]
 
-MAX_PHASE = 0.2
-"""Phase shift of a harmonic by the error itself, rad, above which the linear model is doubtful."""
+MAX_PHASE = 0.2  # phase shift of a harmonic by the error itself, rad, above which the linear model is doubtful
 
 
 @dataclass(frozen=True, eq=False, repr=False)

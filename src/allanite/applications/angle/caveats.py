@@ -11,14 +11,9 @@ from .geometry import Gimbals
 from .solve import correlation_of
 from .squareroot import SquareRoot
 
-ALIKE = 0.9
-"""Correlation above which two amplitudes are hardly distinguished."""
-
-DISTURBED = 1.5
-"""Growth of a standard error by the auto-compensating rotation above which it is reported."""
-
-UNTOLD = 0.8
-"""Standard error over the prior's, above which the samples say little."""
+ALIKE = 0.9  # correlation above which two amplitudes are hardly distinguished
+DISTURBED = 1.5  # growth of a standard error by the auto-compensating rotation above which it is reported
+UNTOLD = 0.8  # standard error over the prior's, above which the samples say little
 
 
 def caveats(

@@ -29,11 +29,8 @@ from .solve import Solution, System, correlation_of, solve
 MAX_SECTORS = 4096
 """Most parts of a turn in which what is left over is averaged, to look for harmonics up to a quarter as many."""
 
-FALSE_ALARM = 1e-3
-"""Probability of a false detection of a further harmonic."""
-
-MAX_SCATTER = 0.5
-"""Phase of the highest harmonic, rad, that the scatter of the two angles may amount to at most."""
+FALSE_ALARM = 1e-3  # probability of a false detection of a further harmonic
+MAX_SCATTER = 0.5  # phase of the highest harmonic, rad, that the scatter of the two angles may amount to at most
 
 
 @public

@@ -20,11 +20,8 @@ from allanite.extending import LARGEST, DataError, FloatArray, UnitError, UsageE
 from .checks import column, demand_increasing
 from .motion import Ring, Sway, angles_of, horizontal, sway_of, turned, vector
 
-EARTH_RATE = 7.292115e-5
-"""Rate of the earth against the stars, rad/s."""
-
-QUARTER = 0.5 * math.pi / EARTH_RATE
-"""Time from h = 0 to the extreme of h, s."""
+EARTH_RATE = 7.292115e-5  # rate of the earth against the stars, rad/s
+QUARTER = 0.5 * math.pi / EARTH_RATE  # time from h = 0 to the extreme of h, s
 
 Q_LAWS: dict[str, Callable[[FloatArray, float], FloatArray]] = {
     "exact": lambda H, latitude: np.unwrap(np.arctan2(np.cos(H), -math.sin(latitude) * np.sin(H))),

@@ -26,8 +26,7 @@ from .solve import Solution, quantile
 
 Orders = Sequence[int] | Mapping[str, Sequence[int]]
 
-EQUATORIAL = ("h", "q")
-"""The sensors that are estimated unless others are named."""
+EQUATORIAL = ("h", "q")  # the sensors that are estimated unless others are named
 
 
 class Nuisance(NamedTuple):
@@ -109,8 +108,7 @@ def design(
     return (*amplitude_names(harmonics), *nuisance), np.column_stack([*blocks, *columns])
 
 
-MAX_P = 0.01
-"""p-value below which an amplitude is called identified."""
+MAX_P = 0.01  # p-value below which an amplitude is called identified
 
 
 def waves(angle: FloatArray, orders: tuple[int, ...]) -> FloatArray:
@@ -130,8 +128,7 @@ def orders_of(orders: Any, what: str = "orders") -> tuple[int, ...]:
     return whole
 
 
-COLUMNS = {"orders": "order", "sine": "S", "cosine": "C"}
-"""Keys of a stored term, by the attribute."""
+COLUMNS = {"orders": "order", "sine": "S", "cosine": "C"}  # keys of a stored term, by the attribute
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -17,11 +17,8 @@ from .motion import Ring, Sway, sway_of
 from .solve import correlation_of
 from .squareroot import batch
 
-MAX_READINGS = 4096
-"""Samples of one window of a scan; more are thinned, their noise averaged."""
-
-START_STEP = 300.0
-"""Between the starts of a scan, s: finer than anybody schedules, and than the total changes."""
+MAX_READINGS = 4096  # samples of one window of a scan; more are thinned, their noise averaged
+START_STEP = 300.0  # between the starts of a scan, s: finer than anybody schedules, and than the total changes
 
 
 @dataclass(frozen=True, repr=False)

@@ -24,8 +24,7 @@ from allanite.extending import (
 
 from .squareroot import SquareRoot, batch
 
-PASSED = 0.01
-"""p-value below which a test has failed."""
+PASSED = 0.01  # p-value below which a test has failed
 
 
 @dataclass(frozen=True, repr=False)
@@ -232,14 +231,9 @@ def quantile(level: float, freedom: float) -> float:
     return float(ndtri(above) if math.isinf(freedom) else stdtrit(freedom, above))
 
 
-VAGUE = 1e7
-"""A prior deviation, in units of what one reading tells of a constant, that no result notices."""
-
-SINGULAR = 1e-12
-"""Singular value over the largest, below which a combination of constants is not seen at all."""
-
-CHECKPOINTS = 200
-"""Instants of the history that are kept."""
+VAGUE = 1e7  # a prior deviation, in units of what one reading tells of a constant, that no result notices
+SINGULAR = 1e-12  # singular value over the largest, below which a combination of constants is not seen at all
+CHECKPOINTS = 200  # instants of the history that are kept
 
 
 class System(NamedTuple):

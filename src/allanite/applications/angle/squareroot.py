@@ -10,8 +10,7 @@ import numpy as np
 
 from allanite.extending import FloatArray, Value
 
-BLOCK = 4096
-"""Rows that the batch form takes at a time: what they need stays in the cache."""
+BLOCK = 4096  # rows that the batch form takes at a time: what they need stays in the cache
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -88,11 +88,8 @@ def _spelled(axes: Axes | str) -> str:
     return spelled(f"--axes {axes}", f"axes='{axes}'")
 
 
-FASTEST = 50.0
-"""Rate, rad/s, above which the unit is doubted."""
-
-PLAUSIBLE = 0.2
-"""Deviation of the mean specific force from g, relative, beyond which the unit is doubted."""
+FASTEST = 50.0  # rate, rad/s, above which the unit is doubted
+PLAUSIBLE = 0.2  # deviation of the mean specific force from g, relative, beyond which the unit is doubted
 
 STEEP = math.cos(math.radians(89.0))
 

@@ -36,14 +36,9 @@ from allanite.extending import (
 GRAVITY = convert(1.0, "g", "m/s^2")
 SENSORS = ("gyro", "accelerometer")
 
-WIDTH, ORDER = 0.5, 8
-"""Width of a panel in the logarithm of the frequency, and Gauss nodes in it."""
-
-LOWEST, HIGHEST = 1e-13, 1e13
-"""Frequencies, Hz, which replace 0 and infinity."""
-
-FINE = 1e-4
-"""Sample interval, in periods, at which a sampled spectrum is that of continuous time."""
+WIDTH, ORDER = 0.5, 8  # width of a panel in the logarithm of the frequency, and Gauss nodes in it
+LOWEST, HIGHEST = 1e-13, 1e13  # frequencies, Hz, which replace 0 and infinity
+FINE = 1e-4  # sample interval, in periods, at which a sampled spectrum is that of continuous time
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,14 +25,9 @@ from allanite.extending import DataError, FloatArray, Model, ModelLike, UsageErr
 from .loop import GRAVITY, ComplexArray, Loop, SensorNoise, kalman
 from .prediction import Prediction, biases, noise_errors, predict
 
-MIN_TIME_CONSTANT, MAX_TIME_CONSTANT = 1e-5, 1e6
-"""Time constants between which the best one is sought, s."""
-
-GRID_POINTS = 89
-"""Time constants that are tried first: eight in a decade."""
-
-MIN_SETTLINGS = 10.0
-"""Time constants of the bias of a filter of second order in the horizon, at least."""
+MIN_TIME_CONSTANT, MAX_TIME_CONSTANT = 1e-5, 1e6  # time constants between which the best one is sought, s
+GRID_POINTS = 89  # time constants that are tried first: eight in a decade
+MIN_SETTLINGS = 10.0  # time constants of the bias of a filter of second order in the horizon, at least
 
 Bias = tuple[float, float]
 """Constant biases of the gyro, rad/s, and of the accelerometer, m/s^2."""
@@ -114,26 +109,13 @@ def best_kalman(noises: Sequence[SensorNoise]) -> Loop:
     return kalman(size(gyros, "N"), tilt, size(gyros, "K"))
 
 
-STEPS = 64.0
-"""Samples to the time constant, where there is no sampling rate."""
-
-COARSE = 4.0
-"""How much longer a sample interval may be where the transform would need too many."""
-
-MEMORY = 400.0
-"""Length of the filter in time constants, where there is no horizon."""
-
-FINER = 4
-"""Frequencies below the lowest of the horizon."""
-
-MAX_POINTS = 1 << 21
-"""Points of the transform at most."""
-
-FALL = 4
-"""Power of the frequency with which the densities fall below the lowest one."""
-
-PER_OCTAVE = 128
-"""Points of a density between which its logarithm is taken to be straight."""
+STEPS = 64.0  # samples to the time constant, where there is no sampling rate
+COARSE = 4.0  # how much longer a sample interval may be where the transform would need too many
+MEMORY = 400.0  # length of the filter in time constants, where there is no horizon
+FINER = 4  # frequencies below the lowest of the horizon
+MAX_POINTS = 1 << 21  # points of the transform at most
+FALL = 4  # power of the frequency with which the densities fall below the lowest one
+PER_OCTAVE = 128  # points of a density between which its logarithm is taken to be straight
 
 
 def wiener_error(noise: SensorNoise, best: Loop) -> float:
@@ -187,11 +169,8 @@ def _error(responses: tuple[ComplexArray, ComplexArray], densities: tuple[FloatA
     return math.sqrt(float(np.sum(density[1:-1])) + float(density[0] + density[-1]) / 2)
 
 
-DETUNING = (0.25, 0.5, 1.0, 2.0, 4.0)
-"""Factors of the time constant at which the error is given."""
-
-WORTH = 0.02
-"""Share of the error by which a filter of second order must be better to be recommended."""
+DETUNING = (0.25, 0.5, 1.0, 2.0, 4.0)  # factors of the time constant at which the error is given
+WORTH = 0.02  # share of the error by which a filter of second order must be better to be recommended
 
 
 @dataclass(frozen=True, eq=False, repr=False)

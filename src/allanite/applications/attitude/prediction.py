@@ -98,8 +98,7 @@ class Prediction(Value):
         return f"{self.to('arcsec'):.4g} arcsec with {self.loop._summary()}"
 
 
-FLOOR = ("B", "bias")
-"""Sources of the accelerometer that no time constant removes."""
+FLOOR = ("B", "bias")  # sources of the accelerometer that no time constant removes
 
 
 def angle_unit(unit: str) -> float:

@@ -31,11 +31,8 @@ from .loop import Loop, SensorNoise
 from .optimum import Optimum
 from .prediction import Prediction
 
-PAIRS = ((0, 1), (1, 0))
-"""The gyro and the accelerometer, among x, y, z, that an angle is found from."""
-
-SLOWER = 5.0
-"""Time of the bias estimate over the time constant, where only the latter is given."""
+PAIRS = ((0, 1), (1, 0))  # the gyro and the accelerometer, among x, y, z, that an angle is found from
+SLOWER = 5.0  # time of the bias estimate over the time constant, where only the latter is given
 
 
 @dataclass(frozen=True, repr=False)

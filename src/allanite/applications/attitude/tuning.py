@@ -32,8 +32,7 @@ from .prediction import Prediction, predict
 from .result import PAIRS, Angle, VerticalChannel, VerticalSettings, VerticalStudy
 
 ANGLES = (say("roll"), say("pitch"))
-TURNING = 10.0
-"""Mean rate, deg/s, that is no bias of a gyro."""
+TURNING = 10.0  # mean rate, deg/s, that is no bias of a gyro
 
 
 @public

@@ -25,11 +25,8 @@ from .mixture import Stretch, restricted
 from .regressor import TREND, Columns, Regressor, readings
 from .settings import CompensationSettings
 
-MIN_STRETCH = 64
-"""Minimum number of samples of a stretch between gaps."""
-
-MIN_EIGENVALUE = 1e-10
-"""Least eigenvalue of the columns' correlation at which one of them is a sum of the others."""
+MIN_STRETCH = 64  # minimum number of samples of a stretch between gaps
+MIN_EIGENVALUE = 1e-10  # least eigenvalue of the columns' correlation at which one of them is a sum of the others
 
 
 @dataclass(frozen=True, eq=False)

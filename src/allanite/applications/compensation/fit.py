@@ -29,8 +29,7 @@ from .regression import Regression
 from .selection import choose, collinearity, folds
 from .settings import CompensationSettings, FitSettings
 
-MIN_RESIDUAL = 1e-11
-"""Residual, relative to the record, at which only rounding errors remain."""
+MIN_RESIDUAL = 1e-11  # residual, relative to the record, at which only rounding errors remain
 
 
 USUAL = FitSettings()

@@ -20,8 +20,7 @@ from allanite.extending import (
     spelled,
 )
 
-MIN_WINDOW = 60.0
-"""Seconds of a window; in a shorter one the steps of a digital thermometer are what changes."""
+MIN_WINDOW = 60.0  # seconds of a window; in a shorter one the steps of a digital thermometer are what changes
 
 
 def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
@@ -120,11 +119,8 @@ def _means(x: FloatArray, rate: float, when: FloatArray, wanted: float) -> Float
     return np.where(missing > 0, np.nan, (end - begin) * wanted)
 
 
-SIGNIFICANT = 0.05
-"""p-value below which an effect is significant."""
-
-TREND = "time"
-"""Name of the regressor that is no channel: seconds, counted from the middle of the record."""
+SIGNIFICANT = 0.05  # p-value below which an effect is significant
+TREND = "time"  # name of the regressor that is no channel: seconds, counted from the middle of the record
 
 
 @dataclass(frozen=True, repr=False)

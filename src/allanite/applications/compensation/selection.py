@@ -11,14 +11,9 @@ from allanite.extending import FloatArray, Likelihood, join, say, spelled
 
 from .design import MIN_STRETCH, Design
 
-CONDITION = 30.0
-"""Scaled condition number above which coefficients cannot be separated (Belsley, Kuh, Welsch 1980)."""
-
-TRENDING = 0.5
-"""Share of a ramp explained by the regressors from which on they are confounded with it."""
-
-BEYOND_DOUBT = 3.0
-"""Standard errors from which on an effect is beyond doubt."""
+CONDITION = 30.0  # scaled condition number above which coefficients cannot be separated (Belsley, Kuh, Welsch 1980)
+TRENDING = 0.5  # share of a ramp explained by the regressors from which on they are confounded with it
+BEYOND_DOUBT = 3.0  # standard errors from which on an effect is beyond doubt
 
 
 class Collinearity(NamedTuple):

@@ -44,11 +44,8 @@ from allanite.extending import (
 from .noise import noise_of_rates
 from .run import fits
 
-DURATIONS = (1.0, 3.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)
-"""Measuring times that are compared, s."""
-
-MIN_INTERVALS = 20
-"""Intervals of a measuring time below which its scatter says little."""
+DURATIONS = (1.0, 3.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)  # measuring times that are compared, s
+MIN_INTERVALS = 20  # intervals of a measuring time below which its scatter says little
 
 
 @dataclass(frozen=True, repr=False)

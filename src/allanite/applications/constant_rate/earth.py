@@ -7,8 +7,7 @@ from allanite.extending import DataError, UsageError, Value, public, say, say_co
 
 from .estimates import RateEstimate
 
-EARTH = 7.292115e-5
-"""Rate of the earth, rad/s (WGS 84)."""
+EARTH = 7.292115e-5  # rate of the earth, rad/s (WGS 84)
 
 
 @public

@@ -8,11 +8,8 @@ from allanite.extending import DataError, Finding, FloatArray, Record, UsageErro
 
 from .row import EstimatorSettings, Interval, Task
 
-JUMP = 20.0
-"""Median absolute deviations from the median beyond which a sample is called a pulse slip."""
-
-REPEATED = 0.999
-"""Share of equal samples above which a record of counts is called saturated."""
+JUMP = 20.0  # median absolute deviations from the median beyond which a sample is called a pulse slip
+REPEATED = 0.999  # share of equal samples above which a record of counts is called saturated
 
 
 def pulse_of(record: Record, options: EstimatorSettings) -> float:

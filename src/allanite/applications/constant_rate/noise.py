@@ -29,8 +29,7 @@ BLOCKS = (1.0, 0.4, 0.2, 0.1)
 used.
 """
 
-MIN_RATIO = 1.2
-"""Ratio of standard errors from which noise that was not identified is mentioned."""
+MIN_RATIO = 1.2  # ratio of standard errors from which noise that was not identified is mentioned
 
 
 FAST = ("quantized", "resampled", "lines", "slope")

@@ -29,8 +29,7 @@ RATE_ESTIMATORS: dict[str, RateEstimator] = {
     row.name: row for row in (MEAN, HAMMING, REGRESSION, CONDITIONAL, STAIRCASE, OPTIMAL)
 }
 
-MAX_LOSS = 0.02
-"""Loss of accuracy that is not worth another method."""
+MAX_LOSS = 0.02  # loss of accuracy that is not worth another method
 
 
 def estimator_named(name: str) -> RateEstimator:

@@ -9,17 +9,10 @@ from allanite.extending import FloatArray, UsageError, say, spelled
 from .linear import parabola
 from .row import Interval, RateEstimator, RateMeasurement, Task
 
-MAX_WORK = 7e6
-"""Samples that the search may look at before it gives its best so far: some 40 ms."""
-
-GRID = (0.4, 0.01)
-"""Steps of the descent that comes first, from and to, pulses."""
-
-NEIGHBOURHOOD = 0.1
-"""Half the side of the box that is searched about the end of the descent, pulses."""
-
-DITHERED = 0.3
-"""Angle noise, quanta, from which the staircase's error can be predicted."""
+MAX_WORK = 7e6  # samples that the search may look at before it gives its best so far: some 40 ms
+GRID = (0.4, 0.01)  # steps of the descent that comes first, from and to, pulses
+NEIGHBOURHOOD = 0.1  # half the side of the box that is searched about the end of the descent, pulses
+DITHERED = 0.3  # angle noise, quanta, from which the staircase's error can be predicted
 
 TOUCHING, MAX_STEPS = 1e-12, 100
 """Gap, pulses, within which a line only touches the corners of steps: rounding; and most steps to find it."""

@@ -32,8 +32,7 @@ from .rounding_noise import Budget, budget
 from .stage import Stage, demand_unclipped
 from .torque import TorqueScale, factor_of
 
-NAMES = ("wx", "wy")
-"""Channels of the rates about x and y."""
+NAMES = ("wx", "wy")  # channels of the rates about x and y
 
 
 class Mixed(NamedTuple):

@@ -31,8 +31,7 @@ from allanite.extending import (
 from .stage import Codes, Stage, codes, demand_unclipped
 from .torque import TorqueScale, ampere_of, converted, electric, factor_of, gain_of
 
-MATTERS = 0.01
-"""Share of the measured variance below which a stage does not matter."""
+MATTERS = 0.01  # share of the measured variance below which a stage does not matter
 
 
 @dataclass(frozen=True, repr=False)

@@ -22,17 +22,13 @@ from allanite.extending import (
 
 FloatArray = NDArray[np.float64]
 
-MAX_CLIPPED = 1e-3
-"""Share of clipped samples above which noise coefficients are meaningless."""
-
-MAX_OFF_GRID = 0.05
-"""Distance from the grid, in steps, up to which a reading printed with rounding lies on it."""
+MAX_CLIPPED = 1e-3  # share of clipped samples above which noise coefficients are meaningless
+MAX_OFF_GRID = 0.05  # distance from the grid, in steps, up to which a reading printed with rounding lies on it
 
 MIN_OCCURRENCES = 20
 """Occurrences of the codes on both sides of one that never occurs, from which it is missing: by chance once in 1e8."""
 
-MAX_CODES = 1 << 24
-"""Codes between the least and the largest up to which they are counted out."""
+MAX_CODES = 1 << 24  # codes between the least and the largest up to which they are counted out
 
 
 @dataclass(frozen=True, repr=False)

@@ -15,8 +15,7 @@ from allanite.core.kinds import KINDS
 from allanite.core.record import Record
 from allanite.core.units import signal_with, unit_of
 
-EXACT = 2.0**52
-"""Steps beyond which a double cannot tell one from the next."""
+EXACT = 2.0**52  # steps beyond which a double cannot tell one from the next
 
 
 @dataclass(frozen=True)

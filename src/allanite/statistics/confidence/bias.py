@@ -94,8 +94,7 @@ def _exact(points: CurvePoints, i: int, terms: Model, scale: FloatArray) -> Floa
 BIASES = {"exact": Bias(_exact), "published": Bias(None), "model": Bias(_exact, hybrid=True), "plain": Bias(None)}
 """Corrections by their name."""
 
-MEANS = Bias(_of_means)
-"""That of means of what is there instead of complete windows."""
+MEANS = Bias(_of_means)  # that of means of what is there instead of complete windows
 
 
 def published_bias(row: Statistic, alpha: int | IntArray, m: IntArray, size: int) -> FloatArray:

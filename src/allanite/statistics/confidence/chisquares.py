@@ -28,17 +28,10 @@ from allanite.statistics.moments.compact import averaged
 from allanite.statistics.row import Statistic
 from allanite.terms import NoiseTerm
 
-MAX_WINDOWS = 96
-"""Windows of one row each that represent all."""
-
-MAX_WIDE_WINDOWS = 32
-"""Windows of several rows that represent all."""
-
-SUBSPACE = 10
-"""Leading eigenvectors of one model that carry those of its neighbours."""
-
-POWER_STEPS = 5
-"""Power steps to them in a large matrix."""
+MAX_WINDOWS = 96  # windows of one row each that represent all
+MAX_WIDE_WINDOWS = 32  # windows of several rows that represent all
+SUBSPACE = 10  # leading eigenvectors of one model that carry those of its neighbours
+POWER_STEPS = 5  # power steps to them in a large matrix
 
 
 class Eigenvalues(NamedTuple):
@@ -122,12 +115,10 @@ def _folded(terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
     return np.asarray(-0.5 * sum(w * half[..., at] for at, w in parts))
 
 
-MIN_DEVIATE = 1e-4
-"""|t| in standard deviations below which the limit at the mean is taken."""
+MIN_DEVIATE = 1e-4  # |t| in standard deviations below which the limit at the mean is taken
 
 
-BISECTIONS = 36
-"""Steps to a quantile: to 1e-9 of it."""
+BISECTIONS = 36  # steps to a quantile: to 1e-9 of it
 
 NEWTON, STRIDE, START = 3, 4.0, 1e-6
 """Steps from one deviate to the next, the longest of them, and where the first begins."""

@@ -31,24 +31,16 @@ from allanite.terms import TERMS
 from .chisquares import ChiSquareSum, Eigenvalues, is_sharp, matrices, quantiles, spectra
 from .powerlaw import PowerLaw, identify_power_law
 
-MANY_EDF = 60.0
-"""Degrees of freedom from which on a chi-square of as many is the law."""
-
-MAX_EDF = 1e8
-"""Degrees of freedom beyond which a law is as good as certain."""
-
-NO_SCATTER = 1e-15
-"""1 / EDF at most of what does not scatter."""
-
-LEADING = 3
-"""Spectrum that are distinguished."""
+MANY_EDF = 60.0  # degrees of freedom from which on a chi-square of as many is the law
+MAX_EDF = 1e8  # degrees of freedom beyond which a law is as good as certain
+NO_SCATTER = 1e-15  # 1 / EDF at most of what does not scatter
+LEADING = 3  # spectrum that are distinguished
 
 RESCALING = (0.5, 1.3)
 """Factor within which the approximate leading eigenvalues may be scaled to the exact degrees of freedom."""
 
 
-MIN_SHARE = 1e-9
-"""Share of a term below which it has none."""
+MIN_SHARE = 1e-9  # share of a term below which it has none
 
 
 @dataclass(frozen=True, eq=False)

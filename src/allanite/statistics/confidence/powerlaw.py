@@ -19,18 +19,14 @@ from allanite.statistics.estimator import AngleRecord, Piece, windows
 from allanite.statistics.row import Statistic
 from allanite.terms import TERMS
 
-MIN_POINTS = 30
-"""Points from which on the autocorrelation decides."""
-
-MIN_PIECE = 12
-"""Points of a mean piece below which the angle itself is not correlated, only its differences."""
+MIN_POINTS = 30  # points from which on the autocorrelation decides
+MIN_PIECE = 12  # points of a mean piece below which the angle itself is not correlated, only its differences
 
 MIN_MEANS = 12
 """Means of the rate that are the fewest for a decision; a longer tau is given the law of the longest tau with so many.
 """
 
-DIFFERENCED = 1 << 16
-"""Points that are differenced at a time."""
+DIFFERENCED = 1 << 16  # points that are differenced at a time
 
 MAX_COMPARED = 500
 """Means of the rate, in the longest pieces, that decide by the ratio of two variances; it costs their square."""

@@ -18,8 +18,7 @@ from allanite.statistics.table import CurvePoints
 FIRST_NODES, NODES_PER_DECADE, LATE_FROM, MAX_LATE_NODES = 8, 4, 6, 40
 """Averaging factors that are all nodes, nodes a decade up to the largest over LONG, and the most nodes beyond."""
 
-MAX_SINGLE_POINTS = 300
-"""Points of a curve that is not smooth which are all processed, one by one."""
+MAX_SINGLE_POINTS = 300  # points of a curve that is not smooth which are all processed, one by one
 
 EVEN_NODES, END_NODES = 100, 30
 """Points of a longer one: evenly in the logarithm, and in its last half, by windows left."""

@@ -32,11 +32,8 @@ from allanite.terms import TERMS
 from .chisquares import table
 from .limits import at_point, stacked
 
-REACH, DEVIATES = 4.2, 22
-"""Normal deviates between which the laws are tabulated, and how many."""
-
-MIXTURE_BISECTIONS = 30
-"""Steps to a quantile."""
+REACH, DEVIATES = 4.2, 22  # normal deviates between which the laws are tabulated, and how many
+MIXTURE_BISECTIONS = 30  # steps to a quantile
 
 FLATTENED = 0.3
 """Power of the models' weights: those are known from the few coefficients of which V is made, and models under which V

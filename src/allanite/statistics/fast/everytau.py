@@ -18,20 +18,14 @@ from allanite.statistics.row import binomials, interleaved
 
 from .frames import Edges, framed, triangles
 
-FIRST_FRAMED = 64
-"""Averaging factors below it are summed directly."""
-
-OCTAVES = {False: 3, True: 1}
-"""Octaves of a group: differences of a running sum cancel faster."""
+FIRST_FRAMED = 64  # averaging factors below it are summed directly
+OCTAVES = {False: 3, True: 1}  # octaves of a group: differences of a running sum cancel faster
 
 MIN_WINDOW_SHARE = 0.01
 """Share of the points below which so few windows are left that they are summed directly: little stands beside much."""
 
-LEFT_OVER = 1e-5
-"""Share of the frames' squares below which a sum is made again directly, for nine digits."""
-
-MIN_FACTORS = 200
-"""Averaging factors of a group that take as long directly."""
+LEFT_OVER = 1e-5  # share of the frames' squares below which a sum is made again directly, for nine digits
+MIN_FACTORS = 200  # averaging factors of a group that take as long directly
 
 
 def dense(x: FloatArray, m: IntArray, order: int, *, summed: bool = False) -> FloatArray:

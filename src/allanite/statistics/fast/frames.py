@@ -22,20 +22,11 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 
-STARTS_PER_FRAME = 3
-"""Windows' starts in a frame, over the length of the longest window."""
-
-MAX_BLOCK = 1 << 16
-"""Longest block that is transformed at once: with its zeros it stays in the cache's neighbourhood."""
-
-BATCH_POINTS = 1 << 17
-"""Points of frames that are transformed in one call."""
-
-LEAF = 256
-"""Side of the triangles that are summed directly."""
-
-RADIX = 16
-"""Blocks into which a triangle is cut."""
+STARTS_PER_FRAME = 3  # windows' starts in a frame, over the length of the longest window
+MAX_BLOCK = 1 << 16  # longest block that is transformed at once: with its zeros it stays in the cache's neighbourhood
+BATCH_POINTS = 1 << 17  # points of frames that are transformed in one call
+LEAF = 256  # side of the triangles that are summed directly
+RADIX = 16  # blocks into which a triangle is cut
 
 
 class Edges(NamedTuple):

@@ -15,8 +15,7 @@ from allanite.statistics.table import STATISTICS, statistic_named
 
 from .moments import variances
 
-TIMES = 1e100
-"""Averaging times, s, below which their cubes are numbers."""
+TIMES = 1e100  # averaging times, s, below which their cubes are numbers
 
 
 @public

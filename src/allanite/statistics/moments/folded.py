@@ -16,17 +16,10 @@ from allanite.terms import NoiseTerm
 from .compact import extrapolation, ratios, sampled, white_level
 from .lagsums import lag_nodes
 
-ROWS = 256
-"""Intervals of a record whose rows are taken pair by pair as they are."""
-
-LEVELS = (1, 2, 3)
-"""Multiples of the coarsest record that the extrapolation goes through."""
-
-CLOSE = 5e-4
-"""Relative deviation of the ratio of m to size, up to which one short record represents the long one."""
-
-MIDDLE = 16
-"""Length in m from which on a record has a middle that knows of no end."""
+ROWS = 256  # intervals of a record whose rows are taken pair by pair as they are
+LEVELS = (1, 2, 3)  # multiples of the coarsest record that the extrapolation goes through
+CLOSE = 5e-4  # relative deviation of the ratio of m to size, up to which one short record represents the long one
+MIDDLE = 16  # length in m from which on a record has a middle that knows of no end
 
 
 def response(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:

@@ -22,11 +22,8 @@ from allanite.terms.row import FloatArray
 
 from .lagsums import second_difference
 
-PRECISION = 1e-11
-"""Residual, over that of the start, at which the conjugate gradients stop."""
-
-MAX_STEPS = 500
-"""Steps of the conjugate gradients; they need 5 to 40."""
+PRECISION = 1e-11  # residual, over that of the start, at which the conjugate gradients stop
+MAX_STEPS = 500  # steps of the conjugate gradients; they need 5 to 40
 
 
 def autocovariance(terms: Iterable[Term], n: int, rate: float) -> FloatArray:

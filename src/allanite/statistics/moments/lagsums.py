@@ -22,8 +22,7 @@ from allanite.core.arrays import FloatArray, IntArray
 from allanite.statistics.row import Statistic, binomials
 from allanite.terms import NoiseTerm
 
-GROWTH = 1.5
-"""Size of a panel over its distance from the nearest kink."""
+GROWTH = 1.5  # size of a panel over its distance from the nearest kink
 
 FAR_LAG = 30
 """Lag from which second differences of D are taken from its derivatives: directly they would lose their digits."""
@@ -113,14 +112,9 @@ def line_of(row: NoiseTerm) -> tuple[float, float, float] | None:
     return float(c[0] - c[2]) + 2 * slope, float(c[1] - c[2]) + slope, slope
 
 
-FAR_STRIDES = 40
-"""A difference over m at a lag beyond FAR m is taken from derivatives: there it would lose its digits."""
-
-TAIL = 1000
-"""Half widths of the windows beyond which only flicker is left, with less than 1e-10 of the sum."""
-
-PANELS, OSCILLATIONS = 3, 1000
-"""Panels in each period of a covariance that oscillates, and periods that are divided so."""
+FAR_STRIDES = 40  # a difference over m at a lag beyond FAR m is taken from derivatives: there it would lose its digits
+TAIL = 1000  # half widths of the windows beyond which only flicker is left, with less than 1e-10 of the sum
+PANELS, OSCILLATIONS = 3, 1000  # panels in each period of a covariance that oscillates, and periods that are divided so
 
 
 class CovarianceField(NamedTuple):

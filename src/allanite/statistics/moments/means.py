@@ -26,17 +26,10 @@ from allanite.terms import WHITE, NoiseTerm
 Places = Sequence[tuple[int, int]]
 """(first sample, samples) of each stretch without gaps of a record."""
 
-COMPLETE = 0.9
-"""Share of the windows that must be complete for the others to be omitted."""
-
-QUARTERS = 4
-"""Parts of a mean that are distinguished for slow noise, and windows that start within m."""
-
-REFERENCES = 64
-"""Windows whose covariances with all others represent those of all."""
-
-MIN_WINDOWS = 24
-"""Windows, at least, that a long averaging time is given."""
+COMPLETE = 0.9  # share of the windows that must be complete for the others to be omitted
+QUARTERS = 4  # parts of a mean that are distinguished for slow noise, and windows that start within m
+REFERENCES = 64  # windows whose covariances with all others represent those of all
+MIN_WINDOWS = 24  # windows, at least, that a long averaging time is given
 
 
 def takes_means(row: Statistic, m: int | IntArray, places: Places, size: int) -> BoolArray:

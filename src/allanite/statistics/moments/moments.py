@@ -28,8 +28,7 @@ from . import lagsums, windowed
 from .pairs import Pairs
 from .profile import crossed
 
-RATIOS = 12
-"""Number of ratios that are evaluated; the bias ratio is the mean of up to thousands, which vary smoothly."""
+RATIOS = 12  # number of ratios that are evaluated; the bias ratio is the mean of up to thousands, which vary smoothly
 
 
 @public
@@ -82,8 +81,7 @@ def covariance(
 Runs = Sequence[tuple[int, int]]
 """(samples, how many such runs): the stretches without gaps of a record."""
 
-DISTINCT = 40
-"""Different lengths of runs that are processed one by one."""
+DISTINCT = 40  # different lengths of runs that are processed one by one
 
 
 def variances(row: Statistic, model: Model, m: FloatArray | IntArray, size: int | None, rate: float) -> FloatArray:

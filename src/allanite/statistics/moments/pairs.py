@@ -25,11 +25,8 @@ from .lagsums import lag_nodes, responses
 from .profile import SAMPLES_BEYOND, LagProfile, Windows, profile_of, total
 from .windowed import relative, response
 
-MAX_WHOLE_POINTS = 750
-"""Points of the longer window up to which both are taken as they are."""
-
-REDUCED_POINTS = 320
-"""Points of two windows together that longer ones are reduced to."""
+MAX_WHOLE_POINTS = 750  # points of the longer window up to which both are taken as they are
+REDUCED_POINTS = 320  # points of two windows together that longer ones are reduced to
 
 MIN_FACTOR = {1: 8, 2: 4}
 """By the power of the extrapolation: the least averaging factor of the shorter of two reduced windows."""

@@ -32,8 +32,7 @@ from .lagsums import far_difference, line_of, second_difference
 SAMPLES_BEYOND, NODES_BEYOND, MIN_END = 64, 80, 600
 """Distances beyond the last kink where c is taken at every sample, nodes of the smooth rest, and its least end."""
 
-INSIDE = (0.5 - 0.05**0.5, 0.5 + 0.05**0.5)
-"""Nodes between two kinks, with which the kinks make a cubic."""
+INSIDE = (0.5 - 0.05**0.5, 0.5 + 0.05**0.5)  # nodes between two kinks, with which the kinks make a cubic
 
 Windows = Callable[[int], Window]
 
@@ -209,8 +208,7 @@ def _gathered(places: IntArray, weights: FloatArray, size: int) -> FloatArray:
     return np.asarray(np.bincount(places.ravel(), weights.ravel(), size), dtype=np.float64)
 
 
-MAX_SAMPLES = 2**19
-"""Samples of a window above which all is done in a record of fewer samples that lasts as long."""
+MAX_SAMPLES = 2**19  # samples of a window above which all is done in a record of fewer samples that lasts as long
 
 
 @dataclass(frozen=True, eq=False)

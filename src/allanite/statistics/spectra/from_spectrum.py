@@ -17,11 +17,8 @@ from allanite.statistics.table import STATISTICS, statistic_named
 RESOLVED = 1 / 8
 """Averaging time times the resolution of the spectrum, at most: the transfer function peaks near 0.37/tau."""
 
-POINTS_PER_PERIOD = 8
-"""Points of the integral in each period of the transfer function."""
-
-MAX_BAND_POINTS = 4096
-"""Points in a band, beyond which only the mean over many periods counts."""
+POINTS_PER_PERIOD = 8  # points of the integral in each period of the transfer function
+MAX_BAND_POINTS = 4096  # points in a band, beyond which only the mean over many periods counts
 
 
 @public

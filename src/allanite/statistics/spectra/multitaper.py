@@ -13,11 +13,8 @@ from allanite.phrases.phrase import say, spelled, windowing
 
 from .raw_spectrum import Raw, demand_frequencies
 
-LARGEST_TAPERS = 2**16
-"""Length up to which tapers are computed; longer ones are interpolated, with an error of 1e-8."""
-
-SHAPE_LENGTH = 4096
-"""Length at which the shape of the tapers is looked at."""
+LARGEST_TAPERS = 2**16  # length up to which tapers are computed; longer ones are interpolated, with an error of 1e-8
+SHAPE_LENGTH = 4096  # length at which the shape of the tapers is looked at
 
 
 @dataclass(frozen=True)

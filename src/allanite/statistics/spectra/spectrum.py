@@ -22,8 +22,7 @@ from .welch import Welch
 METHODS: dict[str, SpectralEstimator] = {"welch": Welch(), "multitaper": Multitaper()}
 """Methods by name, with their default settings."""
 
-MAX_PER_DECADE = 1_000_000
-"""Most values per decade: edges between them are computed before frequencies are counted."""
+MAX_PER_DECADE = 1_000_000  # most values per decade: edges between them are computed before frequencies are counted
 
 
 @public

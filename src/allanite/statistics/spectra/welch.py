@@ -27,11 +27,8 @@ WINDOWS: dict[str, tuple[float, ...]] = {
 Those of scipy.signal, which takes a second to import; the number of cosines says which frequencies are omitted.
 """
 
-MAX_SEGMENT = 2**22
-"""Samples of a segment of a record that is read in parts, at most."""
-
-BATCH_SAMPLES = 2**22
-"""Samples that are transformed at once: what bounds the memory."""
+MAX_SEGMENT = 2**22  # samples of a segment of a record that is read in parts, at most
+BATCH_SAMPLES = 2**22  # samples that are transformed at once: what bounds the memory
 
 
 @dataclass(frozen=True)
