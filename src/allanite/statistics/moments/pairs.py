@@ -66,8 +66,8 @@ def pair_lattice(half: float, step: float, counts: tuple[float, float], first: f
     else:
         kinks = (half % 1 + np.arange(math.ceil(half) + 1)) / step
         kinks = np.unique(np.concatenate(([start], kinks[kinks > start], [(M1 - M2) / 2])))
-        kinks = np.asarray(kinks[(kinks >= start) & (kinks <= end)], np.float64)
-        lag, weight = kinked_nodes(kinks, end - 1)
+        within = (kinks >= start) & (kinks <= end)
+        lag, weight = kinked_nodes(np.asarray(kinks[within], np.float64), end - 1)
     pairs = np.clip(end - lag, 0.0, M2)
     return lag * step, weight * pairs * np.where(lag > 0, 2.0, 1.0) / (M1 * M2)
 
