@@ -1,6 +1,5 @@
 """The one table of units."""
 
-import math
 import re
 
 import pytest
@@ -11,8 +10,6 @@ from tests.rows import rows
 import allanite as al
 from allanite.core.units import ATOMS, SIGNALS, convert, unit_of
 from allanite.reporting.digits import in_ascii, printed_unit
-
-DEGREE = math.pi / 180
 
 SAME = [("deg/sqrt(h)", 2.908882e-4, "rad/sqrt(s)"), ("deg/h", 4.848137e-6, "rad/s"), ("arcsec", 4.848137e-6, "rad"),
         ("deg/h^1.5", 8.080228e-8, "rad/s^1.5"), ("deg/h^2", 1.346705e-9, "rad/s^2"),
