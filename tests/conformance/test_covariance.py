@@ -124,7 +124,7 @@ def test_a_ramp_beside_very_long_windows(name, monkeypatch):
     row, size, terms = al.STATISTICS[name], 2**16, [al.TERMS[s] for s in "NBK"]
     m = row.step * 2 ** np.arange(0, 14, 3)
     wanted = crossed([row] * m.size, m, size, terms)
-    monkeypatch.setattr(profile, "MOST", 2**12)
+    monkeypatch.setattr(profile, "MAX_SAMPLES", 2**12)
     found = crossed([row] * m.size, m, size, terms)
     for k in range(len(terms)):
         assert 0 < correlated(found[..., k], wanted[..., k]) < 2e-3

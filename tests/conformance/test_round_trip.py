@@ -166,7 +166,7 @@ def compensation():
         heads = "time [s],gx [deg/h],flat [deg/h],temp [degC]"
         np.savetxt(path, rows, "%.9g", ",", header=heads, comments="")
         settings = CompensationSettings(("temp",), fit=FitSettings(terms="N"))
-        return compensate_file(path, al.Recipe(level=LEVEL, outliers="mark"), settings, apply_to=path, beyond=2)
+        return compensate_file(path, al.Recipe(level=LEVEL, outliers="mark"), settings, apply_to=path)
 
 
 @cache
@@ -298,7 +298,6 @@ MAKERS = {
     "Angle": lambda: level().angles[0],
     "Loop": lambda: al.attitude.Loop(0.9, 0.016),
     "Optimum": lambda: level().angles[0].optimum,
-    "Order": lambda: compensation()[0].orders[0],
     "Prediction": lambda: level().angles[0].prediction,
     "ScenarioErrors": scenario_errors,
     "Source": lambda: level().angles[0].prediction.sources[0],

@@ -14,25 +14,9 @@ from tests.reference.theo import theo1, theobr, theoh
 from tests.reference.total import htotdev, mtotdev, totdev, ttotdev
 from tests.reference.wavelet import haar
 
-REFEREES = {
-    "adev": adev,
-    "oadev": oadev,
-    "mdev": mdev,
-    "tdev": tdev,
-    "hdev": hdev,
-    "ohdev": ohdev,
-    "totdev": totdev,
-    "mtotdev": mtotdev,
-    "ttotdev": ttotdev,
-    "htotdev": htotdev,
-    "theo1": theo1,
-    "theobr": theobr,
-    "theoh": theoh,
-    "pdev": pdev,
-    "mtie": mtie,
-    "tierms": tierms,
-    "haar": haar,
-}
+REFEREES = {"adev": adev, "oadev": oadev, "mdev": mdev, "tdev": tdev, "hdev": hdev, "ohdev": ohdev, "totdev": totdev,
+            "mtotdev": mtotdev, "ttotdev": ttotdev, "htotdev": htotdev, "theo1": theo1, "theobr": theobr,
+            "theoh": theoh, "pdev": pdev, "mtie": mtie, "tierms": tierms, "haar": haar}  # fmt: skip
 
 
 def factors(name, n):

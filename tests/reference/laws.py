@@ -15,15 +15,9 @@ def flicker_of_the_angle(t):
     return np.where(t > 0, 2 * (np.euler_gamma + np.log(u) - sici(u)[1]), 0.0)
 
 
-STRUCTURES = {
-    2: TERMS["Q"].structure,
-    1: flicker_of_the_angle,
-    0: TERMS["N"].structure,
-    -1: TERMS["B"].structure,
-    -2: TERMS["K"].structure,
-    -3: lambda t: t**4 * np.log(np.where(t > 0, t, 1.0)),
-    -4: lambda t: t**5,
-}
+STRUCTURES = {2: TERMS["Q"].structure, 1: flicker_of_the_angle, 0: TERMS["N"].structure, -1: TERMS["B"].structure,
+              -2: TERMS["K"].structure, -3: lambda t: t**4 * np.log(np.where(t > 0, t, 1.0)),
+              -4: lambda t: t**5}  # fmt: skip
 LAWS = {alpha: SimpleNamespace(structure=D, waveform=None) for alpha, D in STRUCTURES.items()}
 """alpha -> what `dense.moments` takes for a term."""
 

@@ -37,7 +37,7 @@ class FitChoices:
     terms: str = "auto"
     smooth: float = choice("S", "Smoothing window of --derivative-of.", default=60.0, told="60.0")
     blocks: int = choice("", "Number of blocks for cross-validation.", default=5)
-    every: bool = choice("", "Keep all powers and lags; skip cross-validation.", default=False)
+    every: bool = choice("", "Keep all powers; skip cross-validation.", default=False)
     split_gaps: bool = choice("", "Treat each stretch between gaps separately.", default=False)
     least: float = choice("", "Effective samples required per regressor.", default=10.0, told="10.0")
 
@@ -49,7 +49,7 @@ class CompensationChoices:
     regressors: tuple[str, ...] = choice("A,B,...", "Columns on which the rate may depend.", default=(), told="")
     degree: int = choice("", "Highest power of a regressor to try.", default=1)
     lags: tuple[float, ...] = choice(
-        "S,S,...", "Lags of the regressors to try, seconds.", kind=SECONDS, default=(), told="")
+        "S,S,...", "Lags of the regressors, seconds.", kind=SECONDS, default=(), told="")
     derivative_of: tuple[str, ...] = choice("A,B,...", "Columns whose derivative is a regressor.", default=(), told="")
     trend: bool = choice(
         "", "Estimate a linear drift beside the regressors; it is not removed.", default=True, told="trend",

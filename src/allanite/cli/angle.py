@@ -81,7 +81,7 @@ def deliver_study(
     *corrected: Mapping[str, Any],
 ) -> None:
     """Deliver a result together with the options that produced it, and the corrected angles."""
-    from allanite.applications.angle.calibrating import AngleStudy
+    from allanite.applications.angle.plans import AngleStudy
     from allanite.study.job import provenance_of
 
     chosen = {key: v for key, v in choices.items() if v is not None and key not in ("level", "recipe")}

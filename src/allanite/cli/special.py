@@ -98,11 +98,11 @@ def compensate(file: str, **choices: Any) -> None:
     from allanite.applications.compensation.compensating import compensate_file
     from allanite.applications.compensation.regression import to_json
     from allanite.applications.compensation.settings import CompensationSettings, FitSettings
-    from allanite.exporting.temperature import MORE, demand_settings, temperature_parameters
+    from allanite.exporting.temperature import demand_settings, temperature_parameters
 
     row = _autopilot(autopilot, instance, out)
     recipe = recipe_of(choices)
-    usual, beyond = ({}, 0) if row is None else ({"degree": row.order}, row.order + MORE)
+    usual = {} if row is None else {"degree": row.order}
     settings = CompensationSettings(fit=settings_of(FitSettings, choices), **usual | given(choices))
     if row is not None:
         demand_settings(row, settings)
@@ -118,11 +118,7 @@ def compensate(file: str, **choices: Any) -> None:
         "output": parameters,
     }
     extra = Extra(data, {"corrected": lambda study: study.corrected})
-    carry_out(
-        lambda tell: compensate_file(file, recipe, settings, apply_to=apply_to, beyond=beyond, progress=tell),
-        out,
-        extra,
-    )
+    carry_out(lambda tell: compensate_file(file, recipe, settings, apply_to=apply_to, progress=tell), out, extra)
 
 
 def _autopilot(name: str | None, instance: int | None, out: Outputs) -> "ThermalTarget | None":
@@ -153,7 +149,7 @@ USUAL_DURATION_S = 3600.0
     "optional file",
     *RECORDING,
     "gyro", "accelerometer", "filter", "time_constant", "bias_time", "gate",
-    click.option("--coning", "samples", type=click.IntRange(1, 4), metavar="N",
+    click.option("--coning", "samples", type=click.IntRange(1, 2), metavar="N",
                  help="Samples of the coning correction of bortz.  [default: 2]"),
     "axes", "keep_bias",
     "horizon",

@@ -22,7 +22,7 @@ from allanite.core.model import Model
 from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
 from allanite.statistics import deviation
-from allanite.statistics.confidence.chisquares import NEAR, ChiSquareSum, cumulants
+from allanite.statistics.confidence.chisquares import MIN_DEVIATE, ChiSquareSum, cumulants
 from allanite.statistics.confidence.limits import mixtures
 from allanite.statistics.estimator import integrated
 from allanite.statistics.grids import grid_named
@@ -62,7 +62,7 @@ class RatioLaw:
         with np.errstate(divide="ignore", invalid="ignore"):
             probability = ndtr(r) + np.exp(-r * r / 2) / math.sqrt(2 * math.pi) * (1 / r - 1 / v)
         at_mean = 0.5 + K3 / K2**1.5 / (6 * math.sqrt(2 * math.pi))
-        return np.asarray(np.where(np.abs(v) < NEAR, at_mean, probability))
+        return np.asarray(np.where(np.abs(v) < MIN_DEVIATE, at_mean, probability))
 
     def _difference(self, t: FloatArray, ratio: FloatArray) -> tuple[FloatArray, ...]:
         """Cumulant function of B - x A, and its derivatives."""
@@ -112,7 +112,7 @@ def ratio_law(
     row = statistic_named(statistic)
     angles = [integrated(record, row.order) for record in records]
     points = [
-        CurvePoints(row, factors, angle.runs, record.size, record.rate, 0.2, places=angle.places)
+        CurvePoints(row, factors, angle.runs, record.size, record.rate, places=angle.places)
         for record, angle, factors in zip(records, angles, m, strict=True)
     ]
     edf_a, first = mixtures(points[0], [models[0]])

@@ -12,10 +12,10 @@ from .errors import UsageError, WrongTypeError, given
 if TYPE_CHECKING:
     import numpy as np
 
-ALIASES = {"fs": "rate"}
-"""Names of arguments in other libraries: the name here."""
+ALIASES = {"fs": "rate"}  # names of arguments in other libraries: the name here
 
 F = TypeVar("F", bound=Callable[..., Any])
+T = TypeVar("T")
 
 
 def public(function: F) -> F:
@@ -66,11 +66,15 @@ def public(function: F) -> F:
     return entered  # type: ignore[return-value]
 
 
+def constructed(cls: type[T]) -> type[T]:
+    """The class, whose constructor is called as a `public` function is."""
+    cls.__init__ = public(cls.__init__)  # type: ignore[method-assign]
+    return cls
+
+
 def generator(rng: "np.random.Generator | int") -> "np.random.Generator":
     """The source of randomness, which may be given by its seed.
 
-    Examples
-    --------
     >>> generator(1).integers(10)
     np.int64(4)
     """

@@ -84,10 +84,10 @@ class Curve(Value):
 
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> Self:
-        found = super()._stored(data)
-        if isinstance(found.law, Stored) and any(len(part) != len(found.tau) for part in found.law.values):
+        curve = super()._stored(data)
+        if isinstance(curve.law, Stored) and any(len(part) != len(curve.tau) for part in curve.law.values):
             raise StoredError("the limits are as many as the averaging times, or the data were changed")
-        return found
+        return curve
 
     @property
     def supposed(self) -> str:
@@ -102,10 +102,8 @@ class Curve(Value):
     def _limits(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         demand_level(level)
         if self.law is None:
-            raise UsageError(
-                "confidence intervals need the noise of the record: deviation(record, ..., "
-                "noise=allanite.identify(record))"
-            )
+            raise UsageError("confidence intervals need the noise of the record: deviation(record, ..., "
+                             "noise=allanite.identify(record))")  # fmt: skip
         return self.law(level)
 
     @property
@@ -222,24 +220,15 @@ class Surface(Value):
     def curve(self, time: float) -> Curve:
         """The curve of the window whose centre is nearest to `time`, s."""
         i = int(np.abs(self.time - time).argmin())
-        there = np.isfinite(self.variance[i])
-        if not there.any():
+        known = np.isfinite(self.variance[i])
+        if not known.any():
             raise UsageError(f"the window at {self.time[i]:g} s of {self.name!r} has no values")
         return Curve(
-            statistic=self.statistic,
-            m=self.m[there],
-            tau=self.tau[there],
-            variance=self.variance[i, there],
-            count=self.count[i, there],
-            factor=self.factor[i, there],
-            unit=self.unit,
-            rate=self.rate,
-            name=self.name,
+            statistic=self.statistic, m=self.m[known], tau=self.tau[known], variance=self.variance[i, known],
+            count=self.count[i, known], factor=self.factor[i, known], unit=self.unit, rate=self.rate, name=self.name,
             history=(*self.history, say("window of {length:g} s at {time:g} s", length=self.window, time=self.time[i])),
-            noise=self.noise,
-            law=self.law if there.all() else None,
-            supposes=self.supposes if there.all() else None,
-        )
+            noise=self.noise, law=self.law if known.all() else None, supposes=self.supposes if known.all() else None,
+        )  # fmt: skip
 
     def to(self, unit: str) -> "Surface":
         """The same surface in another unit."""

@@ -15,8 +15,7 @@ import numpy as np
 
 from .arrays import LARGEST, RATES
 
-SEEN = 1000
-"""Items of a sequence that are looked at."""
+MAX_ITEMS = 1000  # items of a sequence that are looked at
 
 SIZES = {"rate": ("the sampling rate", *RATES, "Hz")}
 """The least and the largest number of a name; of other names, functions refuse what is infinite or not a number."""
@@ -36,17 +35,15 @@ class _Public(dict[str, Any]):
     """Public names, for annotations in modules that do not import them at run time."""
 
     def __missing__(self, name: str) -> Any:
-        found = getattr(import_module("allanite"), name, None)
-        if not isinstance(found, type):
+        public = getattr(import_module("allanite"), name, None)
+        if not isinstance(public, type):
             raise KeyError(name)
-        return found
+        return public
 
 
 def misfit(value: Any, hint: Any) -> str:
     """A phrase for the values of the type `hint` if the given one is none; empty if it is one.
 
-    Examples
-    --------
     >>> misfit(3, float), misfit("3", float | None), misfit([1, "2"], Sequence[int])
     ('', 'a number or None', 'a sequence of integers')
     """
@@ -56,8 +53,6 @@ def misfit(value: Any, hint: Any) -> str:
 def excess(name: str, value: Any, hint: Any) -> str:
     """A sentence if the number is of a size that none of its name and type can have; else empty.
 
-    Examples
-    --------
     >>> excess("rate", 0.0, float | None), excess("m", 10**30, int), excess("m", 3, int)
     ('the sampling rate must be between 1e-09 and 1e+15 Hz', 'm must be below 2^63', '')
     """
@@ -97,11 +92,11 @@ def _kind(hint: Any) -> tuple[Kind, tuple[Any, ...]]:
     origin, args = get_origin(hint) or hint, get_args(hint)
     if hasattr(origin, "__value__"):  # the name of a type, such as NDArray of numpy 2.5
         return _kind(origin.__value__[args] if args else origin.__value__)
-    if origin in KINDS:
-        return KINDS[origin], args
+    if origin in TYPE_KINDS:
+        return TYPE_KINDS[origin], args
     unchecked = getattr(origin, "_is_protocol", False) and not getattr(origin, "_is_runtime_protocol", False)
     if unchecked or not isinstance(origin, type):
-        return KINDS[Any], ()  # whatever converts it says what it takes
+        return TYPE_KINDS[Any], ()  # whatever converts it says what it takes
     if origin.__module__.startswith("numpy._typing"):
         return ARRAY_LIKE, ()
     return Kind(lambda _: _named(origin), lambda value, _: isinstance(value, origin)), ()
@@ -130,17 +125,17 @@ def _of(words: str, args: tuple[Any, ...]) -> str:
 
 
 def _items(value: Any, hints: Iterable[Any]) -> bool:
-    return all(_holds(item, hint) for item, hint in zip(islice(value, SEEN), hints, strict=False))
+    return all(_holds(item, hint) for item, hint in zip(islice(value, MAX_ITEMS), hints, strict=False))
 
 
 def _sequence(value: Any, args: tuple[Any, ...]) -> bool:
     if isinstance(value, np.ndarray):
-        return value.ndim > 0 and (not args or (value.ndim == 1 and _items(value.flat, (args[0],) * SEEN)))
+        return value.ndim > 0 and (not args or (value.ndim == 1 and _items(value.flat, (args[0],) * MAX_ITEMS)))
     ordered = args[:1] in ((float,), (int,))
     many = isinstance(value, Sequence if ordered else (Sequence, set, frozenset)) or (
         hasattr(value, "__len__") and hasattr(value, "iloc")
     )
-    return many and not isinstance(value, (str, bytes)) and (not args or _items(value, (args[0],) * SEEN))
+    return many and not isinstance(value, (str, bytes)) and (not args or _items(value, (args[0],) * MAX_ITEMS))
 
 
 def _array(value: Any, args: tuple[Any, ...]) -> bool:
@@ -186,7 +181,7 @@ def _tuple_words(args: tuple[Any, ...]) -> str:
 
 
 def _mapping(value: Any, args: tuple[Any, ...]) -> bool:
-    return isinstance(value, Mapping) and (not args or _items(value.values(), (args[1],) * SEEN))
+    return isinstance(value, Mapping) and (not args or _items(value.values(), (args[1],) * MAX_ITEMS))
 
 
 def _is(words: str, *kinds: type, but: tuple[type, ...] = ()) -> Kind:
@@ -198,7 +193,7 @@ _anything = Kind(lambda _: "", lambda value, _: True)
 _alternatives = Kind(_union, lambda value, args: any(_holds(value, hint) for hint in args))
 _many = Kind(lambda args: _of("a sequence", args), _sequence)
 
-KINDS: dict[Any, Kind] = {
+TYPE_KINDS: dict[Any, Kind] = {
     Any: _anything,
     object: _anything,
     types.NoneType: _is("None", types.NoneType),

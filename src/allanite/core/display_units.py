@@ -13,8 +13,6 @@ def shown_unit(signal: Signal, power: float, wanted: Sequence[str] = ()) -> str:
 
     A wanted unit of this very quantity is taken as it is; one of the signal itself is carried over.
 
-    Examples
-    --------
     >>> from .units import signal_named
     >>> gyro = signal_named("gyro")
     >>> shown_unit(gyro, 0.5), shown_unit(gyro, 0.5, ["deg/s"]), shown_unit(gyro, 0.5, ["rad/sqrt(s)"])
@@ -32,21 +30,17 @@ def shown_unit(signal: Signal, power: float, wanted: Sequence[str] = ()) -> str:
 def showing(unit: str) -> list[Signal]:
     """The signals of which a coefficient has this unit.
 
-    Examples
-    --------
     >>> [signal.name for signal in showing("deg/s")], showing("deg^3")
     (['gyro', 'angle'], [])
     """
     dimension = unit_of(unit).dimension
-    found = (signal_with(dimension, power, values=True) for power in {row.power for row in TERMS.values()})
-    return sorted(filter(None, found), key=SIGNALS.index)
+    signals = (signal_with(dimension, power, values=True) for power in {row.power for row in TERMS.values()})
+    return sorted(filter(None, signals), key=SIGNALS.index)
 
 
 def readable_unit(unit: str) -> str:
     """The data-sheet unit for an SI unit; any other unit is unchanged.
 
-    Examples
-    --------
     >>> readable_unit("rad/s"), readable_unit("m/s^2"), readable_unit("deg/s")
     ('deg/h', 'ug', 'deg/s')
     """

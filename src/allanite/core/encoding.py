@@ -132,9 +132,9 @@ def _array(data: Any, args: tuple[Any, ...]) -> Any:
         named, ("biufUO", "numbers")
     )
     try:
-        found = np.array(data)
-        if found.dtype.kind in kinds or not found.size:
-            wanted = named if isinstance(named, type) else None if found.dtype.kind in "biufU" else np.float64
+        array = np.array(data)
+        if array.dtype.kind in kinds or not array.size:
+            wanted = named if isinstance(named, type) else None if array.dtype.kind in "biufU" else np.float64
             return np.array(data, dtype=wanted)
     except (TypeError, ValueError, OverflowError):
         pass
@@ -150,15 +150,15 @@ def _hints(args: tuple[Any, ...], size: int) -> tuple[Any, ...]:
 
 
 def _read_tuple(data: Any, args: tuple[Any, ...]) -> tuple[Any, ...]:
-    hints, found = _hints(args, len(data)), list[Any]()
+    hints, items = _hints(args, len(data)), list[Any]()
     if len(hints) != len(data):
         raise StoredError(f"a list of {len(hints)} is expected, not of {len(data)}")
     for i, (item, hint) in enumerate(zip(data, hints, strict=True)):
         try:
-            found.append(read_plain(item, hint))
+            items.append(read_plain(item, hint))
         except AllaniteError as error:
             raise StoredError.at(f"[{i}]", error) from None
-    return tuple(found)
+    return tuple(items)
 
 
 def _write_dict(value: Any, args: tuple[Any, ...], level: float) -> dict[str, Any]:

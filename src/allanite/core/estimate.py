@@ -26,8 +26,6 @@ from .units import Signal
 class Averaged(Value):
     """Models that are consistent with a record, each with its weight.
 
-    Examples
-    --------
     >>> from allanite import K, N
     >>> quiet, drifting = N(0.1, "deg/sqrt(h)"), N(0.1, "deg/sqrt(h)") + K(1, "deg/h/sqrt(h)")
     >>> both = averaged([quiet, drifting], [0.75, 0.25])
@@ -93,12 +91,11 @@ def noise_choice(value: ModelLike | Literal["auto"] | None) -> Averaged | Litera
             "noise must be a Model, a Term such as N(0.01, 'deg/sqrt(h)'), a Fit, 'identified', 'auto' or None, not "
             f"{given(value)}; allanite.Model(text) makes one of a text"
         )
-    found = value if isinstance(value, Averaged) else getattr(value, "averaged", None)
-    return found if isinstance(found, Averaged) else averaged([value], [1.0])
+    models = value if isinstance(value, Averaged) else getattr(value, "averaged", None)
+    return models if isinstance(models, Averaged) else averaged([value], [1.0])
 
 
-WEAK = 0.25
-"""Relative standard error above which an identified term is called weak."""
+WEAK = 0.25  # relative standard error above which an identified term is called weak
 
 
 class Status(NamedTuple):

@@ -15,15 +15,12 @@ from .errors import UsageError, given
 
 PathLike = str | os.PathLike[str]
 
-DRAFTS = ".allanite-*.part"
-"""Pattern of the names of drafts."""
+DRAFTS = ".allanite-*.part"  # pattern of the names of drafts
 
 
 def encoded(text: str) -> bytes:
     r"""Text as UTF-8; what is no character, of a name that was not UTF-8, as its escape.
 
-    Examples
-    --------
     >>> encoded("\udcff")
     b'\\udcff'
     """
@@ -45,10 +42,8 @@ def demand_writable(path: PathLike, *, force: bool = False) -> None:
     if not folder.is_dir():
         raise UsageError(f"the folder {str(folder)!r} of {target.name!r} does not exist; create it first")
     if target.is_file() and not force:
-        raise UsageError(
-            f"{str(target)!r} already exists; give another name, or overwrite it with "
-            f"{spelled('--force', 'force=True')}"
-        )
+        raise UsageError(f"{str(target)!r} already exists; give another name, or overwrite it with "
+                         f"{spelled('--force', 'force=True')}")  # fmt: skip
     if not os.access(target if _is_device(target) else folder, os.W_OK):
         raise UsageError(f"the folder {str(folder)!r} is not writable; give a path in another folder")
 

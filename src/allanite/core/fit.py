@@ -49,8 +49,7 @@ class Component(Value):
         return f"{self.words or self.name}, weight {self.weight:.2f}"
 
 
-EXPLAINED = 0.01
-"""p-value of the goodness of fit below which the model does not explain the record."""
+MIN_P = 0.01  # p-value of the goodness of fit below which the model does not explain the record
 
 REJECTED = say("the model does not explain the record")
 """Reason why the coefficients are not valid if the model does not explain the record."""
@@ -87,12 +86,12 @@ class Goodness(Value):
     @property
     def explained(self) -> bool:
         """Whether the model explains the data."""
-        return self.p >= EXPLAINED and not self.reasons
+        return self.p >= MIN_P and not self.reasons
 
     @property
     def grade(self) -> str:
         """One of `GRADES`; a narrow peak that the test does not detect does not affect the coefficients."""
-        return "explained" if self.explained else UNEXPLAINED if self.p < EXPLAINED else APPROXIMATE
+        return "explained" if self.explained else UNEXPLAINED if self.p < MIN_P else APPROXIMATE
 
     @property
     def verdict(self) -> str:
@@ -346,12 +345,8 @@ class Fit(Value):
         """Plain data."""
         good = self.goodness
         p, reasons, remarks = (good.p, good.reasons, good.remarks) if good else (None, (), ())
-        extra = {
-            "validity": self.validity or None,
-            "gof_p": p,
-            "gof_reasons": list(reasons),
-            "gof_remarks": list(remarks),
-        }
+        extra = {"validity": self.validity or None, "gof_p": p, "gof_reasons": list(reasons),
+                 "gof_remarks": list(remarks)}  # fmt: skip
         others = {"alternatives": [other.to_dict() for other in self.alternatives], "averaged": self.averaged.to_dict()}
         return super().to_dict(level) | others | extra
 
@@ -359,10 +354,8 @@ class Fit(Value):
     def _stored(cls, data: dict[str, Any]) -> "Fit":
         others = data.get("alternatives")
         nodes = data.get("averaged")
-        kept = {
-            "alternatives": {"values": others} if others else None,
-            "averaged": {"values": nodes} if nodes else None,
-        }
+        kept = {"alternatives": {"values": others} if others else None,
+                "averaged": {"values": nodes} if nodes else None}  # fmt: skip
         return super()._stored(data | kept)
 
     def _summary(self) -> str:

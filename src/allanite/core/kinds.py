@@ -40,8 +40,6 @@ def explain_kinds() -> str:
 def signal_of_kind(unit: str, kind: str) -> Signal | None:
     """The signal whose samples of this kind have this unit; None if there is none.
 
-    Examples
-    --------
     >>> signal_of_kind("arcsec", "increment").name, signal_of_kind("arcsec", "value").name
     ('gyro', 'angle')
     >>> signal_of_kind("arcsec", "rate") is None
@@ -73,8 +71,6 @@ def offered(unit: str, *, integers: bool = True) -> str:
 def title_of(symbol: str, signal: Signal) -> str:
     """The name of a term for its sensor: an accelerometer has a velocity random walk.
 
-    Examples
-    --------
     >>> from .units import signal_named
     >>> title_of("N", signal_named("accelerometer")), title_of("N", signal_named("angle"))
     ('velocity random walk', 'white noise of the angle')
@@ -88,8 +84,6 @@ def title_of(symbol: str, signal: Signal) -> str:
 def meaning_of(symbol: str, signal: Signal) -> str:
     """What a term of this sensor is, in one line.
 
-    Examples
-    --------
     >>> from .units import signal_named
     >>> meaning_of("R", signal_named("voltage"))
     'a linear drift, with a sign'

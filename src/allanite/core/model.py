@@ -1,6 +1,7 @@
 """Term and Model: the noise terms that describe a sensor's random errors, and functions that make them."""
 
 import math
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from inspect import Parameter, Signature
@@ -17,9 +18,10 @@ from .encoding import read_key
 from .errors import DataError, StoredError, UnitError, UsageError, WrongTypeError, given
 from .kinds import title_of
 from .limits import demand_stored_size
-from .names import demand_name, row_of
+from .names import demand_name, row_of, unknown
 from .plain import Value
-from .units import SIGNALS, Signal, signal_with, unit_of
+from .syntax import NUMBER, split_quantities
+from .units import SIGNALS, Signal, convert, signal_with, unit_of
 
 
 @dataclass(frozen=True, repr=False)
@@ -124,14 +126,14 @@ def coefficient_factor(symbol: str, unit: str, signal: Signal | None = None) -> 
     UnitError
         If `unit` is not a unit of this coefficient; the message names the usual ones.
     """
-    found = unit_of(unit)
-    fits = signal_with(found.dimension, TERMS[symbol].power, values=True)
+    size = unit_of(unit)
+    fits = signal_with(size.dimension, TERMS[symbol].power, values=True)
     if fits is None or (signal is not None and fits is not signal):
         meant = [s for s in SIGNALS if (s.inertial if signal is None else s is signal)]
         usual = ", ".join(s.sheet[TERMS[symbol].power] for s in meant)
         title = TERMS[symbol].title if signal is None else title_of(symbol, signal)
         raise UnitError(f"{unit!r} is not a unit of {symbol} ({title}); usual units: {usual}")
-    return found.factor
+    return size.factor
 
 
 def term(symbol: str, value: float, unit: str, shape: tuple[float, ...] = ()) -> Term:
@@ -205,10 +207,8 @@ class Model(Value):
     doubt: str = field(default="", compare=False)
 
     def __init__(self, terms: str | Term | Iterable[Term], *, doubt: str = "") -> None:
-        from .syntax import terms_of
-
-        found = terms_of(terms) if isinstance(terms, str) else (terms,) if isinstance(terms, Term) else tuple(terms)
-        object.__setattr__(self, "terms", found)
+        listed = _terms_of(terms) if isinstance(terms, str) else (terms,) if isinstance(terms, Term) else tuple(terms)
+        object.__setattr__(self, "terms", listed)
         object.__setattr__(self, "doubt", doubt)
         symbols = [t.symbol for t in self.terms]
         if not symbols:
@@ -259,11 +259,11 @@ class Model(Value):
         return Model(kept, doubt=self.doubt) if kept else None
 
     def __getitem__(self, symbol: str) -> Term:
-        found = [t for t in self.terms if t.symbol == symbol]
-        if len(found) > 1:
-            raise UsageError(f"{symbol!r} occurs {len(found)} times in this model: iterate over its terms")
-        if found:
-            return found[0]
+        alike = [t for t in self.terms if t.symbol == symbol]
+        if len(alike) > 1:
+            raise UsageError(f"{symbol!r} occurs {len(alike)} times in this model: iterate over its terms")
+        if alike:
+            return alike[0]
         raise UsageError(f"no term {symbol!r} in this model; its terms: {', '.join(t.symbol for t in self.terms)}")
 
     def __iter__(self) -> Iterator[Term]:
@@ -288,6 +288,41 @@ class Model(Value):
             raise StoredError("a model has at least one term")
         doubt = read_key({"doubt": "", **data}, "doubt", str)
         return cls(read_key({"terms": terms}, "terms", tuple[Term, ...]), doubt=doubt)
+
+
+def _terms_of(text: str) -> tuple[Term, ...]:
+    """The terms of a model that a text describes; see `Model`."""
+    parts: list[list[str]] = []
+    titles = (f"{p.name} {p.title}" for row in TERMS.values() for p in row.parameters)
+    fillers = {"with", *" ".join(titles).replace("_", " ").split()}  # words that carry no information
+    for part in text.split(","):
+        words = [word for word in part.replace("=", " ").split() if word not in fillers]
+        if parts and words and NUMBER.match(words[0]):  # the previous term has another parameter
+            parts[-1] += words
+        else:
+            parts.append(words)
+    return tuple(_term(words, text) for words in parts)
+
+
+def _term(words: list[str], text: str) -> Term:
+    if not words or words[0] not in TERMS:
+        where = f" in {text!r}"
+        error = unknown("term", words[0], TERMS, where=where) if words else UsageError(f"there is no term{where}")
+        raise type(error)(f"{error}; a model has the form 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'", cure=error.cure)
+    symbol, parameters = words[0], TERMS[words[0]].parameters
+    # the unit of the coefficient may begin with 1, as 1/s
+    plain = len(words) > 2 and NUMBER.fullmatch(words[1]) and re.fullmatch(r"1(/.*)?", words[2])
+    first = [(float(words[1]), words[2])] if plain else []
+    quantities = [*first, *split_quantities(words[1 + 2 * len(first) :])]
+    if not 0 < len(quantities) <= 1 + len(parameters) or not quantities[0][1]:
+        wanted = "".join(f", its {p.name.replace('_', ' ')}{p.unit and f' in {p.unit}'}" for p in parameters)
+        raise UsageError(
+            f"{' '.join(words)!r} is not a noise term: {symbol} must be followed by a number and a unit{wanted}, "
+            "e.g. 'N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s'"
+        )
+    (value, unit), *rest = quantities
+    shape = (convert(v, u or p.unit or "1", p.unit or "1") for (v, u), p in zip(rest, parameters, strict=False))
+    return term(symbol, value, unit, tuple(shape))
 
 
 class HasModel(Protocol):
@@ -321,8 +356,6 @@ def usable_model(value: ModelLike) -> Model:
 def model_of(value: ModelLike) -> Model:
     """The model that a term, a model or a fit represents; anything else is refused.
 
-    Examples
-    --------
     >>> from allanite import N
     >>> print(model_of(N(0.01, "deg/sqrt(h)")))
     N = 0.01 deg/sqrt(h)
@@ -348,8 +381,6 @@ class Constructor(Protocol):
 def constructor(symbol: str) -> Constructor:
     """The function that makes a term of this symbol, from the term's row of `TERMS`.
 
-    Examples
-    --------
     >>> print(constructor("GM")(0.1, "deg/h", time_constant=20.0))
     GM = 0.1 deg/h with time constant 20 s
     """
@@ -370,12 +401,10 @@ def constructor(symbol: str) -> Constructor:
     example = "".join(f", {p.name}={p.typical:g}" for p in row.parameters if p.default is None)
     units = "".join(f"; {p.name} in {p.unit}" for p in row.parameters if p.unit)
     build.__name__ = build.__qualname__ = symbol
-    build.__doc__ = (
-        f"{row.title.capitalize()}: {row.meaning}.\n\n"
-        f"For example ``{symbol}({row.typical:g}, {sheet!r}{example})``{units}."
-    )
+    build.__doc__ = (f"{row.title.capitalize()}: {row.meaning}.\n\n"
+                     f"For example ``{symbol}({row.typical:g}, {sheet!r}{example})``{units}.")  # fmt: skip
     build.__signature__ = signature  # type: ignore[attr-defined]
-    build.__annotations__ = {name: one.annotation for name, one in signature.parameters.items()}
+    build.__annotations__ = {name: parameter.annotation for name, parameter in signature.parameters.items()}
     return public(build)
 
 

@@ -8,11 +8,8 @@ from .errors import UsageError, given
 
 Row = TypeVar("Row")
 
-ALIKE = 0.7
-"""Similarity, 0 to 1, from which a known name may be the one that was meant."""
-
-LISTED = 12
-"""Number of names up to which a message lists all of them although it suggests one."""
+ALIKE = 0.7  # similarity, 0 to 1, from which a known name may be the one that was meant
+LISTED = 12  # number of names up to which a message lists all of them although it suggests one
 
 
 def nearest(name: object, known: Iterable[str]) -> str:
@@ -20,8 +17,6 @@ def nearest(name: object, known: Iterable[str]) -> str:
 
     Upper case, hyphens and underscores do not matter. Empty if no known name is similar.
 
-    Examples
-    --------
     >>> nearest("open_vins", ["kalibr", "openvins"]), nearest("windows", ["window", "rate"]), nearest("x", ["N"])
     ('openvins', 'window', '')
     """
@@ -31,8 +26,8 @@ def nearest(name: object, known: Iterable[str]) -> str:
     for word in known:
         row = known[word] if isinstance(known, Mapping) else None
         own |= dict.fromkeys(map(_plain, (*getattr(row, "synonyms", ()), word)), word)
-    found = get_close_matches(_plain(str(name)), own, n=1, cutoff=ALIKE)
-    return own[found[0]] if found else ""
+    similar = get_close_matches(_plain(str(name)), own, n=1, cutoff=ALIKE)
+    return own[similar[0]] if similar else ""
 
 
 def _plain(name: str) -> str:
@@ -44,16 +39,14 @@ def unknown(
 ) -> UsageError:
     """The error of an unknown name of `what`, such as a statistic: the name that may be meant, and the known ones.
 
-    Examples
-    --------
     >>> str(unknown("statistic", "oadv", ["adev", "oadev"]))
     "unknown statistic 'oadv'; did you mean oadev? Known statistics: adev, oadev"
     """
     meant, names = nearest(name, known), list(known)
-    said = f"unknown {what} {given(name)}{where}" + (f"; did you mean {meant}?" if meant else "")
+    words = f"unknown {what} {given(name)}{where}" + (f"; did you mean {meant}?" if meant else "")
     if listed and (not meant or len(names) <= LISTED):
-        said += f"{' Known' if meant else '; known'} {what}s: " + ", ".join(names)
-    return UsageError(said, choice=choice, cure=(str(name), meant) if meant else ("", ""))
+        words += f"{' Known' if meant else '; known'} {what}s: " + ", ".join(names)
+    return UsageError(words, choice=choice, cure=(str(name), meant) if meant else ("", ""))
 
 
 def demand_name(what: str, name: object, known: Iterable[str], *, where: str = "", choice: str = "") -> None:
@@ -78,8 +71,6 @@ def row_of(what: str, name: Any, table: Mapping[str, Row], *, where: str = "", c
 def row_alike(what: str, name: Any, table: Mapping[str, Row]) -> Row:
     """The row of a name in which upper case, hyphens, underscores and spaces do not matter; or refused as by `row_of`.
 
-    Examples
-    --------
     >>> row_alike("target", "LIO_SAM", {"lio-sam": 1})
     1
     """
@@ -91,8 +82,6 @@ def row_alike(what: str, name: Any, table: Mapping[str, Row]) -> Row:
 def told_apart(paths: Sequence[str]) -> tuple[str, ...]:
     """The shortest names that tell files apart: with folders where the last names are equal, numbered where paths are.
 
-    Examples
-    --------
     >>> told_apart(["/data/a.csv", "/data/b.csv"]), told_apart(["/data/before/run.csv", "/data/after/run.csv"])
     (('a.csv', 'b.csv'), ('before/run.csv', 'after/run.csv'))
     >>> told_apart(["/1/imu/raw/run.csv", "/2/imu/raw/run.csv"]), told_apart(["a.csv", "a.csv"])

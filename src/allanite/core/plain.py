@@ -14,11 +14,8 @@ from .limits import demand_stored_rate
 from .names import unknown
 from .units import Signal
 
-VERSION = 1
-"""Version of the plain data, stored under "allanite"."""
-
-LONGEST = 120
-"""Maximum length of a `repr`."""
+VERSION = 1  # version of the plain data, stored under "allanite"
+MAX_REPR = 120  # maximum length of a `repr`
 
 TYPES: "dict[str, type[Value]]" = {}
 """Every kind of value that is imported, by its "type"; a class is here as soon as it is defined."""
@@ -92,16 +89,16 @@ class Value(Portable):
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> Self:
         """The value of data of this type."""
-        found = cls(**read_fields(cls, data))
+        value = cls(**read_fields(cls, data))
         for names in cls._alike:
-            parts = (attrgetter(name)(found) for name in names.split())
+            parts = (attrgetter(name)(value) for name in names.split())
             if len({len(part) for part in parts if part is not None}) > 1:
                 raise StoredError(f"{', '.join(names.split())} must have as many items: the data were changed")
-        return found
+        return value
 
     def __repr__(self) -> str:
         text = f"<{type(self).__name__} {self._summary()}".rstrip().replace("\n", "; ")
-        return (text if len(text) < LONGEST else text[: LONGEST - 5] + " ...") + ">"
+        return (text if len(text) < MAX_REPR else text[: MAX_REPR - 5] + " ...") + ">"
 
     def _summary(self) -> str:
         """The content of `repr`: the fields that are words or numbers."""
@@ -155,16 +152,16 @@ def read_fields(cls: type[Value], data: dict[str, Any], *apart: str) -> dict[str
     """The fields of a class, but those `apart`, from plain data; what has a default may be missing."""
     optional = {f.name for f in fields(cls) if f.default is not MISSING or f.default_factory is not MISSING}  # type: ignore[arg-type]
     keys = {name: cls._keys.get(name, name) for name, _ in stored_fields(cls) if name not in apart}
-    found = {
+    values = {
         name: read_key(data, keys[name], hint)
         for name, hint in stored_fields(cls) if name in keys and (keys[name] in data or name not in optional)
     }  # fmt: skip
-    for name in cls._checks.keys() & found.keys():
+    for name in cls._checks.keys() & values.keys():
         try:
-            cls._checks[name](found[name])
+            cls._checks[name](values[name])
         except UsageError as error:
             raise StoredError.at(f".{keys[name]}", error) from None
-    return found
+    return values
 
 
 def demand_type(data: dict[str, Any], name: str) -> None:

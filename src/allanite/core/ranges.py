@@ -8,40 +8,35 @@ from typing import Any
 
 from .errors import UsageError, given
 
-AS = {"s": "100..160,300..310", "Hz": "0.4..2.1,19..20"}
-"""An example of pieces in each unit."""
+AS = {"s": "100..160,300..310", "Hz": "0.4..2.1,19..20"}  # an example of pieces in each unit
 
 
 def demand_ranges(ranges: object) -> dict[str, tuple[float, float]]:
     """Check ranges of averaging times by the symbol of a term: two times each, the lower one first, none in common.
 
-    Examples
-    --------
     >>> demand_ranges({"N": [0.1, 10], "K": [100, 1000]})
     {'N': (0.1, 10.0), 'K': (100.0, 1000.0)}
     """
     if not isinstance(ranges, Mapping) or not ranges:
         raise UsageError(f"ranges are two averaging times in s for each term, as N=0.1:10, not {ranges!r}")
-    found: dict[str, tuple[float, float]] = {}
+    times: dict[str, tuple[float, float]] = {}
     for symbol, pair in ranges.items():
         numbers = isinstance(pair, (tuple, list)) and len(pair) == 2 and all(isinstance(v, (int, float)) for v in pair)
         if not numbers or not 0 < pair[0] < pair[1]:
             raise UsageError(f"the range of {symbol} must be two averaging times in s, the lower one first, not {pair}")
-        found[symbol] = (float(pair[0]), float(pair[1]))
-    for (one, (low, high)), (other, (start, end)) in pairwise(sorted(found.items(), key=lambda item: item[1])):
+        times[symbol] = (float(pair[0]), float(pair[1]))
+    for (symbol, (low, high)), (other, (start, end)) in pairwise(sorted(times.items(), key=lambda item: item[1])):
         if start < high:
             raise UsageError(
-                f"the ranges of {one} ({low:g} to {high:g} s) and {other} ({start:g} to {end:g} s) overlap; "
+                f"the ranges of {symbol} ({low:g} to {high:g} s) and {other} ({start:g} to {end:g} s) overlap; "
                 "one term at most makes a part of the curve"
             )
-    return found
+    return times
 
 
 def demand_pieces(pieces: object, unit: str = "s") -> tuple[tuple[float, float], ...]:
     """Pieces of a record, or of a spectrum, as pairs of numbers, from text or numbers, in their order.
 
-    Examples
-    --------
     >>> demand_pieces("300..310,100..160")
     ((100.0, 160.0), (300.0, 310.0))
     """
@@ -88,8 +83,6 @@ def demand_level(level: float) -> float:
 class Units(dict[float, str]):
     """The units of a signal times time to a power, by the power: those that are named, others as they are written.
 
-    Examples
-    --------
     >>> units = Units("deg/h", "h", {1: "arcsec"})
     >>> units[1], units[0.5], units[0], units[-1.5]
     ('arcsec', 'deg/sqrt(h)', 'deg/h', 'deg/h^2.5')
@@ -106,8 +99,6 @@ class Units(dict[float, str]):
 def times(unit: str, power: float, second: str = "s") -> str:
     """A unit times time to a power; `second` is the unit of the time.
 
-    Examples
-    --------
     >>> times("rad/s", -1.5), times("m/s^2", 1), times("V", 0.5), times("1", 1), times("s", -0.5), times("ug", -1, "h")
     ('rad/s^2.5', 'm/s', 'V*sqrt(s)', 's', 'sqrt(s)', 'ug/h')
     """

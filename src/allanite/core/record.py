@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from allanite.phrases.phrase import join, say
 
-from .aliases import public
+from .aliases import constructed
 from .arrays import LARGEST, FloatArray, complete, samples
 from .errors import DataError, UsageError, WrongTypeError, given
 from .kinds import KINDS, explain_kinds, offered, signal_of_kind
@@ -31,6 +31,7 @@ def header_dict(record: "Record | Header", kind: str) -> dict[str, Any]:
     return header.to_dict() | {"type": kind}
 
 
+@constructed
 @dataclass(frozen=True, eq=False, repr=False)
 class Record(Value):
     """One evenly sampled channel of an inertial sensor.
@@ -231,9 +232,6 @@ class Record(Value):
         return replace(self, values=values, kind=kind, start=start, history=(*self.history, what))
 
 
-Record.__init__ = public(Record.__init__)  # type: ignore[method-assign]
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording(Value):
     """Records with common sample times, by name and in channel order.
@@ -295,11 +293,8 @@ class Recording(Value):
 
 
 NEEDED = {"rate": "a sampling rate", "unit": "a unit"}
-EXAMPLE = {"rate": 100, "unit": "deg/s"}
-"""What samples need to become a record, and what is typed."""
-
-READERS = "allanite.readers"
-"""The package that reads tables; it is imported when one is given."""
+EXAMPLE = {"rate": 100, "unit": "deg/s"}  # what samples need to become a record, and what is typed
+READERS = "allanite.readers"  # the package that reads tables; it is imported when one is given
 
 Samples = Record | ArrayLike
 """A record, or samples that become one: an array, or a column of pandas or polars."""
@@ -354,12 +349,12 @@ def _describes_itself(column: Any, sampling: Sampling) -> bool:
 
 def as_record(source: Any, call: str, sampling: Sampling, *, unit: str = "") -> Record:
     """The record of what is one channel; parameters and errors are those of `as_source`."""
-    found = as_source(source, call, sampling, unit=unit)
-    if isinstance(found, Recording):
-        if len(found) > 1:
-            names = ", ".join(found.channels)
-            raise UsageError(f"{call} takes one channel, not {names}: choose one, e.g. [{found.channels[0]!r}]")
-        return found[0]
-    if not isinstance(found, Record):
-        raise WrongTypeError(f"{call} takes a record or samples, not a {type(found).__name__}")
-    return found
+    record = as_source(source, call, sampling, unit=unit)
+    if isinstance(record, Recording):
+        if len(record) > 1:
+            names = ", ".join(record.channels)
+            raise UsageError(f"{call} takes one channel, not {names}: choose one, e.g. [{record.channels[0]!r}]")
+        return record[0]
+    if not isinstance(record, Record):
+        raise WrongTypeError(f"{call} takes a record or samples, not a {type(record).__name__}")
+    return record

@@ -10,8 +10,7 @@ from .fit import REJECTED, Fit, Goodness, chance, tested
 from .plain import Value
 from .validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, Finding, Scope, worst
 
-SURE = 1e-3
-"""p-value of a check below which the model does not explain the record."""
+MIN_CHECK_P = 1e-3  # p-value of a check below which the model does not explain the record
 
 
 @dataclass(frozen=True, repr=False)
@@ -30,7 +29,7 @@ class Check(Value):
     @property
     def passed(self) -> bool:
         """Whether the deviation can be due to chance."""
-        return self.p >= SURE
+        return self.p >= MIN_CHECK_P
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -95,10 +94,10 @@ class Residuals(Value):
     @property
     def reasons(self) -> tuple[str, ...]:
         """Why the model does not explain the record: rounding, spectrum, level and tails, the likeliest first."""
-        found = [(finding.name != "no dither", str(finding)) for finding in self.findings]
+        sentences = [(finding.name != "no dither", str(finding)) for finding in self.findings]
         spectral = () if self.goodness is None else self.goodness.reasons
-        first = tuple(text for late, text in found if not late)
-        return tuple(dict.fromkeys((*first, *spectral, *(text for late, text in found if late))))
+        first = tuple(text for late, text in sentences if not late)
+        return tuple(dict.fromkeys((*first, *spectral, *(text for late, text in sentences if late))))
 
     def __getitem__(self, name: str) -> Check:
         return next(check for check in self.checks if check.name == name)
@@ -156,10 +155,8 @@ def _rejection(good: Goodness | None, scope: Scope | None) -> tuple[Phrase, tupl
         head = say("{said} (goodness of fit {p})", said=head, p=chance(good.p))
     if scope is None or scope.choice != "auto":
         return head, () if scope is None else (try_band(),)
-    tried = say(
-        "low-pass filters, vibration, steps, a warm-up and power of any other shape were tried beside the terms; none "
-        "of them explains the record"
-    )
+    tried = say("low-pass filters, vibration, steps, a warm-up and power of any other shape were tried beside the "
+                "terms; none of them explains the record")  # fmt: skip
     return head, (tried,)
 
 

@@ -10,14 +10,12 @@ import re
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
-
-from allanite.terms import TERMS
+from typing import TYPE_CHECKING, Any
 
 from .errors import UsageError
-from .model import Model, Term, term
-from .names import unknown
-from .units import convert
+
+if TYPE_CHECKING:
+    from .model import Model
 
 NOTHING = r"(?!)"
 
@@ -25,8 +23,6 @@ NOTHING = r"(?!)"
 def escaped(text: str, meaning: str = NOTHING) -> str:
     r"""Text on one line, which shows what it holds; of what matches `meaning` the last sign is an escape, too.
 
-    Examples
-    --------
     >>> print(escaped("gx\nkey: 1"), escaped("gx --> 1", "--"))
     gx\nkey: 1 gx -\x2d> 1
     """
@@ -48,8 +44,6 @@ class Syntax:
     def comments(self, text: str) -> list[str]:
         r"""The lines of a comment.
 
-        Examples
-        --------
         >>> XML.comments("gx --> gy"), PARAMETERS.comments("gyro " * 25)[1:]
         (['<!-- gx -\\x2d> gy -->'], ['# gyro gyro gyro gyro gyro gyro'])
         """
@@ -82,8 +76,6 @@ def _markdown(text: str) -> str:
 def uncomputed(text: str) -> str:
     """A cell that a spreadsheet does not compute: with an apostrophe before it, as spreadsheets write text.
 
-    Examples
-    --------
     >>> uncomputed("=1+1"), uncomputed("gx"), uncomputed("-1.5e-3")
     ("'=1+1", 'gx', '-1.5e-3')
     """
@@ -111,8 +103,6 @@ CSV = Syntax(meaning=r'"|[,;][=+@-]', cell=lambda text: uncomputed(escaped(text,
 def json_text(data: Any, indent: int | None = None) -> str:
     r"""Plain data as JSON that shows what it holds: what cannot be seen is an escape, which is read back the same.
 
-    Examples
-    --------
     >>> print(json_text({"name": "ω\u202e"}))
     {"name": "ω\u202e"}
     """
@@ -123,8 +113,6 @@ def json_text(data: Any, indent: int | None = None) -> str:
 def toml_text(value: Any) -> str:
     r"""Plain data as a value of TOML; half a character, which TOML cannot hold, as the text of its escape.
 
-    Examples
-    --------
     >>> print(toml_text({"N": [1.0, float("inf")], "name": "a\x7f"}))
     {"N" = [1.0, inf], "name" = "a\u007f"}
     """
@@ -144,8 +132,6 @@ def toml_text(value: Any) -> str:
 def toml(choices: dict[str, Any]) -> str:
     """Plain choices as TOML: the keys of a recipe file.
 
-    Examples
-    --------
     >>> print(toml({"rate": 100.0, "channels": ["gx"], "window": None}), end="")
     rate = 100.0
     channels = ["gx"]
@@ -167,8 +153,6 @@ def identifiers(names: Sequence[str], word: str, *, longest: int = 24, taken: It
 
     Upper case does not tell names apart; `word` stands before what does not begin with a letter.
 
-    Examples
-    --------
     >>> identifiers(["gx", "g x", "G_x", "1", "ω"], "axis")
     ['gx', 'g_x', 'G_x_2', 'axis_1', 'axis']
     """
@@ -184,42 +168,7 @@ def identifiers(names: Sequence[str], word: str, *, longest: int = 24, taken: It
     return result
 
 
-_NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")
-
-
-def terms_of(text: str) -> tuple[Term, ...]:
-    """The terms of a model that a text describes; see `Model`."""
-    parts: list[list[str]] = []
-    titles = (f"{p.name} {p.title}" for row in TERMS.values() for p in row.parameters)
-    fillers = {"with", *" ".join(titles).replace("_", " ").split()}  # words that carry no information
-    for part in text.split(","):
-        words = [word for word in part.replace("=", " ").split() if word not in fillers]
-        if parts and words and _NUMBER.match(words[0]):  # the previous term has another parameter
-            parts[-1] += words
-        else:
-            parts.append(words)
-    return tuple(_term(words, text) for words in parts)
-
-
-def _term(words: list[str], text: str) -> Term:
-    if not words or words[0] not in TERMS:
-        where = f" in {text!r}"
-        error = unknown("term", words[0], TERMS, where=where) if words else UsageError(f"there is no term{where}")
-        raise type(error)(f"{error}; a model has the form 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'", cure=error.cure)
-    symbol, parameters = words[0], TERMS[words[0]].parameters
-    # the unit of the coefficient may begin with 1, as 1/s
-    plain = len(words) > 2 and _NUMBER.fullmatch(words[1]) and re.fullmatch(r"1(/.*)?", words[2])
-    first = [(float(words[1]), words[2])] if plain else []
-    quantities = [*first, *split_quantities(words[1 + 2 * len(first) :])]
-    if not 0 < len(quantities) <= 1 + len(parameters) or not quantities[0][1]:
-        wanted = "".join(f", its {p.name.replace('_', ' ')}{p.unit and f' in {p.unit}'}" for p in parameters)
-        raise UsageError(
-            f"{' '.join(words)!r} is not a noise term: {symbol} must be followed by a number and a unit{wanted}, "
-            "e.g. 'N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s'"
-        )
-    (value, unit), *rest = quantities
-    shape = (convert(v, u or p.unit or "1", p.unit or "1") for (v, u), p in zip(rest, parameters, strict=False))
-    return term(symbol, value, unit, tuple(shape))
+NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")  # a number at the begin of a word
 
 
 def split_quantities(words: list[str]) -> list[tuple[float, str]]:
@@ -230,30 +179,31 @@ def split_quantities(words: list[str]) -> list[tuple[float, str]]:
     >>> split_quantities(["0.1", "deg/h", "20s", "3"])
     [(0.1, 'deg/h'), (20.0, 's'), (3.0, '')]
     """
-    found: list[tuple[float, str]] = []
+    quantities: list[tuple[float, str]] = []
     for word in words:
-        number = _NUMBER.match(word)
+        number = NUMBER.match(word)
         if number:
-            found.append((float(number[0]), word[number.end() :]))
-        elif found and not found[-1][1]:
-            found[-1] = (found[-1][0], word)
+            quantities.append((float(number[0]), word[number.end() :]))
+        elif quantities and not quantities[-1][1]:
+            quantities[-1] = (quantities[-1][0], word)
         else:
             raise UsageError(f"expected a number instead of {word!r} in {' '.join(words)!r}, e.g. 0.1 deg/h")
-    return found
+    return quantities
 
 
-def written(model: Model) -> str:
+def written(model: "Model") -> str:
     """The text from which `Model` makes exactly the same model.
 
     Examples
     --------
+    >>> from allanite import Model
     >>> model = Model("N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s")
     >>> Model(written(model)) == model
     True
     """
     texts = list[str]()
-    for found in model:
-        parameters = zip(found.shape, found.row.parameters, strict=True)
+    for t in model:
+        parameters = zip(t.shape, t.row.parameters, strict=True)
         shape = (f"{float(value)!r} {row.unit}".rstrip() for value, row in parameters)
-        texts.append(" ".join([found.symbol, f"{float(found.value)!r}", found.unit, *shape]))
+        texts.append(" ".join([t.symbol, f"{float(t.value)!r}", t.unit, *shape]))
     return ", ".join(texts)

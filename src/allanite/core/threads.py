@@ -13,8 +13,6 @@ def one_thread() -> Iterator[None]:
     Their threads divide a product by their number, and its sums are rounded accordingly. Products are short here, and
     threads that wait for each other while other processes have the cores take several times as long.
 
-    Examples
-    --------
     >>> from threadpoolctl import threadpool_info
     >>> with one_thread():
     ...     {each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"}

@@ -26,11 +26,8 @@ SPELLINGS: dict[str, str] = {
     "tesla": "T",
 }  # fmt: skip
 
-SIGNS = {"√(": "sqrt(", "µ": "u", "μ": "u", "·": "*"}
-"""Signs of units that are no words."""
-
-RAISED = str.maketrans("-.0123456789", "⁻·⁰¹²³⁴⁵⁶⁷⁸⁹")
-"""How the letters of a power are printed."""
+SIGNS = {"√(": "sqrt(", "µ": "u", "μ": "u", "·": "*"}  # signs of units that are no words
+RAISED = str.maketrans("-.0123456789", "⁻·⁰¹²³⁴⁵⁶⁷⁸⁹")  # how the letters of a power are printed
 
 _LOWERED = {chr(raised): chr(letter) for letter, raised in RAISED.items()}
 _RAISED = re.compile("⁻?[⁰¹²³⁴-⁹]+(?:·[⁰¹²³⁴-⁹]+)?")
@@ -59,8 +56,6 @@ _WORD = re.compile(
 def latin(text: str) -> str:
     """A unit with its Russian and Chinese words in their Latin spelling; any other text is unchanged.
 
-    Examples
-    --------
     >>> latin("°/ч"), latin("弧度/秒"), latin("м/с²"), latin("deg/s")
     ('°/h', 'rad/s', 'm/s²', 'deg/s')
     """
@@ -70,8 +65,6 @@ def latin(text: str) -> str:
 def plain_letters(text: str) -> str:
     """A text with the signs of its units in ASCII; the sign of degrees, which is a word, is unchanged.
 
-    Examples
-    --------
     >>> plain_letters("µg/√Hz"), plain_letters("rad/s²·⁵"), plain_letters("V·√s"), plain_letters("s⁻¹")
     ('ug/sqrt(Hz)', 'rad/s^2.5', 'V*sqrt(s)', 's^-1')
     """
@@ -130,8 +123,7 @@ ATOMS: dict[str, tuple[float, Dimension]] = {
     for prefix in ("", *prefixes)
 }
 
-LONGEST, LARGEST = 200, 1e60
-"""Letters of a unit, and its size in SI, at most."""
+MAX_LETTERS, MAX_SIZE = 200, 1e60  # letters of a unit, and its size in SI, at most
 
 USUAL = (
     "deg/s", "deg/h", "rad/s", "mdeg/s", "arcsec", "deg", "rad", "g", "mg", "ug", "m/s^2", "m/s", "deg/sqrt(h)",
@@ -145,8 +137,7 @@ _ROOT = re.compile(
 )
 """A square root as data sheets write it: rt-hr, rt(h), root-hour, rtHz."""
 
-_BARE_POWER = re.compile(r"(?<=[A-Za-z])(-?[1-9])\b")
-"""A power as written in headers: m/s2, rad s-1."""
+_BARE_POWER = re.compile(r"(?<=[A-Za-z])(-?[1-9])\b")  # a power as written in headers: m/s2, rad s-1
 
 _TOKEN = re.compile(r"\s*(?:(\d+(?:\.\d*)?(?:[eE][-+]?\d+)?|\.\d+)|([A-Za-z°º_]+)|(\^-|.))")
 
@@ -236,17 +227,17 @@ def unit_of(text: str) -> Unit:
     True
     """
     try:
-        if len(text) > LONGEST:
+        if len(text) > MAX_LETTERS:
             raise ValueError(text)
         parser = _Parser(text)
         unit = parser.expression()
-        if parser.tokens or not 1 / LARGEST < unit.factor < LARGEST:
+        if parser.tokens or not 1 / MAX_SIZE < unit.factor < MAX_SIZE:
             raise ValueError(text)
     except (ValueError, ZeroDivisionError, OverflowError, RecursionError):
         rooted = bool(re.search("rt|root|√", text))  # a density is never meant by a rate, nor the other way round
-        meant = nearest(text[:LONGEST], [unit for unit in USUAL if ("sqrt" in unit) == rooted])
-        said = f"did you mean {meant}?" if meant else f"units are written as {', '.join(USUAL)}"
-        raise UnitError(f"unknown unit {given(text)}; {said}", cure=(text, meant) if meant else ("", "")) from None
+        meant = nearest(text[:MAX_LETTERS], [unit for unit in USUAL if ("sqrt" in unit) == rooted])
+        words = f"did you mean {meant}?" if meant else f"units are written as {', '.join(USUAL)}"
+        raise UnitError(f"unknown unit {given(text)}; {words}", cure=(text, meant) if meant else ("", "")) from None
     return unit
 
 
@@ -357,5 +348,5 @@ def signal_with(dimension: Dimension, time_power: float = 0, *, values: bool = F
     With `values` it may be one that only the kind "value" means.
     """
     wanted = _add(dimension, _powers(time=-time_power))
-    found = next((signal for signal in SIGNALS if signal.dimension == wanted), None)
-    return found if found is None or values or found.kind != "value" else None
+    match = next((signal for signal in SIGNALS if signal.dimension == wanted), None)
+    return match if match is None or values or match.kind != "value" else None

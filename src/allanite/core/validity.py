@@ -10,8 +10,7 @@ from allanite.phrases.phrase import Phrase, join, say
 from .arrays import BoolArray, FloatArray
 from .plain import Value
 
-MOTION = ("moving", "body moved")
-"""Names of the findings of motion."""
+MOTION = ("moving", "body moved")  # names of the findings of motion
 
 
 @dataclass(frozen=True, repr=False)
@@ -88,8 +87,7 @@ ROUGHLY = 0.3
 SETTLED = 10.0
 """Multiple of the period of a filter's cut-off beyond which it lowers a deviation by a few per cent at most."""
 
-GRADES = (EXPLAINED, APPROXIMATE, UNEXPLAINED)
-"""How well a model describes a record, from best to worst."""
+GRADES = (EXPLAINED, APPROXIMATE, UNEXPLAINED)  # how well a model describes a record, from best to worst
 
 
 def worst(*grades: str) -> str:
@@ -110,8 +108,7 @@ def graded(grade: str, scope: "Scope | None" = None) -> Phrase:
     return say("explained, with a reservation") if grade == APPROXIMATE else say("explained")
 
 
-STOPPED = 0.1
-"""Gain below which a mask is the stop band of a filter."""
+STOPPED = 0.1  # gain below which a mask is the stop band of a filter
 
 
 @dataclass(frozen=True, repr=False)
@@ -206,21 +203,19 @@ class Scope(Value):
     @property
     def sentences(self) -> tuple[str, ...]:
         """The assumptions beyond the terms, as text; empty if there are none."""
-        said = []
+        words = []
         if self.filter:
-            found = self.filter.words()
-            said.append(say("the samples are low-pass filtered: {filter}; the model includes the filter", filter=found))
+            words.append(say("the samples are low-pass filtered: {filter}; the model includes the filter",
+                             filter=self.filter.words()))  # fmt: skip
         if self.masks:
             loud, stop = list[str](), list[str]()
             for low, high in self.masks:
                 inside = (self.frequency >= low) & (self.frequency <= high)
                 excess = self.level[inside].max(initial=0.0) > STOPPED  # power that the model does not have
                 (loud if excess else stop).append(say("{low:.3g} to {high:.3g} Hz", low=low, high=high))
-            reasons = (
-                (loud, say("excess power there: vibration or a resonance")),
-                (stop, say("stop band of the filter")),
-            )
-            said += [
+            reasons = ((loud, say("excess power there: vibration or a resonance")),
+                       (stop, say("stop band of the filter")))  # fmt: skip
+            words += [
                 say("excluded from the fit: {where} ({why})", where=join(", ", where), why=why)
                 for where, why in reasons
                 if where
@@ -228,23 +223,21 @@ class Scope(Value):
         if self.limited:
             low, high = self.band
             slowest = f"{0.25 / low:.3g} s" if low else say("the whole record")
-            said.append(
+            words.append(
                 say(
                     "the model holds from {low:.3g} to {high:.3g} Hz, that is, from {fastest:.2g} s to {slowest}",
                     low=low, high=high, fastest=0.5 / high, slowest=slowest,
                 )
             )  # fmt: skip
         if self.until is not None:
-            said.append(
-                say(
-                    "beyond {until:.3g} s the deviation is not that of these terms: the slower drift is not described",
-                    until=self.until,
-                )
-            )
-        return (*said, *self.remarks)
+            words.append(
+                say("beyond {until:.3g} s the deviation is not that of these terms: the slower drift is not described",
+                    until=self.until)
+            )  # fmt: skip
+        return (*words, *self.remarks)
 
     def _summary(self) -> str:
         low, high = self.band
-        said = [f"{low:.3g} to {high:.3g} Hz"]
-        said += [f"without {len(self.masks)} parts"] if self.masks else []
-        return ", ".join([*said, self.filter.words()] if self.filter else said)
+        words = [f"{low:.3g} to {high:.3g} Hz"]
+        words += [f"without {len(self.masks)} parts"] if self.masks else []
+        return ", ".join([*words, self.filter.words()] if self.filter else words)

@@ -31,9 +31,6 @@ AXES = "xyz"
 NARROW = 10.0
 """Range below which the record is too short of temperatures, degC: the least that ArduPilot learns from."""
 
-MORE = 2
-"""Powers above the highest of an autopilot whose gain is examined."""
-
 
 def thermal_target(name: str, instance: int | None = None) -> ThermalTarget:
     """The row of an autopilot."""
@@ -208,8 +205,6 @@ def _header(row: ThermalTarget, study: CompensationStudy, used: Sequence[_Axis])
             size = f"{effect.value / scale:.4g} ({effect.low / scale:.4g} .. {effect.high / scale:.4g}) {unit}"
             centre = f"{effect.label} about {effect.regressor.centre:g} degC"
             yield f"{axis.name}: {size} per {effect.regressor.column_unit}, {centre}"
-        if axis.channel.prospect:
-            yield f"{axis.name}: {axis.channel.prospect}; {row.program} takes powers up to {row.order}"
     where = "the middle of the range" if row.reference is None else f"{row.reference:g} degC"
     zero = "" if row.constant else ", and the correction is zero at the temperature of the calibration"
     yield f"T is the temperature within the range, T0 {where}{zero}"

@@ -187,9 +187,6 @@ def _least(errors: Callable[[int], FloatArray], which: int, wanted: float) -> fl
 SIZE = 7200
 """Samples of the record where no length is given: two hours at 1 Hz."""
 
-JOIN, DIVISOR = 0.2, 30
-"""As `deviation` joins hybrids."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Properties(Value):
@@ -231,13 +228,13 @@ def properties(
         raise UsageError(f"{row.name} is not an estimate of the Allan or Hadamard variance; explain another statistic")
     # the points asked for, or octaves
     if m is not None and taus is None:
-        factors = checked(m, row, size, JOIN)
+        factors = checked(m, row, size)
     else:
-        factors = checked(factors_of("octave" if taus is None else taus, row, size, 1.0, JOIN), row, size, JOIN)
-    points = CurvePoints(row, factors, [(size, 1)], size, 1.0, JOIN)
+        factors = checked(factors_of("octave" if taus is None else taus, row, size, 1.0), row, size)
+    points = CurvePoints(row, factors, [(size, 1)], size, 1.0)
     symbols = tuple(symbol for symbol, term in TERMS.items() if term.alpha is not None)
     models = [Model((unit_term(symbol, SIGNALS[0]),)) for symbol in symbols]
-    tau = times(row, points.m, size, JOIN)
+    tau = times(row, points.m, size)
     ratio = []
     for model in models:
         # Allan or Hadamard variance of one term at any averaging times, by differences of the angle's structure
@@ -246,6 +243,6 @@ def properties(
         D, d = term.sampled(1.0).structure, row.order
         total = -sum((-1) ** k * math.comb(2 * d, d + k) * D(k * tau) for k in range(1, d + 1))
         target = term.power(1.0) * total / (math.factorial(d) * tau**2)
-        ratio.append(target / expected_at(row, model, factors, size, 1.0, join=JOIN, divisor=DIVISOR))
+        ratio.append(target / expected_at(row, model, factors, size, 1.0))
     degrees = [mixtures(points, [model])[0] for model in models]
     return Properties(row.name, size, points.m, tau, symbols, np.stack(ratio, axis=1), np.stack(degrees, axis=1))

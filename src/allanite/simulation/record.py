@@ -14,11 +14,8 @@ from allanite.core.plain import Header, Value
 from allanite.core.record import Record, Recording
 from allanite.phrases.phrase import say, spelled
 
-MOST = 10_000_000_000
-"""Most samples of a simulated record, which would take 80 GB."""
-
-LONGER = (1, 2, 4, 8, 16)
-"""Lengths of embeddings that are tried, over that of the record."""
+MAX_SAMPLES = 10_000_000_000  # most samples of a simulated record, which would take 80 GB
+LONGER = (1, 2, 4, 8, 16)  # lengths of embeddings that are tried, over that of the record
 
 
 @public
@@ -84,8 +81,8 @@ def simulate(
     size, rate = size_and_rate(size, rate, duration)
     if size < 2:
         raise UsageError(f"a record needs at least 2 samples, not {size}")
-    if size > MOST:
-        raise UsageError(f"a simulated record has at most {MOST:.0e} samples, not {size}: simulate a part of it")
+    if size > MAX_SAMPLES:
+        raise UsageError(f"a simulated record has at most {MAX_SAMPLES:.0e} samples, not {size}: simulate a part of it")
     rounded = None
     if rounding:
         rounded = next((t for t in model if t.row.alpha == 2 and t.value), None)

@@ -108,8 +108,7 @@ Quarter pulses, and an angle noise that keeps within bounds; whole pulses would 
 is as good as Hamming's window: no single noise fits all tables.
 """
 
-RING_LASERS: dict[str, RingLaser] = {"gl1": GL1, "gl1-smooth": GL1_SMOOTH}
-"""Ring laser gyros by name."""
+RING_LASERS: dict[str, RingLaser] = {"gl1": GL1, "gl1-smooth": GL1_SMOOTH}  # ring laser gyros by name
 
 
 @public
@@ -171,12 +170,6 @@ def simulate_ring_laser(
     walk = np.cumsum(rng.standard_normal(n)) * math.sqrt(2 / (gyro.coherence * rate))
     angle += gyro.residual * np.sin(np.asarray(2 * math.pi * (frequency * np.arange(n) / rate + rng.random()) + walk))
     pulses = np.floor(angle / gyro.pulse + rng.random())
-    return Record(
-        np.diff(pulses).astype(np.int64),
-        rate,
-        "arcsec",
-        kind="count",
-        scale=gyro.pulse,
-        name=name,
-        history=(say("simulated ring laser turning at {rate:g} deg/h: {gyro}", rate=turning, gyro=str(gyro)),),
-    )
+    return Record(np.diff(pulses).astype(np.int64), rate, "arcsec", kind="count", scale=gyro.pulse, name=name,
+                  history=(say("simulated ring laser turning at {rate:g} deg/h: {gyro}", rate=turning,
+                               gyro=str(gyro)),))  # fmt: skip

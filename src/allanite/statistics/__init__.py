@@ -17,7 +17,7 @@ from allanite.core.record import Record
 from allanite.core.threads import one_thread
 from allanite.core.units import Signal
 from allanite.phrases.phrase import join, say, spelled
-from allanite.statistics.confidence.bias import chosen_bias, correction, corrections
+from allanite.statistics.confidence.bias import BIASES, MEANS, Bias, chosen_bias, corrections
 from allanite.statistics.confidence.limits import ModelLaw, PublishedLaw, automatic_law, power_laws, unit_term
 from allanite.statistics.confidence.sparse import sparse, sparse_law
 from allanite.statistics.confidence.supposed import Assumption, AveragedLaw, LaterLaw, SupposedNoise, Supposing
@@ -38,14 +38,13 @@ from .table import STATISTICS as STATISTICS
 from .table import CurvePoints
 from .table import statistic_named as statistic_named
 
-HIDDEN = 0.05
+MIN_NOISE_SHARE = 0.05
 """Variance of white rate and angle noise without gaps over that of means of the remaining samples.
 
 Below this ratio the joints dominate, and the slow noise could only be guessed.
 """
 
-PATIENCE = 60.0
-"""Duration in seconds above which a warning is given."""
+PATIENCE = 60.0  # duration in seconds above which a warning is given
 
 
 def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
@@ -86,42 +85,31 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     ):
         if not demanded:
             raise UsageError(reason)
-    asked = factors_of(taus, row, record.size, record.rate, join) if m is None else m
-    factors = checked(asked, row, record.size, join)
+    row = row.joined(join)
+    factors = checked(factors_of(taus, row, record.size, record.rate) if m is None else m, row, record.size)
     _warn_of_long(row, record.size, factors, threads)
     angle = integrated(record, row.order)
     places: Sequence[tuple[int, int]] = ()
     with one_thread():
-        found = estimate(row, angle, factors, join=join, divisor=divisor, threads=threads)
+        means = estimate(row, angle, factors, divisor=divisor, threads=threads)
         if gaps == "means":
-            found, places = with_means(row, angle, factors, found), angle.places
-    variance, count, factor = found
-    points = CurvePoints(row, factors, angle.runs, record.size, record.rate, join, correction != "model", places)
+            means, places = with_means(row, angle, factors, means), angle.places
+    own_ratio = correction is None or not correction.hybrid
+    points = CurvePoints(row, factors, angle.runs, record.size, record.rate, own_ratio, places)
     named = omit or (m is None and isinstance(taus, str))
-    seen = CurveEstimate(points, variance, count, factor, None, angle, record.signal)
-    seen = seen.only(_complete(count, row, factors, named=named))
-    joined = len(places) > 1 and bool(row.differences)
-    if correction or (joined and noise is not None):
-        seen = _corrected(seen, correction, assumed.noise, named=named)
+    curve = CurveEstimate(points, *means, None, angle, record.signal)
+    curve = curve.only(_complete(curve.number, row, factors, named=named))
+    if correction or (len(places) > 1 and row.differences and noise is not None):
+        curve = _corrected(curve, correction, assumed.noise, named=named)
     # a maximum has no known distribution, and the RMS angle error only under white noise
-    law = None if noise is None or row.order < 2 else _later(seen, assumed, published=edf == "published")
+    law = None if noise is None or row.order < 2 else _later(curve, assumed, published=edf == "published")
     return Curve(
-        statistic=row.name,
-        m=seen.points.m,
-        tau=times(row, seen.points.m, record.size, join) / record.rate,
-        variance=seen.variance * (angle.scale / record.interval ** (1 - row.power)) ** 2,
-        count=seen.number,
-        factor=seen.factor,
-        unit=record.signal.si[row.power],
-        rate=record.rate,
-        size=record.size,
-        name=record.name,
-        history=record.history,
-        noise=assumed.model,
-        law=law,
-        supposes=law.words if law else None,
-        alpha=_alphas(seen.points, angle) if power_law else None,
-    )
+        statistic=row.name, m=curve.points.m, tau=times(row, curve.points.m, record.size) / record.rate,
+        variance=curve.variance * (angle.scale / record.interval ** (1 - row.power)) ** 2, count=curve.number,
+        factor=curve.factor, unit=record.signal.si[row.power], rate=record.rate, size=record.size, name=record.name,
+        history=record.history, noise=assumed.model, law=law, supposes=law.words if law else None,
+        alpha=_alphas(curve.points, angle) if power_law else None,
+    )  # fmt: skip
 
 
 def _warn_of_long(row: Statistic, size: int, m: IntArray, threads: int) -> None:
@@ -153,30 +141,25 @@ class CurveEstimate(NamedTuple):
         """Some of the points."""
         points = self.points._replace(m=self.points.m[which])
         each = None if self.each is None else self.each[:, which]
-        return self._replace(
-            points=points,
-            variance=self.variance[which],
-            number=self.number[which],
-            factor=self.factor[which],
-            each=each,
-        )
+        return self._replace(points=points, variance=self.variance[which], number=self.number[which],
+                             factor=self.factor[which], each=each)  # fmt: skip
 
 
-def _later(seen: CurveEstimate, assumed: Assumption, *, published: bool) -> LaterLaw:
+def _later(curve: CurveEstimate, assumed: Assumption, *, published: bool) -> LaterLaw:
     """The law under what is assumed of the noise, made when it is needed."""
     if published:
-        return LaterLaw(Remembered(partial(_published, assumed.suppose)), partial(_published_law, seen))
-    return LaterLaw(assumed.suppose, partial(_law, seen, corrected=assumed.late and bool(seen.points.row.parts)))
+        return LaterLaw(Remembered(partial(_published, assumed.suppose)), partial(_published_law, curve))
+    return LaterLaw(assumed.suppose, partial(_law, curve, corrected=assumed.late and bool(curve.points.row.parts)))
 
 
-def _law(seen: CurveEstimate, noise: Averaged | Literal["auto"], *, corrected: bool) -> Law:
+def _law(curve: CurveEstimate, noise: Averaged | Literal["auto"], *, corrected: bool) -> Law:
     """The confidence law; of a hybrid that is `corrected` by what the models expect, not by its own bias ratio."""
-    points, each = seen.points, seen.each
+    points, each = curve.points, curve.each
     if not isinstance(noise, Averaged):
-        return sparse_law(points, lambda few: automatic_law(few, seen.angle, seen.signal))
+        return sparse_law(points, lambda few: automatic_law(few, curve.angle, curve.signal))
     if each is None and corrected:
-        points, each = points._replace(scattered=False), _corrections(seen, "model", noise)
-    bias = np.ones((len(noise), points.m.size)) if each is None else each / seen.factor
+        points, each = points._replace(scattered=False), _corrections(curve, BIASES["model"], noise)
+    bias = np.ones((len(noise), points.m.size)) if each is None else each / curve.factor
     if len(noise) == 1 and np.allclose(bias, 1):
         return sparse_law(points, lambda few: ModelLaw(few, (noise.terms,)))
     place = {int(m): i for i, m in enumerate(points.m)}
@@ -192,10 +175,10 @@ def _published(suppose: Callable[[], SupposedNoise]) -> SupposedNoise:
     return SupposedNoise(noise, say("{intervals}, with published degrees of freedom", intervals=words))
 
 
-def _published_law(seen: CurveEstimate, noise: Averaged | Literal["auto"]) -> Law:
+def _published_law(curve: CurveEstimate, noise: Averaged | Literal["auto"]) -> Law:
     if not isinstance(noise, Averaged):
-        return PublishedLaw(seen.points, _alphas(seen.points, seen.angle))
-    return PublishedLaw(seen.points, np.full(seen.points.m.size, noise.terms.terms[0].row.alpha))
+        return PublishedLaw(curve.points, _alphas(curve.points, curve.angle))
+    return PublishedLaw(curve.points, np.full(curve.points.m.size, noise.terms.terms[0].row.alpha))
 
 
 def _alphas(points: CurvePoints, angle: AngleRecord) -> IntArray:
@@ -204,33 +187,30 @@ def _alphas(points: CurvePoints, angle: AngleRecord) -> IntArray:
 
 
 def _corrected(
-    seen: CurveEstimate, bias: str | None, noise: Averaged | Literal["auto"] | None, *, named: bool
+    curve: CurveEstimate, bias: Bias | None, noise: Averaged | Literal["auto"] | None, *, named: bool
 ) -> CurveEstimate:
     """Without the bias, or that of means of what is there, and then without the points that tell nothing."""
-    each = _corrections(seen, bias or "means", noise)
+    each = _corrections(curve, bias or MEANS, noise)
     wanted = noise.weight @ each if isinstance(noise, Averaged) else each[0]
-    found = seen._replace(variance=seen.variance * wanted / seen.factor, factor=wanted, each=each)
-    return found if bias else found.only(_told(found, noise, named=named))
+    curve = curve._replace(variance=curve.variance * wanted / curve.factor, factor=wanted, each=each)
+    return curve if bias else curve.only(_told(curve, noise, named=named))
 
 
-def _corrections(seen: CurveEstimate, bias: str, noise: Averaged | Literal["auto"] | None) -> FloatArray:
-    """What the plain variance is multiplied with under each model, or the power laws, shape (models, points).
-
-    With the bias "means" for means of what is there instead of complete windows.
-    """
+def _corrections(curve: CurveEstimate, bias: Bias, noise: Averaged | Literal["auto"] | None) -> FloatArray:
+    """What the plain variance is multiplied with under each model, or the power laws, shape (models, points)."""
     if noise is None:
         raise UsageError(
             "a bias correction depends on the noise: pass noise=allanite.identify(record), or noise='auto'"
         )
     if isinstance(noise, Averaged):
-        return sparse(seen.points, partial(corrections, bias=bias, noise=noise))
+        return sparse(curve.points, partial(corrections, bias=bias, models=[noise.terms], scale=noise.scale))
 
     def automatically(few: CurvePoints) -> FloatArray:
-        laws = power_laws(few, seen.angle)
-        models = [Model((unit_term(law.symbol, seen.signal),)) for law in laws]
-        return correction(few, bias, models, [law.alpha for law in laws])
+        laws = power_laws(few, curve.angle)
+        models = [Model((unit_term(law.symbol, curve.signal),)) for law in laws]
+        return corrections(few, bias, models, np.ones((1, 1)), [law.alpha for law in laws])
 
-    return sparse(seen.points, automatically)[None]
+    return sparse(curve.points, automatically)
 
 
 def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> BoolArray:
@@ -244,29 +224,23 @@ def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> B
     raise DataError(join("; ", (none, *largest)))
 
 
-def _told(seen: CurveEstimate, noise: Averaged | Literal["auto"] | None, *, named: bool) -> BoolArray:
+def _told(curve: CurveEstimate, noise: Averaged | Literal["auto"] | None, *, named: bool) -> BoolArray:
     """Which points tell of the noise and not of the joints alone; omitted or refused as those without a window.
 
     Slow noise has no voice: where the joints rule, it is known from the supposed models only.
     """
-    row, m, factor = seen.points.row, seen.points.m, seen.factor
+    row, m, factor = curve.points.row, curve.points.m, curve.factor
     if isinstance(noise, Averaged):
         fast = [i for i, t in enumerate(noise.terms) if t.row.edge or t.row.slope == WHITE]
         if not fast:
             return np.ones(m.size, dtype=np.bool_)
         part = Averaged(Model(tuple(noise.terms.terms[i] for i in fast)), noise.scale[:, fast], noise.weight)
-        factor = noise.weight @ _corrections(seen, "means", part)
-    told = np.asarray(factor >= HIDDEN)
+        factor = noise.weight @ _corrections(curve, MEANS, part)
+    told = np.asarray(factor >= MIN_NOISE_SHARE)
     if named or told.all():
         return told
     first = int(np.flatnonzero(~told)[0])
-    raise DataError(
-        say(
-            "where samples are missing the angle is open, and angle noise makes {statistic} {factor:.3g} times "
-            "that of the record without gaps at averaging factor {m}, so that it carries no information; use "
-            "shorter times, or a record of the angle",
-            statistic=row.name,
-            factor=1 / factor[first],
-            m=m[first],
-        )
-    )
+    raise DataError(say("where samples are missing the angle is open, and angle noise makes {statistic} {factor:.3g} "
+                        "times that of the record without gaps at averaging factor {m}, so that it carries no "
+                        "information; use shorter times, or a record of the angle", statistic=row.name,
+                        factor=1 / factor[first], m=m[first]))  # fmt: skip

@@ -20,8 +20,7 @@ from .estimator import WindowMeans, estimate, integrated
 from .row import Statistic
 from .table import statistic_named
 
-FEWEST = 8
-"""Minimum number of samples in a window."""
+MIN_SAMPLES = 8  # minimum number of samples in a window
 
 
 @public
@@ -99,7 +98,7 @@ def dynamic(
         sums = windowed(angle.pieces[0].x, first.m, first.count, row.order, stride)
         variance = sums * (angle.scale**2 / (row.norm(first.m) * first.count * first.tau**2))
         shape = variance.shape
-        found = WindowMeans(variance, np.broadcast_to(first.count, shape), np.broadcast_to(first.factor, shape))
+        means = WindowMeans(variance, np.broadcast_to(first.count, shape), np.broadcast_to(first.factor, shape))
     else:
         points = samples + KINDS[record.kind][1]
         parts = [
@@ -110,40 +109,20 @@ def dynamic(
             for start in starts.tolist()
         ]
         shape = (len(parts), first.m.size)
-        found = WindowMeans(np.full(shape, np.nan), np.zeros(shape, dtype=np.int64), np.full(shape, np.nan))
+        means = WindowMeans(np.full(shape, np.nan), np.zeros(shape, dtype=np.int64), np.full(shape, np.nan))
         reason: DataError | None = None
-        for i, one in enumerate(spread(lambda part: _one(part, row, first), parts, threads)):
-            if isinstance(one, DataError):
-                reason = one
+        for i, result in enumerate(spread(lambda part: _one(part, row, first), parts, threads)):
+            if isinstance(result, DataError):
+                reason = result
                 continue
-            found.variance[i], found.number[i], found.factor[i] = one
-        if reason is not None and not found.number.any():
-            raise DataError(
-                say(
-                    "no window of {channel!r} supports {statistic}: {reason}",
-                    channel=parts[0].name,
-                    statistic=row.name,
-                    reason=reason,
-                )
-            ) from None
-    return Surface(
-        statistic=row.name,
-        time=np.asarray((starts + samples / 2) / record.rate),
-        m=first.m,
-        tau=first.tau,
-        variance=found.variance,
-        count=found.number,
-        factor=found.factor,
-        window=samples / record.rate,
-        step=stride / record.rate,
-        unit=first.unit,
-        rate=record.rate,
-        name=record.name,
-        history=record.history,
-        noise=first.noise,
-        law=first.law,
-        supposes=first.supposes,
-    )
+            means.variance[i], means.number[i], means.factor[i] = result
+        if reason is not None and not means.number.any():
+            raise DataError(say("no window of {channel!r} supports {statistic}: {reason}", channel=parts[0].name,
+                                statistic=row.name, reason=reason)) from None  # fmt: skip
+    return Surface(statistic=row.name, time=np.asarray((starts + samples / 2) / record.rate), m=first.m, tau=first.tau,
+                   variance=means.variance, count=means.number, factor=means.factor, window=samples / record.rate,
+                   step=stride / record.rate, unit=first.unit, rate=record.rate, name=record.name,
+                   history=record.history, noise=first.noise, law=first.law, supposes=first.supposes)  # fmt: skip
 
 
 def _samples(record: Record, window: float | None, step: float | None) -> tuple[int, int]:
@@ -152,10 +131,10 @@ def _samples(record: Record, window: float | None, step: float | None) -> tuple[
         if value is not None and not (np.isfinite(value) and value > 0):
             raise UsageError(f"the {name} must be a positive number of seconds, not {value!r}")
     samples = record.size // 10 if window is None else round(window * record.rate)
-    if not FEWEST <= samples <= record.size:
+    if not MIN_SAMPLES <= samples <= record.size:
         raise UsageError(
             f"a window of {samples / record.rate:g} s is not possible: {record.name!r} is {record.duration:g} s "
-            f"long, and the minimum of {FEWEST} samples is {FEWEST / record.rate:g} s"
+            f"long, and the minimum of {MIN_SAMPLES} samples is {MIN_SAMPLES / record.rate:g} s"
         )
     return samples, max(1, samples // 8 if step is None else round(step * record.rate))
 
@@ -164,7 +143,7 @@ def _one(part: Record, row: Statistic, first: Curve) -> WindowMeans | DataError:
     """A window by itself, or the reason if too many samples are missing."""
     try:
         angle = integrated(part, row.order)
-        variance, number, factor = estimate(row, angle, first.m, join=0.2, divisor=30)
+        variance, number, factor = estimate(row, angle, first.m)
     except DataError as error:
         return error
     return WindowMeans(variance * (angle.scale / part.interval ** (1 - row.power)) ** 2, number, factor)

@@ -11,11 +11,11 @@ from allanite.core.record import Record
 from allanite.parallel.processes import spread
 from allanite.phrases.phrase import say, windowing
 
-from .grids import part_of
+from .differences import OADEV
 from .moments.means import There, takes_means, variance_of
 from .row import Statistic, seconds
 
-LONG = 0.2
+MAX_DIRECT_SECONDS = 0.2
 """Seconds of a compiled loop from which on it runs in a thread of its own, so that it can be interrupted."""
 
 
@@ -72,12 +72,8 @@ def integrated(record: Record, order: int) -> AngleRecord:
         )
     long = tuple(piece for piece in pieces if piece.x.size > 2)
     if not long:
-        raise DataError(
-            say(
-                "{channel!r} has no two successive samples that are finite; no differences can be computed",
-                channel=record.name,
-            )
-        )
+        raise DataError(say("{channel!r} has no two successive samples that are finite; no differences can be computed",
+                            channel=record.name))  # fmt: skip
     return AngleRecord(long, record.size, record.factor * (1.0 if record.integrated else record.interval))
 
 
@@ -103,16 +99,14 @@ class WindowMeans(NamedTuple):
     factor: FloatArray
 
 
-def estimate(
-    row: Statistic, angle: AngleRecord, m: IntArray, *, join: float, divisor: int, threads: int = 1
-) -> WindowMeans:
+def estimate(row: Statistic, angle: AngleRecord, m: IntArray, *, divisor: int = 30, threads: int = 1) -> WindowMeans:
     """A statistic of a record at averaging factors `m`, for a unit sample interval.
 
     DataError where the record has gaps and the statistic no meaning there, or is too short for the ratio of a hybrid.
     """
     if not row.parts:
         return windows(row, angle, m, threads)
-    which = part_of(row, m, angle.size, join)
+    which = row.part_of(m, angle.size)
     variance, count, factor = np.empty(m.size), np.zeros(m.size, np.int64), np.ones(m.size)
     for i, part in enumerate(row.parts):
         here = which == i
@@ -126,14 +120,9 @@ def estimate(
 def windows(row: Statistic, angle: AngleRecord, m: IntArray, threads: int = 1) -> WindowMeans:
     """The mean over all windows that are complete; NaN where there is none."""
     if len(angle.pieces) > 1 and not row.gaps:
-        raise DataError(
-            say(
-                "{statistic} folds the record back at its ends and is not defined for a record with gaps; use "
-                "another statistic (oadev, theo1, mtotdev), or select a window without gaps ({choice})",
-                statistic=row.name,
-                choice=windowing(),
-            )
-        )
+        raise DataError(say("{statistic} folds the record back at its ends and is not defined for a record with gaps; "
+                            "use another statistic (oadev, theo1, mtotdev), or select a window without gaps ({choice})",
+                            statistic=row.name, choice=windowing()))  # fmt: skip
     if m.size > 1 and not np.all(m[1:] >= m[:-1]):
         order = np.argsort(m, kind="stable")
         variance, number, factor = windows(row, angle, m[order], threads)
@@ -142,13 +131,13 @@ def windows(row: Statistic, angle: AngleRecord, m: IntArray, threads: int = 1) -
     sums, count = np.zeros(m.size), np.zeros(m.size, np.int64)
     for start, x in angle.pieces:
         if row.overlapped or start == 0:
-            found, number = _sums(row, x, m, threads), row.count(x.size - 1, m)
+            total, number = _sums(row, x, m, threads), row.count(x.size - 1, m)
         else:  # windows that do not overlap start at multiples of m of the record
             skip = -start % m
             each = [row.sums(x[s:], m[i : i + 1])[0] if s < x.size - 1 else 0.0 for i, s in enumerate(skip)]
-            found = np.array(each)
+            total = np.array(each)
             number = np.array([row.count(x.size - 1 - int(s), k) for s, k in zip(skip, m, strict=True)])
-        sums = np.maximum(sums, found) if row.extreme else sums + found
+        sums = np.maximum(sums, total) if row.extreme else sums + total
         count += number
     with np.errstate(invalid="ignore", divide="ignore"):
         mean = np.where(count > 0, sums / (1 if row.extreme else count), np.nan)
@@ -174,19 +163,17 @@ def with_means(row: Statistic, angle: AngleRecord, m: IntArray, plain: WindowMea
 
 
 def _sums(row: Statistic, x: FloatArray, m: IntArray, threads: int) -> FloatArray:
-    if threads == 1 and seconds(row, x.size, m) < LONG:
+    if threads == 1 and seconds(row, x.size, m) < MAX_DIRECT_SECONDS:
         return row.sums(x, m)
     shares = row.split(x.size, m, min(threads, m.size)) if threads > 1 else [np.arange(m.size)]
     sums = np.empty(m.size)
-    for share, found in zip(shares, spread(lambda share: row.sums(x, m[share]), shares, threads), strict=True):
-        sums[share] = found
+    for share, total in zip(shares, spread(lambda share: row.sums(x, m[share]), shares, threads), strict=True):
+        sums[share] = total
     return sums
 
 
 def bias_ratio(theo1: Statistic, angle: AngleRecord, divisor: int, threads: int = 1) -> float:
     """kf: mean of OAVAR(m = 9 + 3i) / Theo1(m = 12 + 4i), both at one tau, for i = 0 .. points / divisor - 3."""
-    from .differences import OADEV
-
     if divisor not in (6, 30):
         raise UsageError(
             f"the divisor of TheoBR's ratio must be 30 (as published) or 6 (as in Stable32), not {divisor!r}"
@@ -194,12 +181,9 @@ def bias_ratio(theo1: Statistic, angle: AngleRecord, divisor: int, threads: int 
     last = (angle.size + 1) // divisor - 3
     if last < 0:
         raise DataError(
-            say(
-                "TheoBR needs at least {least} samples for its bias ratio, but there are {size}; use theo1, or oadev",
-                least=3 * divisor - 1,
-                size=angle.size,
-            )
-        )
+            say("TheoBR needs at least {least} samples for its bias ratio, but there are {size}; use theo1, or oadev",
+                least=3 * divisor - 1, size=angle.size)
+        )  # fmt: skip
     i = np.arange(last + 1)
     allan, theo = (windows(row, angle, m, threads) for row, m in ((OADEV, 9 + 3 * i), (theo1, 12 + 4 * i)))
     both = (allan.number > 0) & (theo.number > 0)

@@ -12,23 +12,18 @@ from allanite.phrases.phrase import spelled
 from .row import Statistic
 
 
-def times(row: Statistic, m: IntArray, size: int, join: float) -> FloatArray:
+def times(row: Statistic, m: IntArray, size: int) -> FloatArray:
     """Tau over the sample interval, shape of m."""
     parts = row.parts or (row,)
-    return np.asarray(m * np.array([part.tau_factor for part in parts])[part_of(row, m, size, join)])
+    return np.asarray(m * np.array([part.tau_factor for part in parts])[row.part_of(m, size)])
 
 
-def part_of(row: Statistic, m: IntArray, size: int, join: float) -> IntArray:
-    """Which part of a hybrid makes the point, 0 for any other statistic, shape of m."""
-    return np.asarray((m > join * size) & (len(row.parts) > 1), dtype=np.int64)
-
-
-def factors_of(taus: str | Sequence[float], row: Statistic, size: int, rate: float, join: float) -> IntArray:
+def factors_of(taus: str | Sequence[float], row: Statistic, size: int, rate: float) -> IntArray:
     """Averaging factors of a named grid or of times in seconds, which are never rounded to a multiple."""
     parts = row.parts or (row,)
     if not isinstance(taus, str):
         asked = np.atleast_1d(np.asarray(taus, dtype=np.float64))
-        part = [parts[-1] if len(parts) > 1 and tau * rate > join * size else parts[0] for tau in asked]
+        part = [parts[-1] if len(parts) > 1 and tau * rate > row.join * size else parts[0] for tau in asked]
         factor, step = np.array([p.tau_factor for p in part]), np.array([p.step for p in part])
         wanted = asked * rate / factor
         m = np.rint(wanted / step) * step
@@ -46,8 +41,8 @@ def factors_of(taus: str | Sequence[float], row: Statistic, size: int, rate: flo
     made = [grid(part.largest(size) // part.step) * part.step for part in parts if part.largest(size)]
     if len(made) < 2:
         return made[0] if made else np.empty(0, np.int64)
-    early = made[0][made[0] <= join * size]
-    late = made[1][(made[1] > join * size) & (made[1] * parts[1].tau_factor > early[-1:].sum())]
+    early = made[0][made[0] <= row.join * size]
+    late = made[1][(made[1] > row.join * size) & (made[1] * parts[1].tau_factor > early[-1:].sum())]
     return np.concatenate((early, late))
 
 
@@ -72,7 +67,7 @@ def grid_named(name: str) -> "Callable[[int], IntArray]":
     return GRIDS[name]
 
 
-def checked(m: Sequence[int] | IntArray, row: Statistic, size: int, join: float) -> IntArray:
+def checked(m: Sequence[int] | IntArray, row: Statistic, size: int) -> IntArray:
     """Averaging factors, if the statistic allows them for a record of `size` intervals; an error names the largest."""
     factors = np.atleast_1d(np.asarray(m))
     if factors.size and factors.dtype.kind not in "iu":
@@ -87,7 +82,7 @@ def checked(m: Sequence[int] | IntArray, row: Statistic, size: int, join: float)
         raise UsageError(
             f"averaging factors of {row.name} must be between {least} and {largest} for {size} samples, not {came}"
         )
-    step = np.array([part.step for part in row.parts or (row,)])[part_of(row, factors, size, join)]
+    step = np.array([part.step for part in row.parts or (row,)])[row.part_of(factors, size)]
     odd = factors % step != 0
     if odd.any():
         raise UsageError(

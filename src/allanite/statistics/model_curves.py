@@ -18,17 +18,9 @@ from allanite.statistics.moments.expect import expected
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import statistic_named
 
-JOIN = 0.2
-"""Share of the record from which theoh is Theo1."""
-
-ALONE = (1e-2, 1e4)
-"""Averaging times of a single term, s."""
-
-BESIDE = 30.0
-"""Ratio of the first and last averaging time to the times at which one term takes over from another."""
-
-PER_DECADE = 20
-"""Averaging times a decade if there is no sampling rate."""
+DEFAULT_TIMES = (1e-2, 1e4)  # averaging times of a single term, s
+MARGIN = 30.0  # ratio of the first and last averaging time to the times at which one term takes over from another
+TIMES_PER_DECADE = 20  # averaging times a decade if there is no sampling rate
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -50,7 +42,7 @@ class Expectation(Value):
 
     def terms(self, curve: Curve) -> list[FloatArray]:
         """Deviation of each term of the model alone, in the curve's unit."""
-        return [np.sqrt(_variance(term, curve.statistic, (curve.tau, curve.rate, curve.size))) for term in self.model]
+        return [np.sqrt(_variance(term, curve.statistic, curve.tau, curve.rate, curve.size)) for term in self.model]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -62,7 +54,7 @@ class Expectations(Value):
     @property
     def apart(self) -> list[tuple[str, Expectation]]:
         """Each with its name, or the text of its model."""
-        return [(one.name or str(one.model), one) for one in self.each]
+        return [(expected.name or str(expected.model), expected) for expected in self.each]
 
 
 @public
@@ -111,46 +103,40 @@ def expectation(
     if rate is not None and not 0 < rate < math.inf:
         raise UsageError(f"the sampling rate must be a positive number of Hz, not {rate!r}")
     rows = [statistic_named(statistic) for statistic in statistics]
-    return Expectation(model, tuple(_curve(model, row, (tau, rate, size)) for row in rows), name)
+    return Expectation(model, tuple(_curve(model, row, tau, rate, size) for row in rows), name)
 
 
-def _curve(model: Model, row: Statistic, record: tuple[str | Sequence[float], float | None, int | None]) -> Curve:
-    tau, rate, size = record
+def _curve(model: Model, row: Statistic, tau: str | Sequence[float], rate: float | None, size: int | None) -> Curve:
     m = np.zeros(0, np.int64)
     if rate is None and isinstance(tau, str):
         if tau != "log":
-            raise UsageError(
-                f"the averaging times {tau!r} are multiples of a sample interval: pass "
-                + spelled("--rate HZ", "rate=...")
-                + ", or the times in seconds"
-            )
-        low, high = (PER_DECADE * math.log10(end) for end in reach(model))
-        at = np.asarray(10 ** (np.arange(math.floor(low), math.ceil(high) + 1) / PER_DECADE))
+            raise UsageError(f"the averaging times {tau!r} are multiples of a sample interval: pass " + spelled(
+                                 "--rate HZ", "rate=...",
+                             ) + ", or the times in seconds")  # fmt: skip
+        low, high = (TIMES_PER_DECADE * math.log10(end) for end in reach(model))
+        at = np.asarray(10 ** (np.arange(math.floor(low), math.ceil(high) + 1) / TIMES_PER_DECADE))
     elif rate is None:
         at = np.atleast_1d(np.asarray(tau, dtype=np.float64))
     else:
         length = size or max(8, math.ceil(4 * reach(model)[1] * rate))
-        m = factors_of(tau, row, length, rate, JOIN)
-        at = times(row, m, length, JOIN) / rate
+        m = factors_of(tau, row, length, rate)
+        at = times(row, m, length) / rate
     if not at.size:
         raise UsageError(f"a record of {size} samples is too short for {row.name}")
     return Curve(
         row.name, m if m.size else np.zeros(at.size, np.int64), at,
-        _variance(model, row.name, (at, rate or 0.0, size or 0)), np.zeros(at.size, np.int64), np.ones(at.size),
+        _variance(model, row.name, at, rate or 0.0, size or 0), np.zeros(at.size, np.int64), np.ones(at.size),
         model.signal.si[row.power], rate or 0.0, size or 0,
     )  # fmt: skip
 
 
-def _variance(model: Model | Term, statistic: str, where: tuple[FloatArray, float, int]) -> FloatArray:
-    tau, rate, size = where
+def _variance(model: Model | Term, statistic: str, tau: FloatArray, rate: float, size: int) -> FloatArray:
     return np.maximum(expected(model, statistic, tau, rate=rate or None, size=size or None), 0.0)
 
 
 def reach(model: Model) -> tuple[float, float]:
     """Averaging times from where one term alone matters to where another alone does, s.
 
-    Examples
-    --------
     >>> from allanite import K, N
     >>> low, high = reach(N(1.0, "rad/sqrt(s)") + K(1.0, "rad/s^1.5"))
     >>> bool(low < 0.1), bool(high > 30)
@@ -171,7 +157,5 @@ def reach(model: Model) -> tuple[float, float]:
         for parameter, value in zip(term.row.parameters, term.shape, strict=True)
         if parameter.unit in ("s", "Hz") and value > 0
     ]
-    found = np.array([*changes, *own])
-    if not found.size:
-        return ALONE
-    return float(found.min()) / BESIDE, float(found.max()) * BESIDE
+    marks = np.array([*changes, *own])
+    return (float(marks.min()) / MARGIN, float(marks.max()) * MARGIN) if marks.size else DEFAULT_TIMES

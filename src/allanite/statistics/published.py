@@ -12,25 +12,23 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 
-LONGEST = 100
-"""Lags that are summed."""
+MAX_LAGS = 100  # lags that are summed
 
-WHOLE = {
+TABLE_1 = {
     2: ((2 / 3, 1 / 3), (7 / 9, 1 / 2), (22 / 25, 2 / 3)), 1: ((0.840, 0.345), (0.997, 0.616), (1.141, 0.843)),
     0: ((1.079, 0.368), (1.033, 0.607), (1.184, 0.848)), -1: ((), (1.048, 0.534), (1.180, 0.816)),
     -2: ((), (1.302, 0.535), (1.175, 0.777)), -3: ((), (), (1.194, 0.703)), -4: ((), (), (1.489, 0.702)),
 }  # fmt: skip
 """Coefficients of Greenhall and Riley's table 1, by alpha and order of the difference."""
 
-POINTS = {
+TABLE_2 = {
     2: ((3 / 2, 1 / 2), (35 / 18, 1.0), (2.31, 1.5)), 1: ((78.6, 25.2), (790.0, 410.0), (9950.0, 6520.0)),
     0: ((2 / 3, 1 / 6), (2 / 3, 1 / 3), (7 / 9, 1 / 2)), -1: ((), (0.852, 0.375), (0.997, 0.617)),
     -2: ((), (1.079, 0.368), (1.033, 0.607)), -3: ((), (), (1.053, 0.553)), -4: ((), (), (1.302, 0.535)),
 }  # fmt: skip
 """Those of table 2."""
 
-FLICKER_ANGLE = ((6.0, 4.0), (15.23, 12.0), (47.8, 40.0))
-"""Those of table 3, for alpha = 1."""
+TABLE_3 = ((6.0, 4.0), (15.23, 12.0), (47.8, 40.0))  # those of table 3, for alpha = 1
 
 
 def _angle(t: FloatArray, alpha: int) -> FloatArray:
@@ -63,29 +61,27 @@ def _summed(law: tuple[int, int], lags: int, windows: float, stride: float, F: f
 def greenhall_riley(alpha: int, m: int, N: int, *, d: int, modified: bool = False, overlapped: bool = True) -> float:
     """That of differences of order d (2 Allan, 3 Hadamard); C. A. Greenhall & W. J. Riley, PTTI 2003.
 
-    Examples
-    --------
     >>> round(greenhall_riley(0, 8, 257, d=2), 2)
     41.13
     """
     law, S = (alpha, d), m if overlapped else 1
-    table, F, mean = (WHOLE, 1.0, m) if modified else (POINTS, float(m), 1)
+    table, F, mean = (TABLE_1, 1.0, m) if modified else (TABLE_2, float(m), 1)
     M = 1 + S * (N - mean - m * d) // m
     J, r = min(M, (d + 1) * S), M / S
     if not modified and alpha == 2:
         return _white_angle(M, r, d)
     a0, a1 = table[alpha][d - 1]
-    if J <= LONGEST:
-        F = math.inf if not modified and alpha <= 0 and m * (d + 1) > LONGEST else F
+    if J <= MAX_LAGS:
+        F = math.inf if not modified and alpha <= 0 and m * (d + 1) > MAX_LAGS else F
         return M * float(_differences(np.zeros(1), F, law)[0]) ** 2 / _summed(law, J, M, S, F)
-    b0, b1 = FLICKER_ANGLE[d - 1]
+    b0, b1 = TABLE_3[d - 1]
     head = (b0 + b1 * math.log(m)) ** 2 if not modified and alpha == 1 else 1.0
     if r >= d + 1:
         return r * head / (a0 - a1 / r)
-    F = 1.0 if modified else LONGEST / r if alpha == 1 else math.inf
+    F = 1.0 if modified else MAX_LAGS / r if alpha == 1 else math.inf
     if head == 1.0:
         head = float(_differences(np.zeros(1), F, law)[0]) ** 2
-    return LONGEST * head / _summed(law, LONGEST, LONGEST, LONGEST / r, F)
+    return MAX_LAGS * head / _summed(law, MAX_LAGS, MAX_LAGS, MAX_LAGS / r, F)
 
 
 def _white_angle(M: int, r: float, d: int) -> float:
@@ -93,7 +89,7 @@ def _white_angle(M: int, r: float, d: int) -> float:
     if d >= K:
         tail = sum((1 - k / r) * math.comb(2 * d, d - k) ** 2 for k in range(1, K))
         return M / (1 + 2 / math.comb(2 * d, d) ** 2 * tail)
-    a0, a1 = POINTS[2][d - 1]
+    a0, a1 = TABLE_2[2][d - 1]
     return M / (a0 - a1 / r)
 
 
@@ -121,8 +117,6 @@ def hadamard_total(alpha: int, m: int, N: int) -> float:
 def theo1(alpha: int, m: int, N: int) -> float:
     """That of Theo1, and by convention of TheoBR; T. N. Tasset, D. A. Howe & D. B. Percival, FCS 2004.
 
-    Examples
-    --------
     >>> [round(theo1(0, m, 7201), 1) for m in (720, 3600, 7200)]
     [51.6, 7.8, 2.4]
     """

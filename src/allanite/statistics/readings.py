@@ -22,11 +22,8 @@ from allanite.statistics import deviation
 FLOOR = math.sqrt(2 * math.log(2) / math.pi)
 """Allan deviation of flicker over B: 0.66428. (The 0.6648 of some texts is a misprint.)"""
 
-FEWEST = 2
-"""Minimum number of complete means."""
-
-KNOWN = 10.0
-"""Minimum degrees of freedom of a point for the minimum."""
+MIN_COMPLETE_MEANS = 2  # minimum number of complete means
+MIN_EDF = 10.0  # minimum degrees of freedom of a point for the minimum
 
 
 class Stability(NamedTuple):
@@ -82,16 +79,11 @@ def averaging_stability(record: Record, seconds: float = 10.0, *, model: ModelLi
         raise UsageError(f"{seconds:g} s is not a multiple of the sample interval {record.interval:g} s")
     means, whole = means_of(record, m)
     blocks = int(whole.sum())
-    if blocks < FEWEST:
+    if blocks < MIN_COMPLETE_MEANS:
         names: dict[str, Any] = {"channel": record.name, "blocks": blocks, "seconds": seconds}
         if blocks < whole.size:
-            raise DataError(
-                say(
-                    "{channel!r} has {blocks} complete means over {seconds:g} s, but 2 are needed, and a mean that "
-                    "touches a gap is not complete; choose a shorter time",
-                    **names,
-                )
-            )
+            raise DataError(say("{channel!r} has {blocks} complete means over {seconds:g} s, but 2 are needed, and a "
+                                "mean that touches a gap is not complete; choose a shorter time", **names))  # fmt: skip
         raise DataError(
             say(
                 "{channel!r} has {blocks} complete means over {seconds:g} s, but 2 are needed; the longest "
@@ -137,29 +129,20 @@ def minimum(curve: Curve) -> Minimum:
     >>> minimum(deviation(record)).inside
     False
     """
-    known = curve.edf >= KNOWN if curve.law is not None else np.ones(curve.tau.size, dtype=bool)
+    known = curve.edf >= MIN_EDF if curve.law is not None else np.ones(curve.tau.size, dtype=bool)
     if not known.any():
-        raise DataError(say("no point of the curve has {least:g} degrees of freedom; record longer", least=KNOWN))
+        raise DataError(say("no point of the curve has {least:g} degrees of freedom; record longer", least=MIN_EDF))
     lowest = int(np.where(known, curve.deviation, np.inf).argmin())
     last = int(np.flatnonzero(known)[-1])
     value = float(curve.deviation[lowest])
     return Minimum(value / FLOOR, value, float(curve.tau[lowest]), lowest < last)
 
 
-USUAL = 1.0
-"""Averaging time, s, at which the angle random walk is read."""
-
-MEANS = (10.0, 100.0)
-"""Averaging times, s, of the N-second stability of data sheets."""
-
-FEWEST_MEANS = 10
-"""Minimum number of means for which their standard deviation is given."""
-
-WINDOWS = 8
-"""Minimum number of successive windows at an averaging time."""
-
-WIDE = 2.0
-"""Ratio of averaging times below which a range is too narrow for a slope."""
+USUAL_TIME = 1.0  # averaging time, s, at which the angle random walk is read
+MEAN_TIMES = (10.0, 100.0)  # averaging times, s, of the N-second stability of data sheets
+MIN_STABILITY_MEANS = 10  # minimum number of means for which their standard deviation is given
+MIN_SUCCESSIVE = 8  # minimum number of successive windows at an averaging time
+MIN_RANGE = 2.0  # ratio of averaging times below which a range is too narrow for a slope
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,29 +183,26 @@ def readings(record: Record, curve: Curve | None = None) -> Readings:
     (1.0, -0.5, False)
     """
     wide = deviation(record, "oadev", taus="log", noise=None) if curve is None else curve
-    known = wide.count >= WINDOWS * wide.m
+    known = wide.count >= MIN_SUCCESSIVE * wide.m
     factors = wide.m[known].tolist()
     lowest = int(wide.deviation[known].argmin()) if factors else 0
-    usual = min(max(round(USUAL * record.rate), 1), max(factors, default=1))
+    usual = min(max(round(USUAL_TIME * record.rate), 1), max(factors, default=1))
     around = max(round(usual / 3), 1), min(3 * usual, int(wide.m.max()))
     marks: list[int] = []
     if factors:  # that bound the ranges of slopes: the first, those of 10^k seconds, the last that is known
         start, end = factors[0], factors[-1]
         powers = range(math.floor(math.log10(start / record.rate)), math.ceil(math.log10(end / record.rate)) + 1)
         tens = (round(10.0**k * record.rate) for k in powers)
-        marks = [start, *(m for m in tens if WIDE * start <= m <= end / WIDE), end]
+        marks = [start, *(m for m in tens if MIN_RANGE * start <= m <= end / MIN_RANGE), end]
     least = factors[lowest : lowest + 1]
     points = _Points(deviation(record, "oadev", m=sorted({usual, *around, *marks, *least}), omit=True))
     slopes = (points.slope(first, last) for first, last in pairwise(marks))
     return Readings(
-        signal=record.signal,
-        usual=points.reading(usual if usual in points.place else max(points.place)),
-        around=points.slope(*around),
-        minimum=points.reading(least[0]) if least and least[0] in points.place else None,
-        inside=lowest < len(factors) - 1,
-        slopes=tuple(slope for slope in slopes if slope is not None),
+        signal=record.signal, usual=points.reading(usual if usual in points.place else max(points.place)),
+        around=points.slope(*around), minimum=points.reading(least[0]) if least and least[0] in points.place else None,
+        inside=lowest < len(factors) - 1, slopes=tuple(slope for slope in slopes if slope is not None),
         means=tuple(_means(record)),
-    )
+    )  # fmt: skip
 
 
 class _Points:
@@ -242,7 +222,7 @@ class _Points:
             return None
         at = [self.place[first], self.place[last]]
         tau, variance, edf = (values[at] for values in (self.curve.tau, self.curve.variance, self.edf))
-        if last < WIDE * first or not variance.all():
+        if last < MIN_RANGE * first or not variance.all():
             return None
         ratio = math.log(tau[1] / tau[0])
         # as if the two were independent: correlation can only reduce the scatter of their ratio
@@ -252,10 +232,10 @@ class _Points:
 
 def _means(record: Record) -> Iterator[Means]:
     """N-second stability, where the record has ten means of which two are complete."""
-    for seconds in MEANS:
+    for seconds in MEAN_TIMES:
         m = round(seconds * record.rate)
-        if m < 1 or FEWEST_MEANS * m > record.size:
+        if m < 1 or MIN_STABILITY_MEANS * m > record.size:
             continue
         means, whole = means_of(record, m)
-        if whole.sum() >= FEWEST:
+        if whole.sum() >= MIN_COMPLETE_MEANS:
             yield Means(m / record.rate, scatter(means[whole]), int(whole.sum()))

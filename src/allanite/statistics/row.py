@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -104,6 +104,7 @@ class Statistic:
     gaps: bool = True  # whether it is defined for a record with missing samples
     # what a hybrid consists of, by ascending tau; the last one is multiplied by the bias ratio kf
     parts: tuple["Statistic", ...] = ()
+    join: float = 0.2  # for a hybrid: share of the record beyond which the last part makes the points
     # for a hybrid: the part of the last one's degrees of freedom that is left, as kf scatters too, under a term whose
     # Allan deviation has this slope, where m is this share of the record
     kept: Callable[[float, float], float] = lambda slope, share: 1.0
@@ -131,6 +132,18 @@ class Statistic:
         """Whether its expectation is the Allan variance: every term a straight line of the textbook's slope."""
         plain = self.differences == 2 and not self.summed and not self.power
         return plain and float(self.norm(np.ones(1, dtype=np.int64))[0]) == 2.0
+
+    def joined(self, join: float) -> "Statistic":
+        """The hybrid whose last part makes the points beyond this share of the record; any other statistic as it is."""
+        return replace(self, join=join) if self.parts and join != self.join else self
+
+    def part_of(self, m: IntArray, size: int) -> IntArray:
+        """Which part of a hybrid makes the point, 0 for any other statistic, shape of m."""
+        return np.asarray((m > self.join * size) & (len(self.parts) > 1), dtype=np.int64)
+
+    def part_at(self, m: int, size: int) -> "Statistic":
+        """The part of a hybrid that makes a point; any other statistic itself."""
+        return self.parts[int(self.part_of(np.array([m]), size)[0])] if self.parts else self
 
     @property
     def longest(self) -> float:

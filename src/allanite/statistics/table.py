@@ -1,6 +1,7 @@
 """The table of statistics, and the points of a curve."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 from allanite.core.arrays import IntArray
@@ -39,15 +40,14 @@ class CurvePoints(NamedTuple):
     runs: Sequence[tuple[int, int]]
     size: int
     rate: float
-    join: float
     scattered: bool = True
     places: Places = ()
 
     @classmethod
-    def of(cls, name: str, *rest: Any) -> "CurvePoints":
-        """The points of the statistic called `name`."""
-        return cls(statistic_named(name), *rest)
+    def of(cls, name: str, *rest: Any, join: float = 0.2) -> "CurvePoints":
+        """The points of the statistic called `name`, of a hybrid with this joint."""
+        return cls(statistic_named(name).joined(join), *rest)
 
     def __reduce__(self) -> tuple[Callable[..., "CurvePoints"], tuple[Any, ...]]:
         """With the name of the row: what comes back from another process has the row of `STATISTICS` itself."""
-        return CurvePoints.of, (self.row.name, *self[1:])
+        return partial(CurvePoints.of, join=self.row.join), (self.row.name, *self[1:])

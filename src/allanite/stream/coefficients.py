@@ -96,7 +96,7 @@ def law_of(
     parts: list[Law] = []
     for k, n in dict.fromkeys(zip(level.tolist(), size.tolist(), strict=True)):
         here = q[(level == k) & (size == n)]
-        points = CurvePoints(row, here, [(n, 1)], n, rate / 2.0**k, 0.5)
+        points = CurvePoints(row, here, [(n, 1)], n, rate / 2.0**k)
         parts.append(AveragedLaw(points, noise, np.ones((len(noise), here.size))))
     return DerivedLaw(tuple(parts))
 

@@ -24,7 +24,7 @@ from allanite.statistics.confidence.supposed import Supposing
 from allanite.statistics.dynamic import dynamic
 from allanite.statistics.spectra.from_spectrum import deviation_of_spectrum
 from allanite.statistics.spectra.spectrum import method_named, of_raw, spectrum
-from allanite.statistics.spectra.welch import LONGEST
+from allanite.statistics.spectra.welch import MAX_SEGMENT
 
 from .channels import Inspected, Progress, Source, run
 from .curves import joints
@@ -139,7 +139,7 @@ class Densities(DensityChoices, Value):
         """Assumptions about a record that is read in parts."""
         return (
             say("segments of at most {count} samples, by default an eighth of the record, in a record read in parts",
-                count=LONGEST),
+                count=MAX_SEGMENT),
         )  # fmt: skip
 
 

@@ -19,8 +19,7 @@ from .row import Block, FloatArray, NoiseTerm, time_constant
 Values = NDArray[Any]
 """Real for a real u, complex for a complex one."""
 
-SMALL = 0.05
-"""Size of u below which differences of exponentials are taken from their series."""
+SMALL = 0.05  # size of u below which differences of exponentials are taken from their series
 
 
 def rest(u: Values | complex, order: int) -> Values:
@@ -53,8 +52,8 @@ class Exponential:
     @cached_property
     def variance(self) -> complex:
         """Variance of a mean over one interval."""
-        found: complex = 2 * self.T**2 * rest(self.u, 2).item()
-        return found
+        value: complex = 2 * self.T**2 * rest(self.u, 2).item()
+        return value
 
     @cached_property
     def neighbour(self) -> complex:
@@ -213,11 +212,8 @@ def markov_block(size: float, T: float, h: float) -> Block:
 GAUSS_MARKOV, SLOW_GAUSS_MARKOV = gauss_markov(1.0), slow_gauss_markov(1.0)
 
 
-SHORTEST_ANGLE = 0.5
-"""Samples from which a time constant can be distinguished from quantization."""
-
-LEAST = 0.02
-"""Power of a coefficient over that of the spectrum, at least."""
+SHORTEST_ANGLE = 0.5  # samples from which a time constant can be distinguished from quantization
+LEAST = 0.02  # power of a coefficient over that of the spectrum, at least
 
 
 def angle_markov(T: float) -> NoiseTerm:

@@ -15,8 +15,7 @@ from .row import Block, FloatArray, NoiseTerm, Parameter
 CRITICAL = 1e-7
 """Distance from critical damping, where both time constants are equal, at which the functions are evaluated."""
 
-PERIODS, HIGHEST = 10.0, 0.4
-"""Natural frequencies that are looked for: periods in the record, and periods a sample."""
+PERIODS, HIGHEST = 10.0, 0.4  # natural frequencies that are looked for: periods in the record, and periods a sample
 
 DAMPINGS = (0.01, 0.9)
 """Damping ratios that are looked for: a weaker one is that of a sinusoid, a stronger one of Gauss-Markov noise."""
@@ -65,27 +64,10 @@ def oscillation(frequency: float, damping: float) -> NoiseTerm:
         level=math.nan,
         **made,
         parameters=(
-            Parameter(
-                "frequency",
-                say("natural frequency"),
-                "Hz",
-                least=0.0,
-                letter="f",
-                typical=0.02,
-                time=-1.0,
-                search=lambda n: (PERIODS / n, HIGHEST),
-                steps=16,
-            ),
-            Parameter(
-                "damping",
-                say("damping ratio"),
-                "",
-                least=0.0,
-                letter="zeta",
-                typical=0.15,
-                search=lambda n: DAMPINGS,
-                steps=2,
-            ),
+            Parameter("frequency", say("natural frequency"), "Hz", least=0.0, letter="f", typical=0.02, time=-1.0,
+                      search=lambda n: (PERIODS / n, HIGHEST), steps=16),
+            Parameter("damping", say("damping ratio"), "", least=0.0, letter="zeta", typical=0.15,
+                      search=lambda n: DAMPINGS, steps=2),
         ),
         period=1 / frequency if damping < 1 else 0.0,
         shape=(frequency, damping),
@@ -102,7 +84,7 @@ def oscillation(frequency: float, damping: float) -> NoiseTerm:
         dark="#D3B157",
         dash=(2.4, 1.2, 1, 1.2),
         block=oscillation_block,
-    )
+    )  # fmt: skip
 
 
 LINEAR, POWERS = ("structure", "derivative", "summed", "increments"), ("spectrum", "dct")
@@ -120,9 +102,9 @@ def oscillation_block(size: float, shape: tuple[float, ...], h: float) -> Block:
     whole[:2, :2], whole[2, 0] = -F, -1.0
     whole[:2, 3:5], whole[3:5, 3:5], whole[3, 5] = Qc, F.T, 1.0
     halvings = max(0, math.ceil(math.log2(2 * (1 + z) * w * h)))  # over a long interval exp(-F h) would overflow
-    found = expm(whole * h / 2**halvings)
-    Phi = found[3:, 3:].T
-    Q = Phi @ found[:3, 3:]
+    exponential = expm(whole * h / 2**halvings)
+    Phi = exponential[3:, 3:].T
+    Q = Phi @ exponential[:3, 3:]
     for _ in range(halvings):
         Phi, Q = Phi @ Phi, Phi @ Q @ Phi.T + Q
     mean = np.diag([1.0, 1.0, 1 / h])

@@ -41,8 +41,8 @@ def ramp_coefficients(k: FloatArray, n: int) -> FloatArray:
 
 def white_noise(N: float, h: float) -> Block:
     """White rate noise: no state, only measurement noise."""
-    nothing, one = np.zeros((0, 0)), np.zeros(0)
-    return Block((), nothing, nothing, nothing, one, np.zeros((1, 1)), nothing, one, white=N**2 / h)
+    nothing, empty = np.zeros((0, 0)), np.zeros(0)
+    return Block((), nothing, nothing, nothing, empty, np.zeros((1, 1)), nothing, empty, white=N**2 / h)
 
 
 def integrators(names: tuple[str, ...], h: float, *, density: float = 0.0, start: float = 0.0, note: str = "") -> Block:

@@ -10,14 +10,9 @@ from allanite.phrases.phrase import say
 
 FloatArray = NDArray[np.float64]
 
-WHITE = -0.5
-"""Slope of white rate noise."""
-
-FAR = 1e15
-"""A time, in sample intervals, that is long beside any time constant."""
-
-LONGEST = 0.1
-"""Share of a record up to which a time constant can be distinguished from a random walk."""
+WHITE = -0.5  # slope of white rate noise
+FAR = 1e15  # a time, in sample intervals, that is long beside any time constant
+LONGEST = 0.1  # share of a record up to which a time constant can be distinguished from a random walk
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 import csv
 import io
 import json
-import re
 
 import numpy as np
 import pytest
@@ -114,10 +113,7 @@ def test_an_autopilot_corrects_as_the_corrected_record(soak, autopilot, tmp_path
     asked = ("--regressors", "temp", "--corrected", corrected)
     done = run("compensate", soak, *asked, "--to", autopilot, "-o", path)
     assert done.exit_code == 0, done.stderr
-    assert re.search(r"higher powers\n +power .*\n +4 +\S+ +0\.0 \.\. \S+ +°/h .*\n +5 +\S+ +\d", done.stdout)
     text = path.read_text(encoding="utf-8")
-    assert re.search(r"^# gz: higher powers would remove more: temp\^5 \d+", text, re.MULTILINE)
-    assert f"{autopilot} takes powers up to 3" in text
     assert "gy: no effect is shown" in text
     rows = parsers.parameters(text, "\t" if autopilot == "px4" else ",")
     v = {row[-3] if len(row) > 2 else row[0]: float(row[-2] if len(row) > 2 else row[1]) for row in rows}

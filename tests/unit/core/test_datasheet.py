@@ -44,26 +44,20 @@ def lines(entries):
 @pytest.fixture(scope="module")
 def gyro():
     signal = signal_named("gyro")
-    fit = fit_of(
-        absent(term("Q", 0.3, "arcsec")),
-        estimate(term("N", 0.12, "deg/sqrt(h)"), 0.98, 1.03),
-        estimate(term("B", 3.0, "deg/h"), 0.8, 1.3, "weak"),
-        estimate(term("K", 40.0, "deg/h/sqrt(h)"), 0.8, 1.25),
-        estimate(term("R", -58.0, "deg/h^2"), 1.2, 0.8),
-    )
+    fit = fit_of(absent(term("Q", 0.3, "arcsec")), estimate(term("N", 0.12, "deg/sqrt(h)"), 0.98, 1.03),
+                 estimate(term("B", 3.0, "deg/h"), 0.8, 1.3, "weak"),
+                 estimate(term("K", 40.0, "deg/h/sqrt(h)"), 0.8, 1.25),
+                 estimate(term("R", -58.0, "deg/h^2"), 1.2, 0.8))  # fmt: skip
     return lines(data_sheet(fit, readings_of(signal, math.radians(1.5) / 3600), 100.0))
 
 
-def test_the_angle_random_walk_stands_in_the_three_units_in_use(gyro):
+def test_the_angle_random_walk_in_the_units_in_use_and_as_a_density(gyro):
     # 0.12 deg/sqrt(h): / 60 sqrt(s) per sqrt(h) = 0.002 deg/s/sqrt(Hz); x 3600 s per h = 7.2 deg/h/sqrt(Hz)
     walk = gyro["angle random walk N", "deg/sqrt(h)"]
     assert (walk.value, walk.low, walk.high) == pytest.approx((0.12, 0.1176, 0.1236))
     two = gyro["noise density, two-sided", "deg/s/sqrt(Hz)"]
     assert (two.value, two.low, two.high) == pytest.approx((0.002, 0.00196, 0.00206))
     assert gyro["noise density, two-sided", "deg/h/sqrt(Hz)"].value == pytest.approx(7.2)
-
-
-def test_a_one_sided_density_is_larger_by_the_root_of_two(gyro):
     one = gyro["noise density, one-sided", "deg/s/sqrt(Hz)"]
     assert (one.value, one.low) == pytest.approx((0.0028284271, 0.0027718586))
     assert gyro["noise density, one-sided", "deg/h/sqrt(Hz)"].value == pytest.approx(10.182338)
@@ -79,9 +73,6 @@ def test_the_other_quantities_of_a_gyro(gyro):
     assert (ramp.value, ramp.low, ramp.high) == pytest.approx((-58.0, -69.6, -46.4))
     assert gyro["10 s stability", "deg/h"].value == pytest.approx(3.0)
     assert gyro["bandwidth (-3 dB)", ""].remark == "no roll-off up to 50 Hz"
-
-
-def test_a_term_that_was_not_found_has_its_upper_limit_alone(gyro):
     q = gyro["quantization noise Q", "arcsec"]
     assert (q.value, q.low, q.remark) == (None, None, "not identified")
     assert q.high == pytest.approx(0.3)

@@ -8,31 +8,23 @@ from allanite.core.errors import UsageError
 from allanite.core.files import demand_writable, write
 
 
-def test_an_existing_file_is_refused_and_kept(tmp_path):
+def test_an_existing_file_is_kept_unless_it_is_to_be_replaced(tmp_path):
     path = tmp_path / "page.html"
     path.write_bytes(b"old")
     with pytest.raises(UsageError, match=r"already exists.*force=True"):
         write(path, b"new")
     assert path.read_bytes() == b"old"
-
-
-def test_force_replaces_and_leaves_nothing_else(tmp_path):
-    path = tmp_path / "page.html"
-    path.write_bytes(b"old")
     write(path, b"new", force=True)
     assert path.read_bytes() == b"new"
     assert os.listdir(tmp_path) == ["page.html"]
 
 
-def test_a_missing_folder_and_a_folder_are_named(tmp_path):
+def test_folders_that_cannot_hold_the_file_are_named(tmp_path, monkeypatch):
     with pytest.raises(UsageError, match=r"'.*missing' of 'page.html' does not exist"):
         demand_writable(tmp_path / "missing" / "page.html")
     with pytest.raises(UsageError, match=r"is a folder"):
         demand_writable(tmp_path, force=True)
-
-
-def test_a_folder_that_may_not_be_written_is_named(tmp_path, monkeypatch):
-    """The system is stood in for: root may write everywhere."""
+    # the system is stood in for: root may write everywhere
     monkeypatch.setattr("allanite.core.files.os.access", lambda *_: False)
     with pytest.raises(UsageError, match=f"the folder '{tmp_path}' is not writable"):
         demand_writable(tmp_path / "page.html")
@@ -73,16 +65,13 @@ def test_a_disk_that_takes_the_data_only_at_first_leaves_the_old_file(tmp_path, 
     assert os.listdir(tmp_path) == ["page.html"]
 
 
-def test_a_link_stays_a_link(tmp_path):
+def test_a_link_stays_a_link_and_a_new_file_has_ordinary_permissions(tmp_path):
     target, link = tmp_path / "target.html", tmp_path / "link.html"
     target.write_bytes(b"old")
     link.symlink_to(target)
     write(link, b"new", force=True)
     assert link.is_symlink()
     assert target.read_bytes() == b"new"
-
-
-def test_a_new_file_has_ordinary_permissions(tmp_path):
     umask = os.umask(0o022)
     try:
         write(tmp_path / "page.html", b"new")

@@ -12,20 +12,10 @@ from allanite.core.units import SIGNALS
 
 NUMBERS = np.random.default_rng(1).integers(-50, 50, 1000)
 
-UNITS = {
-    "angle": ("rad", "deg", "arcmin", "arcsec", "mrad", "rev"),
-    "voltage": ("V", "mV"),
-    "temperature": ("K", "mK", "degC"),
-    "pressure": ("Pa", "hPa", "kPa", "mbar", "bar"),
-    "displacement": ("m", "mm", "um"),
-    "velocity": ("m/s",),
-    "current": ("A", "mA"),
-    "time": ("s", "ns", "h"),
-    "frequency": ("Hz",),
-    "dimensionless": ("1",),
-    "gyro": ("deg/s",),
-    "accelerometer": ("ug",),
-}
+UNITS = {"angle": ("rad", "deg", "arcmin", "arcsec", "mrad", "rev"), "voltage": ("V", "mV"),
+         "temperature": ("K", "mK", "degC"), "pressure": ("Pa", "hPa", "kPa", "mbar", "bar"),
+         "displacement": ("m", "mm", "um"), "velocity": ("m/s",), "current": ("A", "mA"), "time": ("s", "ns", "h"),
+         "frequency": ("Hz",), "dimensionless": ("1",), "gyro": ("deg/s",), "accelerometer": ("ug",)}  # fmt: skip
 
 
 @rows(("signal", "unit"), [(name, unit) for name, units in UNITS.items() for unit in units])
@@ -50,9 +40,12 @@ def test_the_refusal_offers_every_meaning_and_each_works(unit):
         assert al.Record(NUMBERS, 10.0, **given).duration > 0
 
 
-def test_units_of_no_signal_are_refused():
+def test_integers_with_a_scale_are_a_value_and_units_of_no_signal_are_none():
     with pytest.raises(al.UsageError, match="'V/s' does not fit kind 'value'"):
         al.Record(NUMBERS, 10.0, "V/s", kind="value")
+    record = al.Record(NUMBERS, 10.0, "mV", kind="value", scale=0.25)
+    assert record.values.dtype.kind == "i"
+    assert record.rate_values[0] == pytest.approx(NUMBERS[0] * 0.25e-3, rel=1e-15)
 
 
 def test_the_units_of_an_angle_are_those_of_its_data_sheet():
@@ -63,14 +56,5 @@ def test_the_units_of_an_angle_are_those_of_its_data_sheet():
     model = al.Model("Q 1 arcsec*s, N 1 arcsec*sqrt(s), B 1 arcsec, K 1 arcsec/sqrt(s), R 1 arcsec/s")
     assert model.signal is angle
     assert al.Model(str(model)) == model
-
-
-def test_terms_of_an_angle_and_of_a_gyro_cannot_be_added():
     with pytest.raises(al.UnitError, match="different signals"):
         al.N(0.01, "deg/sqrt(h)") + al.R(0.1, "arcsec/s")
-
-
-def test_integers_with_a_scale_are_a_value():
-    record = al.Record(NUMBERS, 10.0, "mV", kind="value", scale=0.25)
-    assert record.values.dtype.kind == "i"
-    assert record.rate_values[0] == pytest.approx(NUMBERS[0] * 0.25e-3, rel=1e-15)

@@ -18,23 +18,15 @@ def record(n=5000, **options):
     return al.simulate(MODEL, n, 100.0, rng=np.random.default_rng(1), **options)
 
 
-WRONG = [
-    ({"rate": 0}, "between 1e-09 and 1e\\+15 Hz, not 0"),
-    ({"rate": -1.0}, "between"),
-    ({"rate": float("nan")}, "between"),
-    ({"rate": "100"}, "rate must be a number"),
-    ({"unit": "furlong"}, "unknown unit"),
-    ({"unit": "deg"}, "does not fit kind 'rate'"),
-    ({"kind": "speed"}, "unknown kind 'speed'"),
-    ({"kind": "count", "unit": "arcsec"}, "size of one pulse"),
-    ({"scale": -2.0}, "positive"),
-    ({"values": [[1.0, 2.0]]}, r"shape \(n,\)"),
-    ({"values": ["a", "b", "c"]}, "not real numbers"),
-    ({"values": [1.0 + 2j, 2.0]}, "not real numbers"),
-    ({"values": [1.0]}, "too few"),
-    ({"kind": "count", "unit": "arcsec", "scale": 1.0, "values": [1.0, 2.5, 3.0]}, "counts must be integers"),
-    ({"kind": "count", "unit": "arcsec", "scale": 1.0, "values": [1.0, np.inf, 3.0]}, "finite"),
-]
+WRONG = [({"rate": 0}, "between 1e-09 and 1e\\+15 Hz, not 0"), ({"rate": -1.0}, "between"),
+         ({"rate": float("nan")}, "between"), ({"rate": "100"}, "rate must be a number"),
+         ({"unit": "furlong"}, "unknown unit"), ({"unit": "deg"}, "does not fit kind 'rate'"),
+         ({"kind": "speed"}, "unknown kind 'speed'"), ({"kind": "count", "unit": "arcsec"}, "size of one pulse"),
+         ({"scale": -2.0}, "positive"), ({"values": [[1.0, 2.0]]}, r"shape \(n,\)"),
+         ({"values": ["a", "b", "c"]}, "not real numbers"), ({"values": [1.0 + 2j, 2.0]}, "not real numbers"),
+         ({"values": [1.0]}, "too few"),
+         ({"kind": "count", "unit": "arcsec", "scale": 1.0, "values": [1.0, 2.5, 3.0]}, "counts must be integers"),
+         ({"kind": "count", "unit": "arcsec", "scale": 1.0, "values": [1.0, np.inf, 3.0]}, "finite")]  # fmt: skip
 
 
 @rows(("wrong", "words"), WRONG)
@@ -139,9 +131,6 @@ def test_curves_come_back_with_their_limits_as_numbers():
     assert (again.unit, again.name, again.noise) == ("deg/h", "z", MODEL)
     with pytest.raises(al.UsageError, match=r"were stored for level 0\.95"):
         again.interval(0.5)
-
-
-def test_confidence_needs_the_noise():
     with pytest.raises(al.UsageError, match="identify"):
         _ = al.deviation(record(), noise=None).edf
     with pytest.raises(al.UsageError, match="between 0 and 1"):

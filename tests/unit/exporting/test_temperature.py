@@ -11,7 +11,6 @@ from tests.unit.exporting import parsers
 import allanite as al
 from allanite.applications.compensation.compensating import Compensated, CompensationStudy
 from allanite.applications.compensation.mixture import Gain, Mixture
-from allanite.applications.compensation.order import order
 from allanite.applications.compensation.regression import Regression
 from allanite.applications.compensation.regressor import Regressor
 from allanite.applications.compensation.settings import CompensationSettings
@@ -154,14 +153,3 @@ def test_a_name_does_not_become_a_parameter():
 def test_a_narrow_range_is_said():
     found = al.temperature_parameters(study(regression(span=(39.0, 42.5))), "px4")
     assert "changes by 3.5 degC only" in found.alerts[0]
-
-
-@rows("power", [1, 2, 3, 4, 5])
-def test_an_order_is_what_no_lower_power_follows(power):
-    one = regression(powers=tuple(range(1, power + 1)), centre=30.0)
-    t = np.linspace(LOW, HIGH, 20_001)
-    top = one.mixture.values[power - 1] * (t - 30.0) ** power
-    left = top - np.polyval(np.polyfit(t, top, power - 1), t)
-    found = order(one)
-    assert found.rms == pytest.approx(np.sqrt(np.mean(left**2)), rel=1e-3)
-    assert (found.low, found.high) == pytest.approx((0.9804 * found.rms, 1.0196 * found.rms), rel=1e-6)

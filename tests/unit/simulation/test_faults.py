@@ -48,24 +48,18 @@ def test_a_rounded_angle_is_quantization_noise(dither, seed):
     assert np.all(np.abs(ratio - 1) < 5 * np.sqrt(2 / found.edf[:4]))
 
 
-def test_an_undithered_angle_at_rest_makes_a_pattern():
+def test_the_angle_errs_by_half_a_step_at_most_and_at_rest_makes_a_pattern():
     """At a hundredth of a step a reading there are counts at every hundredth reading alone."""
     still = al.Record(np.full(1000, 0.01), rate=RATE, unit="arcsec", kind="increment")
     counts = faults.quantize_angle(still, 1.0, "arcsec")
     at = np.flatnonzero(counts.values)
     assert counts.values.sum() == 10
     assert np.abs(np.diff(at) - 100).max() <= 1
-
-
-def test_the_angle_never_errs_by_more_than_half_a_step():
     record = white()
     counts = faults.quantize_angle(record, 0.5, "arcsec")
     assert np.abs(counts.angle - record.angle).max() <= 0.2500001 * ARCSEC
     assert counts.values.dtype == np.int64
     assert counts.history[-1] == "angle rounded to 0.5 arcsec"
-
-
-def test_dither_that_stays_is_noise():
     kept = faults.quantize_angle(
         white(), 0.1, "arcsec", dither=faults.Dither(5.0, stripped=False), rng=np.random.default_rng(1)
     )
@@ -73,7 +67,7 @@ def test_dither_that_stays_is_noise():
     assert kept.rate_values.std() > 2 * white().rate_values.std() / 10
 
 
-def test_gaps_have_the_share_and_the_length():
+def test_gaps_and_outliers_have_the_share_and_the_size():
     lossy = faults.gaps(white(), 0.1, 0.5, rng=np.random.default_rng(1))
     lost = np.isnan(lossy.values)
     assert lost.mean() == pytest.approx(0.1, abs=0.03)
@@ -82,15 +76,9 @@ def test_gaps_have_the_share_and_the_length():
     assert not lost[[0, -1]].any()
     assert lossy.history[-1] == f"{lost.sum()} samples missing in {stretches} stretches"
     np.testing.assert_array_equal(lossy.values[~lost], white().values[~lost])
-
-
-def test_no_gaps_and_no_outliers():
     rng = np.random.default_rng(1)
     np.testing.assert_array_equal(faults.gaps(white(), 0.0, 1.0, rng=rng).values, white().values)
     np.testing.assert_array_equal(faults.outliers(white(), 0.0, 20.0, rng=rng).values, white().values)
-
-
-def test_outliers_have_size_and_share():
     record = white()
     spiked = faults.outliers(record, 0.01, 20.0, rng=np.random.default_rng(1))
     jumps = spiked.values - record.values
@@ -100,12 +88,9 @@ def test_outliers_have_size_and_share():
     assert 0.3 < (jumps[hit] > 0).mean() < 0.7
 
 
-def test_the_second_half_has_twice_the_noise():
+def test_a_step_and_a_profile_multiply_the_noise():
     y = faults.noise_step(white()).values
     assert y[20_000:].std() / y[:20_000].std() == pytest.approx(2, rel=0.03)
-
-
-def test_a_profile_multiplies_the_noise():
     record = white()
     end = record.size / record.rate
     y = faults.noise_profile(record, [0, end / 2, end / 2, end], [1, 3, 2, 2]).values
@@ -129,16 +114,13 @@ def test_a_filter_takes_half_of_the_power_at_its_cutoff(order):
     assert near / flat == pytest.approx(0.5, abs=0.12)
 
 
-def test_a_constant_and_the_range():
+def test_a_constant_and_the_range_of_rates_and_increments():
     record = faults.constant(white(), 0.1, "deg/s")
     assert record.values.mean() == pytest.approx(360.0)
     clipped = faults.clip(record, 361.0, "deg/h")
     assert clipped.values.max() == 361.0
     assert "clipped at 361 deg/h" in clipped.history[-1]
-
-
-def test_rates_in_increments():
-    """0.1 arcsec counts: 36 deg/h is 0.36 arcsec in 10 ms."""
+    # 0.1 arcsec counts: 36 deg/h is 0.36 arcsec in 10 ms
     counts = al.Record([3, 1, 2], rate=100.0, unit="arcsec", kind="count", scale=0.1)
     moved = faults.constant(counts, 36.0, "deg/h")
     np.testing.assert_allclose(moved.values, [6.6, 4.6, 5.6])
@@ -179,11 +161,7 @@ def test_they_compose_and_say_so():
     rng = np.random.default_rng(5)
     record = faults.constant(white(5000), 15.0, "deg/h")
     record = faults.gaps(faults.quantize_angle(record, 0.1, "arcsec"), 0.02, 0.3, rng=rng)
-    assert [step.split()[0] for step in record.history] == [
-        "simulated:",
-        "constant",
-        "angle",
-        record.history[-1].split()[0],
-    ]
+    assert [step.split()[0] for step in record.history] == ["simulated:", "constant", "angle",
+                                                            record.history[-1].split()[0]]  # fmt: skip
     assert record.kind == "increment"
     assert np.isnan(record.values).any()

@@ -11,12 +11,8 @@ from allanite.statistics.confidence.limits import Kinds, _mixture
 from allanite.statistics.moments import lagsums
 from allanite.statistics.table import STATISTICS
 
-MODELS = [
-    "R 0.08 rad/s^2, GM 0.02 rad/s 2 s",
-    "R 100 rad/s^2, GM 0.02 rad/s 2 s",
-    "R 1 rad/s^2, N 1e-6 rad/s/sqrt(Hz)",
-    "R 1 rad/s^2",
-]
+MODELS = ["R 0.08 rad/s^2, GM 0.02 rad/s 2 s", "R 100 rad/s^2, GM 0.02 rad/s 2 s", "R 1 rad/s^2, N 1e-6 rad/s/sqrt(Hz)",
+          "R 1 rad/s^2"]  # fmt: skip
 
 
 @rows("statistic, model", paired(["mdev", "tdev", "oadev", "hdev", "ohdev", "totdev", "theo1"], MODELS))

@@ -132,7 +132,7 @@ def test_the_value_as_rows_and_plain_data():
     assert again.to_dict() == surface.to_dict()
 
 
-def test_what_is_refused():
+def test_what_is_refused_and_that_threads_give_the_same_numbers():
     record = record_of(noise(500))
     for options, words in [
         ({"window": 51.0}, "50 s long"),
@@ -144,9 +144,6 @@ def test_what_is_refused():
     ]:
         with pytest.raises(al.UsageError, match=words):
             al.dynamic(record, **options)
-
-
-def test_threads_give_the_same_numbers():
     record = record_of(noise(3000))
     one = al.dynamic(record, "mdev", window=50.0)
     np.testing.assert_array_equal(al.dynamic(record, "mdev", window=50.0, threads=2).variance, one.variance)

@@ -12,7 +12,7 @@ from allanite.kernels.squared import overlapped
 from allanite.kernels.summed import modified
 from allanite.reporting import table, to_csv
 from allanite.statistics import _warn_of_long
-from allanite.statistics.fast.everytau import PAYS, dense, groups
+from allanite.statistics.fast.everytau import MIN_FACTORS, dense, groups
 from allanite.statistics.row import seconds
 from allanite.study.survey import Deviations, survey
 
@@ -58,9 +58,6 @@ def test_a_strong_vibration_leaves_the_noise_at_whole_periods():
     found, expected = dense(x, m, 2), second(x, m)
     assert expected[499] < 1e-9 * expected[249]
     np.testing.assert_allclose(found, expected, rtol=1e-9)
-
-
-def test_nothing_is_nothing():
     assert not dense(np.zeros(3001), np.arange(1, 1501), 2).any()
 
 
@@ -130,7 +127,7 @@ def test_a_curve_of_every_tau_has_its_limits_and_a_figure_of_few_points():
     record = record_of(rate("flicker", 300_000))
     curve = al.deviation(record, "oadev", taus="all")
     figure = al.plot(curve)
-    assert curve.m.size == 150_000 > PAYS
+    assert curve.m.size == 150_000 > MIN_FACTORS
     assert all(len(line.get_xdata()) <= 400 for line in figure.axes[0].lines)
 
 

@@ -43,23 +43,19 @@ def test_the_figure_of_five_slopes():
     np.testing.assert_allclose(deviation, exact, rtol=1e-9)
 
 
-def test_slopes_are_those_of_the_statistic():
+def test_what_figures_of_models_say():
     said = texts(al.plot(expectation(al.Q(0.5, "arcsec"), ["mdev"], rate=100.0, size=100_000)))
     assert "slope −1½" in said
-
-
-def test_terms_of_one_symbol_share_a_label():
     figure = al.plot(al.Model("GM 0.1 deg/h 20 s, GM 0.3 deg/h 500 s, Sine 1 deg/h 3 Hz"))
     said = texts(figure)
     assert "GM = 0.1 °/h, T = 20 s\nGM = 0.3 °/h, T = 500 s" in said
     assert "Sine = 1 °/h, f = 3 Hz" in said
-
-
-def test_a_single_term_can_be_drawn_and_several_models_beside_each_other():
     assert "N = 0.1 °/√h" in texts(al.plot(al.N(0.1, "deg/sqrt(h)")))
     assert (
         len(al.plot([al.N(0.1, "deg/sqrt(h)") + al.B(1, "deg/h"), al.N(2.0, "ug/sqrt(Hz)") + al.B(1, "ug")]).axes) == 2
     )
+    curve = expectation(al.N(0.1, "deg/sqrt(h)")).curves[0]
+    assert figures.facts_of(curve) == ""
 
 
 @rows("arguments, words", [
@@ -77,8 +73,3 @@ def test_what_cannot_be_expected_is_refused(arguments, words):
     done = run("deviation", *arguments)
     assert done.exit_code == 2
     assert words in done.stderr
-
-
-def test_panels_of_a_model_have_no_data():
-    curve = expectation(al.N(0.1, "deg/sqrt(h)")).curves[0]
-    assert figures.facts_of(curve) == ""

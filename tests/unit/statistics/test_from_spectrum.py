@@ -29,23 +29,15 @@ def test_it_is_the_deviation_of_the_record(statistic, choices):
     np.testing.assert_allclose(ratio[:-1], 1, atol=0.06)
 
 
-def test_windows_that_do_not_overlap_have_the_same_expectation():
+def test_closed_forms_and_what_a_spectrum_does_not_tell():
     spectrum = al.spectrum(RECORDS[0])
     for one, other in (("adev", "oadev"), ("hdev", "ohdev")):
         same = [al.deviation_of_spectrum(spectrum, name).variance for name in (one, other)]
         np.testing.assert_array_equal(*same)
-
-
-def test_a_white_spectrum_gives_the_closed_form():
-    spectrum = al.spectrum(RECORDS[0])
     flat = type(spectrum)(**{**vars(spectrum), "density": np.full_like(spectrum.density, 2.0)})
     curve = al.deviation_of_spectrum(flat, taus=[0.1, 0.4, 1.6])
     np.testing.assert_allclose(curve.variance, 1 / curve.tau, rtol=1e-3)
     np.testing.assert_allclose(al.deviation_of_spectrum(flat.to("deg/h"), taus=[0.4]).variance, 1 / 0.4, rtol=1e-3)
-
-
-def test_what_a_spectrum_does_not_tell_is_refused():
-    spectrum = al.spectrum(RECORDS[0])
     with pytest.raises(al.UsageError, match=r"theo1 has no"):
         al.deviation_of_spectrum(spectrum, "theo1")
     with pytest.raises(al.UsageError, match=r"not 1000 s"):

@@ -11,13 +11,8 @@ import allanite as al
 from allanite.statistics.moments.gls import Covariance, autocovariance
 from allanite.statistics.moments.lagsums import FAR_LAG
 
-TERMS = {
-    "Q": al.Q(0.3, "arcsec"),
-    "N": al.N(1e-3, "deg/sqrt(h)"),
-    "B": al.B(0.02, "deg/h"),
-    "K": al.K(0.05, "deg/h/sqrt(h)"),
-    "R": al.R(0.1, "deg/h^2"),
-}
+TERMS = {"Q": al.Q(0.3, "arcsec"), "N": al.N(1e-3, "deg/sqrt(h)"), "B": al.B(0.02, "deg/h"),
+         "K": al.K(0.05, "deg/h/sqrt(h)"), "R": al.R(0.1, "deg/h^2")}  # fmt: skip
 MIXTURES = ["Q", "N", "B", "K", "QN", "NB", "QK", "QB", "QNBK", "QNBKR"]
 
 
@@ -30,10 +25,12 @@ def projected(C):
     return P @ C @ P
 
 
-def test_white_and_angle_noise_are_three_numbers():
+def test_white_and_angle_noise_are_three_numbers_and_nothing_is_refused():
     c = autocovariance((TERMS["Q"], TERMS["N"]), 5, 400.0)
     q, r = TERMS["N"].value ** 2 * 400, (TERMS["Q"].value * 400) ** 2
     np.testing.assert_allclose(c, [q + 2 * r, -r, 0, 0, 0], rtol=1e-14, atol=0)
+    with pytest.raises(al.UsageError, match="at least one noise term"):
+        covariance("R", 10).solve(np.arange(10.0))
 
 
 @rows("symbols", ["B", "K", "QNBK"])
@@ -104,14 +101,6 @@ def test_generalised_least_squares_is_dense_gls():
     wanted = np.linalg.inv(full.T @ W @ full)
     np.testing.assert_allclose(beta, (wanted @ full.T @ W @ y)[1:], rtol=1e-6)
     np.testing.assert_allclose(error, wanted[1:, 1:], rtol=1e-6)
-
-
-def test_a_covariance_of_nothing_is_refused():
-    with pytest.raises(al.UsageError, match="at least one noise term"):
-        covariance("R", 10).solve(np.arange(10.0))
-
-
-def test_a_strong_random_walk_is_solved():
-    """The norm of the residual is ruled by the walk; that of the preconditioned residual is what converges."""
+    # the norm of the residual is ruled by the walk; that of the preconditioned residual is what converges
     model = al.N(0.03734, "deg/sqrt(h)") + al.K(31.61, "deg/h/sqrt(h)")
     assert al.constant_rate.rank(model, size=1200, rate=20.0).best > 0

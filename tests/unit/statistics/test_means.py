@@ -131,14 +131,11 @@ def test_what_the_joints_hide_is_refused():
         al.deviation(torn, m=[1, 1024], noise=model)
 
 
-def test_a_whole_record_is_not_touched():
+def test_a_whole_record_is_not_touched_and_another_word_is_refused():
     record = al.simulate(al.sensor("mems"), 3000, 1.0, rng=np.random.default_rng(1))
     one, two = (al.deviation(record, noise=al.sensor("mems"), gaps=gaps) for gaps in ("means", "complete"))
     np.testing.assert_array_equal(one.variance, two.variance)
     np.testing.assert_array_equal(one.interval(), two.interval())
-
-
-def test_another_word_is_refused():
     with pytest.raises(al.UsageError, match="gaps must be 'means' or 'complete'"):
         al.deviation(lossy(), gaps="all")
 

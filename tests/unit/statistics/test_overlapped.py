@@ -34,12 +34,9 @@ def test_only_the_first_windows(size: int) -> None:
     assert sums == pytest.approx(expected, rel=1e-12)
 
 
-def test_integers_are_exact() -> None:
+def test_integers_are_exact_and_no_factor_has_nothing():
     x = np.cumsum(np.random.default_rng(2).integers(-9, 10, 70_000)).astype(np.float64)
     m = np.array([1, 2, 3, 4, 7, 255, 256, 1000, 9999])
     for order in (2, 3):
         assert overlapped(x, m, order).tolist() == [literal(x, k, order) for k in m.tolist()]
-
-
-def test_nothing_for_no_factor() -> None:
     assert overlapped(np.arange(9.0), np.empty(0, np.int64), 2).size == 0

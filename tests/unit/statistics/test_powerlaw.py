@@ -50,9 +50,15 @@ def test_edges_are_half_way_between_the_exact_values(d):
     assert [edge for edge, _ in powerlaw.EDGES[d]] == [*middles, math.inf]
 
 
-def test_the_values_that_the_comment_quotes():
+def test_every_law_has_a_term_that_is_not_too_hopeful():
     assert [round(exact_delta(a, 2), 3) for a in (0, -1, -2)] == [-1, -0.277, 0.2]
     assert [round(exact_delta(a, 3), 3) for a in (0, -1, -2, -3, -4)] == [-2, -1.149, -0.5, -0.037, 0.283]
+    # a law without a term is given the neighbour with fewer degrees of freedom
+    from tests.reference.edf import greenhall_riley
+
+    for m in (1, 8, 64):
+        assert greenhall_riley(0, 2, m, 257) <= 1.25 * greenhall_riley(1, 2, m, 257)
+    assert {powerlaw.symbol_of(alpha) for alpha in STRUCTURES} <= set(al.TERMS)
 
 
 @rows("K", [5, 12, 29])
@@ -127,15 +133,12 @@ def test_size_bias_and_ramp_do_not_matter(slope, level, scale, seed):
     assert found(moved, 20, OHDEV) == found(y, 20, OHDEV)
 
 
-def test_long_times_take_the_law_of_the_longest_with_enough_means():
+def test_long_times_take_the_law_of_the_longest_with_enough_means_and_times_are_rounded():
     y = simulated(0, 1200, 1)
     laws = found(y, [100, 101, 300, 600])
     assert [law.m for law in laws] == [100] * 4
     assert len(set(laws)) == 1
     assert laws[0].method in ("b1", "rn")
-
-
-def test_times_of_theo1_are_rounded():
     row = al.STATISTICS["theo1"]
     assert [law.m for law in found(simulated(0, 4000, 1), [7.5, 15.0, 75.0], row)] == [8, 15, 75]
 
@@ -151,15 +154,6 @@ def test_the_shortest_records_have_an_answer(n, row):
 @rows("n", [10, 100])
 def test_a_constant_record_has_an_answer(n):
     assert found(np.ones(n), 1)[0].symbol in ("Q", "N")
-
-
-def test_no_term_is_too_hopeful():
-    """A law without a term is given the neighbour with fewer degrees of freedom."""
-    from tests.reference.edf import greenhall_riley
-
-    for m in (1, 8, 64):
-        assert greenhall_riley(0, 2, m, 257) <= 1.25 * greenhall_riley(1, 2, m, 257)
-    assert {powerlaw.symbol_of(alpha) for alpha in STRUCTURES} <= set(al.TERMS)
 
 
 def test_the_parabola_is_that_of_least_squares():

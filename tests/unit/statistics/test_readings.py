@@ -18,7 +18,7 @@ def white(seed, n=2000, rate=10.0):
     return record_of(np.random.default_rng(seed).standard_normal(n), rate)
 
 
-def test_the_usual_point_is_that_of_the_curve_at_one_second():
+def test_the_usual_point_is_that_of_the_curve_at_one_second_and_stability_that_of_the_means():
     record = white(1)
     found = al.readings(record)
     curve = al.deviation(record, taus=(1.0,), noise="auto")
@@ -26,6 +26,10 @@ def test_the_usual_point_is_that_of_the_curve_at_one_second():
     assert found.usual.interval(0.9) == tuple(v[0] for v in curve.interval(0.9))
     assert found.random_walk == found.usual.deviation
     assert found.white
+    record = white(7)
+    (means,) = al.readings(record).means
+    assert (means.seconds, means.count) == (10.0, 20)
+    assert means.value == al.averaging_stability(record, 10.0).value
 
 
 @rows(("rate", "n", "tau"), [(0.1, 2000, 10.0), (99.317, 2000, 99 / 99.317), (1000.0, 500, 0.05)])
@@ -54,10 +58,12 @@ def test_the_minimum_is_inside_or_only_a_limit():
     assert "the last point: an upper limit" in falling.quantities()[2].remark
 
 
-def test_slopes_go_by_decades_of_seconds():
+def test_slopes_go_by_decades_of_seconds_with_limits_around_them():
     found = al.readings(white(6, 50_000, 40.0))
     assert [slope.start for slope in found.slopes] == [0.025, 0.1, 1.0, 10.0]
     assert [slope.end for slope in found.slopes[:-1]] == [slope.start for slope in found.slopes[1:]]
+    low, high = Slope(1.0, 4.0, -0.5, 0.1).interval(0.95)
+    assert (low, high) == pytest.approx((-0.5 - 1.96 * 0.1, -0.5 + 1.96 * 0.1), abs=1e-4)
 
 
 @pytest.mark.slow("ensemble")
@@ -73,13 +79,6 @@ def test_intervals_hold_what_is_expected():
             held[i] += low <= -0.5 <= high
     assert np.all(held / 300 > 0.86)
     assert np.all(held / 300 < 0.97)
-
-
-def test_stability_is_that_of_the_means():
-    record = white(7)
-    (means,) = al.readings(record).means
-    assert (means.seconds, means.count) == (10.0, 20)
-    assert means.value == al.averaging_stability(record, 10.0).value
 
 
 def test_lost_readings_do_not_end_the_curve():
@@ -109,8 +108,3 @@ def test_numbers_are_in_units_of_data_sheets_and_in_si():
     assert first["value"] == pytest.approx(math.degrees(data["usual"]["deviation"]) * 3600)
     assert (second["unit"], second["value"]) == ("deg/sqrt(h)", pytest.approx(math.degrees(data["random_walk"]) * 60))
     assert first["low"] == pytest.approx(math.degrees(data["usual"]["low"]) * 3600)
-
-
-def test_the_interval_of_a_slope_lies_around_it():
-    low, high = Slope(1.0, 4.0, -0.5, 0.1).interval(0.95)
-    assert (low, high) == pytest.approx((-0.5 - 1.96 * 0.1, -0.5 + 1.96 * 0.1), abs=1e-4)

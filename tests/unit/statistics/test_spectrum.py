@@ -183,11 +183,9 @@ def test_segments_step_over_gaps():
 
 def test_kinds_are_one_record():
     counts = np.random.default_rng(3).integers(-50, 50, 3000)
-    forms = [
-        record_of(counts, unit="arcsec", kind="count", scale=0.1),
-        record_of(counts * 1.0, unit="arcsec/s"),
-        record_of(np.concatenate(([7], 7 + np.cumsum(counts))), unit="arcsec", kind="angle", scale=0.1),
-    ]
+    forms = [record_of(counts, unit="arcsec", kind="count", scale=0.1), record_of(counts * 1.0, unit="arcsec/s"),
+             record_of(np.concatenate(([7], 7 + np.cumsum(counts))), unit="arcsec", kind="angle",
+                       scale=0.1)]  # fmt: skip
     spectra = [al.spectrum(form).density for form in forms]
     for other in spectra[1:]:
         np.testing.assert_allclose(other, spectra[0], rtol=1e-9)

@@ -14,15 +14,12 @@ def record_of(y, rate=1.0):
     return al.Record(y, rate=rate, unit="rad/s", kind="rate")
 
 
-def test_it_is_the_standard_deviation_of_block_means():
+def test_it_is_the_standard_deviation_of_whole_block_means():
     y = np.random.default_rng(1).standard_normal(1003)
     found = al.averaging_stability(record_of(y, 10.0), 2.5)
     means = y[:1000].reshape(40, 25).mean(axis=1)
     assert found.value == pytest.approx(means.std(ddof=1))
     assert (found.blocks, found.duration, found.seconds) == (40, 100.3, 2.5)
-
-
-def test_means_that_touch_a_gap_are_left_out():
     y = np.random.default_rng(1).standard_normal(100)
     y[33] = np.nan
     found = al.averaging_stability(record_of(y), 10.0, model=NOISE["N"] + NOISE["K"])
@@ -57,15 +54,12 @@ def test_wrong_lengths_are_refused():
         al.averaging_stability(record, 20.0)
 
 
-def test_the_minimum_of_a_curve_without_flicker_is_that_of_the_crossing():
+def test_the_minimum_of_a_curve_is_that_of_the_crossing_or_a_limit():
     model = al.N(1.0, "rad/sqrt(s)") + al.K(0.05, "rad/s^1.5")
     record = al.simulate(model, 200_000, 1.0, rng=np.random.default_rng(1))
     found = al.minimum(al.deviation(record, "oadev", taus="log", noise=model))
     assert found.inside
     assert found.tau == pytest.approx(math.sqrt(3) / 0.05, rel=0.5)
     assert found.value == pytest.approx(math.sqrt(2 * 0.05 / math.sqrt(3)) / FLOOR, rel=0.1)
-
-
-def test_a_falling_curve_gives_a_limit_only():
     record = al.simulate(al.Model((NOISE["N"],)), 5000, 1.0, rng=np.random.default_rng(1))
     assert not al.minimum(al.deviation(record, noise=NOISE["N"] + NOISE["B"])).inside

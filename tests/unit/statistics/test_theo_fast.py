@@ -9,13 +9,9 @@ import allanite as al
 from allanite.kernels.theo import theo1
 from allanite.statistics.fast.theofft import theo1_sums
 
-KINDS = {
-    "white": lambda white: white,
-    "random walk": np.cumsum,
-    "ramp": lambda white: 1.0 * np.arange(white.size),
-    "ramp and white": lambda white: 1e-3 * np.arange(white.size) + white,
-    "quantization": lambda white: np.diff(white, prepend=0.0),
-}
+KINDS = {"white": lambda white: white, "random walk": np.cumsum, "ramp": lambda white: 1.0 * np.arange(white.size),
+         "ramp and white": lambda white: 1e-3 * np.arange(white.size) + white,
+         "quantization": lambda white: np.diff(white, prepend=0.0)}  # fmt: skip
 
 
 def angle(kind, n, seed=1):

@@ -27,17 +27,11 @@ def test_a_damping_ratio_of_one_is_between_its_neighbours(column):
 
 
 RATE = 4.0
-SHAPED = {
-    "GM": al.GM(2.0, "rad/s", time_constant=1.5),
-    "slow GM": al.GM(2.0, "rad/s", time_constant=80.0),
-    "Sine": al.Sine(2.0, "rad/s", frequency=0.21),
-    "fast Sine": al.Sine(2.0, "rad/s", frequency=1.7),
-    "F": al.F(2.0, "rad"),
-    "GMA": al.GMA(2.0, "rad", time_constant=1.5),
-    "slow GMA": al.GMA(2.0, "rad", time_constant=8.0),
-    "GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=0.15),
-    "aperiodic GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=1.5),
-}
+SHAPED = {"GM": al.GM(2.0, "rad/s", time_constant=1.5), "slow GM": al.GM(2.0, "rad/s", time_constant=80.0),
+          "Sine": al.Sine(2.0, "rad/s", frequency=0.21), "fast Sine": al.Sine(2.0, "rad/s", frequency=1.7),
+          "F": al.F(2.0, "rad"), "GMA": al.GMA(2.0, "rad", time_constant=1.5),
+          "slow GMA": al.GMA(2.0, "rad", time_constant=8.0), "GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=0.15),
+          "aperiodic GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=1.5)}  # fmt: skip
 
 
 @rows("name, kind", paired([n for n, row in al.STATISTICS.items() if not row.parts and not row.extreme], list(SHAPED)))
@@ -82,15 +76,11 @@ def test_a_warm_up_needs_the_length_of_the_record_and_does_not_scatter():
     np.testing.assert_allclose(alone, exact - exact.mean(), atol=1e-12)
 
 
-MIXED = {
-    "GM 1.5": al.GM(2.0, "rad/s", time_constant=1.5),
-    "GM 80": al.GM(2.0, "rad/s", time_constant=80.0),
-    "F": al.F(2.0, "rad"),
-    "GMA": al.GMA(2.0, "rad", time_constant=1.5),
-    "GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=0.15),
-    "sharp GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=0.02),
-    "fast GM2": al.GM2(2.0, "rad/s", frequency=1.0, damping=0.05),
-}
+MIXED = {"GM 1.5": al.GM(2.0, "rad/s", time_constant=1.5), "GM 80": al.GM(2.0, "rad/s", time_constant=80.0),
+         "F": al.F(2.0, "rad"), "GMA": al.GMA(2.0, "rad", time_constant=1.5),
+         "GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=0.15),
+         "sharp GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=0.02),
+         "fast GM2": al.GM2(2.0, "rad/s", frequency=1.0, damping=0.05)}  # fmt: skip
 
 
 @rows("kind, name", paired(list(MIXED), ["oadev", "mdev", "ohdev"]))
@@ -111,15 +101,12 @@ def test_limits_are_those_of_the_noise_where_a_line_stands_in_the_model():
     np.testing.assert_array_equal(curves[0].edf, curves[1].edf)
     with pytest.raises(al.UsageError, match="no noise"):
         _ = al.deviation(record, "oadev", noise=al.Model((line,))).edf
-
-
-def test_a_sinusoid_has_its_amplitude_frequency_and_phase():
     wave = al.simulate(al.Sine(3.0, "rad/s", frequency=0.5, phase=0.3), 4000, RATE, rng=np.random.default_rng(1)).values
     t = (np.arange(4000) + 0.5) / RATE
     np.testing.assert_allclose(wave, 3 * np.sinc(0.125) * np.sin(2 * np.pi * 0.5 * t + 0.3), atol=1e-9)
 
 
-def test_models_with_shapes():
+def test_models_with_shapes_are_read_as_they_are_written():
     two = al.GM(1.0, "deg/h", time_constant=10.0) + al.GM(2.0, "deg/h", time_constant=100.0)
     assert "GM = 1 deg/h with time constant 10 s" in str(two)
     again = al.Model.from_dict(two.to_dict())
@@ -134,9 +121,6 @@ def test_models_with_shapes():
         al.GM(1.0, "deg/h", time_constant=0.0)
     assert str(al.Sine(1.0, "deg/h", frequency=2.0)) == "Sine = 1 deg/h with frequency 2 Hz"
     assert (two + al.Sine(1.0, "deg/h", frequency=2.0)).noise == two
-
-
-def test_a_damping_has_no_unit_and_models_are_read_as_they_are_written():
     text = "N 0.1 deg/sqrt(h), F 1 arcsec, GMA 2 arcsec 3 s, GM2 1 deg/h 0.5 Hz 0.2, W -3 deg/h 10 min"
     model = al.Model(text)
     assert str(model["GM2"]) == "GM2 = 1 deg/h with natural frequency 0.5 Hz, damping ratio 0.2"
@@ -147,9 +131,6 @@ def test_a_damping_has_no_unit_and_models_are_read_as_they_are_written():
     assert model["W"].value < 0
     with pytest.raises(al.UsageError, match="must be finite and not negative"):
         al.Model("GM2 -1 deg/h 0.5 Hz 0.2")
-
-
-def test_names_of_the_angle_follow_the_sensor():
     from allanite.core.kinds import title_of
     from allanite.core.units import signal_named
 

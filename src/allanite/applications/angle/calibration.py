@@ -18,8 +18,7 @@ from .solve import Solution, System, solve
 
 Prior = tuple[float, float]
 
-LARGE = 0.2
-"""Phase shift of a harmonic by the error itself, rad, above which the linear model is doubtful."""
+MAX_PHASE = 0.2  # phase shift of a harmonic by the error itself, rad, above which the linear model is doubtful
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,8 +74,8 @@ class Calibration(Value):
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> Self:
         """The value written by `to_dict`; the solution, stored once, belongs to each angle."""
-        found = super()._stored(data)
-        return replace(found, harmonics=tuple(replace(h, solution=found.solution) for h in found.harmonics))
+        result = super()._stored(data)
+        return replace(result, harmonics=tuple(replace(h, solution=result.solution) for h in result.harmonics))
 
     def _summary(self) -> str:
         return "; ".join(f"{h.name}: {h.what}" for h in self.harmonics)
@@ -191,15 +190,9 @@ def too_large(harmonics: Sequence[Harmonics]) -> Iterator[Finding]:
     for h in harmonics:
         phase = h.amplitude * np.array(h.orders)
         worst = int(phase.argmax())
-        if phase[worst] > LARGE:
-            yield Finding(
-                "large",
-                say(
-                    "harmonic {order} of {angle} shifts its own phase by {shift:.2g} rad",
-                    order=h.orders[worst],
-                    angle=h.name or say("the angle"),
-                    shift=float(phase[worst]),
-                ),
-                say("the linear model is doubtful for errors that are not small relative to their period"),
-                say("check units; correct the angles by this estimate, and estimate again"),
-            )
+        if phase[worst] > MAX_PHASE:
+            yield Finding("large",
+                          say("harmonic {order} of {angle} shifts its own phase by {shift:.2g} rad",
+                              order=h.orders[worst], angle=h.name or say("the angle"), shift=float(phase[worst])),
+                          say("the linear model is doubtful for errors that are not small relative to their period"),
+                          say("check units; correct the angles by this estimate, and estimate again"))  # fmt: skip

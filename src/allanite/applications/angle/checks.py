@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from allanite.extending import DataError, FloatArray
 
-STILL = 0.01
+MIN_MOTION = 0.01
 """Part of the shortest harmonic's period that an angle must move for its harmonics to be estimated at all."""
 
 
@@ -43,7 +43,7 @@ def demand_increasing(time: FloatArray) -> None:
 def demand_motion(name: str, span: float, orders: tuple[int, ...], remedy: str) -> None:
     """Refuse an angle that stands still; `span` is how far it moves, rad."""
     period = 2 * math.pi / max(orders)
-    if span < STILL * period:
+    if span < MIN_MOTION * period:
         raise DataError(
             f"{name} stays within {math.degrees(span):.3g} deg, but a period of its harmonic {max(orders)} is "
             f"{math.degrees(period):.3g} deg: the harmonics of an angle that does not move cannot be separated from "

@@ -26,14 +26,11 @@ from .checks import column, demand_motion
 from .harmonics import Harmonics, orders_of, waves
 from .solve import Solution, System, correlation_of, solve
 
-SECTORS = 4096
+MAX_SECTORS = 4096
 """Most parts of a turn in which what is left over is averaged, to look for harmonics up to a quarter as many."""
 
-RARE = 1e-3
-"""Probability of a false detection of a further harmonic."""
-
-ABSURD = 0.5
-"""Phase of the highest harmonic, rad, that the scatter of the two angles may amount to at most."""
+FALSE_ALARM = 1e-3  # probability of a false detection of a further harmonic
+MAX_SCATTER = 0.5  # phase of the highest harmonic, rad, that the scatter of the two angles may amount to at most
 
 
 @public
@@ -100,15 +97,13 @@ def calibrate(
     torn = np.abs(steps - 360.0) < 5.0  # a jump of 360 in what are said to be radians is a turn in degrees
     if torn.any() and np.median(steps) < 5.0:
         at = int(torn.argmax())
-        raise UnitError(
-            f"measured jumps by {steps[at]:.5g} rad at sample {at + 1}: is it in degrees? "
-            f"({spelled('--unit deg', f'unit={unit!r}')})"
-        )
+        raise UnitError(f"measured jumps by {steps[at]:.5g} rad at sample {at + 1}: is it in degrees? "
+                        f"({spelled('--unit deg', f'unit={unit!r}')})")  # fmt: skip
     # into half a turn about the mean direction, so that an offset near half a turn is not torn
     middle = float(np.angle(np.exp(1j * (angle - against)).mean()))
     z = np.asarray(np.mod(angle - against - middle + math.pi, 2 * math.pi) - math.pi + middle)
     demand_motion("the angle", float(np.ptp(np.unwrap(angle))), chosen, "Turn the sensor")
-    if (scatter := float(np.std(z))) * max(chosen) > ABSURD:
+    if (scatter := float(np.std(z))) * max(chosen) > MAX_SCATTER:
         raise DataError(
             f"measured and reference differ by {scatter:.3g} rad about their mean, which is not small relative to a "
             f"period of harmonic {max(chosen)} ({2 * math.pi / max(chosen):.3g} rad): are units, signs and columns "
@@ -121,8 +116,8 @@ def calibrate(
     system = System(names, rows, z, np.arange(angle.size, dtype=np.float64))
     solution = solve(system, sigma=None if sigma is None else sigma * factor)
     harmonics = part(solution, name or getattr(measured, "name", ""), chosen, 0)
-    left = z - rows @ solution.values
-    findings = (*_caveats(angle, chosen, solution), *_remaining(angle, left, chosen), *too_large([harmonics]))
+    residuals = z - rows @ solution.values
+    findings = (*_caveats(angle, chosen, solution), *_remaining(angle, residuals, chosen), *too_large([harmonics]))
     return replace(harmonics, solution=replace(solution, findings=findings))
 
 
@@ -140,55 +135,42 @@ def _angle(what: str, values: Any, unit: str) -> tuple[FloatArray, float]:
     return column(what, values) * size.factor, size.factor
 
 
-def _remaining(angle: FloatArray, left: FloatArray, orders: tuple[int, ...]) -> Iterator[Finding]:
+def _remaining(angle: FloatArray, residuals: FloatArray, orders: tuple[int, ...]) -> Iterator[Finding]:
     """The largest harmonic that was not requested, where the sensor has seen its whole turn."""
-    sectors = min(SECTORS, 1 << max(3, (angle.size // 8).bit_length() - 1))
+    sectors = min(MAX_SECTORS, 1 << max(3, (angle.size // 8).bit_length() - 1))
     place = np.floor(np.mod(angle, 2 * math.pi) * (sectors / (2 * math.pi))).astype(np.int64) % sectors
     count = np.bincount(place, minlength=sectors)
     # a turn that is not evenly covered mixes orders: then no finding is given
     if count.min() < 0.2 * count.mean():
         return
-    means = np.bincount(place, weights=left, minlength=sectors) / count
+    means = np.bincount(place, weights=residuals, minlength=sectors) / count
     sizes = np.abs(np.fft.rfft(means))[: sectors // 4]
     sizes[[0, *(k for k in orders if k < sizes.size)]] = 0.0
-    order, noise = int(sizes.argmax()), float(np.std(left))
+    order, noise = int(sizes.argmax()), float(np.std(residuals))
     # sectors only point at it: an order beyond them would look like another one
-    size = 2 * abs(complex((left * np.exp(-1j * order * angle)).mean()))
-    if noise > 0 and sizes.size * math.exp(-left.size * (size / noise) ** 2 / 4) < RARE:
-        yield Finding(
-            "order",
-            say(
-                "harmonic {order} is also present, with an amplitude of about {amplitude:.3g} arcsec",
-                order=order,
-                amplitude=size * 648_000 / math.pi,
-            ),
-            say("it was not requested, and makes the standard errors of the others wrong"),
-            say("add {order} to the orders", order=order),
-        )
+    size = 2 * abs(complex((residuals * np.exp(-1j * order * angle)).mean()))
+    if noise > 0 and sizes.size * math.exp(-residuals.size * (size / noise) ** 2 / 4) < FALSE_ALARM:
+        yield Finding("order",
+                      say("harmonic {order} is also present, with an amplitude of about {amplitude:.3g} arcsec",
+                          order=order, amplitude=size * 648_000 / math.pi),
+                      say("it was not requested, and makes the standard errors of the others wrong"),
+                      say("add {order} to the orders", order=order))  # fmt: skip
 
 
 def _caveats(angle: FloatArray, orders: tuple[int, ...], solution: Solution) -> Iterator[Finding]:
     span, period = float(np.ptp(np.unwrap(angle))), 2 * math.pi / min(orders)
     correlation = correlation_of(solution.covariance) - np.eye(len(solution.names))
     i, j = np.unravel_index(int(np.abs(correlation).argmax()), correlation.shape)
-    pair = say(
-        "{first} correlates with {second} by {correlation:+.3f}",
-        first=solution.names[i],
-        second=solution.names[j],
-        correlation=float(correlation[i, j]),
-    )
+    pair = say("{first} correlates with {second} by {correlation:+.3f}", first=solution.names[i],
+               second=solution.names[j], correlation=float(correlation[i, j]))  # fmt: skip
     if span < period:
         yield Finding(
             "span",
-            say(
-                "the angle moves by {span:.3g} deg, less than one period of harmonic {order} ({period:.3g} deg)",
-                span=math.degrees(span),
-                order=min(orders),
-                period=math.degrees(period),
-            ),
+            say("the angle moves by {span:.3g} deg, less than one period of harmonic {order} ({period:.3g} deg)",
+                span=math.degrees(span), order=min(orders), period=math.degrees(period)),
             say("the parameters can hardly be separated: {pair}", pair=pair),
             say("turn further, or omit the lowest orders"),
-        )
+        )  # fmt: skip
     elif abs(correlation[i, j]) > 0.9:
         what = say("hardly separable: {pairs}", pairs=pair)
         yield Finding("alike", what, say("their errors are large and correlated"), say("turn further"))

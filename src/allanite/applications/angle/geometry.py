@@ -20,11 +20,8 @@ from allanite.extending import LARGEST, DataError, FloatArray, UnitError, UsageE
 from .checks import column, demand_increasing
 from .motion import Ring, Sway, angles_of, horizontal, sway_of, turned, vector
 
-EARTH_RATE = 7.292115e-5
-"""Rate of the earth against the stars, rad/s."""
-
-QUARTER = 0.5 * math.pi / EARTH_RATE
-"""Time from h = 0 to the extreme of h, s."""
+EARTH_RATE = 7.292115e-5  # rate of the earth against the stars, rad/s
+QUARTER = 0.5 * math.pi / EARTH_RATE  # time from h = 0 to the extreme of h, s
 
 Q_LAWS: dict[str, Callable[[FloatArray, float], FloatArray]] = {
     "exact": lambda H, latitude: np.unwrap(np.arctan2(np.cos(H), -math.sin(latitude) * np.sin(H))),
@@ -130,11 +127,8 @@ class Gimbals(Value):
         base = self._seen(self.h, self.q, -np.asarray(self.mu))
         polar = self.h_polar, self.q_polar
         across = np.cross(horizontal(self.ring_heading), vector(*base), axisb=0)
-        slopes = (
-            *_slopes((self.h, self.q), self._polar),
-            *_slopes(polar, base),
-            (across * vector(*polar).T).sum(axis=1),
-        )
+        slopes = (*_slopes((self.h, self.q), self._polar), *_slopes(polar, base),
+                  (across * vector(*polar).T).sum(axis=1))  # fmt: skip
         return dict(zip(ANGLES, slopes, strict=True))
 
     def _summary(self) -> str:
@@ -215,10 +209,8 @@ def gimbals(
         raise UnitError(f"a latitude must not exceed a right angle, as {latitude!r} rad does: is it in degrees?")
     demand_name("law", q_law, Q_LAWS)
     if turn_period is not None and not 1 / LARGEST <= turn_period <= LARGEST:
-        raise UsageError(
-            f"the period of the auto-compensating rotation must be from {1 / LARGEST:g} to {LARGEST:g} s, "
-            f"not {given(turn_period)}"
-        )
+        raise UsageError(f"the period of the auto-compensating rotation must be from {1 / LARGEST:g} to {LARGEST:g} s, "
+                         f"not {given(turn_period)}")  # fmt: skip
     H = EARTH_RATE * clock
     h, q = np.arcsin(math.cos(latitude) * np.sin(H)), Q_LAWS[q_law](H, latitude)
     still = Gimbals(
@@ -227,8 +219,8 @@ def gimbals(
     )  # fmt: skip
     swaying = sway_of(sway)
     if swaying is not None:
-        seen = [swaying.turn(vector(*pair), clock) for pair in ((h, q), (still.h_polar, still.q_polar))]
-        (h, q), (h_polar, q_polar) = map(angles_of, seen)
+        swayed = [swaying.turn(vector(*pair), clock) for pair in ((h, q), (still.h_polar, still.q_polar))]
+        (h, q), (h_polar, q_polar) = map(angles_of, swayed)
         still = still.moved(h=h, q=q, h_polar=h_polar, q_polar=q_polar)
     if ring is None:
         return still

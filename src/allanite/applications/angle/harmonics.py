@@ -26,8 +26,7 @@ from .solve import Solution, quantile
 
 Orders = Sequence[int] | Mapping[str, Sequence[int]]
 
-EQUATORIAL = ("h", "q")
-"""The sensors that are estimated unless others are named."""
+EQUATORIAL = ("h", "q")  # the sensors that are estimated unless others are named
 
 
 class Nuisance(NamedTuple):
@@ -40,14 +39,10 @@ class Nuisance(NamedTuple):
 
 def _turning(g: Gimbals) -> tuple[FloatArray, FloatArray]:
     if g.rho is None:
-        raise UsageError(
-            spelled(
-                "ax and az need the angle rho of the auto-compensating rotation (--rho or --turn-period); without "
-                "one omit them: --nuisance A1,A2,A3",
-                "ax and az need the angle rho of the auto-compensating rotation (turn_period=...); without one omit "
-                "them: nuisance=('A1', 'A2', 'A3')",
-            )
-        )
+        raise UsageError(spelled("ax and az need the angle rho of the auto-compensating rotation (--rho or "
+                                 "--turn-period); without one omit them: --nuisance A1,A2,A3",
+                                 "ax and az need the angle rho of the auto-compensating rotation (turn_period=...); "
+                                 "without one omit them: nuisance=('A1', 'A2', 'A3')"))  # fmt: skip
     return np.sin(g.rho), np.cos(g.rho)
 
 
@@ -113,8 +108,7 @@ def design(
     return (*amplitude_names(harmonics), *nuisance), np.column_stack([*blocks, *columns])
 
 
-FOUND = 0.01
-"""p-value below which an amplitude is called identified."""
+MAX_P = 0.01  # p-value below which an amplitude is called identified
 
 
 def waves(angle: FloatArray, orders: tuple[int, ...]) -> FloatArray:
@@ -125,17 +119,16 @@ def waves(angle: FloatArray, orders: tuple[int, ...]) -> FloatArray:
 def orders_of(orders: Any, what: str = "orders") -> tuple[int, ...]:
     """Orders of harmonics: different positive whole numbers."""
     try:
-        found = tuple(int(k) for k in orders)
-        fine = all(k == given and k > 0 for k, given in zip(found, orders, strict=True))
+        whole = tuple(int(k) for k in orders)
+        fine = all(k == given and k > 0 for k, given in zip(whole, orders, strict=True))
     except (TypeError, ValueError):
-        found, fine = (), False
-    if not fine or not found or len(set(found)) < len(found):
+        whole, fine = (), False
+    if not fine or not whole or len(set(whole)) < len(whole):
         raise UsageError(f"{what} must be different positive whole numbers such as [128, 256], not {orders!r}")
-    return found
+    return whole
 
 
-COLUMNS = {"orders": "order", "sine": "S", "cosine": "C"}
-"""Keys of a stored term, by the attribute."""
+COLUMNS = {"orders": "order", "sine": "S", "cosine": "C"}  # keys of a stored term, by the attribute
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -259,7 +252,7 @@ class Harmonics(Correction):
 
     def found(self, order: int) -> bool:
         """Whether the harmonic is significant (p below 1 %)."""
-        return self.p(order) < FOUND
+        return self.p(order) < MAX_P
 
     def status(self, order: int) -> str:
         """Whether it is "identified", "absent", or "weak": significant, but the noise is not as assumed."""
@@ -309,16 +302,9 @@ class Harmonics(Correction):
         terms = [dict(zip(keys, row, strict=True)) for row in rows]
         for term in terms:
             term["upper"] = self.upper(term["order"]) if term["status"] == "absent" else None
-        data: dict[str, Any] = {
-            "allanite": 1,
-            "type": "Harmonics",
-            "name": self.name,
-            "unit": "rad",
-            "level": level,
-            "terms": terms,
-            "covariance": self.covariance.tolist(),
-            "freedom": None if math.isinf(self.freedom) else self.freedom,
-        }
+        data: dict[str, Any] = {"allanite": 1, "type": "Harmonics", "name": self.name, "unit": "rad", "level": level,
+                                "terms": terms, "covariance": self.covariance.tolist(),
+                                "freedom": None if math.isinf(self.freedom) else self.freedom}  # fmt: skip
         return data | ({} if self.solution is None else {"solution": self.solution.shown(level)})
 
     @classmethod

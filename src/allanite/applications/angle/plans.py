@@ -1,27 +1,24 @@
-"""Expected accuracy of an experiment, and the best start: without data or random numbers."""
+"""Expected accuracy of an experiment, and the best start, without data; a result of the command and its provenance."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
-from allanite.extending import Finding, FloatArray, UsageError, Value, public
+from allanite.extending import Finding, FloatArray, UsageError, Value, provenance_of, public
 
-from .calibration import Prior, prior_of
+from .calibration import Calibration, Prior, prior_of
 from .caveats import caveats
 from .geometry import QUARTER, Gimbals, gimbals
-from .harmonics import USUAL, amplitude_names, design, harmonic_set
+from .harmonics import USUAL, Harmonics, amplitude_names, design, harmonic_set
 from .motion import Ring, Sway, sway_of
 from .solve import correlation_of
 from .squareroot import batch
 
-READINGS = 4096
-"""Samples of one window of a scan; more are thinned, their noise averaged."""
-
-STEP = 300.0
-"""Between the starts of a scan, s: finer than anybody schedules, and than the total changes."""
+MAX_READINGS = 4096  # samples of one window of a scan; more are thinned, their noise averaged
+START_STEP = 300.0  # between the starts of a scan, s: finer than anybody schedules, and than the total changes
 
 
 @dataclass(frozen=True, repr=False)
@@ -72,7 +69,7 @@ class AngleSettings(Value):
 
     def thinned(self) -> "AngleSettings":
         """The same with at most `READINGS` samples that carry the same information."""
-        stride = max(1, math.ceil(self.count / READINGS))
+        stride = max(1, math.ceil(self.count / MAX_READINGS))
         return replace(self, interval=self.interval * stride, sigma=self.sigma / math.sqrt(stride))
 
     def gimbals(self, start: float) -> Gimbals:
@@ -181,19 +178,12 @@ def plan(settings: AngleSettings, start: float) -> AnglePlan:
     elif not alone.condition < 1e12:
         raise UsageError("the samples alone do not separate these constants; give prior standard deviations")
     ordered = [(angle, k) for angle, orders in harmonics.items() for k in orders]
-    return AnglePlan(
-        names=names,
-        amplitudes=len(amplitude_names(harmonics)),
-        errors=known.errors,
-        correlation=correlation_of(known.covariance),
-        condition=alone.condition,
-        start=float(start),
-        h=(float(angles.h.min()), float(angles.h.max())),
-        settings=settings,
-        periods={f"{k} {angle}": float(angles.period(angle, k)[0]) for angle, k in ordered},
-        mean_periods={f"{k} {angle}": angles.mean_period(angle, k) for angle, k in ordered},
-        findings=caveats(angles, harmonics, names, known, before),
-    )
+    return AnglePlan(names=names, amplitudes=len(amplitude_names(harmonics)), errors=known.errors,
+                     correlation=correlation_of(known.covariance), condition=alone.condition, start=float(start),
+                     h=(float(angles.h.min()), float(angles.h.max())), settings=settings,
+                     periods={f"{k} {angle}": float(angles.period(angle, k)[0]) for angle, k in ordered},
+                     mean_periods={f"{k} {angle}": angles.mean_period(angle, k) for angle, k in ordered},
+                     findings=caveats(angles, harmonics, names, known, before))  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -260,7 +250,7 @@ def scan(settings: AngleSettings, starts: Sequence[float] | None = None) -> Scan
     [13.4, 19.8]
     """
     if starts is None:
-        duration, step = settings.duration, min(STEP, settings.duration / 2)
+        duration, step = settings.duration, min(START_STEP, settings.duration / 2)
         # the last window is the first that reaches the extreme of h
         last = math.ceil((QUARTER - duration) / step) if duration < QUARTER else math.ceil(QUARTER / step)
         starts = (step * np.arange(last + 1)).tolist()
@@ -271,13 +261,30 @@ def scan(settings: AngleSettings, starts: Sequence[float] | None = None) -> Scan
     plans = [plan(thin, float(start)) for start in grid]
     totals = np.array([p.total for p in plans])
     return Scan(
-        starts=grid,
-        totals=totals,
-        conditions=np.array([p.condition for p in plans]),
-        h=np.array([p.h for p in plans]),
-        names=plans[0].names[: plans[0].amplitudes],
-        errors=np.array([p.errors[: p.amplitudes] for p in plans]),
+        starts=grid, totals=totals, conditions=np.array([p.condition for p in plans]), h=np.array([p.h for p in plans]),
+        names=plans[0].names[: plans[0].amplitudes], errors=np.array([p.errors[: p.amplitudes] for p in plans]),
         periods={name: np.array([p.periods[name] for p in plans]) for name in plans[0].periods},
         mean_periods={name: np.array([p.mean_periods[name] for p in plans]) for name in plans[0].periods},
         best=plan(settings, float(grid[int(totals.argmin())])),
-    )
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class AngleStudy:
+    """A result, and its provenance."""
+
+    result: Harmonics | Calibration | AnglePlan | Scan
+    settings: dict[str, Any]  # every choice as plain data, under the names of the command line
+    level: float = 0.95  # confidence level of intervals
+    notes: tuple[str, ...] = ()  # assumptions made when reading
+    provenance: dict[str, str] = field(default_factory=provenance_of)  # version and inputs
+
+    def choices(self) -> dict[str, Any]:
+        """The recipe that was actually used, as plain data."""
+        own = {key: list(v) if isinstance(v, tuple) else v for key, v in self.settings.items()}
+        return dict(sorted((own | {"level": self.level}).items()))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data of the result, with the recipe and the provenance."""
+        made = {"recipe": self.choices(), "notes": list(self.notes), "provenance": self.provenance}
+        return self.result.to_dict(self.level) | made

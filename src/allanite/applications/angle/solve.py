@@ -24,8 +24,7 @@ from allanite.extending import (
 
 from .squareroot import SquareRoot, batch
 
-PASSED = 0.01
-"""p-value below which a test has failed."""
+PASSED = 0.01  # p-value below which a test has failed
 
 
 @dataclass(frozen=True, repr=False)
@@ -57,11 +56,9 @@ def white(left: FloatArray) -> tuple[float, float, str]:
     centred = left - left.mean()
     r = np.array([centred[k:] @ centred[: n - k] for k in range(1, lags + 1)]) / (centred @ centred)
     q = float(n * (n + 2) * (r**2 / (n - np.arange(1, lags + 1))).sum())
-    words = say(
-        "successive innovations are correlated ({correlation:+.2f}), so that the standard deviations are too small; "
-        "model what is missing (another harmonic, a drift), or sample at longer intervals",
-        correlation=float(r[0]),
-    )
+    words = say("successive innovations are correlated ({correlation:+.2f}), so that the standard deviations are too "
+                "small; model what is missing (another harmonic, a drift), or sample at longer intervals",
+                correlation=float(r[0]))  # fmt: skip
     return q, float(gammaincc(lags / 2, q / 2)), words
 
 
@@ -73,12 +70,8 @@ def steady(left: FloatArray) -> tuple[float, float, str]:
     way = np.abs(np.cumsum(left)) / math.sqrt(left.size) / (1 + 2 * r)
     a = float(way.max())
     p = 2 * (ndtr(-3 * a) + math.exp(-4 * a * a) * ndtr(a))
-    words = say(
-        "the running sum of the innovations exceeds its limits after {sample} of {samples} samples: the constants "
-        "changed, or the samples drift",
-        sample=int(way.argmax()) + 1,
-        samples=left.size,
-    )
+    words = say("the running sum of the innovations exceeds its limits after {sample} of {samples} samples: the "
+                "constants changed, or the samples drift", sample=int(way.argmax()) + 1, samples=left.size)  # fmt: skip
     return a, float(min(p, 1.0)), words
 
 
@@ -90,11 +83,8 @@ def outlying(left: FloatArray) -> tuple[float, float, str]:
     worst = float(abs(left[at]))
     tail = math.exp(math.log(2.0) + float(log_ndtr(-worst)))
     p = -math.expm1(left.size * math.log1p(-min(tail, 1 - 1e-16)))
-    words = say(
-        "sample {sample} deviates by {deviation:.3g} standard deviations; inspect it, or omit it",
-        sample=at,
-        deviation=worst,
-    )
+    words = say("sample {sample} deviates by {deviation:.3g} standard deviations; inspect it, or omit it", sample=at,
+                deviation=worst)  # fmt: skip
     return worst, p, words
 
 
@@ -120,10 +110,8 @@ def level_check(squares: float, freedom: int) -> InnovationTest:
 
     low, high = float(gammainc(freedom / 2, squares / 2)), float(gammaincc(freedom / 2, squares / 2))
     ratio = math.sqrt(squares / freedom)
-    words = say(
-        "the residuals are {ratio:.3g} times the sigma given; correct sigma, or omit it to have it estimated",
-        ratio=ratio,
-    )
+    words = say("the residuals are {ratio:.3g} times the sigma given; correct sigma, or omit it to have it estimated",
+                ratio=ratio)  # fmt: skip
     title = say("the noise is as large as sigma states")
     return InnovationTest("level", title, ratio, min(1.0, 2 * min(low, high)), words)
 
@@ -214,17 +202,11 @@ class Solution(Value):
         """Plain data of the result alone, SI: the constants with limits at `level`, without the way to them."""
         keys = ("name", "value", "standard_error", "low", "high")
         rows = ((name, self[name], self.error(name), *self.interval(name, level)) for name in self.names)
-        return {
-            "sigma": self.sigma,
-            "sigma_given": self.given,
-            "readings": self.innovations.size,
-            "condition": self.condition,
-            "level": level,
-            "constants": [dict(zip(keys, row, strict=True)) for row in rows],
-            "correlation": self.correlation.tolist(),
-            "checks": [check.to_dict() for check in self.checks],
-            "findings": [finding.to_dict() for finding in self.findings],
-        }
+        return {"sigma": self.sigma, "sigma_given": self.given, "readings": self.innovations.size,
+                "condition": self.condition, "level": level,
+                "constants": [dict(zip(keys, row, strict=True)) for row in rows],
+                "correlation": self.correlation.tolist(), "checks": [check.to_dict() for check in self.checks],
+                "findings": [finding.to_dict() for finding in self.findings]}  # fmt: skip
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI."""
@@ -249,14 +231,9 @@ def quantile(level: float, freedom: float) -> float:
     return float(ndtri(above) if math.isinf(freedom) else stdtrit(freedom, above))
 
 
-VAGUE = 1e7
-"""A prior deviation, in units of what one reading tells of a constant, that no result notices."""
-
-SINGULAR = 1e-12
-"""Singular value over the largest, below which a combination of constants is not seen at all."""
-
-CHECKPOINTS = 200
-"""Instants of the history that are kept."""
+VAGUE = 1e7  # a prior deviation, in units of what one reading tells of a constant, that no result notices
+SINGULAR = 1e-12  # singular value over the largest, below which a combination of constants is not seen at all
+CHECKPOINTS = 200  # instants of the history that are kept
 
 
 class System(NamedTuple):
@@ -273,8 +250,6 @@ def solve(
 ) -> Solution:
     """Constants from samples.
 
-    Examples
-    --------
     >>> rng = np.random.default_rng(1)
     >>> time = np.arange(100.0)
     >>> rows = np.column_stack([np.ones(100), time])
@@ -286,22 +261,13 @@ def solve(
     vague = prior if prior is not None else VAGUE * spread / np.sqrt((system.rows**2).mean(axis=0))
     rows, values = system.rows / spread, system.values / spread
     demand_name("method", method, METHODS)
-    end, history, left = METHODS[method](SquareRoot.before(vague), rows, values, system.time)
+    end, history, innovations = METHODS[method](SquareRoot.before(vague), rows, values, system.time)
     level = () if sigma is None else (level_check(alone.squares / spread**2, freedom),)
     return Solution(
-        names=system.names,
-        values=end.values,
-        covariance=end.covariance,
-        sigma=spread,
-        given=sigma is not None,
-        freedom=math.inf if sigma is not None else freedom,
-        condition=alone.condition,
-        prior=prior,
-        history=history,
-        innovations=left,
-        checks=(*level, *checks(left, values - rows @ end.values)),
-        known=end,
-    )
+        names=system.names, values=end.values, covariance=end.covariance, sigma=spread, given=sigma is not None,
+        freedom=math.inf if sigma is not None else freedom, condition=alone.condition, prior=prior, history=history,
+        innovations=innovations, checks=(*level, *checks(innovations, values - rows @ end.values)), known=end,
+    )  # fmt: skip
 
 
 def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tuple[SquareRoot, float, int]:
@@ -317,20 +283,20 @@ def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tup
         raise DataError(f"the samples are constant (always {system.values[0]:.10g}); check the column")
     alone = batch(system.rows, system.values)
     values, directions = alone.singular
-    seen = int((values > SINGULAR * values[0]).sum())
-    if seen < p and prior is None:
+    rank = int((values > SINGULAR * values[0]).sum())
+    if rank < p and prior is None:
         mixed = [name for name, part in zip(system.names, np.abs(directions[-1]), strict=True) if part > 0.1]
         raise DataError(
-            f"the samples determine {seen} combinations of {p} constants; {', '.join(mixed)} cannot be separated: omit "
+            f"the samples determine {rank} combinations of {p} constants; {', '.join(mixed)} cannot be separated: omit "
             "one of them, let the angles move further, or give a prior"
         )
     # a column in the span of others leaves rounding noise on the diagonal; least squares proper ignores it
     x, *_ = np.linalg.lstsq(alone.factor[:, :-1], alone.factor[:, -1], rcond=SINGULAR)
     squares = alone.squares + float(((alone.factor[:, -1] - alone.factor[:, :-1] @ x) ** 2).sum())
-    spread = math.sqrt(squares / (n - seen)) if sigma is None else sigma
+    spread = math.sqrt(squares / (n - rank)) if sigma is None else sigma
     if spread == 0:
         raise DataError("the constants explain every sample exactly, so that the noise cannot be estimated; give sigma")
-    return SquareRoot(alone.factor, squares, n), spread, n - seen
+    return SquareRoot(alone.factor, squares, n), spread, n - rank
 
 
 Run = tuple[SquareRoot, History, FloatArray]
@@ -338,13 +304,13 @@ Run = tuple[SquareRoot, History, FloatArray]
 
 def _recursive(start: SquareRoot, rows: FloatArray, values: FloatArray, time: FloatArray) -> Run:
     marks = np.unique(np.linspace(0, values.size, min(CHECKPOINTS, values.size) + 1).astype(np.int64))
-    known, left, way = start, [], []
+    known, innovations, estimates = start, [], []
     for first, last in pairwise(marks.tolist()):
         known, part = known.absorb(rows[first:last], values[first:last])
-        left.append(part)
-        way.append((known.values, known.errors))
-    history = History(marks[1:], time[marks[1:] - 1], np.array([v for v, _ in way]), np.array([e for _, e in way]))
-    return known, history, np.concatenate(left)
+        innovations.append(part)
+        estimates.append((known.values, known.errors))
+    history = History(marks[1:], time[marks[1:] - 1], *map(np.array, zip(*estimates, strict=True)))
+    return known, history, np.concatenate(innovations)
 
 
 def _batch(start: SquareRoot, rows: FloatArray, values: FloatArray, time: FloatArray) -> Run:

@@ -10,16 +10,13 @@ import numpy as np
 
 from allanite.extending import FloatArray, Value
 
-BLOCK = 4096
-"""Rows that the batch form takes at a time: what they need stays in the cache."""
+BLOCK = 4096  # rows that the batch form takes at a time: what they need stays in the cache
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SquareRoot(Value):
     """What is known of p constants x from n samples ``z = a x + v``, all divided by the deviation of v.
 
-    Examples
-    --------
     >>> known = SquareRoot.before(np.array([10.0, 10.0]))
     >>> known, _ = known.absorb(np.array([[1.0, 0.0], [1.0, 1.0]]), np.array([3.0, 4.0]))
     >>> known.values.round(1).tolist(), known.count
@@ -42,8 +39,9 @@ class SquareRoot(Value):
         from allanite.kernels.leastsquares import absorb
 
         factor = self.factor.copy()
-        left = absorb(factor, np.ascontiguousarray(rows), np.ascontiguousarray(values))
-        return SquareRoot(factor, self.squares + float(left @ left), self.count + values.size), left
+        innovations = absorb(factor, np.ascontiguousarray(rows), np.ascontiguousarray(values))
+        squares = self.squares + float(innovations @ innovations)
+        return SquareRoot(factor, squares, self.count + values.size), innovations
 
     @property
     def values(self) -> FloatArray:

@@ -2,7 +2,6 @@
 
 from .coning import attitudes as attitudes
 from .coning import rotation_vectors as rotation_vectors
-from .coning import rotation_vectors_with_previous as rotation_vectors_with_previous
 from .filters import FILTERS as FILTERS
 from .filters import Setting as Setting
 from .inertial import Inertial as Inertial

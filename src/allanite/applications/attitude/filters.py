@@ -68,41 +68,41 @@ def _complementary(data: Inertial, setting: Setting) -> Angles:
     loop, dt = setting.loop, data.interval
     loop.demand_sampled(dt)
     gains = np.array([math.exp(-loop.k1 * dt), loop.k2 * dt, dt, data.gravity, *setting.gates])
-    found = np.empty((len(data.gyro), 2))
-    held, steep = complementary(data.gyro, data.force, gains, data.start, found)
+    angles = np.empty((len(data.gyro), 2))
+    held, steep = complementary(data.gyro, data.force, gains, data.start, angles)
     if steep >= 0:
         raise DataError(
             f"the pitch is within 1 degree of 90 at {steep * dt:.6g} s, where roll has no meaning; use a filter of "
             f"quaternions: {spelled('--filter mahony', 'method=...')}"
         )
-    return found, held
+    return angles, held
 
 
 def _steered(name: str, data: Inertial, setting: Setting, first: float, second: float) -> Angles:
     """A filter of quaternions with its two gains."""
     from allanite.kernels import attitude
 
-    found = np.empty((len(data.gyro), 2))
+    angles = np.empty((len(data.gyro), 2))
     gains = np.array([first, second, data.interval, data.gravity, *setting.gates])
-    return found, getattr(attitude, name)(data.gyro, data.force, gains, quaternion(data.start), found)
+    return angles, getattr(attitude, name)(data.gyro, data.force, gains, quaternion(data.start), angles)
 
 
 def _tilts(up: FloatArray) -> FloatArray:
     """Roll and pitch of vectors that point up, shape (n, 2)."""
     from allanite.kernels.attitude import tilts
 
-    found = np.empty((len(up), 2))
-    tilts(up, found)
-    return found
+    angles = np.empty((len(up), 2))
+    tilts(up, angles)
+    return angles
 
 
 def _bortz(data: Inertial, setting: Setting) -> Angles:
     vectors = rotation_vectors(data.gyro * data.interval, setting.samples)
     w, a, b, c = attitudes(vectors, quaternion(data.start)).T
-    found = _tilts(np.stack([2 * (a * c - w * b), 2 * (w * a + b * c), 1 - 2 * (a * a + b * b)], axis=1))
+    angles = _tilts(np.stack([2 * (a * c - w * b), 2 * (w * a + b * c), 1 - 2 * (a * a + b * b)], axis=1))
     # an attitude holds at the end of its group of samples; the samples before take that of the group before
     index = (np.arange(len(data.gyro)) + 1) // setting.samples - 1
-    return np.where(index[:, None] < 0, data.start, found[np.maximum(index, 0)]), len(index)
+    return np.where(index[:, None] < 0, data.start, angles[np.maximum(index, 0)]), len(index)
 
 
 def quaternion(angles: FloatArray) -> FloatArray:

@@ -18,8 +18,6 @@ class Axes:
 
     With the vertical axis up the second is to the left, with the vertical axis down to the right.
 
-    Examples
-    --------
     >>> Axes.of("y,-x,z")
     Axes(index=(1, 0, 2), sign=(1, -1, 1))
     >>> str(Axes.upright(np.array([0.1, -9.8, 0.2])))
@@ -37,13 +35,13 @@ class Axes:
         if sorted(index) != [0, 1, 2] or any(len(part) > 2 for part in parts):
             raise UsageError("the axes that are forward, sideways and vertical are x, y and z in some order, each with "
                              f"or without a minus, such as {_spelled('y,-x,z')}, not {text!r}")  # fmt: skip
-        found = cls(tuple(index), tuple(-1 if part[0] == "-" else 1 for part in parts))
-        if np.linalg.det(found.matrix) < 0:
-            a, b, c = found.sign
-            other = cls(found.index, (a, -b, c))
+        axes = cls(tuple(index), tuple(-1 if part[0] == "-" else 1 for part in parts))
+        if np.linalg.det(axes.matrix) < 0:
+            a, b, c = axes.sign
+            other = cls(axes.index, (a, -b, c))
             raise UsageError(f"the axes {text} are left-handed: the second is to the left of the first if the third is "
                              f"up, and to the right if it is down; {_spelled(other)} is right-handed")  # fmt: skip
-        return found
+        return axes
 
     @classmethod
     def upright(cls, force: FloatArray) -> "Axes":
@@ -51,9 +49,9 @@ class Axes:
         up = int(np.abs(force).argmax())
         forward = 1 if up == 0 else 0
         vertical, ahead = np.sign(force[up]) * np.eye(3)[up], np.eye(3)[forward]
-        left = np.cross(vertical, ahead)
-        side = int(np.abs(left).argmax())
-        return cls((forward, side, up), (1, int(left[side]), int(vertical[up])))
+        leftward = np.cross(vertical, ahead)
+        side = int(np.abs(leftward).argmax())
+        return cls((forward, side, up), (1, int(leftward[side]), int(vertical[up])))
 
     def __str__(self) -> str:
         return ",".join(("-" if s < 0 else "") + NAMES[i] for i, s in zip(self.index, self.sign, strict=True))
@@ -74,12 +72,12 @@ class Axes:
 
 def demand_upright(force: FloatArray) -> None:
     """Refuse specific forces whose mean, shape (3,), is not mostly along z."""
-    found = Axes.upright(force)
-    if found.index[2] == 2:
+    axes = Axes.upright(force)
+    if axes.index[2] == 2:
         return
-    up, size = str(found).split(",")[2], np.abs(force) / np.linalg.norm(force)
+    up, size = str(axes).split(",")[2], np.abs(force) / np.linalg.norm(force)
     raise DataError(
-        f"gravity is along {up}, not z: {size.max():.0%} of the mean specific force; give {_spelled(found)}, the axes "
+        f"gravity is along {up}, not z: {size.max():.0%} of the mean specific force; give {_spelled(axes)}, the axes "
         f"that are forward, sideways and vertical (another one may be forward), or {_spelled('x,y,z')} if the body "
         "lies on its side"
     )
@@ -90,11 +88,8 @@ def _spelled(axes: Axes | str) -> str:
     return spelled(f"--axes {axes}", f"axes='{axes}'")
 
 
-FASTEST = 50.0
-"""Rate, rad/s, above which the unit is doubted."""
-
-PLAUSIBLE = 0.2
-"""Deviation of the mean specific force from g, relative, beyond which the unit is doubted."""
+FASTEST = 50.0  # rate, rad/s, above which the unit is doubted
+PLAUSIBLE = 0.2  # deviation of the mean specific force from g, relative, beyond which the unit is doubted
 
 STEEP = math.cos(math.radians(89.0))
 
@@ -144,23 +139,23 @@ class Inertial:
 
 def six_channels(recording: Recording) -> tuple[tuple[Record, ...], tuple[Record, ...]]:
     """The three gyros and the three accelerometers of a recording, in the order of their channels."""
-    found = tuple(tuple(r for r in recording if r.signal.name == sensor) for sensor in SENSORS)
-    counts = [plural(len(records), sensor) for records, sensor in zip(found, SENSORS, strict=True)]
-    if any(len(records) != 3 for records in found):
+    sensors = tuple(tuple(r for r in recording if r.signal.name == sensor) for sensor in SENSORS)
+    counts = [plural(len(records), sensor) for records, sensor in zip(sensors, SENSORS, strict=True)]
+    if any(len(records) != 3 for records in sensors):
         cure = "choose six channels with " + spelled("--channels gx,gy,gz,ax,ay,az", "channels=...")
-        if not found[1]:
+        if not sensors[1]:
             cure = spelled("if the file has no units, give --unit gyro=deg/s,accel=g",
                            "add the accelerometers to the recording")  # fmt: skip
         raise DataError(
             f"roll and pitch need three gyros and three accelerometers, but there are {' and '.join(counts)}: "
             f"{', '.join(recording.channels)}; {cure}"
         )
-    sizes = {(record.size, record.rate) for records in found for record in records}
+    sizes = {(record.size, record.rate) for records in sensors for record in records}
     if len(sizes) > 1:
-        said = ", ".join(f"{r.name} {r.size} samples at {r.rate:g} Hz" for records in found for r in records)
-        raise DataError(f"the six channels must have one sampling rate and length, but these differ: {said}; resample "
-                        "them first")  # fmt: skip
-    return found[0], found[1]
+        sampling = ", ".join(f"{r.name} {r.size} samples at {r.rate:g} Hz" for records in sensors for r in records)
+        raise DataError(f"the six channels must have one sampling rate and length, but these differ: {sampling}; "
+                        "resample them first")  # fmt: skip
+    return sensors[0], sensors[1]
 
 
 def inertial(recording: Recording, axes: Axes | None = None) -> Inertial:

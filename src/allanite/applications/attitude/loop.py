@@ -36,14 +36,9 @@ from allanite.extending import (
 GRAVITY = convert(1.0, "g", "m/s^2")
 SENSORS = ("gyro", "accelerometer")
 
-WIDTH, ORDER = 0.5, 8
-"""Width of a panel in the logarithm of the frequency, and Gauss nodes in it."""
-
-LOWEST, HIGHEST = 1e-13, 1e13
-"""Frequencies, Hz, which replace 0 and infinity."""
-
-FINE = 1e-4
-"""Sample interval, in periods, at which a sampled spectrum is that of continuous time."""
+WIDTH, ORDER = 0.5, 8  # width of a panel in the logarithm of the frequency, and Gauss nodes in it
+LOWEST, HIGHEST = 1e-13, 1e13  # frequencies, Hz, which replace 0 and infinity
+FINE = 1e-4  # sample interval, in periods, at which a sampled spectrum is that of continuous time
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,13 +118,13 @@ def density(t: Term, f: FloatArray, interval: float | None) -> FloatArray:
     if interval is not None:
         return np.asarray(t.value**2 * t.sampled(1 / interval).spectrum(f, interval))
     # the limit of short intervals, taken for ten octaves at once
-    found = np.empty_like(f)
+    power = np.empty_like(f)
     decade = np.floor(np.log10(f) / 3)
     for which in np.unique(decade):
         at = decade == which
         fine = FINE / float(f[at].max())
-        found[at] = t.value**2 * t.sampled(1 / fine).spectrum(f[at], fine)
-    return found
+        power[at] = t.value**2 * t.sampled(1 / fine).spectrum(f[at], fine)
+    return power
 
 
 ComplexArray = NDArray[np.complex128]

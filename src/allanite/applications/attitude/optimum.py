@@ -23,16 +23,11 @@ import numpy as np
 from allanite.extending import DataError, FloatArray, Model, ModelLike, UsageError, Value, public, spelled
 
 from .loop import GRAVITY, ComplexArray, Loop, SensorNoise, kalman
-from .prediction import Prediction, biases, predict
+from .prediction import Prediction, biases, noise_errors, predict
 
-SHORTEST, LONGEST = 1e-5, 1e6
-"""Time constants between which the best one is sought, s."""
-
-GRID = 89
-"""Time constants that are tried first: eight in a decade."""
-
-SETTLED = 10.0
-"""Time constants of the bias of a filter of second order in the horizon, at least."""
+MIN_TIME_CONSTANT, MAX_TIME_CONSTANT = 1e-5, 1e6  # time constants between which the best one is sought, s
+GRID_POINTS = 89  # time constants that are tried first: eight in a decade
+MIN_SETTLINGS = 10.0  # time constants of the bias of a filter of second order in the horizon, at least
 
 Bias = tuple[float, float]
 """Constant biases of the gyro, rad/s, and of the accelerometer, m/s^2."""
@@ -46,18 +41,18 @@ def best_loop(noises: Sequence[SensorNoise], bias: Sequence[Bias]) -> Loop:
         loop = Loop.of(math.exp(log))
         return math.log(sum(predict(n, loop, b).rms ** 2 for n, b in zip(noises, bias, strict=True)))
 
-    shortest = max((n.interval or SHORTEST) for n in noises)
-    grid = np.linspace(math.log(shortest), math.log(LONGEST), GRID)
+    shortest = max((n.interval or MIN_TIME_CONSTANT) for n in noises)
+    grid = np.linspace(math.log(shortest), math.log(MAX_TIME_CONSTANT), GRID_POINTS)
     at = int(np.argmin([error(float(log)) for log in grid]))
-    if at in (0, GRID - 1):
+    if at in (0, GRID_POINTS - 1):
         short = at == 0
         raise UsageError(
             f"no time constant is best: the {'shortest' if short else 'longest'} one, {math.exp(grid[at]):.3g} s, has "
             f"the least error, because the {'accelerometer' if short else 'gyro'} has too little noise; give "
             + spelled("--time-constant", "time_constant=...")
         )
-    found = minimize_scalar(error, bounds=(grid[at - 1], grid[at + 1]), method="bounded", options={"xatol": 1e-9})
-    return Loop.of(math.exp(found.x))
+    minimum = minimize_scalar(error, bounds=(grid[at - 1], grid[at + 1]), method="bounded", options={"xatol": 1e-9})
+    return Loop.of(math.exp(minimum.x))
 
 
 def best_second(noises: Sequence[SensorNoise], bias: Sequence[Bias], first: Loop) -> Loop | None:
@@ -70,7 +65,7 @@ def best_second(noises: Sequence[SensorNoise], bias: Sequence[Bias], first: Loop
     durations = [n.duration for n in noises if n.duration is not None]
     if len(durations) < len(noises):
         return None
-    settling = SETTLED / min(durations)
+    settling = MIN_SETTLINGS / min(durations)
 
     def loop_of(logs: np.ndarray) -> Loop:
         k1, k2 = np.exp(np.clip(logs, -60.0, 20.0)).tolist()
@@ -85,8 +80,8 @@ def best_second(noises: Sequence[SensorNoise], bias: Sequence[Bias], first: Loop
         minimize(lambda x: squares(loop_of(x)) / least, start, method="Nelder-Mead",
                  options={"xatol": 1e-5, "fatol": 1e-10}) for start in starts
     )  # fmt: skip
-    found = min(tries, key=lambda result: float(result.fun))
-    return None if found.fun > 1 - 2e-4 else loop_of(found.x)
+    nearest = min(tries, key=lambda result: float(result.fun))
+    return None if nearest.fun > 1 - 2e-4 else loop_of(nearest.x)
 
 
 def best_first_order(noises: Sequence[SensorNoise]) -> Loop:
@@ -114,26 +109,13 @@ def best_kalman(noises: Sequence[SensorNoise]) -> Loop:
     return kalman(size(gyros, "N"), tilt, size(gyros, "K"))
 
 
-STEPS = 64.0
-"""Samples to the time constant, where there is no sampling rate."""
-
-COARSE = 4.0
-"""How much longer a sample interval may be where the transform would need too many."""
-
-MEMORY = 400.0
-"""Length of the filter in time constants, where there is no horizon."""
-
-FINER = 4
-"""Frequencies below the lowest of the horizon."""
-
-MOST = 1 << 21
-"""Points of the transform at most."""
-
-STEEP = 4
-"""Power of the frequency with which the densities fall below the lowest one."""
-
-PER_OCTAVE = 128
-"""Points of a density between which its logarithm is taken to be straight."""
+STEPS = 64.0  # samples to the time constant, where there is no sampling rate
+COARSE = 4.0  # how much longer a sample interval may be where the transform would need too many
+MEMORY = 400.0  # length of the filter in time constants, where there is no horizon
+FINER = 4  # frequencies below the lowest of the horizon
+MAX_POINTS = 1 << 21  # points of the transform at most
+FALL = 4  # power of the frequency with which the densities fall below the lowest one
+PER_OCTAVE = 128  # points of a density between which its logarithm is taken to be straight
 
 
 def wiener_error(noise: SensorNoise, best: Loop) -> float:
@@ -145,7 +127,7 @@ def wiener_error(noise: SensorNoise, best: Loop) -> float:
     interval, longest = noise.interval or best.time_constant / STEPS, MEMORY * best.time_constant
     if noise.duration:
         longest = FINER * 2 * noise.duration
-    n = 1 << math.ceil(math.log2(min(MOST, max(1024, longest / interval))))
+    n = 1 << math.ceil(math.log2(min(MAX_POINTS, max(1024, longest / interval))))
     interval = interval if noise.interval else min(max(interval, longest / n), COARSE * interval)
     sampled = SensorNoise(noise.gyro, noise.accelerometer, noise.duration, interval)
     f = np.asarray(np.fft.rfftfreq(n, interval), dtype=np.float64)
@@ -159,7 +141,7 @@ def wiener_error(noise: SensorNoise, best: Loop) -> float:
         if not density.all():
             raise UsageError(f"the bound needs noise of both sensors, but that of the {sensor} is 0")
         smooth = np.exp(np.interp(np.log(np.maximum(f, low)), np.log(x), np.log(density)))
-        return np.asarray(smooth * np.minimum(below, 1.0) ** STEEP)
+        return np.asarray(smooth * np.minimum(below, 1.0) ** FALL)
 
     rate, tilt = held("gyro"), held("accelerometer")
     # responses of the optimal filter to dt n_g and to n_a, from their densities
@@ -178,9 +160,7 @@ def wiener_error(noise: SensorNoise, best: Loop) -> float:
 
 def random_error(noise: SensorNoise, loop: Loop) -> float:
     """Standard deviation of the angle from noise alone, rad."""
-    f, weight = noise.nodes
-    gain = [np.abs(response) ** 2 * weight for response in loop.responses(f, noise.interval)]
-    return math.sqrt(sum(float(gain[sensor != "gyro"] @ density) for sensor, _, density in noise.noise))
+    return math.hypot(*(rms for _, _, rms in noise_errors(noise, loop)))
 
 
 def _error(responses: tuple[ComplexArray, ComplexArray], densities: tuple[FloatArray, FloatArray]) -> float:
@@ -189,11 +169,8 @@ def _error(responses: tuple[ComplexArray, ComplexArray], densities: tuple[FloatA
     return math.sqrt(float(np.sum(density[1:-1])) + float(density[0] + density[-1]) / 2)
 
 
-DETUNING = (0.25, 0.5, 1.0, 2.0, 4.0)
-"""Factors of the time constant at which the error is given."""
-
-WORTH = 0.02
-"""Share of the error by which a filter of second order must be better to be recommended."""
+DETUNING = (0.25, 0.5, 1.0, 2.0, 4.0)  # factors of the time constant at which the error is given
+WORTH = 0.02  # share of the error by which a filter of second order must be better to be recommended
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -252,10 +229,10 @@ class Optimum(Value):
     def rows(self) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows: RMS by source of each filter, arcsec."""
         headings = ["order", "k1", "k2", "sensor", "symbol", "term", "rms"]
-        found = [p for p in (self.first, self.second) if p is not None]
+        predictions = [p for p in (self.first, self.second) if p is not None]
         size = math.pi / 648_000
         rows: list[list[Any]] = []
-        for p in found:
+        for p in predictions:
             gains = [p.loop.order, p.loop.k1, p.loop.k2]
             rows += [[*gains, s.sensor, s.symbol, s.text, s.rms / size] for s in p.sources]
             rows.append([*gains, "all", "", "", p.rms / size])

@@ -1,6 +1,7 @@
 """Predicted error of a gyro-vertical, and its parts by source."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -97,16 +98,15 @@ class Prediction(Value):
         return f"{self.to('arcsec'):.4g} arcsec with {self.loop._summary()}"
 
 
-FLOOR = ("B", "bias")
-"""Sources of the accelerometer that no time constant removes."""
+FLOOR = ("B", "bias")  # sources of the accelerometer that no time constant removes
 
 
 def angle_unit(unit: str) -> float:
     """Size of a unit of angle in rad."""
-    found = unit_of(unit)
-    if found.dimension != unit_of("rad").dimension:
+    size = unit_of(unit)
+    if size.dimension != unit_of("rad").dimension:
         raise UnitError(f"{unit!r} is not a unit of an angle, such as arcsec, deg or mrad")
-    return found.factor
+    return size.factor
 
 
 @public
@@ -165,23 +165,26 @@ def biases(gyro: str | float, accelerometer: str | float) -> tuple[float, float]
 def _bias(value: str | float, si: str, example: str) -> float:
     if not isinstance(value, str):
         return float(value)
-    found = split_quantities(value.split())
-    if len(found) != 1 or not found[0][1]:
+    quantities = split_quantities(value.split())
+    if len(quantities) != 1 or not quantities[0][1]:
         raise UsageError(f"a bias has the form {example!r}, not {value!r}")
-    number, unit = found[0]
+    number, unit = quantities[0]
     if unit_of(unit).dimension != unit_of(si).dimension:
         raise UnitError(f"a bias has the form {example!r}; {unit!r} is a unit of something else")
     return number * unit_of(unit).factor
 
 
-def predict(noise: SensorNoise, loop: Loop, bias: tuple[float, float] = (0.0, 0.0)) -> Prediction:
-    """`predicted_error` of densities that were checked, with biases in SI."""
+def noise_errors(noise: SensorNoise, loop: Loop) -> Iterator[tuple[str, Term, float]]:
+    """Sensor, term and the standard deviation of the angle from it, rad."""
     f, weight = noise.nodes
     gain = [np.abs(response) ** 2 * weight for response in loop.responses(f, noise.interval)]
-    sources = [
-        Source(sensor, t.symbol, text_of(t), math.sqrt(float(gain[SENSORS.index(sensor)] @ power)))
-        for sensor, t, power in noise.noise
-    ]
+    for sensor, t, power in noise.noise:
+        yield sensor, t, math.sqrt(float(gain[SENSORS.index(sensor)] @ power))
+
+
+def predict(noise: SensorNoise, loop: Loop, bias: tuple[float, float] = (0.0, 0.0)) -> Prediction:
+    """`predicted_error` of densities that were checked, with biases in SI."""
+    sources = [Source(sensor, t.symbol, text_of(t), rms) for sensor, t, rms in noise_errors(noise, loop)]
     for i, (sensor, model) in enumerate(zip(SENSORS, (noise.gyro, noise.accelerometer), strict=True)):
         constant = steady(loop, sensor, noise.interval)
         for t in (t for t in model if t.row.waveform is not None):
@@ -204,8 +207,6 @@ def predict(noise: SensorNoise, loop: Loop, bias: tuple[float, float] = (0.0, 0.
 def text_of(t: Term) -> str:
     """A term as text; white noise of an accelerometer as data sheets give it.
 
-    Examples
-    --------
     >>> from allanite import N
     >>> text_of(N(100, "ug/sqrt(Hz)"))
     'N = 100 ug/sqrt(Hz)'

@@ -32,11 +32,8 @@ from .loop import Loop, SensorNoise
 from .optimum import Optimum
 from .prediction import Prediction
 
-PAIRS = ((0, 1), (1, 0))
-"""The gyro and the accelerometer, among x, y, z, that an angle is found from."""
-
-SLOWER = 5.0
-"""Time of the bias estimate over the time constant, where only the latter is given."""
+PAIRS = ((0, 1), (1, 0))  # the gyro and the accelerometer, among x, y, z, that an angle is found from
+SLOWER = 5.0  # time of the bias estimate over the time constant, where only the latter is given
 
 
 @described
@@ -51,7 +48,7 @@ class VerticalSettings(VerticalChoices, Value):
     bias_time : float, optional
         1 / sqrt(k2), s, of a filter that estimates the gyro bias; by default five time constants where one is given.
     samples : int
-        Samples of the coning correction, 1 to 4.
+        Samples of the coning correction, 1 (none) or 2.
     axes : str, optional
         Axes of the file that are forward, sideways and vertical, such as "y,-x,z"; by default "x,y,z", and a recording
         with gravity along another axis than z is refused.

@@ -131,8 +131,7 @@ def _rates(scenario: Scenario, t: FloatArray) -> FloatArray:
     return np.stack([droll, dpitch * np.cos(roll), -dpitch * np.sin(roll)], axis=1)
 
 
-DROPPED = 0.2
-"""Share of the run, from its start, that is not counted: filters settle."""
+DROPPED = 0.2  # share of the run, from its start, that is not counted: filters settle
 
 
 def compared() -> dict[str, tuple[str, Setting]]:
@@ -233,8 +232,7 @@ class VerticalDesign(Value):
         return self.optimum._summary()
 
 
-AXES = (1.0, -0.7, 0.5)
-"""Biases of the gyros x, y and z, relative to the given one."""
+AXES = (1.0, -0.7, 0.5)  # biases of the gyros x, y and z, relative to the given one
 
 
 def design(

@@ -32,8 +32,7 @@ from .prediction import Prediction, predict
 from .result import PAIRS, Angle, VerticalChannel, VerticalSettings, VerticalStudy
 
 ANGLES = (say("roll"), say("pitch"))
-TURNING = 10.0
-"""Mean rate, deg/s, that is no bias of a gyro."""
+TURNING = 10.0  # mean rate, deg/s, that is no bias of a gyro
 
 
 @public
@@ -107,12 +106,9 @@ def _identified(seen: Inspected, settings: VerticalSettings, recipe: Recipe) -> 
 
 
 def _angle(
-    i: int,
-    values: FloatArray,
-    channels: Sequence[VerticalChannel],
-    noises: Sequence[SensorNoise],
+    i: int, values: FloatArray, channels: Sequence[VerticalChannel], noises: Sequence[SensorNoise],
     predictions: Sequence[Prediction],
-) -> Angle:
+) -> Angle:  # fmt: skip
     """Roll or pitch; the best filters are left out where there are none: a given time constant does not need them."""
     pair = channels[PAIRS[i][0]], channels[2 + PAIRS[i][1]]
     gyro, accelerometer = (channel.record for channel in pair)

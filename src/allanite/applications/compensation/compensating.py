@@ -1,6 +1,5 @@
 """Compensation of files: every channel fitted on other channels, and the effect on it and on another file."""
 
-import math
 import os
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -37,46 +36,27 @@ from allanite.extending import (
     say,
     stretches,
     trim,
-    unit_of,
 )
 
 from .fit import compensate
 from .mixture import Gain
-from .order import Order, order
 from .regression import Regression, gain_on, load
-from .regressor import SIGNIFICANT, aligned
+from .regressor import aligned
 from .settings import CompensationSettings
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Compensated(RecordResult):
-    """A channel before and after its correction; `refusal` says why there is none.
-
-    Attributes
-    ----------
-    record : Record
-    regression : Regression or None
-    corrected : Record or None
-    before, after : Curve or None
-    noise : Noise or None
-        Noise of the uncorrected record, assumed by the intervals of `before`.
-    gain : Gain or None
-        Gain on a record that was not used for the fit.
-    alerts : tuple of str
-    refusal : str
-    orders : tuple of Order
-        What higher powers than were asked for would remove.
-    """
+    """A channel before and after its correction; `refusal` says why there is none."""
 
     regression: Regression | None = None
     corrected: Record | Header | None = None
     before: Curve | None = None
     after: Curve | None = None
-    noise: Noise | None = None
-    gain: Gain | None = None
+    noise: Noise | None = None  # of the uncorrected record, assumed by the intervals of `before`
+    gain: Gain | None = None  # on a record that was not used for the fit
     alerts: tuple[str, ...] = ()
     refusal: str = ""
-    orders: tuple[Order, ...] = ()
 
     @property
     def rates(self) -> tuple[FloatArray, FloatArray] | None:
@@ -84,30 +64,6 @@ class Compensated(RecordResult):
         if not (isinstance(self.record, Record) and isinstance(self.corrected, Record)):
             return None
         return self.record.rate_values, self.corrected.rate_values
-
-    @property
-    def further(self) -> list[Order]:
-        """The higher powers that are significant, p being multiplied by the number of those examined."""
-        return [o for o in self.orders if o.p * len(self.orders) < SIGNIFICANT]
-
-    @property
-    def prospect(self) -> str:
-        """What higher powers would remove, as a sentence; empty if none was examined."""
-        if not self.orders or self.regression is None:
-            return ""
-        regressor, unit = self.regression.regressors[0], self.record.signal.sheet[0]
-        scale, (low, high) = unit_of(unit).factor, regressor.span or (math.nan, math.nan)
-        if found := self.further:
-            numbers = ((o.power, o.rms / scale, o.low / scale, o.high / scale) for o in found)
-            sizes = [f"{regressor.channel}^{n} {rms:.3g} ({a:.3g} .. {b:.3g}) {unit}" for n, rms, a, b in numbers]
-            held = self.regression.held
-            gained = held is None or any((o.explained or math.inf) > held.explained for o in found)
-            taken = say("higher powers would remove more: {sizes}, RMS over {low:.4g} to {high:.4g} {degrees}",
-                        sizes=", ".join(sizes), low=low, high=high, degrees=regressor.unit)  # fmt: skip
-            return join("; ", (taken, *([] if gained else [say("cross-validation does not gain from them")])))
-        powers, most = ", ".join(str(o.power) for o in self.orders), max(o.high for o in self.orders) / scale
-        return say("powers {powers} would remove at most {most:.2g} {unit}, RMS over {low:.4g} to {high:.4g} {degrees}",
-                   powers=powers, most=most, unit=unit, low=low, high=high, degrees=regressor.unit)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -170,7 +126,6 @@ def compensate_file(
     settings: CompensationSettings | None = None,
     *,
     apply_to: PathLike | None = None,
-    beyond: int = 0,
     progress: Progress | None = None,
 ) -> CompensationStudy:
     """Fit every inertial channel of a file on other channels, and apply the regressions.
@@ -184,8 +139,6 @@ def compensate_file(
         The regressors, or a saved regression.
     apply_to : path, optional
         Another file of the same channels, which is not used for the fit.
-    beyond : int
-        Powers of the regressors up to this one are fitted as well, to tell what they would remove: see `Order`.
     progress : callable, optional
         Called with a description of the current step and the fraction completed.
 
@@ -207,28 +160,16 @@ def compensate_file(
         progress("reading", 0.0)
     here = _open(source, recipe, settings, keys)
 
-    def fitted(record: Record, degree: int = settings.degree, *, every: bool = settings.fit.every) -> Regression:
+    def fitted(record: Record) -> Regression:
         return compensate(
-            record, here.along, here.columns(settings.regressors), degree=degree, lags=settings.lags,
-            derivative_of=here.columns(settings.derivative_of), trend=settings.trend,
-            settings=replace(settings.fit, every=every),
+            record, here.along, here.columns(settings.regressors), degree=settings.degree, lags=settings.lags,
+            derivative_of=here.columns(settings.derivative_of), trend=settings.trend, settings=settings.fit,
         )  # fmt: skip
-
-    def further(record: Record, done: Compensated) -> Compensated:
-        """What the powers above the highest that was tried would remove."""
-        orders: list[Order] = []
-        for power in range(settings.degree + 1, beyond + 1):
-            try:
-                orders.append(order(fitted(record, power, every=True), recipe.level))
-            except DataError as error:
-                why = say("power {power} was not examined: {reason}", power=power, reason=str(error))
-                return replace(done, orders=tuple(orders), alerts=(*done.alerts, why))
-        return replace(done, orders=tuple(orders))
 
     parts = 1 if apply_to is None else 2
     study: CompensationStudy = _each(
-        partial(CompensationStudy, applied=(), settings=settings), here, saved or fitted, recipe, further=further,
-        demand=True, progress=_part(progress, 0, parts),
+        partial(CompensationStudy, applied=(), settings=settings), here, saved or fitted, recipe, demand=True,
+        progress=_part(progress, 0, parts),
     )  # fmt: skip
     if settings.beside is not None:
         beside = {"regressors": here.along.source, "sha256 regressors": here.along.digest}
@@ -274,7 +215,6 @@ def _each(
     regressions: Mapping[str, Regression] | Callable[[Record], Regression],
     recipe: Recipe,
     *,
-    further: Callable[[Record, Compensated], Compensated] = lambda _, done: done,
     demand: bool = False,
     progress: Progress | None,
 ) -> Any:
@@ -303,8 +243,7 @@ def _each(
         regression = regression_of(seen.record)
         gain = gain_on(regression, seen.record, source.along) if held else None
         done = _corrected(seen.record, source.along, regression, recipe)
-        done = replace(done, gain=gain, alerts=(*done.alerts, *seen.alerts))
-        return done if held else further(seen.record, done)
+        return replace(done, gain=gain, alerts=(*done.alerts, *seen.alerts))
 
     def refused(seen: Inspected, why: str) -> Compensated:
         return Compensated(seen.record, refusal=why)

@@ -22,18 +22,15 @@ from allanite.extending import (
 )
 
 from .mixture import Stretch, restricted
-from .regressor import TREND, Regressor, readings
+from .regressor import TREND, Columns, Regressor, readings
 from .settings import CompensationSettings
 
-SHORTEST = 64
-"""Minimum number of samples of a stretch between gaps."""
-
-SAME = 1e-10
-"""Least eigenvalue of the columns' correlation at which one of them is a sum of the others."""
+MIN_STRETCH = 64  # minimum number of samples of a stretch between gaps
+MIN_EIGENVALUE = 1e-10  # least eigenvalue of the columns' correlation at which one of them is a sum of the others
 
 
 @dataclass(frozen=True, eq=False)
-class Design:
+class Design(Columns):
     """Rates and columns of a record, and where they count."""
 
     y: FloatArray  # shape (n,); rates, SI
@@ -58,16 +55,6 @@ class Design:
         return tuple(regressor.label for regressor in self.regressors)
 
     @property
-    def taken(self) -> list[int]:
-        """Columns that a correction subtracts: all but a trend."""
-        return [i for i, regressor in enumerate(self.regressors) if not regressor.is_trend]
-
-    @property
-    def trend(self) -> list[int]:
-        """The column of a trend, if there is one."""
-        return [i for i, regressor in enumerate(self.regressors) if regressor.is_trend]
-
-    @property
     def count(self) -> int:
         """Samples that count."""
         return sum(b - a for a, b in self.stretches)
@@ -81,7 +68,7 @@ class Design:
         """Refuse columns of which one is, where the samples are used, a sum of others."""
         Z = self.X[used] - self.X[used].mean(axis=0)
         values, vectors = np.linalg.eigh(Z.T @ Z / used.sum())
-        if values[0] > SAME:
+        if values[0] > MIN_EIGENVALUE:
             return
         share = np.abs(vectors[:, 0])
         names = [label for label, part in zip(self.labels, share, strict=True) if part > 0.05]
@@ -106,16 +93,10 @@ def design(record: Record, along: Recording, settings: CompensationSettings) -> 
     # NaN of the named channels are losses, those of a lag are not
     lost = int(np.isnan(y).sum()), sum(int(np.isnan(channel.x).sum()) for channel in channels.values())
     if any(lost) and not settings.fit.split_gaps:
-        raise DataError(
-            say(
-                "{samples} samples of {name!r} and {regressors} of its regressors are missing; use the stretches "
-                "between them, each with its own constant: {option}",
-                samples=lost[0],
-                name=record.name,
-                regressors=lost[1],
-                option=spelled("--split-gaps", "FitSettings(split_gaps=True)"),
-            )
-        )
+        raise DataError(say("{samples} samples of {name!r} and {regressors} of its regressors are missing; use the "
+                            "stretches between them, each with its own constant: {option}", samples=lost[0],
+                            name=record.name, regressors=lost[1],
+                            option=spelled("--split-gaps", "FitSettings(split_gaps=True)")))  # fmt: skip
     parts, notes = _stretches(np.isfinite(y) & np.isfinite(X).all(axis=1), y.size)
     used = np.zeros(y.size, dtype=bool)
     for a, b in parts:
@@ -128,9 +109,9 @@ def design(record: Record, along: Recording, settings: CompensationSettings) -> 
                 say("the regressor {regressor!r} is constant and cannot explain anything; omit it",
                     regressor=regressor.label)
             )  # fmt: skip
-    found = Design(y, X / size, regressors, np.asarray(size), parts, record.rate, optional, notes)
-    found.demand_separable(used)
-    return found
+    made = Design(y, X / size, regressors, np.asarray(size), parts, record.rate, optional, notes)
+    made.demand_separable(used)
+    return made
 
 
 class _Readings(NamedTuple):
@@ -158,7 +139,7 @@ def _regressors(
         for lag in settings.lags:
             if round(lag * record.rate) < 1:
                 raise UsageError(f"a lag of {lag:g} s is shorter than the sample interval of {record.interval:g} s")
-            yield Regressor(name, unit, centre, lag=lag, span=span), True
+            yield Regressor(name, unit, centre, lag=lag, span=span), False
     if settings.trend:
         yield Regressor(TREND, "s"), False
 
@@ -170,36 +151,30 @@ def _measured(name: str, record: Record, along: Recording) -> _Readings:
     channel = along[name]
     unit = channel.signal.unit if channel.integrated else channel.unit
     x = readings(name, unit, record, along)
-    there = x[np.isfinite(x)]
-    if not there.size:
+    finite = x[np.isfinite(x)]
+    if not finite.size:
         raise DataError(say("the regressor {regressor!r} has no finite sample", regressor=name))
-    mean, spread, span = float(there.mean()), float(there.std()), (float(there.min()), float(there.max()))
+    mean, spread, span = float(finite.mean()), float(finite.std()), (float(finite.min()), float(finite.max()))
     if span[0] == span[1]:
         raise DataError(
-            say(
-                "the regressor {regressor!r} is constant (always {value:g} {unit}) and cannot explain anything",
-                regressor=name,
-                value=span[0],
-                unit=unit,
-            )
-        )
+            say("the regressor {regressor!r} is constant (always {value:g} {unit}) and cannot explain anything",
+                regressor=name, value=span[0], unit=unit)
+        )  # fmt: skip
     return _Readings(unit, round(mean, int(4 - np.floor(np.log10(spread)))), x, span)
 
 
 def _stretches(fine: NDArray[np.bool_], n: int) -> tuple[tuple[Stretch, ...], tuple[str, ...]]:
-    kept = tuple((int(a), int(b)) for a, b in stretches(fine) if b - a >= SHORTEST)
+    kept = tuple((int(a), int(b)) for a, b in stretches(fine) if b - a >= MIN_STRETCH)
     count = sum(b - a for a, b in kept)
     if not kept:
         raise DataError(
-            say("no stretch of {least} samples is complete in the record and its regressors", least=SHORTEST)
+            say("no stretch of {least} samples is complete in the record and its regressors", least=MIN_STRETCH)
         )
     if count == n:
         return kept, ()
     missing = say(
         "{missing} of {samples} samples are missing, have no regressors, or belong to stretches shorter than {least}",
-        missing=n - count,
-        samples=n,
-        least=SHORTEST,
-    )
+        missing=n - count, samples=n, least=MIN_STRETCH,
+    )  # fmt: skip
     used = say_count(len(kept), "{count} stretch used", "{count} stretches used, each with its own constant")
     return kept, (join("; ", (missing, used)),)

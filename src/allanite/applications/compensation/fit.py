@@ -29,8 +29,7 @@ from .regression import Regression
 from .selection import choose, collinearity, folds
 from .settings import CompensationSettings, FitSettings
 
-WHOLLY = 1e-11
-"""Residual, relative to the record, at which only rounding errors remain."""
+MIN_RESIDUAL = 1e-11  # residual, relative to the record, at which only rounding errors remain
 
 
 USUAL = FitSettings()
@@ -53,8 +52,8 @@ def compensate(
     The rate is a constant, a sum of coefficients times regressors, and noise of the terms Q, N, B and K, which is
     identified jointly with the coefficients by the restricted likelihood. Coefficients are generalized least-squares
     estimates, averaged over the possible slow noise; ordinary least squares finds a nonexistent effect in 39 to 53 % of
-    records with a drifting temperature. Regressors named explicitly are kept; powers up to `degree` and lags are added
-    only if cross-validation improves.
+    records with a drifting temperature. Regressors named explicitly, and their lags, are kept; powers up to `degree`
+    are added only if cross-validation improves.
 
     Parameters
     ----------
@@ -66,7 +65,7 @@ def compensate(
     degree : int
         Highest power to try.
     lags : sequence of float
-        Lags to try, s.
+        Lags at which the regressors enter, too, s.
     derivative_of : sequence of str
         Channels whose time derivative is a regressor.
     trend : bool
@@ -109,25 +108,19 @@ def compensate(
         raise UsageError("regressors and derivative_of are sequences of names, for example ['temp']")
     beside = along if isinstance(along, Recording) else Recording((along,))
     if record.size < SHORTEST:
-        raise DataError(
-            say_count(
-                record.size,
-                "{name!r} has {count} sample; a regression needs at least {least}",
-                "{name!r} has {count} samples; a regression needs at least {least}",
-                name=record.name,
-                least=SHORTEST,
-            )
-        )
+        raise DataError(say_count(record.size, "{name!r} has {count} sample; a regression needs at least {least}",
+                                  "{name!r} has {count} samples; a regression needs at least {least}", name=record.name,
+                                  least=SHORTEST))  # fmt: skip
     wanted = CompensationSettings(tuple(regressors), degree, tuple(lags), tuple(derivative_of), trend, fit=settings)
     whole = design(record, beside, wanted)
-    left = whole.y - whole.X @ _plain(whole)
-    size, rest = (max(float(np.ptp(y[a:b])) for a, b in whole.stretches) for y in (whole.y, left))
+    residuals = whole.y - whole.X @ _plain(whole)
+    size, rest = (max(float(np.ptp(y[a:b])) for a, b in whole.stretches) for y in (whole.y, residuals))
     if size == 0:
         raise DataError(
             say("{name!r} is constant (always {value:g} SI): check the sensor", name=record.name,
                 value=float(whole.y[whole.stretches[0][0]]))
         )  # fmt: skip
-    if rest < WHOLLY * size:
+    if rest < MIN_RESIDUAL * size:
         raise DataError(
             say("{regressors} explain {name!r} completely: no noise remains. Is the record, or something derived from "
                 "it, among the regressors?", name=record.name,
@@ -147,22 +140,17 @@ def compensate(
 
 
 def _regression(
-    record: Record,
-    whole: Design,
-    kept: list[int],
-    settings: FitSettings,
-    *,
-    held: Gain | None = None,
+    record: Record, whole: Design, kept: list[int], settings: FitSettings, *, held: Gain | None = None,
     notes: tuple[str, ...] = (),
-) -> Regression:
+) -> Regression:  # fmt: skip
     part = whole.only(kept)
     first = _plain(part)
     # the bins of the spectrum lose digits where an effect is many thousand times the noise: most of it is removed
-    seen = part.likelihood(settings.symbols, y=part.y - part.X @ first)
-    theta, mean, found = mixture(seen, settings.symbols)
-    alike = collinearity(part, seen, theta, settings.symbols)
-    inside = _inside(part, seen, theta, found.values + first)
-    effective = _effective(part, seen, theta)
+    likelihood = part.likelihood(settings.symbols, y=part.y - part.X @ first)
+    theta, mean, coefficients = mixture(likelihood, settings.symbols)
+    alike = collinearity(part, likelihood, theta, settings.symbols)
+    inside = _inside(part, likelihood, theta, coefficients.values + first)
+    effective = _effective(part, likelihood, theta)
     if effective < settings.least * len(part.taken):
         raise DataError(
             say_count(
@@ -180,7 +168,7 @@ def _regression(
     sizes = zip(settings.symbols, mean, strict=True)
     noise = [Term(s, math.sqrt(v) * record.rate ** -TERMS[s].power, record.signal) for s, v in sizes if v > 0]
     return Regression(
-        record.signal, record.name, part.regressors, found.scaled(1 / part.size, first),
+        record.signal, record.name, part.regressors, coefficients.scaled(1 / part.size, first),
         chosen=tuple(bool(o) and not settings.every for o in part.optional),
         candidates=int(whole.optional.sum()),
         inflation=alike.inflation, condition=alike.condition,
@@ -200,23 +188,23 @@ def _centred(part: Design, of: FloatArray) -> FloatArray:
     return np.concatenate([of[a:b] - of[a:b].mean(axis=0) for a, b in part.stretches])
 
 
-def _inside(part: Design, seen: Likelihood, theta: FloatArray, values: FloatArray) -> Gain:
+def _inside(part: Design, likelihood: Likelihood, theta: FloatArray, values: FloatArray) -> Gain:
     """Mean squares of the fitted record, about a straight line where a trend is one of the columns.
 
     Generalized least squares of columns with S = X'X take, where there is no dependence, tr(VS) off the sum of squares
     of the noise.
     """
     taken = part.taken
-    flat = np.flatnonzero(seen.flat)[taken]
-    V = seen.directions(theta)[1][np.ix_(flat, flat)]
+    flat = np.flatnonzero(likelihood.flat)[taken]
+    V = likelihood.directions(theta)[1][np.ix_(flat, flat)]
     trend = _centred(part, part.X[:, part.trend])
     X, y = (about_line(_centred(part, of), trend) for of in (part.X[:, taken], part.y))
-    left = y - X @ values[taken]
-    sums = float(y @ y), float(left @ left), float(np.trace(V @ X.T @ X))
+    residuals = y - X @ values[taken]
+    sums = float(y @ y), float(residuals @ residuals), float(np.trace(V @ X.T @ X))
     return Gain(*(total / part.count for total in sums))
 
 
-def _effective(part: Design, seen: Likelihood, theta: FloatArray) -> float:
+def _effective(part: Design, likelihood: Likelihood, theta: FloatArray) -> float:
     """Effective samples: degrees of freedom of the noise as a whole, or where the regressors vary if these are more.
 
     The variance of the noise has (sum m)^2 / sum m^2 of them, m being its spectrum: as many as there are samples for
@@ -224,11 +212,11 @@ def _effective(part: Design, seen: Likelihood, theta: FloatArray) -> float:
     x_k^2 / m_k. With C the covariance of ln theta that the record leaves, A has 2 / Var(ln A): of a random walk as many
     as there are coefficients that it rules.
     """
-    m, there = seen.expectation(theta), theta > 0
-    whole = float(seen.count @ m) ** 2 / float(seen.count @ m**2)
-    share = seen.S[:, there] * theta[there] / m[:, None]
-    C = np.linalg.pinv(seen.information(theta)[np.ix_(there, there)] * np.outer(theta[there], theta[there]))
-    flat = np.flatnonzero(seen.flat)[part.taken]
-    weight = np.einsum("kii->ik", seen.UU[:, flat][:, :, flat]) / m
+    m, used = likelihood.expectation(theta), theta > 0
+    whole = float(likelihood.count @ m) ** 2 / float(likelihood.count @ m**2)
+    share = likelihood.S[:, used] * theta[used] / m[:, None]
+    C = np.linalg.pinv(likelihood.information(theta)[np.ix_(used, used)] * np.outer(theta[used], theta[used]))
+    flat = np.flatnonzero(likelihood.flat)[part.taken]
+    weight = np.einsum("kii->ik", likelihood.UU[:, flat][:, :, flat]) / m
     g = weight @ share / weight.sum(axis=1, keepdims=True)
     return max(whole, float((2 / np.einsum("ri,ij,rj->r", g, C, g)).min(initial=part.count)))

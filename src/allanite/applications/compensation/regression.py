@@ -27,18 +27,15 @@ from allanite.extending import (
 )
 
 from .mixture import Gain, Mixture, about_line
-from .regressor import Effect, Regressor
-from .selection import LARGE, TRENDING
+from .regressor import Columns, Effect, Regressor
+from .selection import BEYOND_DOUBT, TRENDING
 
-WITHIN = 1.959964
-"""Standard errors of 95 % limits."""
-
-CHI_SQUARE = WITHIN**2
-"""Twice a log-likelihood ratio that one coefficient reaches by chance in one record of twenty."""
+WITHIN = 1.959964  # standard errors of 95 % limits
+CHI_SQUARE = WITHIN**2  # twice a log-likelihood ratio that one coefficient reaches by chance in one record of twenty
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Regression(Correction):
+class Regression(Columns, Correction):
     """Coefficients of regressors, their uncertainties, and the variance reduction; see `compensate`.
 
     The correction (`apply`) keeps the bias at the regressors' means in the record, and a linear drift that was
@@ -89,11 +86,6 @@ class Regression(Correction):
         return say("regression on {regressors}", regressors=labels)
 
     @property
-    def taken(self) -> list[int]:
-        """Columns that are subtracted: all but a trend."""
-        return [i for i, regressor in enumerate(self.regressors) if not regressor.is_trend]
-
-    @property
     def significant(self) -> bool:
         """Whether at least one effect is significant, beside the others and the noise."""
         return any(self.effect(i).significant for i in self.taken)
@@ -107,11 +99,6 @@ class Regression(Correction):
     def useful(self) -> bool:
         """Whether an effect is significant, and the correction harmless."""
         return self.significant and self.harmless
-
-    @property
-    def trend(self) -> list[int]:
-        """The column of a linear drift, if one was estimated."""
-        return [i for i, regressor in enumerate(self.regressors) if regressor.is_trend]
 
     @property
     def shared(self) -> float:
@@ -133,7 +120,7 @@ class Regression(Correction):
             return float(b @ np.linalg.solve(V, b))
 
         both, regressors, drift = (evidence(of) for of in (self.taken + self.trend, self.taken, self.trend))
-        return both > CHI_SQUARE > abs(regressors - drift) and min(regressors, drift) < LARGE**2
+        return both > CHI_SQUARE > abs(regressors - drift) and min(regressors, drift) < BEYOND_DOUBT**2
 
     def __iter__(self) -> Iterator[Effect]:
         return (self.effect(i) for i in range(len(self.regressors)))
@@ -147,18 +134,11 @@ class Regression(Correction):
     def effect(self, which: int, level: float = 0.95) -> Effect:
         """The coefficient of a column, with limits at `level`."""
         p, regressor = self.mixture.p(which), self.regressors[which]
-        return Effect(
-            regressor,
-            float(self.mixture.values[which]),
-            float(self.mixture.errors[which]),
-            f"{self.signal.unit} per {regressor.column_unit}",
-            min(1.0, p * self.candidates) if self.chosen[which] else p,
-            self.mixture.quantile((1 - level) / 2, which),
-            self.mixture.quantile((1 + level) / 2, which),
-            float(self.inflation[which]),
-            self.chosen[which],
-            level,
-        )
+        return Effect(regressor, float(self.mixture.values[which]), float(self.mixture.errors[which]),
+                      f"{self.signal.unit} per {regressor.column_unit}",
+                      min(1.0, p * self.candidates) if self.chosen[which] else p,
+                      self.mixture.quantile((1 - level) / 2, which), self.mixture.quantile((1 + level) / 2, which),
+                      float(self.inflation[which]), self.chosen[which], level)  # fmt: skip
 
     def rate_error(self, record: Record, along: Recording | None = None) -> FloatArray:
         """Error of the rate in each interval, SI, shape (record.size,); NaN where a regressor has no value."""
@@ -193,12 +173,13 @@ class Regression(Correction):
     def _stored(cls, data: dict[str, Any]) -> Self:
         """The regression written by `to_dict`."""
         try:
-            found = super()._stored(data)
+            result = super()._stored(data)
         except AllaniteError as error:
             raise DataError(f"not a saved regression, or it was changed: {error}") from None
-        if {len(found.regressors), len(found.chosen), found.inflation.size} != {found.mixture.centres.shape[1]}:
+        count = result.mixture.centres.shape[1]
+        if {len(result.regressors), len(result.chosen), result.inflation.size} != {count}:
             raise DataError("the numbers of coefficients and regressors of this regression differ: it was changed")
-        return found
+        return result
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write it as JSON, which `load` reads.
@@ -219,10 +200,10 @@ class Regression(Correction):
         DataError
             The file cannot be read, or holds something else, or several regressions.
         """
-        found = load(path)
-        if len(found) > 1:
-            raise DataError(f"{os.fspath(path)!r} contains {len(found)} regressions; use compensation.load")
-        return found[0]
+        regressions = load(path)
+        if len(regressions) > 1:
+            raise DataError(f"{os.fspath(path)!r} contains {len(regressions)} regressions; use compensation.load")
+        return regressions[0]
 
 
 @public

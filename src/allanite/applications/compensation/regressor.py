@@ -20,8 +20,7 @@ from allanite.extending import (
     spelled,
 )
 
-SHORTEST = 60.0
-"""Seconds of a window; in a shorter one the steps of a digital thermometer are what changes."""
+MIN_WINDOW = 60.0  # seconds of a window; in a shorter one the steps of a digital thermometer are what changes
 
 
 def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
@@ -30,8 +29,6 @@ def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
     At the ends the window is cut off, and the line fitted to what is left. A reading that is NaN counts for nothing in
     its neighbours' windows, and has no slope of its own.
 
-    Examples
-    --------
     >>> x = 0.5 * np.arange(300.0)
     >>> x[100] = np.nan
     >>> slope = local_slope(x, 2.0, 60.0)
@@ -39,30 +36,30 @@ def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
     ([1.0, 1.0, 1.0, 1.0], True)
     """
     half = int(window * rate / 2)
-    if not (np.isfinite(window) and window >= SHORTEST and half >= 1):
+    if not (np.isfinite(window) and window >= MIN_WINDOW and half >= 1):
         raise UsageError(
-            f"the window of a derivative must have at least {SHORTEST:g} s and 3 samples, not {window!r} s"
+            f"the window of a derivative must have at least {MIN_WINDOW:g} s and 3 samples, not {window!r} s"
         )
     from scipy.signal import oaconvolve
 
     j = np.arange(-half, half + 1, dtype=np.float64)
     weight = 0.5 + 0.5 * np.cos(np.pi * j / (half + 1))
-    there = np.isfinite(x)
-    centre = float(np.mean(x[there])) if there.any() else 0.0
-    values = np.where(there, x - centre, 0.0)
+    finite = np.isfinite(x)
+    centre = float(np.mean(x[finite])) if finite.any() else 0.0
+    values = np.where(finite, x - centre, 0.0)
 
     def around(y: FloatArray, power: int) -> FloatArray:
         """Sum of weight * j^power * y[i + j]."""
         return np.asarray(oaconvolve(y, (weight * (j / half) ** power)[::-1], mode="full")[half : half + y.size])
 
-    ones = there.astype(np.float64)
+    ones = finite.astype(np.float64)
     w, t, tt = (around(ones, power) for power in (0, 1, 2))
     y, ty = around(values, 0), around(values, 1)
     spread = w * tt - t * t
     with np.errstate(divide="ignore", invalid="ignore"):
         slope = (w * ty - t * y) / spread
     # fewer than two samples in the window: the spread is rounding
-    return np.where(there & (spread > 1e-9 * np.sum(weight) ** 2), slope * rate / half, np.nan)
+    return np.where(finite & (spread > 1e-9 * np.sum(weight) ** 2), slope * rate / half, np.nan)
 
 
 @public
@@ -85,7 +82,7 @@ def aligned(along: Recording, record: Record) -> Recording:
     [20.0, 21.0, 22.0, 23.0, 24.0, nan]
     """
     at = np.arange(record.size) / record.rate
-    found = []
+    records = []
     for other in along:
         if other.integrated:
             raise DataError(
@@ -104,11 +101,11 @@ def aligned(along: Recording, record: Record) -> Recording:
         way = say("means") if faster else say("linear interpolation")
         what = say("resampled from {rate:.9g} Hz to the times of {name!r} by {way}",
                    rate=other.rate, name=record.name, way=way)  # fmt: skip
-        found.append(Record(
+        records.append(Record(
             values, record.rate, other.unit, scale=other.scale, name=other.name, start=record.start,
             history=(*other.history, what),
         ))  # fmt: skip
-    return replace(along, records=tuple(found))
+    return replace(along, records=tuple(records))
 
 
 def _means(x: FloatArray, rate: float, when: FloatArray, wanted: float) -> FloatArray:
@@ -122,11 +119,8 @@ def _means(x: FloatArray, rate: float, when: FloatArray, wanted: float) -> Float
     return np.where(missing > 0, np.nan, (end - begin) * wanted)
 
 
-SIGNIFICANT = 0.05
-"""p-value below which an effect is significant."""
-
-TREND = "time"
-"""Name of the regressor that is no channel: seconds, counted from the middle of the record."""
+SIGNIFICANT = 0.05  # p-value below which an effect is significant
+TREND = "time"  # name of the regressor that is no channel: seconds, counted from the middle of the record
 
 
 @dataclass(frozen=True, repr=False)
@@ -219,6 +213,22 @@ class Regressor(Value):
         return np.asarray((x - self.centre) ** self.power)
 
 
+class Columns:
+    """What has regressors: of a design, and of a regression."""
+
+    regressors: tuple[Regressor, ...]
+
+    @property
+    def taken(self) -> list[int]:
+        """Columns that a correction subtracts: all but a trend."""
+        return [i for i, regressor in enumerate(self.regressors) if not regressor.is_trend]
+
+    @property
+    def trend(self) -> list[int]:
+        """The column of a trend, if there is one."""
+        return [i for i, regressor in enumerate(self.regressors) if regressor.is_trend]
+
+
 @dataclass(frozen=True, repr=False)
 class Effect(Value):
     """One coefficient: rate per unit of its regressor, SI.
@@ -276,16 +286,16 @@ class Effect(Value):
 def readings(channel: str, unit: str, record: Record, along: Recording | None) -> FloatArray:
     """Samples of a channel in `unit` at the intervals of `record`; errors as those of `Regressor.column`."""
     if along is None or channel not in along.channels:
-        there = "no channels were given" if along is None else f"channels: {', '.join(along.channels)}"
-        raise UsageError(f"the regressor {channel!r} is missing: {there}")
-    found = along[channel]
-    demand_clock(record, found)
-    own = found.signal.unit if found.integrated else found.unit
+        known = "no channels were given" if along is None else f"channels: {', '.join(along.channels)}"
+        raise UsageError(f"the regressor {channel!r} is missing: {known}")
+    measured = along[channel]
+    demand_clock(record, measured)
+    own = measured.signal.unit if measured.integrated else measured.unit
     if unit != own and "degC" in (unit, own):
         raise UnitError(f"{channel!r} was in {unit} and is in {own}, whose zeros differ; give it in {unit}")
-    x = np.asarray(found.rate_values if found.integrated else found.values, dtype=np.float64)
-    if not found.integrated and found.scale is not None:
-        x = x * found.scale
+    x = np.asarray(measured.rate_values if measured.integrated else measured.values, dtype=np.float64)
+    if not measured.integrated and measured.scale is not None:
+        x = x * measured.scale
     factor = 1.0 if unit == own else convert(1.0, own, unit)
     x = x if factor == 1.0 else x * factor
     return np.asarray((x[1:] + x[:-1]) / 2) if x.size == record.size + 1 else x
@@ -299,25 +309,15 @@ def demand_clock(record: Record, other: Record) -> None:
     if same_rate and apart < 0.5 / record.rate and other.size in lengths:
         return
     raise DataError(
-        say(
-            "{regressor!r} ({clock}) does not have the sample times of {name!r} ({own}); interpolate it with {option}",
-            regressor=other.name,
-            clock=_clock(other),
-            name=record.name,
-            own=_clock(record),
-            option=spelled("--interpolate", "compensation.aligned"),
-        )
-    )
+        say("{regressor!r} ({clock}) does not have the sample times of {name!r} ({own}); interpolate it with {option}",
+            regressor=other.name, clock=_clock(other), name=record.name, own=_clock(record),
+            option=spelled("--interpolate", "compensation.aligned"))
+    )  # fmt: skip
 
 
 def _clock(record: Record) -> str:
     rate, size = record.rate, record.size
     if record.start is None:
         return say_count(size, "{rate:.9g} Hz, {count} sample", "{rate:.9g} Hz, {count} samples", rate=rate)
-    return say_count(
-        size,
-        "{rate:.9g} Hz, {count} sample from {start:.9g} s",
-        "{rate:.9g} Hz, {count} samples from {start:.9g} s",
-        rate=rate,
-        start=record.start,
-    )
+    return say_count(size, "{rate:.9g} Hz, {count} sample from {start:.9g} s",
+                     "{rate:.9g} Hz, {count} samples from {start:.9g} s", rate=rate, start=record.start)  # fmt: skip

@@ -9,16 +9,11 @@ import numpy as np
 
 from allanite.extending import FloatArray, Likelihood, join, say, spelled
 
-from .design import SHORTEST, Design
+from .design import MIN_STRETCH, Design
 
-CONDITION = 30.0
-"""Scaled condition number above which coefficients cannot be separated (Belsley, Kuh, Welsch 1980)."""
-
-TRENDING = 0.5
-"""Share of a ramp explained by the regressors from which on they are confounded with it."""
-
-LARGE = 3.0
-"""Standard errors from which on an effect is beyond doubt."""
+CONDITION = 30.0  # scaled condition number above which coefficients cannot be separated (Belsley, Kuh, Welsch 1980)
+TRENDING = 0.5  # share of a ramp explained by the regressors from which on they are confounded with it
+BEYOND_DOUBT = 3.0  # standard errors from which on an effect is beyond doubt
 
 
 class Collinearity(NamedTuple):
@@ -40,15 +35,9 @@ def collinearity(design: Design, likelihood: Likelihood, theta: FloatArray, symb
     if condition > CONDITION:
         factors = zip(design.labels, inflation, strict=True)
         worst = join(", ", [join("", (label, f" ({factor:.3g})")) for label, factor in factors if factor > 10])
-        notes.append(
-            say(
-                "the regressors can hardly be separated: scaled condition number {condition:.3g}, above {limit:g}; "
-                "variance inflation {worst}. Their sum may be accurate although none of them is",
-                condition=condition,
-                limit=CONDITION,
-                worst=worst or say("spread over all"),
-            )
-        )
+        notes.append(say("the regressors can hardly be separated: scaled condition number {condition:.3g}, above "
+                         "{limit:g}; variance inflation {worst}. Their sum may be accurate although none of them is",
+                         condition=condition, limit=CONDITION, worst=worst or say("spread over all")))  # fmt: skip
     if design.trend:
         return Collinearity(condition, inflation, tuple(notes))
     # the share of a ramp that the columns explain, whitened, and the ramp beside them over its standard error
@@ -60,7 +49,7 @@ def collinearity(design: Design, likelihood: Likelihood, theta: FloatArray, symb
     if share > TRENDING:
         why = say("the regressors have a trend: they explain {percent:.3g} % of a linear drift, so that a rate ramp R "
                   "would be taken for their effect", percent=100 * share)  # fmt: skip
-    elif abs(t) > LARGE:
+    elif abs(t) > BEYOND_DOUBT:
         why = say("the record shows a rate ramp R beside the regressors ({t:.3g} standard errors): part of it is taken "
                   "for their effect", t=abs(t))  # fmt: skip
     if why:
@@ -74,78 +63,69 @@ def information(likelihood: Likelihood, theta: FloatArray) -> FloatArray:
     return np.asarray(np.einsum("bij,b->ij", likelihood.UU[:, flat][:, :, flat], 1 / likelihood.expectation(theta)))
 
 
-@dataclass(frozen=True, eq=False)
-class Products:
-    """Products of columns and rates over some stretches: whitened (A, b, q) and plain (S, s, yy)."""
+class Products(NamedTuple):
+    """Products of columns and rates over some stretches: X'X, X'y and y'y."""
 
     A: FloatArray
     b: FloatArray
-    q: float
-    S: FloatArray
-    s: FloatArray
-    yy: float
+    squares: float
 
-    @classmethod
-    def of(cls, likelihood: Likelihood, theta: FloatArray) -> "Products":
-        """From a likelihood of `restricted`, under the noise theta."""
-        flat = np.flatnonzero(likelihood.flat)
-        UU, Uc, m = likelihood.UU[:, flat][:, :, flat], likelihood.Uc[:, flat], likelihood.expectation(theta)
-        squares = likelihood.count * likelihood.power
-        return cls(
-            information(likelihood, theta), (1 / m) @ Uc, float((1 / m) @ squares),
-            UU.sum(axis=0), Uc.sum(axis=0), float(squares.sum()),
-        )  # fmt: skip
+    def misfit(self, beta: FloatArray, kept: list[int]) -> float:
+        """Sum of squares of the rates less the columns `kept` with these coefficients."""
+        return float(self.squares - 2 * beta @ self.b[kept] + beta @ self.A[np.ix_(kept, kept)] @ beta)
+
+
+def products(likelihood: Likelihood, theta: FloatArray) -> tuple[Products, Products]:
+    """From a likelihood of `restricted`: whitened under the noise theta, and plain."""
+    flat = np.flatnonzero(likelihood.flat)
+    UU, Uc, m = likelihood.UU[:, flat][:, :, flat], likelihood.Uc[:, flat], likelihood.expectation(theta)
+    squares = likelihood.count * likelihood.power
+    whitened = Products(information(likelihood, theta), (1 / m) @ Uc, float((1 / m) @ squares))
+    return whitened, Products(UU.sum(axis=0), Uc.sum(axis=0), float(squares.sum()))
 
 
 @dataclass(frozen=True, eq=False)
 class HeldBlock:
-    """A block that is held back, and the rest of the record."""
+    """A block that is held back, whitened and plain, and the rest of the record, whitened."""
 
     rest: Products
-    held: Products
+    whitened: Products
+    plain: Products
 
-    def coefficients(self, kept: Sequence[int]) -> FloatArray:
+    def coefficients(self, kept: list[int]) -> FloatArray:
         """Generalized least squares of the rest; the shortest ones where columns are alike there."""
-        some = list(kept)
-        A, b = self.rest.A[np.ix_(some, some)], self.rest.b[some]
+        A, b = self.rest.A[np.ix_(kept, kept)], self.rest.b[kept]
         size = np.sqrt(np.maximum(np.diag(A), 1e-300))
         return np.asarray(np.linalg.lstsq(A / np.outer(size, size), b / size, rcond=1e-10)[0] / size)
 
-    def misfit(self, kept: Sequence[int]) -> float:
+    def misfit(self, kept: list[int]) -> float:
         """Whitened sum of squares of the held block less what the rest predicts of it."""
-        some = list(kept)
-        if not some:
-            return self.held.q
-        beta = self.coefficients(some)
-        return float(self.held.q - 2 * beta @ self.held.b[some] + beta @ self.held.A[np.ix_(some, some)] @ beta)
+        return self.whitened.misfit(self.coefficients(kept), kept) if kept else self.whitened.squares
 
-    def squares(self, kept: Sequence[int]) -> float:
+    def squares(self, kept: list[int]) -> float:
         """Sum of squares of the held block, about its mean, less what the rest predicts of it."""
-        some = list(kept)
-        if not some:
-            return self.held.yy
-        beta = self.coefficients(some)
-        return float(self.held.yy - 2 * beta @ self.held.s[some] + beta @ self.held.S[np.ix_(some, some)] @ beta)
+        return self.plain.misfit(self.coefficients(kept), kept) if kept else self.plain.squares
 
 
 def folds(design: Design, theta: FloatArray, symbols: str, blocks: int) -> list[HeldBlock]:
     """The record in so many blocks of equal length, each held back once; those without enough samples are omitted."""
     first, last = design.stretches[0][0], design.stretches[-1][1]
     edges = np.linspace(first, last, blocks + 1).astype(int)
-    found = []
+    held = []
     for a, b in pairwise(edges.tolist()):
         parts = [
             [
                 (max(i, c), min(j, d))
                 for i, j in design.stretches
                 for c, d in windows
-                if min(j, d) - max(i, c) >= SHORTEST
+                if min(j, d) - max(i, c) >= MIN_STRETCH
             ]
             for windows in ([(first, a), (b, last)], [(a, b)])
         ]
         if all(parts):
-            found.append(HeldBlock(*(Products.of(design.likelihood(symbols, parts=p), theta) for p in parts)))
-    return found
+            (rest, _), block = (products(design.likelihood(symbols, parts=p), theta) for p in parts)
+            held.append(HeldBlock(rest, *block))
+    return held
 
 
 def choose(design: Design, folds: Sequence[HeldBlock]) -> list[int]:

@@ -9,8 +9,7 @@ from allanite.extending import TERMS, UsageError, Value, described, spelled
 
 from .regressor import TREND
 
-ORDINARY = "QNBK"
-"""Noise terms that may be present if none are named."""
+ORDINARY = "QNBK"  # noise terms that may be present if none are named
 
 
 @described

@@ -6,10 +6,10 @@ from .earth import north as north
 from .estimates import RateEstimate as RateEstimate
 from .estimates import reversal as reversal
 from .estimates import subtract_bias as subtract_bias
-from .estimators import RATE_ESTIMATORS as RATE_ESTIMATORS
 from .experiments import Experiment as Experiment
 from .first_interval import Closeup as Closeup
 from .first_interval import closeup as closeup
+from .predict import RATE_ESTIMATORS as RATE_ESTIMATORS
 from .predict import Ranking as Ranking
 from .predict import predicted_standard_error as predicted_standard_error
 from .predict import rank as rank

@@ -44,17 +44,14 @@ from allanite.extending import (
 from .noise import noise_of_rates
 from .run import fits
 
-DURATIONS = (1.0, 3.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)
-"""Measuring times that are compared, s."""
-
-FEWEST = 20
-"""Intervals of a measuring time below which its scatter says little."""
+DURATIONS = (1.0, 3.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)  # measuring times that are compared, s
+MIN_INTERVALS = 20  # intervals of a measuring time below which its scatter says little
 
 
 @described
 @dataclass(frozen=True, repr=False)
 class RateSettings(RateChoices, Value):
-    """What is measured of a recording.
+    """What is measured of a recording; with a latitude the earth's rate is the reference, or north is found.
 
     Attributes
     ----------
@@ -91,10 +88,10 @@ class RateSettings(RateChoices, Value):
             )  # fmt: skip
         interval = self.experiment.interval
         if interval > record.duration and interval != ExperimentSettings.interval:
-            said = f"the interval of {interval:g} s is longer than the record of {record.duration:g} s"
+            too_long = f"the interval of {interval:g} s is longer than the record of {record.duration:g} s"
             option = spelled(f"--interval {record.duration / 10:.3g}", f"interval={record.duration / 10:.3g}")
             raise UsageError(
-                f"{said}; give a shorter one, as {option}", cure=(f"{interval:g}", f"{record.duration / 10:.3g}")
+                f"{too_long}; give a shorter one, as {option}", cure=(f"{interval:g}", f"{record.duration / 10:.3g}")
             )
         if self.latitude is None or self.horizontal or record.signal.name != "gyro":
             return self.experiment
@@ -214,7 +211,7 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
     measured = experiment(record, model, chosen)
     measured = replace(measured, notes=(*source, *measured.notes))
     asked = settings.durations != DURATIONS
-    durations = tuple(d for d in settings.durations if asked or d * FEWEST <= record.duration)
+    durations = tuple(d for d in settings.durations if asked or d * MIN_INTERVALS <= record.duration)
     short = [d for d in durations if asked and not fits(record, d)]
     methods = measured.methods if measured.start.size == 1 else ()
     estimates = tuple(_whole(record, method, model, chosen) for method in methods)
@@ -237,17 +234,17 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
         for f in quality.warnings
         if f.name not in settled
     )
-    left = (
+    unfit = (
         say("{time:g} s is not measured: it needs three samples, and has to fit into {length:g} s",
             time=d, length=record.duration)
         for d in short
     )  # fmt: skip
     return RateChannel(
         record, seen.quality, noise, experiment=measured, by_duration=by_duration(record, durations, model, chosen),
-        estimates=estimates, bias=bias, north=heading, alerts=(*alerts, *map(str, measured.findings), *left, *warned),
+        estimates=estimates, bias=bias, north=heading, alerts=(*alerts, *map(str, measured.findings), *unfit, *warned),
     )  # fmt: skip
 
 
 def _whole(record: Record, method: str, model: Model | None, chosen: ExperimentSettings) -> RateEstimate:
-    found = estimate(record, method, model=model, target=chosen.target, dither=chosen.dither, options=chosen.options)
-    return subtract_bias(found, chosen.bias, record.signal.unit) if chosen.bias else found
+    rate = estimate(record, method, model=model, target=chosen.target, dither=chosen.dither, options=chosen.options)
+    return subtract_bias(rate, chosen.bias, record.signal.unit) if chosen.bias else rate

@@ -7,8 +7,7 @@ from allanite.extending import DataError, UsageError, Value, public, say, say_co
 
 from .estimates import RateEstimate
 
-EARTH = 7.292115e-5
-"""Rate of the earth, rad/s (WGS 84)."""
+EARTH = 7.292115e-5  # rate of the earth, rad/s (WGS 84)
 
 
 @public
@@ -68,18 +67,12 @@ class North(Value):
         error = (
             f"{60 * self.standard_error:.3g} arcmin" if self.standard_error < 1 else f"{self.standard_error:.3g} deg"
         )
-        return say_count(
-            self.positions,
-            "heading {heading:.4f} deg ({low:.4f} .. {high:.4f}), standard error {error}; {count} position; "
-            "{other:.4f} deg would give the same rate",
-            "heading {heading:.4f} deg ({low:.4f} .. {high:.4f}), standard error {error}; {count} positions; "
-            "{other:.4f} deg would give the same rate",
-            heading=self.heading,
-            low=self.low,
-            high=self.high,
-            error=error,
-            other=self.other,
-        )
+        return say_count(self.positions,
+                         "heading {heading:.4f} deg ({low:.4f} .. {high:.4f}), standard error {error}; {count} "
+                         "position; {other:.4f} deg would give the same rate",
+                         "heading {heading:.4f} deg ({low:.4f} .. {high:.4f}), standard error {error}; {count} "
+                         "positions; {other:.4f} deg would give the same rate", heading=self.heading, low=self.low,
+                         high=self.high, error=error, other=self.other)  # fmt: skip
 
 
 @public
@@ -133,7 +126,7 @@ def north(
     >>> north(measured, 60.0).words()[:56]
     'heading 90.0000 deg (89.9692 .. 90.0308), standard error'
     """
-    if any(one is not None and one.signal.name != "gyro" for one in (rate, second)):
+    if any(position is not None and position.signal.name != "gyro" for position in (rate, second)):
         raise UsageError("north is found from the rates of a gyro")
     H = earth_rate(latitude, "north")
     if second is None:

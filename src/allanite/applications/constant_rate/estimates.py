@@ -9,12 +9,12 @@ from allanite.extending import Finding, Signal, UnitError, UsageError, Value, de
 
 def rate_factor(unit: str, signal: Signal) -> float:
     """Size of `unit`, a unit of the signal itself, in SI."""
-    found = unit_of(unit)
-    if found.dimension != signal.dimension:
+    size = unit_of(unit)
+    if size.dimension != signal.dimension:
         raise UnitError(
             f"{unit!r} is not a unit of the {signal.name}'s signal; usual units: {signal.sheet[0]}, {signal.unit}"
         )
-    return found.factor
+    return size.factor
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -128,13 +128,11 @@ def subtract_bias(estimate: RateEstimate, bias: float, unit: str, standard_error
     if not (math.isfinite(bias) and math.isfinite(standard_error) and standard_error >= 0):
         raise UsageError(f"a bias and its standard error are finite numbers, not {bias!r} and {standard_error!r}")
     limits = estimate.limits if standard_error == 0 else None
-    return replace(
-        estimate,
-        value=estimate.value - bias * factor,
-        standard_error=math.hypot(estimate.standard_error, standard_error * factor),
-        limits=None if limits is None else (limits[0] - bias * factor, limits[1] - bias * factor),
-        history=(*estimate.history, say("bias of {bias:g} {unit} subtracted", bias=bias, unit=unit)),
-    )
+    return replace(estimate, value=estimate.value - bias * factor,
+                   standard_error=math.hypot(estimate.standard_error, standard_error * factor),
+                   limits=None if limits is None else (limits[0] - bias * factor, limits[1] - bias * factor),
+                   history=(*estimate.history,
+                            say("bias of {bias:g} {unit} subtracted", bias=bias, unit=unit)))  # fmt: skip
 
 
 @public
@@ -159,16 +157,8 @@ def reversal(first: RateEstimate, second: RateEstimate) -> tuple[RateEstimate, R
     if first.signal is not second.signal or first.target != second.target:
         raise UsageError("the two positions of a reversal must be measured by sensors of one kind, with one target")
     error = math.hypot(first.standard_error, second.standard_error) / 2
-    both = replace(
-        first,
-        standard_error=error,
-        limits=None,
-        details={},
-        duration=first.duration + second.duration,
-        findings=(*first.findings, *second.findings),
-    )
+    both = replace(first, standard_error=error, limits=None, details={}, duration=first.duration + second.duration,
+                   findings=(*first.findings, *second.findings))  # fmt: skip
     difference, total = first.value - second.value, first.value + second.value
-    return (
-        replace(both, value=difference / 2, history=(*first.history, say("half the difference of two positions"))),
-        replace(both, value=total / 2, history=(*first.history, say("half the sum of two positions"))),
-    )
+    return (replace(both, value=difference / 2, history=(*first.history, say("half the difference of two positions"))),
+            replace(both, value=total / 2, history=(*first.history, say("half the sum of two positions"))))  # fmt: skip

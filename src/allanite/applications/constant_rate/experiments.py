@@ -132,15 +132,15 @@ class Experiment(Value):
         k = self.start.size
         if k < 3:
             return ()
-        found, t = [], float(stdtrit(k - 2, (1 + level) / 2))
+        ratios, t = [], float(stdtrit(k - 2, (1 + level) / 2))
         scattered = [(m, rates) for m, rates in zip(self.methods, self.rates, strict=True) if rates.std() > 0]
         for (first, a), (second, b) in combinations(scattered, 2):
             value, correlation = float(a.std(ddof=1) / b.std(ddof=1)), float(np.corrcoef(a, b)[0, 1])
             c = 1 + 2 * (1 - correlation**2) * t**2 / (k - 2)
             narrow = math.sqrt(max(c - math.sqrt(max(c**2 - 1, 0.0)), 0.0))
             high = value / narrow if narrow > 0 else math.inf
-            found.append(Ratio(first, second, value, value * narrow, high))
-        return tuple(found)
+            ratios.append(Ratio(first, second, value, value * narrow, high))
+        return tuple(ratios)
 
     @property
     def drift(self) -> str:

@@ -8,11 +8,8 @@ from allanite.extending import DataError, Finding, FloatArray, Record, UsageErro
 
 from .row import EstimatorSettings, Interval, Task
 
-JUMP = 20.0
-"""Median absolute deviations from the median beyond which a sample is called a pulse slip."""
-
-REPEATED = 0.999
-"""Share of equal samples above which a record of counts is called saturated."""
+JUMP = 20.0  # median absolute deviations from the median beyond which a sample is called a pulse slip
+REPEATED = 0.999  # share of equal samples above which a record of counts is called saturated
 
 
 def pulse_of(record: Record, options: EstimatorSettings) -> float:
@@ -34,18 +31,10 @@ def demand_whole(record: Record) -> None:
     """Refuse samples that are not finite."""
     bad = ~np.isfinite(record.values)
     if bad.any():
-        raise DataError(
-            say(
-                "{bad} of {all} samples of {name!r} are not finite, the first at sample {first}; measure between the "
-                "gaps ({split}), or select a window without them ({window})",
-                bad=int(bad.sum()),
-                all=bad.size,
-                name=record.name,
-                first=int(bad.argmax()),
-                split=spelled("--split-gaps", "gaps=split"),
-                window=windowing(),
-            )
-        )
+        raise DataError(say("{bad} of {all} samples of {name!r} are not finite, the first at sample {first}; measure "
+                            "between the gaps ({split}), or select a window without them ({window})",
+                            bad=int(bad.sum()), all=bad.size, name=record.name, first=int(bad.argmax()),
+                            split=spelled("--split-gaps", "gaps=split"), window=windowing()))  # fmt: skip
 
 
 def interval_of(record: Record, task: Task) -> Interval:
@@ -89,16 +78,11 @@ def findings_of(record: Record) -> tuple[Finding, ...]:
     if away[worst] <= limit:
         return ()
     count = int((away > limit).sum())
-    what = say_count(
-        count,
-        "{count} sample with a jump, the first at sample {first}, the largest by {jump:.6g} at sample {worst}, where "
-        "{typical:.3g} is typical",
-        "{count} samples with a jump, the first at sample {first}, the largest by {jump:.6g} at sample {worst}, where "
-        "{typical:.3g} is typical",
-        first=int((away > limit).argmax()),
-        jump=float(away[worst]),
-        worst=worst,
-        typical=spread,
-    )
+    what = say_count(count,
+                     "{count} sample with a jump, the first at sample {first}, the largest by {jump:.6g} at sample "
+                     "{worst}, where {typical:.3g} is typical",
+                     "{count} samples with a jump, the first at sample {first}, the largest by {jump:.6g} at sample "
+                     "{worst}, where {typical:.3g} is typical", first=int((away > limit).argmax()),
+                     jump=float(away[worst]), worst=worst, typical=spread)  # fmt: skip
     consequence = say("missing or doubled pulses enter the rate in full")
     return (Finding("slip", what, consequence, say("choose a window without them")),)

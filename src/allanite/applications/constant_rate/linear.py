@@ -21,7 +21,7 @@ from allanite.extending import BoolArray, Covariance, FloatArray, UsageError, sa
 
 from .row import Interval, RateEstimator, RateMeasurement, Task, linear
 
-REACH = 2 * 1.4826
+MAX_AWAY = 2 * 1.4826
 """Median absolute deviations from the median within which a line's slope is kept: two standard deviations."""
 
 
@@ -45,8 +45,6 @@ def _window(task: Task) -> FloatArray:
 def parabola(n: int) -> FloatArray:
     """Weights of n rates in the slope of the line through their n + 1 angles.
 
-    Examples
-    --------
     >>> parabola(3).round(12).tolist()
     [0.3, 0.4, 0.3]
     """
@@ -88,13 +86,11 @@ def regression_lines(interval: Interval, task: Task) -> tuple[FloatArray, BoolAr
     slopes = np.asarray(whole + centred * 12 / (length * (length + 1.0) * (length + 2.0)))
     away = np.abs(slopes - float(np.median(slopes)))
     allowed = task.options.allowed
-    reach = REACH * float(np.median(away)) if allowed is None else allowed / interval.size
+    reach = MAX_AWAY * float(np.median(away)) if allowed is None else allowed / interval.size
     kept = away <= reach
     if not kept.any():
-        raise UsageError(
-            f"no regression line is within {allowed:.3g} (SI) of their median; allow at least "
-            f"{float(away.min()) * interval.size:.3g}"
-        )
+        raise UsageError(f"no regression line is within {allowed:.3g} (SI) of their median; allow at least "
+                         f"{float(away.min()) * interval.size:.3g}")  # fmt: skip
     return slopes, kept
 
 
@@ -147,8 +143,6 @@ CONDITIONAL = RateEstimator(
 def white_and_angle(n: int, kappa: float) -> FloatArray:
     """The closed form; shape (n,).
 
-    Examples
-    --------
     >>> white_and_angle(3, math.inf).round(9).tolist(), white_and_angle(3, 0.0).round(9).tolist()
     ([0.333333333, 0.333333333, 0.333333333], [0.3, 0.4, 0.3])
     """

@@ -29,8 +29,7 @@ BLOCKS = (1.0, 0.4, 0.2, 0.1)
 used.
 """
 
-HIDDEN = 1.2
-"""Ratio of standard errors from which noise that was not identified is mentioned."""
+MIN_RATIO = 1.2  # ratio of standard errors from which noise that was not identified is mentioned
 
 
 FAST = ("quantized", "resampled", "lines", "slope")
@@ -73,11 +72,9 @@ def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model
             if coarse.verdict and coarse.explained:
                 model, alerts = _supposed(coarse.fit, size, record.rate)
                 if record.kind == "count":
-                    counted = say(
-                        "the noise was identified from counts over {length:.3g} s, which the model explains: dither "
-                        "and single pulses, which are faster, are part of Q",
-                        length=m / record.rate,
-                    )
+                    counted = say("the noise was identified from counts over {length:.3g} s, which the model "
+                                  "explains: dither and single pulses, which are faster, are part of Q",
+                                  length=m / record.rate)  # fmt: skip
                     return RateNoise(coarse, model, alerts, FAST, (counted,))
                 note = say_count(
                     m,
@@ -106,21 +103,14 @@ def _supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:
     present = {t.symbol for t in model}
     absent = [e for e in fit if e.symbol not in present and e.upper is not None and TERMS[e.symbol].waveform is None]
     worst = Model((*model, *(Term(e.symbol, e.upper or 0.0, fit.signal) for e in absent)))
-    bound, seen = (rank(noise, size=n, rate=rate).best for noise in (worst, model))
-    if bound < HIDDEN * seen:
+    bound, best = (rank(noise, size=n, rate=rate).best for noise in (worst, model))
+    if bound < MIN_RATIO * best:
         return model, ()
     unit = fit.signal.sheet[0]
     limits = ", ".join(str(worst[e.symbol]) for e in absent)
     factor = unit_of(unit).factor
-    return worst, (
-        say(
-            "the record is too short to determine all of its noise; terms that were not identified are assumed at "
-            "their upper limits ({limits}): the best standard error is then {supposed:.2g} {unit}, without them "
-            "{seen:.2g}; give the noise if you know it ({option})",
-            limits=limits,
-            supposed=bound / factor,
-            unit=unit,
-            seen=seen / factor,
-            option=spelled("--noise", "noise=..."),
-        ),
-    )
+    return worst, (say("the record is too short to determine all of its noise; terms that were not identified are "
+                       "assumed at their upper limits ({limits}): the best standard error is then {supposed:.2g} "
+                       "{unit}, without them {seen:.2g}; give the noise if you know it ({option})", limits=limits,
+                       supposed=bound / factor, unit=unit, seen=best / factor,
+                       option=spelled("--noise", "noise=...")),)  # fmt: skip

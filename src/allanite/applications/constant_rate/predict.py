@@ -1,4 +1,4 @@
-"""Expected accuracy: the variance of an estimator's weights under a model, and the best method."""
+"""The table of estimators, the variance of their weights under a model, and the best one."""
 
 import math
 from dataclasses import dataclass
@@ -14,17 +14,27 @@ from allanite.extending import (
     Signal,
     Value,
     public,
+    row_of,
     say,
     size_and_rate,
     unit_of,
     usable_model,
 )
 
-from .estimators import RATE_ESTIMATORS, estimator_named
+from .linear import CONDITIONAL, HAMMING, MEAN, OPTIMAL, REGRESSION
 from .row import EstimatorSettings, RateEstimator, Task
+from .staircase import STAIRCASE
 
-NEAR = 0.02
-"""Loss of accuracy that is not worth another method."""
+RATE_ESTIMATORS: dict[str, RateEstimator] = {
+    row.name: row for row in (MEAN, HAMMING, REGRESSION, CONDITIONAL, STAIRCASE, OPTIMAL)
+}
+
+MAX_LOSS = 0.02  # loss of accuracy that is not worth another method
+
+
+def estimator_named(name: str) -> RateEstimator:
+    """The row of `RATE_ESTIMATORS`; an unknown name is an error that lists the known ones."""
+    return row_of("rate estimator", name, RATE_ESTIMATORS)
 
 
 def variance(weights: FloatArray, task: Task) -> float:
@@ -147,20 +157,18 @@ class Ranking(Value):
         if not self.best > 0:
             return say("under this model the rate is measured without error")
         loss = self.ratio("mean") - 1
-        if loss <= NEAR:
+        if loss <= MAX_LOSS:
             return say(
                 "for this gyro averaging is already within {percent:.2g} % of the optimum", percent=max(100 * loss, 0.1)
             )
-        simple = [m for m in self.errors if self.ratio(m) <= 1 + NEAR and m != "optimal"]
+        simple = [m for m in self.errors if self.ratio(m) <= 1 + MAX_LOSS and m != "optimal"]
         use = simple[0] if simple else "optimal"
         gain = self.errors["mean"] / self.errors[use]
         if use == "optimal" and self.ratio("regression") < self.ratio("mean"):
             return say(
                 "use {method}: {gain:.3g} times better than averaging, and {percent:.2g} % better than regression",
-                method=use,
-                gain=gain,
-                percent=100 * (self.ratio("regression") - 1),
-            )
+                method=use, gain=gain, percent=100 * (self.ratio("regression") - 1),
+            )  # fmt: skip
         return say("use {method}: {gain:.3g} times better than averaging", method=use, gain=gain)
 
     def rows(self, unit: str | None = None) -> tuple[list[str], list[list[Any]]]:
@@ -201,13 +209,9 @@ def rank(
 
 
 def _expected(
-    model: ModelLike,
-    sampling: tuple[int, float],
-    *,
-    target: str,
-    dither: tuple[float, ...] = (),
+    model: ModelLike, sampling: tuple[int, float], *, target: str, dither: tuple[float, ...] = (),
     options: EstimatorSettings | None,
-) -> Task:
+) -> Task:  # fmt: skip
     """The task of samples that nobody has recorded yet."""
     options = options or EstimatorSettings()
     pulse = math.nan if options.quantum is None else options.quantum

@@ -29,10 +29,9 @@ from allanite.extending import (
 )
 
 from .estimates import RateEstimate
-from .estimators import RATE_ESTIMATORS, estimator_named
 from .experiments import Experiment
 from .inputs import demand_whole, findings_of, interval_of, pulse_of, reading_size
-from .predict import ranking, standard_error
+from .predict import RATE_ESTIMATORS, estimator_named, ranking, standard_error
 from .row import EstimatorSettings, Interval, RateMeasurement, Task
 
 
@@ -92,40 +91,28 @@ def estimate(
     demand_whole(record)
     row, task = estimator_named(method), task_of(record, model, target, dither=dither, options=options)
     weights, interval = row.weights(task), interval_of(record, task)
-    found = in_si(row.measure(interval, weights, task), interval)
+    measurement = in_si(row.measure(interval, weights, task), interval)
     return RateEstimate(
-        value=found.value,
-        standard_error=math.nan if task.model is None else standard_error(row, weights, task),
-        method=row.name,
-        assumes=row.assumes,
-        signal=record.signal,
-        target=task.target,
-        duration=task.duration,
-        limits=found.bounds,
-        details=dict(found.details),
-        findings=findings_of(record),
-        name=record.name,
-    )
+        value=measurement.value, standard_error=math.nan if task.model is None else standard_error(row, weights, task),
+        method=row.name, assumes=row.assumes, signal=record.signal, target=task.target, duration=task.duration,
+        limits=measurement.bounds, details=dict(measurement.details), findings=findings_of(record), name=record.name,
+    )  # fmt: skip
 
 
-def in_si(found: RateMeasurement, interval: Interval) -> RateMeasurement:
+def in_si(measurement: RateMeasurement, interval: Interval) -> RateMeasurement:
     """A measurement with its offset, in SI."""
 
     def rate(value: float) -> float:
         return (value + interval.offset) * interval.size
 
-    bounds = None if found.bounds is None else (rate(found.bounds[0]), rate(found.bounds[1]))
-    return RateMeasurement(rate(found.value), found.details, bounds)
+    bounds = None if measurement.bounds is None else (rate(measurement.bounds[0]), rate(measurement.bounds[1]))
+    return RateMeasurement(rate(measurement.value), measurement.details, bounds)
 
 
 def task_of(
-    record: Record,
-    model: ModelLike | None,
-    target: str,
-    *,
-    dither: tuple[float, ...] = (),
+    record: Record, model: ModelLike | None, target: str, *, dither: tuple[float, ...] = (),
     options: EstimatorSettings | None = None,
-) -> Task:
+) -> Task:  # fmt: skip
     """What the weights follow from, for a record."""
     whole = None if model is None else usable_model(model)
     if whole is not None and whole.signal is not record.signal:
@@ -135,7 +122,7 @@ def task_of(
     return Task(record.size, record.rate, whole, target, tuple(dither), options, pulse)
 
 
-MOST = 120
+MAX_INTERVALS = 120
 """Intervals of one measuring time, where times are compared: their scatter is known to 6.5 %; all seconds of 2 min."""
 
 
@@ -226,21 +213,14 @@ def experiment(
     rates = rates - settings.bias
     known = task.model is not None
     return Experiment(
-        name=record.name,
-        signal=record.signal,
-        methods=tuple(rows),
-        start=starts / record.rate,
-        duration=size / record.rate,
-        rate=record.rate,
-        rates=rates,
+        name=record.name, signal=record.signal, methods=tuple(rows), start=starts / record.rate,
+        duration=size / record.rate, rate=record.rate, rates=rates,
         reference=float(rates[-1].mean()) if settings.reference is None else settings.reference,
         known=settings.reference is not None,
         predicted=np.array([standard_error(row, weights[m], task) if known else math.nan for m, row in rows.items()]),
-        ranking=ranking(task) if known else None,
-        left_out=left_out,
-        notes=notes,
+        ranking=ranking(task) if known else None, left_out=left_out, notes=notes,
         findings=() if settings.gaps == "split" else findings_of(record),
-    )
+    )  # fmt: skip
 
 
 def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[IntArray, tuple[str, ...]]:
@@ -251,8 +231,8 @@ def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[In
     lost = np.flatnonzero(~np.isfinite(record.values))
     edges = np.concatenate(([-1], lost, [len(record.values)]))
     starts = np.array([
-        start for left, right in zip(edges[:-1] + 1, edges[1:], strict=True)
-        for start in range(int(left), int(right) - extra - size + 1, size)
+        start for omitted, right in zip(edges[:-1] + 1, edges[1:], strict=True)
+        for start in range(int(omitted), int(right) - extra - size + 1, size)
     ])  # fmt: skip
     if not starts.size:
         raise DataError(
@@ -261,10 +241,10 @@ def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[In
         )  # fmt: skip
     notes = []
     if rest := record.size - starts.size * size:
-        left = say("{rest:.6g} s of {length:.6g} s do not fill an interval and are omitted",
+        omitted = say("{rest:.6g} s of {length:.6g} s do not fill an interval and are omitted",
                    rest=rest / record.rate, length=record.duration)  # fmt: skip
         missing = say_count(int(lost.size), "{count} sample missing", "{count} samples missing")
-        notes.append(join("; ", (left, missing)) if lost.size else left)
+        notes.append(join("; ", (omitted, missing)) if lost.size else omitted)
     if settings.most is not None and starts.size > settings.most:
         starts = starts[np.linspace(0, starts.size - 1, settings.most).astype(np.int64)]
         notes.append(
@@ -292,7 +272,7 @@ def by_duration(
     the record, are measured.
     """
     settings = settings or ExperimentSettings()
-    most = settings.most or MOST
+    most = settings.most or MAX_INTERVALS
     fitting = [d for d in durations if fits(record, d)]
     return tuple(experiment(record, model, replace(settings, interval=d, most=most)) for d in fitting)
 

@@ -9,19 +9,12 @@ from allanite.extending import FloatArray, UsageError, say, spelled
 from .linear import parabola
 from .row import Interval, RateEstimator, RateMeasurement, Task
 
-WORK = 7e6
-"""Samples that the search may look at before it gives its best so far: some 40 ms."""
+MAX_WORK = 7e6  # samples that the search may look at before it gives its best so far: some 40 ms
+GRID = (0.4, 0.01)  # steps of the descent that comes first, from and to, pulses
+NEIGHBOURHOOD = 0.1  # half the side of the box that is searched about the end of the descent, pulses
+DITHERED = 0.3  # angle noise, quanta, from which the staircase's error can be predicted
 
-GRID = (0.4, 0.01)
-"""Steps of the descent that comes first, from and to, pulses."""
-
-NEIGHBOURHOOD = 0.1
-"""Half the side of the box that is searched about the end of the descent, pulses."""
-
-DITHERED = 0.3
-"""Angle noise, quanta, from which the staircase's error can be predicted."""
-
-TOUCHING, STEPS = 1e-12, 100
+TOUCHING, MAX_STEPS = 1e-12, 100
 """Gap, pulses, within which a line only touches the corners of steps: rounding; and most steps to find it."""
 
 CUBE_ROOT = 2.2
@@ -31,16 +24,11 @@ CUBE_ROOT = 2.2
 
 def _staircase(interval: Interval, _: FloatArray, task: Task) -> RateMeasurement:
     y, line = _steps_and_line(interval)
-    p, q, least, bound, slopes = _search(y, line, math.inf if task.options.certified else WORK)
+    p, q, least, bound, slopes = _search(y, line, math.inf if task.options.certified else MAX_WORK)
     slope = (line[-1] - line[0] + q - p) / (y.size - 1)
-    details = {
-        "misfit": least,
-        "least possible misfit": max(bound, 0.0),
-        "phase": float(line[0] + p) % 1.0,
-        "RMS residual": math.sqrt(least / y.size),
-        "pulses": float(y[-1]),
-        "rate of a pulse": interval.pulse * interval.size / (y.size - 1),
-    }
+    details = {"misfit": least, "least possible misfit": max(bound, 0.0), "phase": float(line[0] + p) % 1.0,
+               "RMS residual": math.sqrt(least / y.size), "pulses": float(y[-1]),
+               "rate of a pulse": interval.pulse * interval.size / (y.size - 1)}  # fmt: skip
     limits = None
     if slopes is not None:
         low, high = (a * interval.pulse - interval.offset for a in slopes)
@@ -65,7 +53,7 @@ def _ideal(rest: FloatArray) -> tuple[float, float] | None:
     for side in (-1.0, 1.0):
         a = side * 4 / (rest.size - 1)
         value, steep = gap(a)
-        for _ in range(STEPS):
+        for _ in range(MAX_STEPS):
             if value <= TOUCHING or steep * side <= 0:
                 break
             a -= value / steep
@@ -79,7 +67,7 @@ def _ideal(rest: FloatArray) -> tuple[float, float] | None:
 def recognized(interval: Interval, *, certified: bool = False) -> tuple[FloatArray, FloatArray]:
     """The angle in quanta, and the line whose floor is the staircase nearest to it."""
     y, line = _steps_and_line(interval)
-    p, q, *_ = _search(y, line, math.inf if certified else WORK)
+    p, q, *_ = _search(y, line, math.inf if certified else MAX_WORK)
     return y, line + p + (q - p) * np.linspace(0.0, 1.0, y.size)
 
 

@@ -32,8 +32,7 @@ from .rounding_noise import Budget, budget
 from .stage import Stage, demand_unclipped
 from .torque import TorqueScale, factor_of
 
-NAMES = ("wx", "wy")
-"""Channels of the rates about x and y."""
+NAMES = ("wx", "wy")  # channels of the rates about x and y
 
 
 class Mixed(NamedTuple):
@@ -87,15 +86,15 @@ def mixed(currents: Recording, axes: Sequence[float], stages: Sequence[Stage] = 
         raise DataError(say("the axes of two torquers need two currents of one kind, not {channels}", channels=names))
     clipped = tuple(demand_unclipped(first, stage) + demand_unclipped(second, stage) for stage in stages)
     x, y = (record.rate_values / unit_of(first.unit).factor for record in currents)
-    found = []
+    mixtures = []
     for name, row in zip(NAMES, ((xx, xy), (yx, yy)), strict=True):
         gain = math.hypot(*row)
-        said = say("{x:.6g} of {first!r} and {y:.6g} of {second!r}", x=row[0], y=row[1], first=first.name,
+        words = say("{x:.6g} of {first!r} and {y:.6g} of {second!r}", x=row[0], y=row[1], first=first.name,
                    second=second.name)  # fmt: skip
         values = np.asarray((row[0] * x + row[1] * y) / gain + 0.0)
-        record = Record(values, first.rate, first.unit, name=name, start=first.start, history=(*first.history, said))
-        found.append(Mixed(record, gain, clipped))
-    return found[0], found[1]
+        record = Record(values, first.rate, first.unit, name=name, start=first.start, history=(*first.history, words))
+        mixtures.append(Mixed(record, gain, clipped))
+    return mixtures[0], mixtures[1]
 
 
 @dataclass(frozen=True, repr=False)
@@ -124,9 +123,9 @@ class PathSettings(Value):
         scale: dict[str, Any] = {"scale_factor": self.torquer}
         if isinstance(self.torquer, TorqueScale):
             scale = {"torquer": self.torquer.text}
-        found = {"stages": [stage.text for stage in self.stages], **scale, "sense": self.sense,
+        choices = {"stages": [stage.text for stage in self.stages], **scale, "sense": self.sense,
                  "coupling": None if self.axes is None else list(self.axes)}  # fmt: skip
-        return {key: value for key, value in found.items() if value is not None}
+        return {key: value for key, value in choices.items() if value is not None}
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -31,8 +31,7 @@ from allanite.extending import (
 from .stage import Codes, Stage, codes, demand_unclipped
 from .torque import TorqueScale, ampere_of, converted, electric, factor_of, gain_of
 
-MATTERS = 0.01
-"""Share of the measured variance below which a stage does not matter."""
+MATTERS = 0.01  # share of the measured variance below which a stage does not matter
 
 
 @dataclass(frozen=True, repr=False)
@@ -86,21 +85,15 @@ class StageNoise(Value):
                 say("amplify before it, or add noise"),
             )  # fmt: skip
         if self.codes is not None and self.codes.missing:
-            what = say_count(
-                self.codes.missing,
-                "{count} code of {stage} never occurs, although adjacent codes are frequent",
-                "{count} codes of {stage} never occur, although adjacent codes are frequent",
-                stage=self.stage.name,
-            )
+            what = say_count(self.codes.missing,
+                             "{count} code of {stage} never occurs, although adjacent codes are frequent",
+                             "{count} codes of {stage} never occur, although adjacent codes are frequent",
+                             stage=self.stage.name)  # fmt: skip
             consequence = say("its steps are uneven, and its noise is larger than in the budget")
             yield Finding("missing codes", what, consequence, say("check the converter"))
         if self.clipped:
-            what = say_count(
-                self.clipped,
-                "{count} sample is at the ends of {stage}",
-                "{count} samples are at the ends of {stage}",
-                stage=str(self.stage),
-            )
+            what = say_count(self.clipped, "{count} sample is at the ends of {stage}",
+                             "{count} samples are at the ends of {stage}", stage=str(self.stage))  # fmt: skip
             yield Finding("clipped", what, say("the noise beyond the range is missing"), say("use a larger range"))
 
     @property

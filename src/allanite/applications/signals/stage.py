@@ -22,17 +22,13 @@ from allanite.extending import (
 
 FloatArray = NDArray[np.float64]
 
-CLIPPED = 1e-3
-"""Share of clipped samples above which noise coefficients are meaningless."""
+MAX_CLIPPED = 1e-3  # share of clipped samples above which noise coefficients are meaningless
+MAX_OFF_GRID = 0.05  # distance from the grid, in steps, up to which a reading printed with rounding lies on it
 
-OFF = 0.05
-"""Distance from the grid, in steps, up to which a reading printed with rounding lies on it."""
-
-OFTEN = 20
+MIN_OCCURRENCES = 20
 """Occurrences of the codes on both sides of one that never occurs, from which it is missing: by chance once in 1e8."""
 
-MOST = 1 << 24
-"""Codes between the least and the largest up to which they are counted out."""
+MAX_CODES = 1 << 24  # codes between the least and the largest up to which they are counted out
 
 
 @dataclass(frozen=True, repr=False)
@@ -135,14 +131,9 @@ class Stage(Value):
         return signal_with(unit_of(self.unit).dimension) is None
 
     def __str__(self) -> str:
-        told = say_count(
-            self.bits,
-            "{name}, {count} bit over +-{full_scale:g} {unit}",
-            "{name}, {count} bits over +-{full_scale:g} {unit}",
-            name=self.name,
-            full_scale=self.full_scale,
-            unit=self.unit,
-        )
+        told = say_count(self.bits, "{name}, {count} bit over +-{full_scale:g} {unit}",
+                         "{name}, {count} bits over +-{full_scale:g} {unit}", name=self.name,
+                         full_scale=self.full_scale, unit=self.unit)  # fmt: skip
         return told if self.gain == 1 else say("{stage}, behind a gain of {gain:g}", stage=told, gain=self.gain)
 
 
@@ -170,20 +161,12 @@ def demand_unclipped(record: Record, stage: Stage) -> int:
     values = record.values
     with np.errstate(invalid="ignore"):
         count = int(((values <= limits[0]) | (values >= limits[1])).sum())
-    if count > CLIPPED * values.size:
-        raise DataError(
-            say(
-                "{clipped} of {samples} samples of {name!r} ({percent:.2g} %) are clipped at the ends of {stage}: "
-                "values beyond are missing, and the noise comes out too small. Use a larger range, or a window without "
-                "them ({option})",
-                clipped=count,
-                samples=values.size,
-                name=record.name,
-                percent=100 * count / values.size,
-                stage=str(stage),
-                option=windowing(),
-            )
-        )
+    if count > MAX_CLIPPED * values.size:
+        raise DataError(say("{clipped} of {samples} samples of {name!r} ({percent:.2g} %) are clipped at the ends of "
+                            "{stage}: values beyond are missing, and the noise comes out too small. Use a larger "
+                            "range, or a window without them ({option})", clipped=count, samples=values.size,
+                            name=record.name, percent=100 * count / values.size, stage=str(stage),
+                            option=windowing()))  # fmt: skip
     return count
 
 
@@ -199,8 +182,6 @@ class Codes(Value):
 def codes(readings: FloatArray) -> Codes | None:
     """Codes of samples in steps, which may share an offset; None if they lie on no grid of one step.
 
-    Examples
-    --------
     >>> codes(np.repeat([0.0, 1.0, 3.0, 4.0], 50) + 0.3)
     <Codes distinct=4 span=5 missing=1>
     >>> codes(np.linspace(0.0, 3.0, 50)) is None
@@ -211,10 +192,10 @@ def codes(readings: FloatArray) -> Codes | None:
         return None
     x = x - x[0]
     grid = np.rint(x)
-    if np.mean(np.abs(x - grid) > OFF) > 1e-3 or np.ptp(grid) > MOST:
+    if np.mean(np.abs(x - grid) > MAX_OFF_GRID) > 1e-3 or np.ptp(grid) > MAX_CODES:
         return None
     count = np.bincount((grid - grid.min()).astype(np.int64))
-    seen = np.flatnonzero(count)
-    gaps = np.diff(seen) - 1
-    beside = np.minimum(count[seen[:-1]], count[seen[1:]])
-    return Codes(seen.size, count.size, int(gaps[beside >= OFTEN].sum()))
+    occurring = np.flatnonzero(count)
+    gaps = np.diff(occurring) - 1
+    beside = np.minimum(count[occurring[:-1]], count[occurring[1:]])
+    return Codes(occurring.size, count.size, int(gaps[beside >= MIN_OCCURRENCES].sum()))

@@ -147,8 +147,8 @@ def rate_from_current(
 
 def converted(record: Record, factor: float, ampere: tuple[float, str], clipped: int) -> Record:
     """The rate of a current, once its clipped samples have been counted; `ampere` is that of `ampere_of`."""
-    per_unit, said = ampere
-    words = say("rate from {source}: {factor:.6g} rad/s per A", source=said, factor=factor)
+    per_unit, source = ampere
+    words = say("rate from {source}: {factor:.6g} rad/s per A", source=source, factor=factor)
     if clipped:
         words = join(", ", (words, say_count(clipped, "{count} reading clipped", "{count} readings clipped")))
     readings = record.values if record.kind == "count" else np.asarray(record.values, dtype=np.float64)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
-from allanite.core.fit import EXPLAINED, Fit, Goodness, Line
+from allanite.core.fit import MIN_P, Fit, Goodness, Line
 from allanite.core.record import Record
 from allanite.core.residuals import Check, try_band
 from allanite.core.validity import Finding
@@ -125,7 +125,7 @@ def goodness(
     ratio = total[filled] / nu[filled]
     bounds = np.append(edges[:-1][filled], edges[-1])
     reasons = [*_lines(spectrum, used, np.where(loud, np.inf, m), power)]
-    if p < EXPLAINED:
+    if p < MIN_P:
         moving = (z > 5) & (ratio > 2)  # excess first: a strong one lifts the model everywhere else
         named = _roll_off(spectrum, used) + _where(bounds, ratio, z * moving)
         reasons += named or _where(bounds, ratio, z)

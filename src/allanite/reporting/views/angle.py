@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from allanite.applications.angle import AnglePlan, Calibration, Harmonics, Scan, Solution
-from allanite.applications.angle.calibrating import AngleStudy
 from allanite.applications.angle.calibration import Result, parts_of
 from allanite.applications.angle.harmonics import NUISANCES
+from allanite.applications.angle.plans import AngleStudy
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.syntax import toml

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from allanite.core.estimate import Estimate
-from allanite.core.fit import EXPLAINED as LEAST
+from allanite.core.fit import MIN_P as LEAST
 from allanite.core.kinds import KIND_WORDS
 from allanite.core.model import coefficient_factor
 from allanite.core.plain import Header

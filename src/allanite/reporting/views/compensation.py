@@ -115,8 +115,8 @@ HOW = (
         "is none in half of all records or more."
     ),
     say(
-        "Named regressors are always kept. Powers and lags are included only if the cross-validated gain "
-        "exceeds its standard error. The correction is zero at the means of the regressors: the bias stays. A linear "
+        "Named regressors are always kept. Powers are included only if the cross-validated gain exceeds its standard "
+        "error. The correction is zero at the means of the regressors: the bias stays. A linear "
         "drift is estimated together with the coefficients, unless it is left out, and not removed; the variances "
         "before and after are then those about a straight line."
     ),
@@ -186,8 +186,6 @@ def _parts(channel: Compensated, level: float) -> Iterator[Part]:
     yield Note(verdict(channel), "strong", where="text")
     if channel.gain is None:
         yield from _regression_parts(regression, level)
-    if channel.orders:
-        yield _orders(channel)
     caption = say(
         "Overlapping Allan deviation before and after with {level} bands, and the rate over time less "
         "its bias: what was recorded, what the regressors explain, what is left.",
@@ -219,36 +217,12 @@ def _regression_parts(regression: Regression, level: float) -> Iterator[Part]:
     yield coefficients(regression, level)
 
 
-def _orders(channel: Compensated) -> Table:
-    """What higher powers would remove."""
-    unit = channel.record.signal.sheet[0]
-    scale, last = unit_of(unit).factor, channel.regression and channel.regression.held
-    heads = (
-        Column(say("power")), Column(say("removes")), Column(say("limits"), "interval"), Column(say("unit"), "unit"),
-        Column("p", form=lambda p: words.probability(p, 1e-4)), Column(say("cross-validation [%]"), form=known(".3g")),
-    )  # fmt: skip
-    rows = [
-        [
-            o.power, *digits(o.rms / scale, o.low / scale, o.high / scale).plain(), unit, o.p,
-            100 * (o.explained or math.nan),
-        ]
-        for o in channel.orders
-    ]  # fmt: skip
-    key = say(
-        "What each power removes beyond all lower ones: root mean square over the range of the temperature. "
-        "Cross-validation: reduction of the variance of held-back blocks by all powers up to this one; {share} by the "
-        "regression above.", share="-" if not last else f"{100 * last.explained:.3g} %",
-    )  # fmt: skip
-    return Table(heads, rows, say("higher powers"), key=key)
-
-
 def first_of_study(study: CompensationStudy, level: float) -> First:
-    """The sensitivities of each sensor side by side, and what higher powers would remove."""
+    """The sensitivities of each sensor side by side."""
     first = condensed(study_view.face(study, level), drawn=True)
     shown = [c for c in study.channels if c.regression is not None]
     if len(shown) < 2 or study.applied:
-        prospects = [Remark.of(c.record.name, c.prospect) for c in shown if c.prospect]
-        return replace(first, remarks=[*prospects, *first.remarks])
+        return first
     sensors = dict.fromkeys(c.record.signal.name for c in shown)
     told = [
         c
@@ -264,10 +238,9 @@ def first_of_study(study: CompensationStudy, level: float) -> First:
 
 
 def _channels(channels: Sequence[Compensated], level: float) -> Channels:
-    """Coefficients and what higher powers would remove, the channels of a sensor side by side."""
+    """Coefficients, the channels of a sensor side by side."""
     effects = [(c.record.name, *cell) for c in channels if c.regression for cell in _effects(c.regression, level)]
-    removed = [(c.record.name, *cell) for c in channels for cell in _removed(c)]
-    return Channels.of([c.record.name for c in channels], [*effects, *removed], channels[0].record.signal.sensor)
+    return Channels.of([c.record.name for c in channels], effects, channels[0].record.signal.sensor)
 
 
 def _effects(regression: Regression, level: float) -> Iterator[tuple[str, str, str]]:
@@ -278,15 +251,6 @@ def _effects(regression: Regression, level: float) -> Iterator[tuple[str, str, s
     for e in (regression.effect(i, level) for i in regression.taken):
         size = plus_minus(e.value * scale, e.low * scale, e.high * scale, signed=True)
         yield e.label, f"{unit}/{e.regressor.column_unit}".removesuffix("/1"), size if e.significant else say("absent")
-
-
-def _removed(channel: Compensated) -> Iterator[tuple[str, str, str]]:
-    unit = channel.record.signal.sheet[0]
-    scale = 1 / unit_of(unit).factor
-    for o in channel.orders:
-        size = plus_minus(o.rms * scale, o.low * scale, o.high * scale)
-        limit = f"< {digits(o.high * scale, figures=2).plain()[0]}"
-        yield say("power {power} would remove, RMS", power=o.power), unit, size if o in channel.further else limit
 
 
 def _draw(channels: Sequence[Compensated], level: float) -> Plot:

@@ -15,8 +15,7 @@ from allanite.core.kinds import KINDS
 from allanite.core.record import Record
 from allanite.core.units import signal_with, unit_of
 
-EXACT = 2.0**52
-"""Steps beyond which a double cannot tell one from the next."""
+EXACT = 2.0**52  # steps beyond which a double cannot tell one from the next
 
 
 @dataclass(frozen=True)
@@ -87,10 +86,10 @@ def quantize_rate(
     """
     if record.integrated:
         raise UsageError(f"only a rate can be rounded by its converter; for {record.kind}s round the angle")
-    found = unit_of(unit)
-    if signal_with(found.dimension, values=True) is not record.signal:
+    size = unit_of(unit)
+    if signal_with(size.dimension, values=True) is not record.signal:
         raise UnitError(f"{unit!r} is not a unit of {record.signal.unit} samples")
-    step = _step(lsb, unit) * found.factor / record.factor
+    step = _step(lsb, unit) * size.factor / record.factor
     values = _rounded(np.asarray(record.values / step), record.rate, dither, rng)
     return record.with_values(values * step, _words("rate", lsb, unit, dither), start=record.start)
 
@@ -137,10 +136,10 @@ def quantize_angle(
     """
     if record.kind in ("angle", "count"):
         raise UsageError(f"the angle of rates and increments can be rounded, not of kind {record.kind!r}")
-    found = unit_of(unit)
-    if signal_with(found.dimension, 1, values=True) is not record.signal:
+    size = unit_of(unit)
+    if signal_with(size.dimension, 1, values=True) is not record.signal:
         raise UnitError(f"{unit!r} is not a unit of the integral of {record.signal.unit}: for a gyro use arcsec")
-    angle = record.angle / (_step(lsb, unit) * found.factor)
+    angle = record.angle / (_step(lsb, unit) * size.factor)
     steps = _rounded(angle, record.rate, dither, rng)
     history = (*record.history, _words("angle", lsb, unit, dither))
     if dither is not None and dither.stripped:
@@ -358,12 +357,12 @@ def in_readings(record: Record, value: float, unit: str) -> float:
 
     UnitError if the unit is neither of this sensor's rate nor of these samples.
     """
-    found, signal = unit_of(unit), record.signal
-    if signal_with(found.dimension, values=True) is signal:
+    size, signal = unit_of(unit), record.signal
+    if signal_with(size.dimension, values=True) is signal:
         interval = record.interval if record.integrated else 1.0
-        return value * found.factor * interval / record.factor
-    if signal_with(found.dimension, KINDS[record.kind][0], values=True) is signal:
-        return value * found.factor / record.factor
+        return value * size.factor * interval / record.factor
+    if signal_with(size.dimension, KINDS[record.kind][0], values=True) is signal:
+        return value * size.factor / record.factor
     raise UnitError(f"{unit!r} is neither a unit of a rate nor of samples in {record.unit!r}")
 
 

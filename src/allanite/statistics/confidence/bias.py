@@ -1,6 +1,7 @@
 """Bias of a statistic against the one whose expectation it estimates: exact, as published, or by a model."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -8,31 +9,38 @@ from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
 from allanite.core.estimate import Averaged
 from allanite.core.model import Model
-from allanite.core.names import demand_name
-from allanite.statistics.grids import part_of
+from allanite.core.names import row_of
 from allanite.statistics.moments.lagsums import responses
 from allanite.statistics.moments.means import mean_moments, takes_means
 from allanite.statistics.moments.moments import by_term
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS, CurvePoints
 
-BIASES = ("exact", "published", "model", "plain")
+
+class Bias(NamedTuple):
+    """A correction: what the plain variance is multiplied with at a point, and whether it is that of hybrids.
+
+    `factor` takes the points, the place of one, its model and each scale of the powers of the model's terms, shape
+    (k, t). The published one follows from the exponent of the power law at each point instead.
+    """
+
+    factor: Callable[[CurvePoints, int, Model, FloatArray], FloatArray] | None
+    hybrid: bool = False
 
 
-def chosen_bias(bias: str | None, row: Statistic, given: Averaged | None) -> str | None:
+def chosen_bias(bias: str | None, row: Statistic, given: Averaged | None) -> Bias | None:
     """The correction that is asked for; a hybrid whose noise is `given` has that of the model."""
     demand_bias(bias, row)
     if bias is None and given is not None and row.parts:
-        return "model"
-    return None if bias == "plain" else bias
+        return BIASES["model"]
+    return None if bias in (None, "plain") else BIASES[bias]
 
 
 def demand_bias(bias: str | None, row: Statistic) -> None:
     """Refuse a correction that is unknown or that the row does not have; the message says which there are."""
     if bias is None or bias == "plain":
         return
-    demand_name("bias correction", bias, BIASES)
-    if bool(row.parts) != (bias == "model"):
+    if row_of("bias correction", bias, BIASES).hybrid != bool(row.parts):
         hybrids = ", ".join(name for name, r in STATISTICS.items() if r.parts)
         raise UsageError(
             f"bias='model' is for {hybrids}, whose own bias ratio assumes a single power law; {row.name} takes "
@@ -40,24 +48,19 @@ def demand_bias(bias: str | None, row: Statistic) -> None:
         )
 
 
-def correction(points: CurvePoints, bias: str, models: Sequence[Model], alpha: Sequence[int]) -> FloatArray:
-    """What the plain variance is multiplied with, one for each point, under the power law of each.
+def corrections(
+    points: CurvePoints, bias: Bias, models: Sequence[Model], scale: FloatArray, alpha: Sequence[int] = ()
+) -> FloatArray:
+    """What the plain variance is multiplied with, with each scale of the powers of the terms, shape (k, points).
 
-    `alpha` are the exponents at the points, for the published tables; "model" replaces the bias ratio of a hybrid.
+    The model is one for all points, or that of the power law at each, whose exponents are `alpha`.
     """
-    if bias == "published":
-        return 1 / published_bias(points.row, np.array(alpha), points.m, points.size)
-    one = [np.ones((1, len(model.terms))) for model in models]
-    factor = _of_means if bias == "means" else _exact
-    return np.array([factor(points, i, model, o)[0] for i, (model, o) in enumerate(zip(models, one, strict=True))])
-
-
-def corrections(points: CurvePoints, bias: str, noise: Averaged) -> FloatArray:
-    """What the plain variance is multiplied with under each model, shape (models, points)."""
-    if bias == "published":
-        raise UsageError("published bias factors assume a power law at each tau: use noise='auto'")
-    factor = _of_means if bias == "means" else _exact
-    return np.array([factor(points, i, noise.terms, noise.scale) for i in range(points.m.size)]).T
+    if bias.factor is None:
+        if not len(alpha):
+            raise UsageError("published bias factors assume a power law at each tau: use noise='auto'")
+        return 1 / published_bias(points.row, np.array(alpha), points.m, points.size)[None]
+    at = range(points.m.size)
+    return np.array([bias.factor(points, i, models[i if len(models) > 1 else 0], scale) for i in at]).T
 
 
 def _of_means(points: CurvePoints, i: int, terms: Model, scale: FloatArray) -> FloatArray:
@@ -68,17 +71,15 @@ def _of_means(points: CurvePoints, i: int, terms: Model, scale: FloatArray) -> F
     kept = [i for i, t in enumerate(terms) if t.row.scatters]
     noise = [terms.terms[i] for i in kept]
     power, rows = scale[:, kept] * [t.power(rate) for t in noise], [t.sampled(rate) for t in noise]
-    found = mean_moments(row, m, points.places, points.size).expectation(rows)
-    own = power @ found
+    own = power @ mean_moments(row, m, points.places, points.size).expectation(rows)
     # a model may have none of these terms: nothing to correct
     return np.divide(power @ responses(row, rows, np.array([m]))[:, 0], own, out=np.ones(len(scale)), where=own > 0)
 
 
 def _exact(points: CurvePoints, i: int, terms: Model, scale: FloatArray) -> FloatArray:
     """Expectation of the target over that of the statistic, at the same tau, with each scale of the terms' powers."""
-    row, m, rate = points.row, int(points.m[i]), points.rate
-    if row.parts:
-        row = row.parts[int(part_of(row, points.m[i : i + 1], points.size, points.join)[0])]
+    m, rate = int(points.m[i]), points.rate
+    row = points.row.part_at(m, points.size)
     if not row.target:
         return np.ones(len(scale))
     target = STATISTICS[row.target]
@@ -88,6 +89,12 @@ def _exact(points: CurvePoints, i: int, terms: Model, scale: FloatArray) -> Floa
     at = (1, None, rate / (m * row.tau_factor)) if row.tau_factor != 1 else (m, None, rate)
     aim, own = by_term(target, terms, *at), by_term(row, terms, m, points.size, rate)
     return np.asarray((scale @ aim) / (scale @ own))
+
+
+BIASES = {"exact": Bias(_exact), "published": Bias(None), "model": Bias(_exact, hybrid=True), "plain": Bias(None)}
+"""Corrections by their name."""
+
+MEANS = Bias(_of_means)  # that of means of what is there instead of complete windows
 
 
 def published_bias(row: Statistic, alpha: int | IntArray, m: IntArray, size: int) -> FloatArray:

@@ -28,17 +28,10 @@ from allanite.statistics.moments.compact import averaged
 from allanite.statistics.row import Statistic
 from allanite.terms import NoiseTerm
 
-WINDOWS = 96
-"""Windows of one row each that represent all."""
-
-FEW = 32
-"""Windows of several rows that represent all."""
-
-SPACE = 10
-"""Leading eigenvectors of one model that carry those of its neighbours."""
-
-STEPS = 5
-"""Power steps to them in a large matrix."""
+MAX_WINDOWS = 96  # windows of one row each that represent all
+MAX_WIDE_WINDOWS = 32  # windows of several rows that represent all
+SUBSPACE = 10  # leading eigenvectors of one model that carry those of its neighbours
+POWER_STEPS = 5  # power steps to them in a large matrix
 
 
 class Eigenvalues(NamedTuple):
@@ -51,7 +44,7 @@ class Eigenvalues(NamedTuple):
 def matrices(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, size: int) -> FloatArray:
     """The form under each term of size 1, shape (t, w, w)."""
     if row.differences:
-        at = _places(count, WINDOWS) * (1 if row.overlapped else m)
+        at = _places(count, MAX_WINDOWS) * (1 if row.overlapped else m)
         lags, where = np.unique(np.abs(np.subtract.outer(at, at)), return_inverse=True)
         C = np.array([lagsums.covariance_of_windows(row, term, m, lags) for term in terms])
         return np.asarray(C[:, where.ravel()].reshape(-1, at.size, at.size))
@@ -61,7 +54,7 @@ def matrices(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, siz
     weights, filters = row.window(short)
     _, sizes, factors = np.linalg.svd(np.sqrt(weights)[:, None] * filters, full_matrices=False)
     factors = (sizes[:, None] * factors)[sizes > 1e-9 * sizes[0]]
-    at, short_lags = _places(count, FEW), np.arange(1.0 - filters.shape[1], filters.shape[1])
+    at, short_lags = _places(count, MAX_WIDE_WINDOWS), np.arange(1.0 - filters.shape[1], filters.shape[1])
     apart, where = np.unique(np.subtract.outer(at, at), return_inverse=True)
     lag = np.abs(apart[:, None] * (short / m) + short_lags)
     D = np.array([averaged(term, short / m)(lag) for term in terms])
@@ -83,8 +76,8 @@ def spectra(forms: FloatArray, powers: FloatArray, leading: int) -> list[Eigenva
     # orthonormal columns that hold the leading eigenvectors of models near one with these squared coefficients
     mean = np.tensordot((powers / total[:, None]).mean(axis=0), forms, axes=1)
     width = len(mean)
-    vectors = np.cos(np.pi / width * np.outer(np.arange(width) + 0.5, np.arange(min(SPACE, width))))
-    for _ in range(STEPS):
+    vectors = np.cos(np.pi / width * np.outer(np.arange(width) + 0.5, np.arange(min(SUBSPACE, width))))
+    for _ in range(POWER_STEPS):
         vectors = mean @ np.linalg.qr(vectors)[0]
     both = np.concatenate((vectors[None], forms @ vectors))
     basis = np.linalg.qr(both.swapaxes(0, 1).reshape(width, -1))[0]
@@ -96,7 +89,7 @@ def spectra(forms: FloatArray, powers: FloatArray, leading: int) -> list[Eigenva
 def is_sharp(row: Statistic, count: int) -> bool:
     """Whether white angle noise cannot be in the matrix: its windows neither average it nor are all there."""
     if row.differences:
-        return not row.summed and count > WINDOWS
+        return not row.summed and count > MAX_WINDOWS
     return row.window is not None and row.scheme.sharp is not None
 
 
@@ -107,7 +100,7 @@ def _places(count: int, most: int) -> FloatArray:
 
 def _folded(terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
     """Second differences of the record folded back at its ends, as weights of its own points."""
-    middle = 1 + _places(size - 1, WINDOWS)
+    middle = 1 + _places(size - 1, MAX_WINDOWS)
     place, weight = [middle], [np.full(middle.size, -2.0)]
     for other in (middle - m, middle + m):
         end = np.where(other < 0, 0.0, np.where(other > size, float(size), other))
@@ -115,21 +108,17 @@ def _folded(terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
         place += [end, 2 * end - other]
         weight += [np.where(inside, 1.0, 2.0), np.where(inside, 0.0, -1.0)]
     places, where = np.unique(np.array(place), return_inverse=True)
-    lag, parts = (
-        np.abs(np.subtract.outer(places, places)),
-        list(zip(where.reshape(len(place), -1), weight, strict=True)),
-    )
+    lag, parts = (np.abs(np.subtract.outer(places, places)),
+                  list(zip(where.reshape(len(place), -1), weight, strict=True)))  # fmt: skip
     D = np.array([term.structure(lag) for term in terms])
     half = sum(w[:, None] * D[:, at] for at, w in parts)
     return np.asarray(-0.5 * sum(w * half[..., at] for at, w in parts))
 
 
-NEAR = 1e-4
-"""|t| in standard deviations below which the limit at the mean is taken."""
+MIN_DEVIATE = 1e-4  # |t| in standard deviations below which the limit at the mean is taken
 
 
-BISECTIONS = 36
-"""Steps to a quantile: to 1e-9 of it."""
+BISECTIONS = 36  # steps to a quantile: to 1e-9 of it
 
 NEWTON, STRIDE, START = 3, 4.0, 1e-6
 """Steps from one deviate to the next, the longest of them, and where the first begins."""
@@ -147,8 +136,6 @@ class ChiSquareSum(NamedTuple):
 def quantiles(mixture: ChiSquareSum, p: float) -> FloatArray:
     """The value below which V lies with probability p, shape (k,).
 
-    Examples
-    --------
     >>> one = ChiSquareSum(np.array([[0.1]]), np.array([[10.0]]), np.zeros(1), np.zeros(1))
     >>> quantiles(one, 0.975).round(2).item()  # chi-square with 10 degrees of freedom over 10: 2.0483
     2.05
@@ -170,7 +157,7 @@ def table(mixture: ChiSquareSum, deviates: FloatArray) -> tuple[FloatArray, Floa
     """
     from scipy.special import ndtri
 
-    top, found = _pole(mixture), []
+    top, points = _pole(mixture), []
     middle = int(np.abs(deviates).argmin())
     for way in (range(middle, -1, -1), range(middle + 1, deviates.size)):
         y = np.full(top.shape, START)
@@ -183,9 +170,9 @@ def table(mixture: ChiSquareSum, deviates: FloatArray) -> tuple[FloatArray, Floa
                 y = y + np.clip((deviates[i] - r) / np.maximum(slope, 1e-12), -STRIDE, STRIDE)
                 y = np.where(np.abs(y) < START, START, y)
             r, v, skewness, x = _saddle(mixture, -top * np.expm1(-y))
-            found.append((i, x, ndtri(_probability(r, v, skewness))))
-    found.sort(key=lambda one: one[0])
-    return np.array([x for _, x, _ in found]), np.array([z for _, _, z in found])
+            points.append((i, x, ndtri(_probability(r, v, skewness))))
+    points.sort(key=lambda one: one[0])
+    return np.array([x for _, x, _ in points]), np.array([z for _, _, z in points])
 
 
 def _pole(mixture: ChiSquareSum) -> FloatArray:
@@ -198,7 +185,7 @@ def _probability(r: FloatArray, v: FloatArray, skewness: FloatArray) -> FloatArr
 
     with np.errstate(divide="ignore", invalid="ignore"):
         probability = ndtr(r) + np.exp(-r * r / 2) / math.sqrt(2 * math.pi) * (1 / r - 1 / v)
-    return np.where(np.abs(v) < NEAR, 0.5 + skewness / (6 * math.sqrt(2 * math.pi)), probability)
+    return np.where(np.abs(v) < MIN_DEVIATE, 0.5 + skewness / (6 * math.sqrt(2 * math.pi)), probability)
 
 
 def _saddle(mixture: ChiSquareSum, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:

@@ -20,7 +20,7 @@ from allanite.core.model import Model, Term
 from allanite.core.plain import Portable
 from allanite.core.units import Signal
 from allanite.statistics.estimator import AngleRecord
-from allanite.statistics.grids import part_of, times
+from allanite.statistics.grids import times
 from allanite.statistics.moments.compact import white_level
 from allanite.statistics.moments.means import MeanMoments, mean_moments, takes_means
 from allanite.statistics.moments.moments import grouped, moments, noise_of
@@ -31,24 +31,16 @@ from allanite.terms import TERMS
 from .chisquares import ChiSquareSum, Eigenvalues, is_sharp, matrices, quantiles, spectra
 from .powerlaw import PowerLaw, identify_power_law
 
-MANY = 60.0
-"""Degrees of freedom from which on a chi-square of as many is the law."""
+MANY_EDF = 60.0  # degrees of freedom from which on a chi-square of as many is the law
+MAX_EDF = 1e8  # degrees of freedom beyond which a law is as good as certain
+NO_SCATTER = 1e-15  # 1 / EDF at most of what does not scatter
+LEADING = 3  # spectrum that are distinguished
 
-CERTAIN = 1e8
-"""Degrees of freedom beyond which a law is as good as certain."""
-
-NO_SCATTER = 1e-15
-"""1 / EDF at most of what does not scatter."""
-
-LEADING = 3
-"""Spectrum that are distinguished."""
-
-STRETCH = (0.5, 1.3)
+RESCALING = (0.5, 1.3)
 """Factor within which the approximate leading eigenvalues may be scaled to the exact degrees of freedom."""
 
 
-NOTHING = 1e-9
-"""Share of a term below which it has none."""
+MIN_SHARE = 1e-9  # share of a term below which it has none
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,14 +107,14 @@ class Local:
         kept = np.where(whole[:, 0] > 0, share @ self.kept, 1.0)
         inverse = np.einsum("ki,ij,kj->k", share, self.r, share) / kept
         edf = [max(1 / max(v, NO_SCATTER), 1.0) for v in inverse.tolist()]
-        few = np.array([e < MANY for e in edf])
+        few = np.array([e < MANY_EDF for e in edf])
         several = iter(self._several(share[few], scale[few], 1 / np.array(edf)[few]) if few.any() else [])
         laws = []
         for e, f in zip(edf, few, strict=True):
             law = next(several) if f else None
             if law is None:
                 weight, dof = np.zeros(LEADING + 2), np.ones(LEADING + 2)
-                dof[0] = min(e, CERTAIN)
+                dof[0] = min(e, MAX_EDF)
                 weight[0] = 1 / dof[0]
                 law = ChiSquareSum(weight, dof, np.array(0.0), np.array(0.0))
             laws.append((e, law))
@@ -139,12 +131,12 @@ class Local:
         held = np.asarray(np.any(power > 0, axis=1))
         if not held.any():
             return [None] * len(share)
-        terms = [row for row, there in zip(rows, smooth, strict=True) if there]
+        terms = [row for row, used in zip(rows, smooth, strict=True) if used]
         forms = self.means.forms(terms) if self.means else matrices(self.row, terms, self.m, self.count, self.size)
-        found = iter(spectra(forms, power[held], LEADING))
+        values = iter(spectra(forms, power[held], LEADING))
         kinds = Kinds(smooth, white, fixed)
         return [
-            _mixture(next(found), p, self.r, kinds, v) if h else None
+            _mixture(next(values), p, self.r, kinds, v) if h else None
             for p, v, h in zip(share, inverse.tolist(), held.tolist(), strict=True)
         ]
 
@@ -163,14 +155,14 @@ def at_point(points: CurvePoints, i: int, model: Model) -> Local:
     if takes_means(row, m, points.places, size):
         # the same where windows with missing samples count
         row, rate = points.row, points.rate
-        found, terms = mean_moments(row, m, points.places, points.size), [term.sampled(rate) for term in model]
-        E = found.expectation(terms)
+        means, terms = mean_moments(row, m, points.places, points.size), [term.sampled(rate) for term in model]
+        E = means.expectation(terms)
         power = np.array([term.power(rate) for term in model])
-        count = found.windows.start.size
+        count = means.windows.start.size
         return Local(
-            row, model, m, count, points.size, rate, E * power, found.relative(terms, E), np.ones(len(terms)), found
+            row, model, m, count, points.size, rate, E * power, means.relative(terms, E), np.ones(len(terms)), means
         )
-    part = row.parts[int(part_of(row, points.m[i : i + 1], size, points.join)[0])] if row.parts else row
+    part = row.part_at(m, size)
     runs = grouped(points.runs, part, m)
     count = sum(int(part.count(n, np.array([m]))[0]) * times for n, times in runs)
     hybrid = row.parts and part is row.parts[-1] and points.scattered
@@ -184,8 +176,8 @@ def _mixture(
     smooth, white, fixed = kinds
     mass = float(share[smooth].sum())
     lead = np.pad(mass * spectrum.leading, (0, LEADING - spectrum.leading.size))
-    left, squares = mass - float(lead.sum()), mass**2 * spectrum.squares - float(lead @ lead)
-    nu = left**2 / squares if left > 1e-12 and squares > 0 else 1.0
+    remainder, squares = mass - float(lead.sum()), mass**2 * spectrum.squares - float(lead @ lead)
+    nu = remainder**2 / squares if remainder > 1e-12 and squares > 0 else 1.0
     angle, ramp = float(share[white].sum()), float(share[fixed].sum())
     own = float(share[white] @ r[np.ix_(white, white)] @ share[white]) / angle**2 if angle else 0.0
     between = 2 * float(share[fixed] @ r[fixed] @ share)
@@ -196,13 +188,13 @@ def _mixture(
     if root < 0 or a == 0:
         return None
     f = min((-b + root**0.5) / (2 * a), mass / first)
-    if not STRETCH[0] <= f <= STRETCH[1]:
+    if not RESCALING[0] <= f <= RESCALING[1]:
         return None
     rest = max(mass - f * float(lead.sum()), 0.0)  # where f leaves nothing, what rounding leaves may be negative
     weight = np.array([*(f * lead), rest / nu, angle * own])
     dof = np.array([1.0] * LEADING + [nu, 1 / own if own else 1.0])
     # a third difference leaves of a ramp what rounding leaves
-    beside = max(between / (2 * ramp), 0.0) if ramp > NOTHING else 0.0
+    beside = max(between / (2 * ramp), 0.0) if ramp > MIN_SHARE else 0.0
     return ChiSquareSum(weight, dof, np.array(ramp), np.array(beside))
 
 
@@ -226,10 +218,9 @@ class PublishedLaw(Portable):
         from scipy.special import chdtri
 
         row, size = self.points.row, self.points.size
-        which = part_of(row, self.points.m, size, self.points.join).tolist()
         edf = np.ones(self.points.m.size)
         for i, (alpha, m) in enumerate(zip(self.alpha.tolist(), self.points.m.tolist(), strict=True)):
-            part = row.parts[which[i]] if row.parts else row
+            part = row.part_at(m, size)
             try:
                 if part.published_edf is None:
                     raise KeyError
@@ -245,7 +236,7 @@ class PublishedLaw(Portable):
 def power_laws(points: CurvePoints, angle: AngleRecord) -> tuple[PowerLaw, ...]:
     """The power law of the noise at each point."""
     row = points.row.parts[0] if points.row.parts else points.row
-    return identify_power_law(angle, row, times(points.row, points.m, points.size, points.join))
+    return identify_power_law(angle, row, times(points.row, points.m, points.size))
 
 
 def unit_term(symbol: str, signal: Signal) -> Term:

@@ -19,20 +19,16 @@ from allanite.statistics.estimator import AngleRecord, Piece, windows
 from allanite.statistics.row import Statistic
 from allanite.terms import TERMS
 
-ENOUGH = 30
-"""Points from which on the autocorrelation decides."""
+MIN_POINTS = 30  # points from which on the autocorrelation decides
+MIN_PIECE = 12  # points of a mean piece below which the angle itself is not correlated, only its differences
 
-SHORT = 12
-"""Points of a mean piece below which the angle itself is not correlated, only its differences."""
-
-FEWEST = 12
+MIN_MEANS = 12
 """Means of the rate that are the fewest for a decision; a longer tau is given the law of the longest tau with so many.
 """
 
-BLOCK = 1 << 16
-"""Points that are differenced at a time."""
+DIFFERENCED = 1 << 16  # points that are differenced at a time
 
-COMPARED = 500
+MAX_COMPARED = 500
 """Means of the rate, in the longest pieces, that decide by the ratio of two variances; it costs their square."""
 
 EDGES = {
@@ -62,13 +58,11 @@ def symbol_of(alpha: int) -> str:
     Flicker and random walk of the ramp have no term: the one with the fewest degrees of freedom (K) is used, so that
     no interval is too narrow.
 
-    Examples
-    --------
     >>> [symbol_of(alpha) for alpha in (2, 1, 0, -1, -2, -3, -4)]
     ['Q', 'F', 'N', 'B', 'K', 'K', 'K']
     """
-    found = next((symbol for symbol, row in TERMS.items() if row.alpha == alpha), None)
-    return found or symbol_of(alpha - 1 if alpha > 0 else alpha + 1)
+    term = next((symbol for symbol, row in TERMS.items() if row.alpha == alpha), None)
+    return term or symbol_of(alpha - 1 if alpha > 0 else alpha + 1)
 
 
 class PowerLaw(NamedTuple):
@@ -109,8 +103,6 @@ def identify_power_law(angle: AngleRecord, row: Statistic, times: FloatArray) ->
     W. J. Riley & C. A. Greenhall, Power law noise identification using the lag 1 autocorrelation, EFTF 2004;
     NIST SP 1065 section 5.5; J. A. Barnes, NBS Technical Note 375, 1969 (B1).
 
-    Examples
-    --------
     >>> from allanite import Record
     >>> from allanite.statistics import integrated
     >>> record = Record(np.random.default_rng(1).standard_normal(5000), rate=1.0, unit="rad/s", kind="rate")
@@ -119,8 +111,8 @@ def identify_power_law(angle: AngleRecord, row: Statistic, times: FloatArray) ->
     """
     # the largest averaging factor that leaves enough means of the rate, at least 1
     sizes = np.array([piece.x.size - 1 for piece in angle.pieces])
-    candidates = range(1, int(sizes.sum()) // FEWEST + 1)
-    longest = max(1, bisect_right(candidates, -FEWEST, key=lambda m: -int((sizes // m).sum())))
+    candidates = range(1, int(sizes.sum()) // MIN_MEANS + 1)
+    longest = max(1, bisect_right(candidates, -MIN_MEANS, key=lambda m: -int((sizes // m).sum())))
     strides = np.clip(np.rint(times), 1, longest).astype(np.int64)
     flat = _flat(angle.pieces)
     laws = {int(m): _law(angle, flat, int(m), max(2, row.order)) for m in np.unique(strides)}
@@ -130,7 +122,7 @@ def identify_power_law(angle: AngleRecord, row: Statistic, times: FloatArray) ->
 def _law(angle: AngleRecord, flat: Callable[[int], list[FloatArray]], m: int, order: int) -> PowerLaw:
     # a piece that has no two differences left at the end says nothing on the way either
     long = [x for x, piece in zip(flat(m), angle.pieces, strict=True) if piece.x.size > m * (order + 1)]
-    enough = sum(x.size for x in long) >= ENOUGH
+    enough = sum(x.size for x in long) >= MIN_POINTS
     alpha, method = (lag1(long, order), "lag1") if enough else (_by_ratio(angle, m, order), "b1")
     if alpha > 0 and m > 3:
         whole = tuple(Piece(piece.start, x) for piece, x in zip(angle.pieces, flat(1), strict=True))
@@ -150,7 +142,7 @@ def _flat(pieces: tuple[Piece, ...]) -> Callable[[int], list[FloatArray]]:
     step = 2 / max(pieces[-1].start + pieces[-1].x.size - 1, 1)
     begins = [step * piece.start - 1 for piece in pieces]
     sums = [parabola_sums(piece.x, begin, step) for piece, begin in zip(pieces, begins, strict=True)]
-    means = [found[:3] / piece.x.size for found, piece in zip(sums, pieces, strict=True)]
+    means = [total[:3] / piece.x.size for total, piece in zip(sums, pieces, strict=True)]
     # normal equations of u and u^2 less their means; all but orthogonal, they lose no digits that matter
     gram, right = np.zeros((2, 2)), np.zeros(2)
     for (_, u, uu, uuu, uuuu, xu, xuu), (x_mean, u_mean, uu_mean) in zip(sums, means, strict=True):
@@ -172,7 +164,7 @@ def _dot(a: list[FloatArray], b: list[FloatArray]) -> float:
 def lag1(pieces: list[FloatArray], most: int) -> int:
     """Alpha from the lag-1 autocorrelation of the angle, overwritten, differenced at most `most` times (2 or 3)."""
     # the mean of a short piece takes its correlation away; rates, which share one mean, are begun with then
-    first = 0 if sum(z.size for z in pieces) >= SHORT * len(pieces) else 1
+    first = 0 if sum(z.size for z in pieces) >= MIN_PIECE * len(pieces) else 1
     pieces = [_differences(z) if first else np.subtract(z, z.mean(), out=z) for z in pieces]
     for d in range(first, most + 1):
         r1 = _autocorrelation(pieces)
@@ -188,8 +180,8 @@ def lag1(pieces: list[FloatArray], most: int) -> int:
 def _differences(z: FloatArray) -> FloatArray:
     """Successive differences in the memory of z, by blocks, since numpy would copy all of what overlaps."""
     last = z.size - 1
-    for a in range(0, last, BLOCK):
-        z[a : min(a + BLOCK, last)] = np.diff(z[a : a + BLOCK + 1])
+    for a in range(0, last, DIFFERENCED):
+        z[a : min(a + DIFFERENCED, last)] = np.diff(z[a : a + DIFFERENCED + 1])
     return z[:last]
 
 
@@ -212,7 +204,7 @@ def _by_ratio(angle: AngleRecord, m: int, order: int) -> int:
     # the longest pieces, with about as many means as are compared
     sizes = np.array([(piece.x.size - 1) // m for piece in angle.pieces])
     falling = np.argsort(-sizes, kind="stable")
-    pieces = [angle.pieces[i] for i in falling[: np.searchsorted(np.cumsum(sizes[falling]), COMPARED) + 1]]
+    pieces = [angle.pieces[i] for i in falling[: np.searchsorted(np.cumsum(sizes[falling]), MAX_COMPARED) + 1]]
     rates = [np.diff(piece.x[::m]) for piece in pieces]
     starts = [piece.start / m + np.arange(y.size, dtype=np.float64) for piece, y in zip(pieces, rates, strict=True)]
     forms, start, rate = ratio_forms(starts, order), np.concatenate(starts), np.concatenate(rates)

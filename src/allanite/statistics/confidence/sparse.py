@@ -13,16 +13,14 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import DerivedLaw, Law
-from allanite.statistics.grids import part_of
 from allanite.statistics.table import CurvePoints
 
-FIRST, PER_DECADE, LONG, LATE = 8, 4, 6, 40
+FIRST_NODES, NODES_PER_DECADE, LATE_FROM, MAX_LATE_NODES = 8, 4, 6, 40
 """Averaging factors that are all nodes, nodes a decade up to the largest over LONG, and the most nodes beyond."""
 
-MOST = 300
-"""Points of a curve that is not smooth which are all processed, one by one."""
+MAX_SINGLE_POINTS = 300  # points of a curve that is not smooth which are all processed, one by one
 
-EVEN, AT_THE_END = 100, 30
+EVEN_NODES, END_NODES = 100, 30
 """Points of a longer one: evenly in the logarithm, and in its last half, by windows left."""
 
 
@@ -47,31 +45,31 @@ class CurvePart(NamedTuple):
 
 
 def _parts(points: CurvePoints) -> list[CurvePart]:
-    made, order = part_of(points.row, points.m, points.size, points.join), np.argsort(points.m, kind="stable")
-    found = []
+    made, order = points.row.part_of(points.m, points.size), np.argsort(points.m, kind="stable")
+    parts = []
     for i in np.unique(made):
         row = points.row.parts[i] if points.row.parts else points.row
         smooth = row.overlapped and len(points.runs) == 1 and points.runs[0][1] == 1
         places = order[made[order] == i]
         m = points.m[places]
-        found.append(CurvePart(places, _smooth_nodes(m) if smooth else _nodes(m), smooth))
-    return found
+        parts.append(CurvePart(places, _smooth_nodes(m) if smooth else _nodes(m), smooth))
+    return parts
 
 
 def _smooth_nodes(m: IntArray) -> IntArray:
-    late = np.flatnonzero(LONG * m > m[-1])
-    if late.size > LATE:
+    late = np.flatnonzero(LATE_FROM * m > m[-1])
+    if late.size > MAX_LATE_NODES:
         u = _stretched(m)[late]
-        late = late[np.searchsorted(u, np.linspace(u[0], u[-1], LATE)).clip(0, late.size - 1)]
-    decades = float(np.log10(max(m[-1] / LONG / m[0], 1.0)))
-    wanted = np.searchsorted(m, np.geomspace(m[0], max(m[-1] / LONG, m[0]), round(PER_DECADE * decades) + 1))
-    return np.unique(np.concatenate((np.flatnonzero(m <= FIRST), wanted, late, [m.size - 1])))
+        late = late[np.searchsorted(u, np.linspace(u[0], u[-1], MAX_LATE_NODES)).clip(0, late.size - 1)]
+    decades = float(np.log10(max(m[-1] / LATE_FROM / m[0], 1.0)))
+    wanted = np.searchsorted(m, np.geomspace(m[0], max(m[-1] / LATE_FROM, m[0]), round(NODES_PER_DECADE * decades) + 1))
+    return np.unique(np.concatenate((np.flatnonzero(m <= FIRST_NODES), wanted, late, [m.size - 1])))
 
 
 def _nodes(m: IntArray) -> IntArray:
-    if m.size <= MOST:
+    if m.size <= MAX_SINGLE_POINTS:
         return np.arange(m.size)
-    wanted = np.concatenate((np.geomspace(m[0], m[-1], EVEN), m[-1] - np.geomspace(1, m[-1] / 2, AT_THE_END)))
+    wanted = np.concatenate((np.geomspace(m[0], m[-1], EVEN_NODES), m[-1] - np.geomspace(1, m[-1] / 2, END_NODES)))
     return np.unique(np.concatenate((np.searchsorted(m, wanted).clip(0, m.size - 1), [0, m.size - 1])))
 
 

@@ -32,11 +32,8 @@ from allanite.terms import TERMS
 from .chisquares import table
 from .limits import at_point, stacked
 
-REACH, STEPS = 4.2, 22
-"""Normal deviates between which the laws are tabulated, and how many."""
-
-BISECTIONS = 30
-"""Steps to a quantile."""
+REACH, DEVIATES = 4.2, 22  # normal deviates between which the laws are tabulated, and how many
+MIXTURE_BISECTIONS = 30  # steps to a quantile
 
 FLATTENED = 0.3
 """Power of the models' weights: those are known from the few coefficients of which V is made, and models under which V
@@ -68,7 +65,7 @@ class AveragedLaw(Portable):
         k, p = self.noise.weight.size, self.points.m.size
         each = [at_point(self.points, i, self.noise.terms).laws(self.noise.scale) for i in range(p)]
         edf, laws = stacked([each[i][j] for j in range(k) for i in range(p)])
-        x, deviate = (part.reshape(-1, k, p)[::-1] for part in table(laws, np.linspace(-REACH, REACH, STEPS)))
+        x, deviate = (part.reshape(-1, k, p)[::-1] for part in table(laws, np.linspace(-REACH, REACH, DEVIATES)))
         return 1 / (self.weight @ (1 / edf.reshape(k, p))), -np.log(x), -deviate
 
     def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -84,7 +81,7 @@ class AveragedLaw(Portable):
         _, logs, deviates = self.found
         shape = (p.size, logs.shape[-1])
         low, high = (np.broadcast_to(x, shape) for x in (logs[0].min(axis=0), logs[-1].max(axis=0)))
-        for _ in range(BISECTIONS):
+        for _ in range(MIXTURE_BISECTIONS):
             middle = (low + high) / 2
             below = self.weight @ ndtr(_between(logs, deviates, middle)) < p
             low, high = np.where(below, middle, low), np.where(below, high, middle)
@@ -129,8 +126,6 @@ Supposing = ModelLike | Literal["auto"] | Callable[[], SupposedNoise]
 def supposed(noise: ModelLike | Literal["auto"]) -> SupposedNoise:
     """A choice of the noise, with its description.
 
-    Examples
-    --------
     >>> from allanite import N
     >>> supposed(N(0.1, "deg/sqrt(h)")).words
     'intervals under the given model N = 0.1 deg/sqrt(h)'
@@ -144,8 +139,8 @@ def supposed(noise: ModelLike | Literal["auto"]) -> SupposedNoise:
         if fit:
             under = say("intervals under the identified model {model}", model=str(choice.terms))
     else:
-        there = {term.symbol for term in choice.terms}
-        symbols = ", ".join(symbol for symbol in TERMS if symbol in there)
+        present = {term.symbol for term in choice.terms}
+        symbols = ", ".join(symbol for symbol in TERMS if symbol in present)
         under = say("intervals averaged over {count} models of {symbols}", count=len(choice), symbols=symbols)
         if fit:
             under = say("intervals averaged over {count} models of {symbols} identified from the record",

@@ -18,20 +18,14 @@ from allanite.statistics.row import binomials, interleaved
 
 from .frames import Edges, framed, triangles
 
-FIRST = 64
-"""Averaging factors below it are summed directly."""
+FIRST_FRAMED = 64  # averaging factors below it are summed directly
+OCTAVES = {False: 3, True: 1}  # octaves of a group: differences of a running sum cancel faster
 
-OCTAVES = {False: 3, True: 1}
-"""Octaves of a group: differences of a running sum cancel faster."""
-
-FEW = 0.01
+MIN_WINDOW_SHARE = 0.01
 """Share of the points below which so few windows are left that they are summed directly: little stands beside much."""
 
-LEFT_OVER = 1e-5
-"""Share of the frames' squares below which a sum is made again directly, for nine digits."""
-
-PAYS = 200
-"""Averaging factors of a group that take as long directly."""
+LEFT_OVER = 1e-5  # share of the frames' squares below which a sum is made again directly, for nine digits
+MIN_FACTORS = 200  # averaging factors of a group that take as long directly
 
 
 def dense(x: FloatArray, m: IntArray, order: int, *, summed: bool = False) -> FloatArray:
@@ -39,15 +33,15 @@ def dense(x: FloatArray, m: IntArray, order: int, *, summed: bool = False) -> Fl
 
     The differences are of `order` 2 or 3; of the running sum of x, which has one point more, if `summed`.
     """
-    if m.size <= PAYS:
+    if m.size <= MIN_FACTORS:
         return _direct(x, m, order, summed)
     points = x.size + summed
     result = np.empty(m.shape)
     todo = np.ones(m.shape, dtype=bool)
     # the largest first: what it needs most memory for, the others find freed
     for low, high in groups(points, order, summed=summed)[::-1]:
-        here = slice(*np.searchsorted(m, (low, min(high, int((1 - FEW) * points) // order))))
-        if here.stop - here.start > PAYS:
+        here = slice(*np.searchsorted(m, (low, min(high, int((1 - MIN_WINDOW_SHARE) * points) // order))))
+        if here.stop - here.start > MIN_FACTORS:
             reach, whole = order * int(m[here][-1]), order * high >= points
             products, edges = framed(x, reach, order - 1, summed=summed, whole=whole)
             # sums over the windows, were there no edges
@@ -75,21 +69,21 @@ def _direct(x: FloatArray, m: IntArray, order: int, summed: bool) -> FloatArray:
 
 def groups(points: int, order: int, *, summed: bool = False) -> list[tuple[int, int]]:
     """Averaging factors from .. to below, that share frames; the last group takes the record as one."""
-    found, low, times = [], FIRST, 1 << OCTAVES[summed]
+    bounds, low, times = [], FIRST_FRAMED, 1 << OCTAVES[summed]
     while order * low < points:
         # four windows make a frame
         whole = points <= 4 * order * times * low
-        found.append((low, (points - 1) // order + 1 if whole else times * low))
-        low = found[-1][1]
-    return found
+        bounds.append((low, (points - 1) // order + 1 if whole else times * low))
+        low = bounds[-1][1]
+    return bounds
 
 
 def split(points: int, m: IntArray, threads: int, *, order: int, summed: bool = False) -> list[IntArray]:
     """Parts of many averaging factors that threads deal with apart, by places in m: the groups, the largest first."""
-    if m.size <= PAYS:
+    if m.size <= MIN_FACTORS:
         return interleaved(points, m, threads)
     ends = [np.searchsorted(m, high) for _, high in groups(points + summed, order, summed=summed)]
-    pieces = np.split(np.arange(m.size), [np.searchsorted(m, FIRST), *ends])
+    pieces = np.split(np.arange(m.size), [np.searchsorted(m, FIRST_FRAMED), *ends])
     return [piece for piece in pieces[::-1] if piece.size]
 
 

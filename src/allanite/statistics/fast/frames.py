@@ -22,20 +22,11 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 
-LEFT = 3
-"""Windows' starts in a frame, over the length of the longest window."""
-
-BLOCK = 1 << 16
-"""Longest block that is transformed at once: with its zeros it stays in the cache's neighbourhood."""
-
-BATCH = 1 << 17
-"""Points of frames that are transformed in one call."""
-
-LEAF = 256
-"""Side of the triangles that are summed directly."""
-
-RADIX = 16
-"""Blocks into which a triangle is cut."""
+STARTS_PER_FRAME = 3  # windows' starts in a frame, over the length of the longest window
+MAX_BLOCK = 1 << 16  # longest block that is transformed at once: with its zeros it stays in the cache's neighbourhood
+BATCH_POINTS = 1 << 17  # points of frames that are transformed in one call
+LEAF = 256  # side of the triangles that are summed directly
+RADIX = 16  # blocks into which a triangle is cut
 
 
 class Edges(NamedTuple):
@@ -61,13 +52,13 @@ def framed(
     from allanite.kernels.theo import cut
 
     points = x.size + summed
-    block = min(next_fast_len(reach, real=True), BLOCK)
+    block = min(next_fast_len(reach, real=True), MAX_BLOCK)
     right = -(-reach // block)
-    step = LEFT * right * block
+    step = STARTS_PER_FRAME * right * block
     count = 0 if whole else max(0, (points - reach) // step)
     total = np.zeros((right + 1, 2 * block + 2))
     seams = _Seams(reach, degree)
-    batch = max(1, BATCH // (step + right * block))
+    batch = max(1, BATCH_POINTS // (step + right * block))
     rows = np.zeros((min(batch, count), step + right * block))
     for k in range(0, count, batch):
         part = rows[: min(batch, count - k)]
@@ -79,7 +70,7 @@ def framed(
         from allanite.kernels.theo import add_products
 
         spectra = np.fft.rfft(part.reshape(part.shape[0], -1, block), 2 * block)
-        add_products(total, spectra.view(np.float64), LEFT * right)
+        add_products(total, spectra.view(np.float64), STARTS_PER_FRAME * right)
     tail = np.empty(points - count * step)
     cut(x, count * step, degree, summed, tail)
     seams.begin(tail[:reach])
@@ -92,7 +83,7 @@ def autocorrelation(z: FloatArray) -> FloatArray:
     """Sum over i < z.size - l of z[i] z[i + l], shape of z."""
     from scipy.fft import next_fast_len
 
-    block = min(next_fast_len(z.size, real=True), BLOCK)
+    block = min(next_fast_len(z.size, real=True), MAX_BLOCK)
     total = np.zeros((-(-z.size // block), 2 * block + 2))
     _add_one(total, z, block)
     return _lags(total, block)[: z.size]
@@ -177,12 +168,12 @@ def triangles(edges: Edges, steps: tuple[int, int, int], count: int) -> FloatArr
     from allanite.kernels.theo import add_leaves
 
     heights = [LEAF]
-    while heights[-1] * RADIX < count and heights[-1] < BLOCK:
+    while heights[-1] * RADIX < count and heights[-1] < MAX_BLOCK:
         heights.append(heights[-1] * RADIX)
     out = np.zeros(-(-count // heights[-1]) * heights[-1])
     for h in heights:
         blocks = out.size // h if h == heights[-1] else RADIX
-        parents = max(1, BLOCK // (h * blocks))
+        parents = max(1, MAX_BLOCK // (h * blocks))
         for begin in range(0, out.size, parents * blocks * h):
             part = out[begin : begin + parents * blocks * h].reshape(-1, blocks, h)
             part += _rectangles(edges, steps, begin, part.shape)

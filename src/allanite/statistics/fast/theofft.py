@@ -22,8 +22,7 @@ from allanite.core.arrays import FloatArray, IntArray
 from .everytau import LEFT_OVER, groups, prefix
 from .frames import Edges, autocorrelation, framed, triangles
 
-DIRECT, FRAMES = 0.16, 40.0
-"""Time of a pair of differences by the definition, and of framing a point, ns."""
+DIRECT, FRAMES = 0.16, 40.0  # time of a pair of differences by the definition, and of framing a point, ns
 
 ONE, EVERY = (1e6, 250.0), 0.2
 """Time of one m by transforms, and for each of its points; of all m up to the largest, over its square, ns."""

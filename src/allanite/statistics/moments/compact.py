@@ -23,10 +23,10 @@ from allanite.terms import NoiseTerm
 
 from .lagsums import lag_nodes
 
-FAR = 20
+FAR_WINDOWS = 20
 """Windows' lengths beyond which a covariance is taken from derivatives of D: differences of D lose its digits there."""
 
-NOTHING = 1e-11
+MIN_EXPECTATION = 1e-11
 """What is left of an expectation, relative to its summands, where the window removes the term altogether."""
 
 TINY = 1e-60
@@ -84,18 +84,26 @@ def compact(window: Callable[[int], Window], order: int, m: int) -> Compact:
     size, directions = np.linalg.eigh((pairs + pairs.T) / 8)
     kept = size > 1e-13 * size[-1]
     power = np.prod([(np.arange(points) - points / 2) / k for k in range(1, order + 1)], axis=0)
-    return Compact(
-        mean=mean_weights(window, m),
-        factor=np.ascontiguousarray((directions[:, kept] * np.sqrt(size[kept])).T),
-        moment=float(weights @ (filters @ power) ** 2),
-    )
+    return Compact(mean=mean_weights(window, m),
+                   factor=np.ascontiguousarray((directions[:, kept] * np.sqrt(size[kept])).T),
+                   moment=float(weights @ (filters @ power) ** 2))  # fmt: skip
 
 
 def expectation(mean: FloatArray, structure: Structure) -> float:
     """E of a process with this D; an exact zero where the window removes it."""
     D = structure(np.abs(np.arange(mean.size) - mean.size // 2.0))
     total = float(mean @ D)
-    return 0.0 if abs(total) <= NOTHING * float(np.abs(mean) @ np.abs(D)) else total
+    return 0.0 if abs(total) <= MIN_EXPECTATION * float(np.abs(mean) @ np.abs(D)) else total
+
+
+def kinked_nodes(kinks: FloatArray, end: float) -> tuple[FloatArray, FloatArray]:
+    """Lags and weights of a sum up to `end` of what has kinks: at these, two between each of them, and those beyond."""
+    between = np.diff(kinks) - 1
+    half = np.sqrt(np.maximum(between**2 - 1, 0) / 12)
+    centre = (kinks[1:] + kinks[:-1]) / 2
+    x, w = lag_nodes([float(kinks[-1])], max(float(end), float(kinks[-1])))
+    lag = np.concatenate((kinks[:-1], centre - half, centre + half, x))
+    return lag, np.concatenate((np.ones(between.size), between / 2, between / 2, w))
 
 
 @lru_cache(maxsize=16)
@@ -109,13 +117,7 @@ def lattice(points: int, step: float, count: int) -> tuple[FloatArray, FloatArra
         lag, weight = np.arange(float(count)), np.ones(count)
     else:
         kinks = np.minimum(np.arange(points + 1) / step, count)
-        kinks = kinks[: np.searchsorted(kinks, count) + 1]
-        between = np.diff(kinks) - 1
-        half = np.sqrt(np.maximum(between**2 - 1, 0) / 12)
-        centre = (kinks[1:] + kinks[:-1]) / 2
-        x, w = lag_nodes([float(kinks[-1])], max(float(count - 1), float(kinks[-1])))
-        lag = np.concatenate((kinks[:-1], centre - half, centre + half, x))
-        weight = np.concatenate((np.ones(between.size), between / 2, between / 2, w))
+        lag, weight = kinked_nodes(kinks[: np.searchsorted(kinks, count) + 1], count - 1)
     kept = np.abs(weight) > 1e-9
     lag, weight = lag[kept], weight[kept]
     return lag * step, weight * (count - lag) / float(count) ** 2 * np.where(lag > 0, 2.0, 1.0)
@@ -126,7 +128,7 @@ def products(
 ) -> tuple[FloatArray, FloatArray]:
     """E (t,) and T (t, t) of `count` windows, one sample apart, which is `step` of the window's own intervals."""
     lags, weights = lattice(window.points, step, count)
-    near = lags <= FAR * window.points
+    near = lags <= FAR_WINDOWS * window.points
     structures = [averaged(term, step) for term in terms]
     close = np.array([window.covariances(D, lags[near]).T for D in structures]).reshape(len(terms), -1, int(near.sum()))
     far = np.array([term.derivative(2 * order, lags[~near] / step) for term in terms])
@@ -165,8 +167,6 @@ def slower(term: NoiseTerm, step: float, D: Callable[[NoiseTerm, float], Structu
 def extrapolation(levels: Sequence[int], m: int, power: int) -> FloatArray:
     """Weights of the values at `levels` in that at m of the polynomial in m^-power through them.
 
-    Examples
-    --------
     >>> extrapolation([10, 20], 10**9, 2).round(6).tolist()
     [-0.333333, 1.333333]
     """

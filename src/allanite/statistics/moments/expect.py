@@ -9,14 +9,13 @@ from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError, given
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.phrases.phrase import spelled
-from allanite.statistics.grids import factors_of, part_of
+from allanite.statistics.grids import factors_of
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS, statistic_named
 
 from .moments import variances
 
-TIMES = 1e100
-"""Averaging times, s, below which their cubes are numbers."""
+TIMES = 1e100  # averaging times, s, below which their cubes are numbers
 
 
 @public
@@ -62,7 +61,7 @@ def expected(
     >>> expected(N(1.0, "rad/sqrt(s)"), "oadev", [1.0, 4.0]).tolist()
     [1.0, 0.25]
     """
-    row = statistic_named(statistic)
+    row = statistic_named(statistic).joined(join)
     model = model_of(model)
     times = np.atleast_1d(np.asarray(tau, dtype=np.float64))
     if not ((times > 0) & (times < TIMES)).all():
@@ -79,17 +78,17 @@ def expected(
             f"the expectation of {row.name} depends on the length of the record: pass "
             + spelled("--duration TIME", "size=...")
         )
-    m = factors_of(times.tolist(), row, size or 0, rate, join)
-    return expected_at(row, model, m, size, rate, join=join, divisor=divisor)
+    m = factors_of(times.tolist(), row, size or 0, rate)
+    return expected_at(row, model, m, size, rate, divisor=divisor)
 
 
 def expected_at(
-    row: Statistic, model: Model, m: IntArray, size: int | None, rate: float, *, join: float, divisor: int
+    row: Statistic, model: Model, m: IntArray, size: int | None, rate: float, *, divisor: int = 30
 ) -> FloatArray:
     """The expected variance at averaging factors, shape of m."""
     if not row.parts:
         return variances(row, model, m, size, rate)
-    which = part_of(row, m, size or 0, join)
+    which = row.part_of(m, size or 0)
     plain = np.empty(len(m))
     for i in np.unique(which):
         plain[which == i] = variances(row.parts[i], model, m[which == i], size, rate)

@@ -16,17 +16,10 @@ from allanite.terms import NoiseTerm
 from .compact import extrapolation, ratios, sampled, white_level
 from .lagsums import lag_nodes
 
-ROWS = 256
-"""Intervals of a record whose rows are taken pair by pair as they are."""
-
-LEVELS = (1, 2, 3)
-"""Multiples of the coarsest record that the extrapolation goes through."""
-
-CLOSE = 5e-4
-"""Relative deviation of the ratio of m to size, up to which one short record represents the long one."""
-
-MIDDLE = 16
-"""Length in m from which on a record has a middle that knows of no end."""
+ROWS = 256  # intervals of a record whose rows are taken pair by pair as they are
+LEVELS = (1, 2, 3)  # multiples of the coarsest record that the extrapolation goes through
+CLOSE = 5e-4  # relative deviation of the ratio of m to size, up to which one short record represents the long one
+MIDDLE = 16  # length in m from which on a record has a middle that knows of no end
 
 
 def response(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
@@ -35,10 +28,10 @@ def response(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int) -> F
     for k in (m / 2, m, size - m, size - m / 2):
         kinks |= {float(np.floor(k)), float(np.ceil(k))}
     i, weight = lag_nodes(sorted(k for k in kinks if 1 <= k <= size - 1), size - 1.0)
-    left, right = i - m, i + m
-    beyond = right > size
-    points = np.array([i, np.abs(left), 0 * i, np.where(beyond, 2 * size - right, right), 0 * i + size])
-    c = np.array([0 * i - 2, np.where(left < 0, -1, 1), 2.0 * (left < 0), np.where(beyond, -1, 1), 2.0 * beyond])
+    before, after = i - m, i + m
+    beyond = after > size
+    points = np.array([i, np.abs(before), 0 * i, np.where(beyond, 2 * size - after, after), 0 * i + size])
+    c = np.array([0 * i - 2, np.where(before < 0, -1, 1), 2.0 * (before < 0), np.where(beyond, -1, 1), 2.0 * beyond])
     distance, both = np.abs(points[:, None] - points), c[:, None] * c
     sums = [-0.5 * float(np.sum(both * term.structure(distance), axis=(0, 1)) @ weight) for term in terms]
     return np.array(sums) / (float(row.norm(np.array([m]))[0]) * (size - 1) * float(m) ** 2)

@@ -22,18 +22,13 @@ from allanite.terms.row import FloatArray
 
 from .lagsums import second_difference
 
-PRECISION = 1e-11
-"""Residual, over that of the start, at which the conjugate gradients stop."""
-
-MOST = 500
-"""Steps of the conjugate gradients; they need 5 to 40."""
+PRECISION = 1e-11  # residual, over that of the start, at which the conjugate gradients stop
+MAX_STEPS = 500  # steps of the conjugate gradients; they need 5 to 40
 
 
 def autocovariance(terms: Iterable[Term], n: int, rate: float) -> FloatArray:
     """Generalized covariance of mean rates at lags 0 to n - 1 samples, rate squared, SI; deterministic terms have none.
 
-    Examples
-    --------
     >>> from allanite import N, Q
     >>> autocovariance(N(1.0, "rad/sqrt(s)") + Q(1.0, "rad"), 3, 2.0).tolist()
     [10.0, -4.0, 0.0]
@@ -118,7 +113,7 @@ class Covariance:
         z = self._precondition(r)
         p, rho = z.copy(), float(r @ z)
         goal = PRECISION**2 * rho
-        for _ in range(MOST):
+        for _ in range(MAX_STEPS):
             if rho <= goal:
                 return v
             q = self.times(p)

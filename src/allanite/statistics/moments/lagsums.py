@@ -22,8 +22,7 @@ from allanite.core.arrays import FloatArray, IntArray
 from allanite.statistics.row import Statistic, binomials
 from allanite.terms import NoiseTerm
 
-GROWTH = 1.5
-"""Size of a panel over its distance from the nearest kink."""
+GROWTH = 1.5  # size of a panel over its distance from the nearest kink
 
 FAR_LAG = 30
 """Lag from which second differences of D are taken from its derivatives: directly they would lose their digits."""
@@ -34,8 +33,6 @@ def lag_nodes(kinks: list[float], end: float) -> tuple[FloatArray, FloatArray]:
 
     Kinks are lattice points (all integers, or all half-integers) at or below `end`, ascending.
 
-    Examples
-    --------
     >>> nodes, weights = lag_nodes([0.0, 10.0], 1000.0)
     >>> len(nodes) < 60, round(float((weights * nodes**3).sum()))
     (True, 250500250000)
@@ -46,20 +43,20 @@ def lag_nodes(kinks: list[float], end: float) -> tuple[FloatArray, FloatArray]:
         nodes.append(kink)
         weights.append(1.0)
         # (first lag, number of lags) of panels covering what lies between two kinks, or beyond the last one
-        left, right = kink + 1, end if following is None else following - 1
+        low, high = kink + 1, end if following is None else following - 1
         panels = []
-        while left <= right:
-            remaining = round(right - left) + 1
-            size = max(4, math.floor(GROWTH * (left - kink)))
+        while low <= high:
+            remaining = round(high - low) + 1
+            size = max(4, math.floor(GROWTH * (low - kink)))
             if following is None or remaining <= 4:
-                panels.append((left, min(size, remaining)))
-                left += size
+                panels.append((low, min(size, remaining)))
+                low += size
                 continue
             size = min(size, remaining - remaining // 2)
-            panels.append((left, size))
+            panels.append((low, size))
             mirrored = min(size, remaining - size)
-            panels.append((right - mirrored + 1, mirrored))
-            left, right = left + size, right - mirrored
+            panels.append((high - mirrored + 1, mirrored))
+            low, high = low + size, high - mirrored
         for first, count in panels:
             x, w = sum_nodes(first, count)
             nodes += x
@@ -70,8 +67,6 @@ def lag_nodes(kinks: list[float], end: float) -> tuple[FloatArray, FloatArray]:
 def sum_nodes(first: float, count: int) -> tuple[list[float], list[float]]:
     """Nodes and weights of the sum over first, first + 1, ..., first + count - 1.
 
-    Examples
-    --------
     >>> nodes, weights = sum_nodes(1.0, 100)
     >>> len(nodes), round(sum(w * x**3 for x, w in zip(nodes, weights)))
     (4, 25502500)
@@ -117,14 +112,9 @@ def line_of(row: NoiseTerm) -> tuple[float, float, float] | None:
     return float(c[0] - c[2]) + 2 * slope, float(c[1] - c[2]) + slope, slope
 
 
-FAR = 40
-"""A difference over m at a lag beyond FAR m is taken from derivatives: there it would lose its digits."""
-
-TAIL = 1000
-"""Half widths of the windows beyond which only flicker is left, with less than 1e-10 of the sum."""
-
-PANELS, OSCILLATIONS = 3, 1000
-"""Panels in each period of a covariance that oscillates, and periods that are divided so."""
+FAR_STRIDES = 40  # a difference over m at a lag beyond FAR m is taken from derivatives: there it would lose its digits
+TAIL = 1000  # half widths of the windows beyond which only flicker is left, with less than 1e-10 of the sum
+PANELS, OSCILLATIONS = 3, 1000  # panels in each period of a covariance that oscillates, and periods that are divided so
 
 
 class CovarianceField(NamedTuple):
@@ -134,7 +124,7 @@ class CovarianceField(NamedTuple):
     derivative: Callable[[int, FloatArray], FloatArray]
 
 
-NOTHING = CovarianceField(np.zeros_like, lambda _, t: np.zeros_like(t))
+NO_FIELD = CovarianceField(np.zeros_like, lambda _, t: np.zeros_like(t))
 """F of a polynomial that the differences remove."""
 
 
@@ -142,7 +132,7 @@ def field_of(row: Statistic, term: NoiseTerm) -> CovarianceField:
     """F: the structure function of what the row takes differences of."""
     degree = 2 * term.slope + 2 + 2 * row.summed  # of F
     if term.waveform is not None and degree < 2 * row.differences:
-        return NOTHING
+        return NO_FIELD
     if not row.summed:
         return CovarianceField(term.structure, term.derivative)
     D = term.derivative
@@ -225,7 +215,7 @@ def _covariance(field: CovarianceField, order: int, m: tuple[int, int], h: Float
 
 def _one_difference(field: CovarianceField, order: int, m: int, t: FloatArray) -> FloatArray:
     """Central difference of F(|t|) over m, shape of t."""
-    far = np.abs(t) > FAR * m
+    far = np.abs(t) > FAR_STRIDES * m
     result = np.empty_like(t)
     points = np.abs(t[~far] + (order / 2 - np.arange(order + 1.0))[:, None] * m)
     result[~far] = np.asarray(binomials(order) @ field.value(points))

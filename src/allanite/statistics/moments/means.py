@@ -26,17 +26,10 @@ from allanite.terms import WHITE, NoiseTerm
 Places = Sequence[tuple[int, int]]
 """(first sample, samples) of each stretch without gaps of a record."""
 
-COMPLETE = 0.9
-"""Share of the windows that must be complete for the others to be omitted."""
-
-QUARTERS = 4
-"""Parts of a mean that are distinguished for slow noise, and windows that start within m."""
-
-REFERENCES = 64
-"""Windows whose covariances with all others represent those of all."""
-
-ENOUGH = 24
-"""Windows, at least, that a long averaging time is given."""
+COMPLETE = 0.9  # share of the windows that must be complete for the others to be omitted
+QUARTERS = 4  # parts of a mean that are distinguished for slow noise, and windows that start within m
+REFERENCES = 64  # windows whose covariances with all others represent those of all
+MIN_WINDOWS = 24  # windows, at least, that a long averaging time is given
 
 
 def takes_means(row: Statistic, m: int | IntArray, places: Places, size: int) -> BoolArray:
@@ -95,7 +88,7 @@ class JoinedWindows:
 
     row: Statistic
     m: int
-    there: There
+    readings: There
     start: IntArray
     count: IntArray
 
@@ -116,7 +109,7 @@ class JoinedWindows:
 
     def of(self, which: IntArray) -> "JoinedWindows":
         """Some of them."""
-        return JoinedWindows(self.row, self.m, self.there, self.start[which], self.count[which])
+        return JoinedWindows(self.row, self.m, self.readings, self.start[which], self.count[which])
 
     @property
     def edges(self) -> IntArray:
@@ -129,7 +122,7 @@ class JoinedWindows:
         parts, quarters = self.signs.size, min(QUARTERS, self.m)
         inner = np.rint(np.arange(parts * quarters + 1) * (self.m / quarters)).astype(np.int64)
         time = self.start[:, None] + inner
-        held = self.there.between(time[:, :-1], time[:, 1:]) / np.diff(inner)
+        held = self.readings.between(time[:, :-1], time[:, 1:]) / np.diff(inner)
         rate = held * np.repeat(self.signs / self.count, quarters, axis=1)
         return time.astype(np.float64), -np.diff(np.pad(rate, ((0, 0), (1, 1))), axis=1)
 
@@ -138,7 +131,7 @@ class JoinedWindows:
         if term.edge:
             step = self.signs / self.count
             own = np.einsum(
-                "wp,wp->w", step**2, 2.0 * (self.count - self.there.steps(self.edges[:, :-1], self.edges[:, 1:] - 1))
+                "wp,wp->w", step**2, 2.0 * (self.count - self.readings.steps(self.edges[:, :-1], self.edges[:, 1:] - 1))
             )
             between = sum(step[:, p] * step[:, p + 1] * self._across[:, p] for p in range(self._across.shape[1]))
             return np.asarray(term.edge * (own - 2 * between))
@@ -152,7 +145,7 @@ class JoinedWindows:
     def _across(self) -> IntArray:
         """Whether a part's last sample and the next part's first are both there."""
         border = self.edges[:, 1:-1]
-        return self.there.steps(border - 1, border)
+        return self.readings.steps(border - 1, border)
 
     def covariances(self, term: NoiseTerm, near: "JoinedWindows") -> FloatArray:
         """Covariance of each delta with those of its own row of `near`, windows w x l, shape (w, l)."""
@@ -171,28 +164,28 @@ class JoinedWindows:
         total = np.zeros(other.shape[:2])
         for p in range(self.signs.size):
             a, b, c, d = begin[..., p, None], end[..., p, None], theirs[..., :-1], theirs[..., 1:]
-            both = self.there.between(np.maximum(a, c), np.minimum(b, d))
+            both = self.readings.between(np.maximum(a, c), np.minimum(b, d))
             if term.edge:
-                both = 2 * both - self.there.steps(np.maximum(a, c - 1), np.minimum(b, d - 1))
-                both -= self.there.steps(np.maximum(c, a - 1), np.minimum(d, b - 1))
+                both = 2 * both - self.readings.steps(np.maximum(a, c - 1), np.minimum(b, d - 1))
+                both -= self.readings.steps(np.maximum(c, a - 1), np.minimum(d, b - 1))
             total += (term.edge or 1.0) * mine[:, p, None] * np.einsum("wlq,wlq->wl", other, both)
         return total
 
 
-def windows_of(row: Statistic, m: int, there: There, stride: int) -> JoinedWindows:
+def windows_of(row: Statistic, m: int, readings: There, stride: int) -> JoinedWindows:
     """Windows that start every so many samples and have a reading in each part."""
-    start = np.arange(0, there.size - row.differences * m + 1, stride)
-    edges = there.before(start[:, None] + m * np.arange(row.differences + 1))
+    start = np.arange(0, readings.size - row.differences * m + 1, stride)
+    edges = readings.before(start[:, None] + m * np.arange(row.differences + 1))
     count = np.diff(edges, axis=1)
     full = (count > 0).all(axis=1)
-    return JoinedWindows(row, m, there, start[full], count[full])
+    return JoinedWindows(row, m, readings, start[full], count[full])
 
 
-def variance_of(row: Statistic, m: int, there: There, x: FloatArray) -> tuple[float, int]:
+def variance_of(row: Statistic, m: int, readings: There, x: FloatArray) -> tuple[float, int]:
     """V and the number of windows, from sums x of the readings before each sample, shape (size + 1,)."""
     from allanite.kernels.allan import of_means
 
-    bounds = np.cumsum(there.stretches[:, 1:], axis=0).T.ravel()
+    bounds = np.cumsum(readings.stretches[:, 1:], axis=0).T.ravel()
     h, squares, number = of_means(x, bounds, m, row.differences, 1 if row.overlapped else m)
     return (squares / (m * h * norm_of(row, m)), number) if number else (np.nan, 0)
 
@@ -245,12 +238,12 @@ class MeanMoments:
 
 def mean_moments(row: Statistic, m: int, places: Places, size: int) -> MeanMoments:
     """Moments of the variance at m from means of the readings there."""
-    most, there = int(row.count(size, np.array([m]))[0]), There(places, size)
-    stride = max(1, min(m // QUARTERS, most // ENOUGH)) if row.overlapped else m
-    windows = windows_of(row, m, there, stride)
-    while row.overlapped and stride > 1 and windows.start.size < ENOUGH:  # those with readings are close together
+    most, readings = int(row.count(size, np.array([m]))[0]), There(places, size)
+    stride = max(1, min(m // QUARTERS, most // MIN_WINDOWS)) if row.overlapped else m
+    windows = windows_of(row, m, readings, stride)
+    while row.overlapped and stride > 1 and windows.start.size < MIN_WINDOWS:  # those with readings are close together
         stride //= 2
-        windows = windows_of(row, m, there, stride)
+        windows = windows_of(row, m, readings, stride)
     return MeanMoments(windows)
 
 

@@ -19,7 +19,7 @@ from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, model_of
-from allanite.statistics.grids import checked, part_of
+from allanite.statistics.grids import checked
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS
 from allanite.terms import NoiseTerm
@@ -28,8 +28,7 @@ from . import lagsums, windowed
 from .pairs import Pairs
 from .profile import crossed
 
-RATIOS = 12
-"""Number of ratios that are evaluated; the bias ratio is the mean of up to thousands, which vary smoothly."""
+RATIOS = 12  # number of ratios that are evaluated; the bias ratio is the mean of up to thousands, which vary smoothly
 
 
 @public
@@ -56,10 +55,11 @@ def covariance(
     >>> (np.sqrt(np.diag(C)) * [7.5, 15]).round(3).tolist()
     [0.068, 0.089]
     """
-    noise, m = noise_of(model_of(model)), checked(m, row, size, join)
+    row = row.joined(join)
+    noise, m = noise_of(model_of(model)), checked(m, row, size)
     if not row.parts:
         return np.asarray(covariance_by_term([row] * m.size, noise, m, size, rate).sum(axis=(2, 3)))
-    which = part_of(row, m, size, join)
+    which = row.part_of(m, size)
     late = which == len(row.parts) - 1
     # some of the ratios i = 0 .. last, and the weight of each in their mean
     last = max((size + 1) // divisor - 3, 0)
@@ -81,8 +81,7 @@ def covariance(
 Runs = Sequence[tuple[int, int]]
 """(samples, how many such runs): the stretches without gaps of a record."""
 
-DISTINCT = 40
-"""Different lengths of runs that are processed one by one."""
+DISTINCT = 40  # different lengths of runs that are processed one by one
 
 
 def variances(row: Statistic, model: Model, m: FloatArray | IntArray, size: int | None, rate: float) -> FloatArray:
@@ -173,7 +172,7 @@ def edf(row: Statistic, model: ModelLike, m: IntArray, runs: Runs | int, rate: f
     """
     model = noise_of(model_of(model))
     runs = [(runs, 1)] if isinstance(runs, int) else runs
-    factors = checked(m, row, max((size for size, _ in runs), default=0), join=0.2)
+    factors = checked(m, row, max((size for size, _ in runs), default=0))
     result = np.empty(factors.size)
     for i, k in enumerate(factors.tolist()):
         E, r = moments(row, model, k, grouped(runs, row, k), rate)
@@ -230,8 +229,8 @@ def grouped(runs: Runs, row: Statistic, m: int) -> list[tuple[int, int]]:
         return [(int(sizes[i]), int(times)) for i, times in zip(first, many, strict=True)]
     bins = np.digitize(known, np.geomspace(known[0], known[-1] + 1, DISTINCT + 1))
     merged = []
-    for one in np.unique(bins):
-        here = np.flatnonzero(bins == one)
+    for cell in np.unique(bins):
+        here = np.flatnonzero(bins == cell)
         mean = np.average(known[here], weights=many[here])
         merged.append((int(sizes[first[here[np.abs(known[here] - mean).argmin()]]]), int(many[here].sum())))
     return merged

@@ -20,18 +20,15 @@ from allanite.core.arrays import FloatArray
 from allanite.statistics.row import Statistic
 from allanite.terms import NoiseTerm
 
-from .compact import averaged, extrapolation, sampled, slower, white_level
+from .compact import averaged, extrapolation, kinked_nodes, sampled, slower, white_level
 from .lagsums import lag_nodes, responses
-from .profile import BESIDE, LagProfile, Windows, profile_of, total
+from .profile import SAMPLES_BEYOND, LagProfile, Windows, profile_of, total
 from .windowed import relative, response
 
-POINTS = 750
-"""Points of the longer window up to which both are taken as they are."""
+MAX_WHOLE_POINTS = 750  # points of the longer window up to which both are taken as they are
+REDUCED_POINTS = 320  # points of two windows together that longer ones are reduced to
 
-SHORT = 320
-"""Points of two windows together that longer ones are reduced to."""
-
-LEAST = {1: 8, 2: 4}
+MIN_FACTOR = {1: 8, 2: 4}
 """By the power of the extrapolation: the least averaging factor of the shorter of two reduced windows."""
 
 
@@ -41,7 +38,7 @@ def whole_lattice(p: int, q: int, counts: tuple[float, float]) -> tuple[FloatArr
     `counts` are the numbers of windows: of both, the first one starts with the record.
     """
     first, end = -((q - p) // 2), math.ceil(max(counts[1], p - q + counts[0])) - 1
-    near = min(end, p + BESIDE)
+    near = min(end, p + SAMPLES_BEYOND)
     s, weight = np.arange(first, near + 1.0), np.ones(near + 1 - first)
     if end > near:
         rest, weights = lag_nodes([float(near)], float(end))
@@ -69,13 +66,8 @@ def pair_lattice(half: float, step: float, counts: tuple[float, float], first: f
     else:
         kinks = (half % 1 + np.arange(math.ceil(half) + 1)) / step
         kinks = np.unique(np.concatenate(([start], kinks[kinks > start], [(M1 - M2) / 2])))
-        kinks = kinks[(kinks >= start) & (kinks <= end)]
-        between = np.diff(kinks) - 1
-        spread = np.sqrt(np.maximum(between**2 - 1, 0) / 12)
-        centre = (kinks[1:] + kinks[:-1]) / 2
-        x, w = lag_nodes([float(kinks[-1])], max(end - 1, float(kinks[-1])))
-        lag = np.concatenate((kinks[:-1], centre - spread, centre + spread, x))
-        weight = np.concatenate((np.ones(between.size), between / 2, between / 2, w))
+        within = (kinks >= start) & (kinks <= end)
+        lag, weight = kinked_nodes(np.asarray(kinks[within], np.float64), end - 1)
     pairs = np.clip(end - lag, 0.0, M2)
     return lag * step, weight * pairs * np.where(lag > 0, 2.0, 1.0) / (M1 * M2)
 
@@ -108,7 +100,7 @@ class WindowPair(NamedTuple):
     @property
     def whole(self) -> bool:
         """Whether they are taken as they are."""
-        return self.rows[1].span[0] * self.m[1] < POINTS
+        return self.rows[1].span[0] * self.m[1] < MAX_WHOLE_POINTS
 
     @property
     def power(self) -> int:
@@ -123,9 +115,9 @@ class WindowPair(NamedTuple):
     def shortened(self, k: int) -> "WindowPair":
         """The same with k for the longer window, in a record that is as many times shorter."""
         windows = self.counts[1] * k / self.m[1]
-        one = self._replace(m=(self.m[0], k))
-        first, second = (row.span[0] * m + row.span[1] for row, m in zip(one.rows, one.m, strict=True))
-        return one._replace(counts=(windows + (second - first), windows))
+        shorter = self._replace(m=(self.m[0], k))
+        first, second = (row.span[0] * m + row.span[1] for row, m in zip(shorter.rows, shorter.m, strict=True))
+        return shorter._replace(counts=(windows + (second - first), windows))
 
 
 @dataclass(frozen=True)
@@ -166,14 +158,14 @@ class Pairs:
             return self._whole(pair)
         a, b = pair.span
         (m, k), step = pair.m, pair.rows[1].step
-        least = LEAST[pair.power]
-        widest = (POINTS - 1) / (b * m) if m <= least else (SHORT / least - a) / b
+        least = MIN_FACTOR[pair.power]
+        widest = (MAX_WHOLE_POINTS - 1) / (b * m) if m <= least else (REDUCED_POINTS / least - a) / b
         if k <= widest * m:
             # averaging factors of the shorter window, as even or odd as m, the largest below `top`
-            even, top = max(pair.rows[0].step, 2), SHORT / (a + b * k / m)
+            even, top = max(pair.rows[0].step, 2), REDUCED_POINTS / (a + b * k / m)
             tops = [int(top / 2**i) for i in range(3 if pair.power == 1 else 2)]
             levels = sorted({max(n - (n - m) % even, m % even + even) for n in tops})
-            found = []
+            reduced = []
             for level in levels:  # between two factors for the longer window
                 wanted = k / m * level
                 below = int(wanted) // step * step
@@ -181,8 +173,8 @@ class Pairs:
                 if below != wanted:
                     share = math.log(wanted / below) / math.log1p(step / below)
                     at = (1 - share) * at + share * self._reduced(pair, (level, below + step))
-                found.append(at)
-            return np.asarray(np.tensordot(extrapolation(levels, m, pair.power), found, 1))
+                reduced.append(at)
+            return np.asarray(np.tensordot(extrapolation(levels, m, pair.power), reduced, 1))
         widest = 2 ** int(math.log2(widest))
         near, nearer = (pair.shortened(int(w * m) // step * step) for w in (widest, widest / 2))
         far, close = (self.within(p) * p.counts[0] for p in (near, nearer))

@@ -25,15 +25,14 @@ from allanite.core.arrays import FloatArray, IntArray
 from allanite.statistics.row import Statistic, Window
 from allanite.terms import NoiseTerm
 
-from .compact import FAR, averaged, slower
+from .compact import FAR_WINDOWS, averaged, slower
 from .lagsums import FAR_LAG as SMOOTH
 from .lagsums import far_difference, line_of, second_difference
 
-BESIDE, AFTER, FARTHEST = 64, 80, 600
+SAMPLES_BEYOND, NODES_BEYOND, MIN_END = 64, 80, 600
 """Distances beyond the last kink where c is taken at every sample, nodes of the smooth rest, and its least end."""
 
-INSIDE = (0.5 - 0.05**0.5, 0.5 + 0.05**0.5)
-"""Nodes between two kinks, with which the kinks make a cubic."""
+INSIDE = (0.5 - 0.05**0.5, 0.5 + 0.05**0.5)  # nodes between two kinks, with which the kinks make a cubic
 
 Windows = Callable[[int], Window]
 
@@ -83,22 +82,22 @@ def profile_of(
 
     `order` is that of both differences together; `between` asks for nodes between the samples, not only at these.
     """
-    one, two = (form_of(window, k) for window, k in zip(windows, m, strict=True))
-    sizes = len(one.A), len(two.A)
+    first, second = (form_of(window, k) for window, k in zip(windows, m, strict=True))
+    sizes = len(first.A), len(second.A)
     last = sum(sizes) / 2
     nodes = np.array([0.0, *INSIDE]) if between else np.zeros(1)
-    kinks = np.arange(last % 1, last + 1.5 + (0 if between else BESIDE))
-    beyond = last + np.geomspace(kinks[-1] - last, max(2 * FAR * (last + 1), FARTHEST), AFTER)
+    kinks = np.arange(last % 1, last + 1.5 + (0 if between else SAMPLES_BEYOND))
+    beyond = last + np.geomspace(kinks[-1] - last, max(2 * FAR_WINDOWS * (last + 1), MIN_END), NODES_BEYOND)
     # the first lag of the rates of two windows at these distances
     start = np.append(kinks[:-1, None] + nodes, beyond) - (last - 1)
     C = [_lagged(term, start, sum(sizes) - 1, kinks.size - 1) for term in terms]
-    if one.single is not None and two.single is not None:
-        c = np.einsum("is,js->ijs", *[np.array(C) @ np.correlate(two.single, one.single, "full")] * 2)
+    if first.single is not None and second.single is not None:
+        c = np.einsum("is,js->ijs", *[np.array(C) @ np.correlate(second.single, first.single, "full")] * 2)
     else:
         # m, shape (len(A) + len(B) - 1,) * 2, by FFT
         from scipy.fft import fft, irfft2, next_fast_len, rfft
 
-        A, B = one.A, two.A
+        A, B = first.A, second.A
         length = next_fast_len(len(A) + len(B) - 1, real=True)
         a, b = (fft(rfft(form, length), length, axis=0, overwrite_x=True) for form in (A, B))
         M = irfft2(np.conj(a) * b, (length, length))
@@ -107,12 +106,12 @@ def profile_of(
     E = np.array(
         [
             [float(form.diagonals @ _rates(term, np.abs(np.arange(1.0 - len(form.A), len(form.A))))) for term in terms]
-            for form in (one, two)
+            for form in (first, second)
         ]
     )
     scale = np.sqrt(E.prod(axis=0))
     c /= np.outer(scale, scale)[..., None]
-    near = start.size - AFTER
+    near = start.size - NODES_BEYOND
     return LagProfile(E, sizes, last % 1, last, nodes, c[..., :near], beyond, c[..., near:], 2.0 * order - 4)
 
 
@@ -166,7 +165,7 @@ def _lagged(term: NoiseTerm, start: FloatArray, size: int, cells: int) -> FloatA
 
     The starts are equally spaced in `cells` rows, but for some at the end.
     """
-    nodes = (start.size - AFTER) // cells
+    nodes = (start.size - NODES_BEYOND) // cells
     h = np.arange(size)
     C = np.empty((start.size, size))
     for i in range(nodes):
@@ -209,8 +208,7 @@ def _gathered(places: IntArray, weights: FloatArray, size: int) -> FloatArray:
     return np.asarray(np.bincount(places.ravel(), weights.ravel(), size), dtype=np.float64)
 
 
-MOST = 2**19
-"""Samples of a window above which all is done in a record of fewer samples that lasts as long."""
+MAX_SAMPLES = 2**19  # samples of a window above which all is done in a record of fewer samples that lasts as long
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,10 +234,10 @@ class Ends:
         return self._cut(start, stop) - self._cut(start - self.windows, stop - self.windows)
 
     def _cut(self, start: int, stop: int) -> FloatArray:
-        found = np.zeros(stop - start)
+        piece = np.zeros(stop - start)
         inside = self.first[max(start, 0) : max(stop, 0)]
-        found[max(-start, 0) :][: inside.size] = inside
-        return found
+        piece[max(-start, 0) :][: inside.size] = inside
+        return piece
 
     def twice(self, start: int, stop: int) -> FloatArray:
         """The running sum of the running sum of W before these samples."""
@@ -272,19 +270,19 @@ def crossed(rows: Sequence[Statistic], m: IntArray, size: int, terms: Sequence[N
     The variances are those of the rate; windows that remove a ramp have nothing.
     """
     span = np.array([row.span[0] * k for row, k in zip(rows, m.tolist(), strict=True)])
-    seen = [i for i in np.argsort(span, kind="stable").tolist() if rows[i].order < 3]
-    short = [i for i in seen if span[i] <= MOST]
+    free = [i for i in np.argsort(span, kind="stable").tolist() if rows[i].order < 3]
+    short = [i for i in free if span[i] <= MAX_SAMPLES]
     ends = {i: ends_of(rows[i], int(m[i]), size) for i in short}
     T = np.zeros((m.size, m.size, len(terms)))
-    if len(short) < len(seen):
-        coarser = -(-int(span[seen].max()) // MOST)
+    if len(short) < len(free):
+        coarser = -(-int(span[free].max()) // MAX_SAMPLES)
         step = np.array([row.step for row in rows])
         fewer = np.maximum(np.rint(m / coarser / step).astype(np.int64), 1) * step
         T = crossed(rows, fewer, size // coarser, [slower(term, 1 / coarser, averaged) for term in terms])
         own = np.ones(m.size)
         own[short] = [ends[i].mass / ends_of(rows[i], int(fewer[i]), size // coarser).mass / coarser for i in short]
         T *= np.outer(own, own)[..., None]
-    tables = [second_difference(term, min(size, 2 * MOST)) / 2 if short and not line_of(term) else np.empty(0)
+    tables = [second_difference(term, min(size, 2 * MAX_SAMPLES)) / 2 if short and not line_of(term) else np.empty(0)
               for term in terms]  # fmt: skip
     for n, b in enumerate(short, 1):
         T[short[:n], b] = T[b, short[:n]] = _with(ends[b], [ends[a] for a in short[:n]], terms, tables)

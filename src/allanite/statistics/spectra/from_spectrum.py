@@ -17,11 +17,8 @@ from allanite.statistics.table import STATISTICS, statistic_named
 RESOLVED = 1 / 8
 """Averaging time times the resolution of the spectrum, at most: the transfer function peaks near 0.37/tau."""
 
-FINE = 8
-"""Points of the integral in each period of the transfer function."""
-
-MOST = 4096
-"""Points in a band, beyond which only the mean over many periods counts."""
+POINTS_PER_PERIOD = 8  # points of the integral in each period of the transfer function
+MAX_BAND_POINTS = 4096  # points in a band, beyond which only the mean over many periods counts
 
 
 @public
@@ -73,7 +70,7 @@ def deviation_of_spectrum(
     """
     row = statistic_named(statistic)
     if not row.differences or row.order < 2:
-        able = ", ".join(name for name, one in STATISTICS.items() if one.differences and one.order > 1)
+        able = ", ".join(name for name, other in STATISTICS.items() if other.differences and other.order > 1)
         raise UsageError(f"{statistic} has no transfer function that is known here; a spectrum gives {able}")
     m = _factors(spectrum, row, taus)
     variance = np.array([_integral(spectrum, row, k) for k in m.tolist()])
@@ -120,7 +117,8 @@ def _integral(spectrum: Spectrum, row: Statistic, m: int) -> float:
     inner = start + np.cumsum(spectrum.width[:-1])
     edges = np.concatenate(([0.0, start], np.minimum(inner, spectrum.rate / 2), [spectrum.rate / 2]))
     width = np.diff(edges)
-    points = np.clip(np.ceil(FINE * row.differences * m * width / spectrum.rate), 1, MOST).astype(np.int64)
+    wanted = np.ceil(POINTS_PER_PERIOD * row.differences * m * width / spectrum.rate)
+    points = np.clip(wanted, 1, MAX_BAND_POINTS).astype(np.int64)
     first = np.repeat(np.cumsum(points) - points, points)
     inside = (np.arange(points.sum()) - first + 0.5) * np.repeat(width / points, points)
     f = (np.repeat(edges[:-1], points) + inside) / spectrum.rate
@@ -128,12 +126,7 @@ def _integral(spectrum: Spectrum, row: Statistic, m: int) -> float:
     unit = np.sin(np.pi * f) ** 2  # the angle is the running sum of the rates, and `summed` that of the angle
     stride = np.sin(np.pi * f * m) ** 2
     norm = float(row.norm(np.array([m]))[0]) * float(m) ** 2
-    gain = (
-        np.add.reduceat(
-            np.asarray((4 * stride) ** row.differences / (4 * unit) ** (1 + row.summed) / norm),
-            np.cumsum(points) - points,
-        )
-        / points
-    )
+    gain = (np.add.reduceat(np.asarray((4 * stride) ** row.differences / (4 * unit) ** (1 + row.summed) / norm),
+                            np.cumsum(points) - points) / points)  # fmt: skip
     density = np.concatenate((spectrum.density[:1], spectrum.density)) * 2 / SIDES[spectrum.sides]
     return float(density @ (gain * width))

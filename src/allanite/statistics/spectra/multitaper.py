@@ -13,11 +13,8 @@ from allanite.phrases.phrase import say, spelled, windowing
 
 from .raw_spectrum import Raw, demand_frequencies
 
-LARGEST_TAPERS = 2**16
-"""Length up to which tapers are computed; longer ones are interpolated, with an error of 1e-8."""
-
-SHORT = 4096
-"""Length at which the shape of the tapers is looked at."""
+LARGEST_TAPERS = 2**16  # length up to which tapers are computed; longer ones are interpolated, with an error of 1e-8
+SHAPE_LENGTH = 4096  # length at which the shape of the tapers is looked at
 
 
 @dataclass(frozen=True)
@@ -75,17 +72,10 @@ class Multitaper:
         y = record.rate_values
         lost = int((~np.isfinite(y)).sum())
         if lost:
-            raise DataError(
-                say(
-                    "{lost} of {size} samples of {channel!r} are missing: tapers need a record without gaps; use "
-                    "{option}, or select a window without gaps ({choice})",
-                    lost=lost,
-                    size=y.size,
-                    channel=record.name,
-                    option=spelled("--estimator welch", "method=welch"),
-                    choice=windowing(),
-                )
-            )
+            raise DataError(say("{lost} of {size} samples of {channel!r} are missing: tapers need a record without "
+                                "gaps; use {option}, or select a window without gaps ({choice})", lost=lost,
+                                size=y.size, channel=record.name, option=spelled("--estimator welch", "method=welch"),
+                                choice=windowing()))  # fmt: skip
         first = math.ceil(2 * self.bandwidth)
         demand_frequencies((y.size + 1) // 2 - first, record)
         tapers, shares = slepian(y.size, self.bandwidth, self.count)
@@ -96,7 +86,7 @@ class Multitaper:
         for weight, taper in zip(weights, tapers, strict=True):
             density += weight * np.abs(rfft(y * taper)[first : (y.size + 1) // 2]) ** 2
         df = record.rate / y.size
-        overlap, bandwidth = _shape(self.bandwidth, tuple(weights.tolist()), min(y.size, SHORT))
+        overlap, bandwidth = _shape(self.bandwidth, tuple(weights.tolist()), min(y.size, SHAPE_LENGTH))
         return Raw(first, df, y.size, density / record.rate, overlap, bandwidth * df)
 
 
@@ -135,9 +125,9 @@ def _shape(bandwidth: float, weights: tuple[float, ...], size: int) -> tuple[Flo
     tapers, _ = slepian(size, bandwidth, len(weights))
     length = tapers.shape[1]
     overlap = np.zeros(length // 2 + 1)
-    for a, one in zip(weights, tapers, strict=True):
+    for a, taper in zip(weights, tapers, strict=True):
         for b, other in zip(weights, tapers, strict=True):
-            overlap += a * b * np.abs(np.fft.rfft(one * other)) ** 2
+            overlap += a * b * np.abs(np.fft.rfft(taper * other)) ** 2
     overlap.flags.writeable = False
     response = np.array(weights) @ np.abs(np.fft.rfft(tapers, 16 * length, axis=1)) ** 2
     return overlap, length / float(response.max())

@@ -39,11 +39,5 @@ class SpectralEstimator(Protocol):
 def demand_frequencies(count: int, record: Record) -> None:
     """Refuse a record, or a segment of it, that is too short for any frequency."""
     if count < 1:
-        raise DataError(
-            say(
-                "{channel!r} has too few of its {size} samples without a gap for a spectrum; record longer, or use "
-                "longer segments",
-                channel=record.name,
-                size=record.size,
-            )
-        )
+        raise DataError(say("{channel!r} has too few of its {size} samples without a gap for a spectrum; record "
+                            "longer, or use longer segments", channel=record.name, size=record.size))  # fmt: skip

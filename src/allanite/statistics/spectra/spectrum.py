@@ -22,8 +22,7 @@ from .welch import Welch
 METHODS: dict[str, SpectralEstimator] = {"welch": Welch(), "multitaper": Multitaper()}
 """Methods by name, with their default settings."""
 
-MOST = 1_000_000
-"""Most values per decade: edges between them are computed before frequencies are counted."""
+MAX_PER_DECADE = 1_000_000  # most values per decade: edges between them are computed before frequencies are counted
 
 
 @public
@@ -95,25 +94,16 @@ def of_raw(raw: Raw, record: Record | Header, title: str, *, sides: str = "one",
         raw.overlap, raw.period - 2 * (k + size - 1), size
     )
     return Spectrum(
-        frequency=np.sqrt(k * (k + size - 1.0)) * raw.df,
-        width=size * raw.df,
+        frequency=np.sqrt(k * (k + size - 1.0)) * raw.df, width=size * raw.df,
         density=np.add.reduceat(raw.density, starts) / size * factor,
-        dof=np.asarray(2.0 * size**2 / (neighbours + mirrored)),
-        unit=record.signal.unit,
-        sides=sides,
-        method=title,
-        resolution=raw.resolution,
-        rate=record.rate,
-        name=record.name,
-        history=record.history,
-    )
+        dof=np.asarray(2.0 * size**2 / (neighbours + mirrored)), unit=record.signal.unit, sides=sides, method=title,
+        resolution=raw.resolution, rate=record.rate, name=record.name, history=record.history,
+    )  # fmt: skip
 
 
 def method_named(name: str, **settings: Any) -> SpectralEstimator:
     """The method of `METHODS` with other settings; an unknown setting is an error that lists the known ones.
 
-    Examples
-    --------
     >>> method_named("welch", segment=20.0)
     Welch(segment=20.0, window='hann')
     """
@@ -132,8 +122,9 @@ def _starts(first: int, size: int, bins: int | None) -> IntArray:
         return np.arange(size)
     if isinstance(bins, bool) or not isinstance(bins, (int, np.integer)) or bins < 1:
         raise UsageError(f"bins must be the number of values per decade, at least 1, not {bins!r}")
-    if bins > MOST:
-        raise UsageError(f"a spectrum has at most {MOST} values per decade, not {bins}: omit bins to have all")
+    if bins > MAX_PER_DECADE:
+        raise UsageError(f"a spectrum has at most {MAX_PER_DECADE} values per decade, not {bins}: omit bins to have "
+                         "all")  # fmt: skip
     decades = math.log10((first + size) / first)
     # edges lie half way between frequencies
     edges = (first - 0.5) * 10 ** (np.arange(math.ceil(decades * bins) + 1) / bins)

@@ -27,11 +27,8 @@ WINDOWS: dict[str, tuple[float, ...]] = {
 Those of scipy.signal, which takes a second to import; the number of cosines says which frequencies are omitted.
 """
 
-LONGEST = 2**22
-"""Samples of a segment of a record that is read in parts, at most."""
-
-AT_ONCE = 2**22
-"""Samples that are transformed at once: what bounds the memory."""
+MAX_SEGMENT = 2**22  # samples of a segment of a record that is read in parts, at most
+BATCH_SAMPLES = 2**22  # samples that are transformed at once: what bounds the memory
 
 
 @dataclass(frozen=True)
@@ -95,13 +92,13 @@ class Welch:
 
         Without `segment`, segments are an eighth of the record, but at most `LONGEST` samples.
         """
-        usual = min(max(size // 8, 64), LONGEST)
+        usual = min(max(size // 8, 64), MAX_SEGMENT)
         length = usual if self.segment is None else round(self.segment * record.rate)
-        if length > LONGEST:
+        if length > MAX_SEGMENT:
             raise UsageError(
                 f"a segment of {self.segment:g} s is {length} samples, and a record that is read in parts has "
-                f"segments of at most {LONGEST}: give {spelled('--segment', 'segment=')} up to "
-                f"{LONGEST / record.rate:.6g} s"
+                f"segments of at most {MAX_SEGMENT}: give {spelled('--segment', 'segment=')} up to "
+                f"{MAX_SEGMENT / record.rate:.6g} s"
             )
         demand_frequencies((length + 1) // 2 - len(WINDOWS[self.window]), record)
         return Periodograms(self.window, length)
@@ -142,11 +139,9 @@ class Periodograms:
         self.end()
         if not self.counts:
             raise DataError(
-                say(
-                    "no gap-free stretch of {length} samples, the length of a segment; use shorter segments",
-                    length=self.length,
-                )
-            )
+                say("no gap-free stretch of {length} samples, the length of a segment; use shorter segments",
+                    length=self.length)
+            )  # fmt: skip
         energy, first = float(self.w @ self.w), len(WINDOWS[self.window])
         segments = sum(size * many for size, many in self.counts.items())
         density = self.power[first : (self.length + 1) // 2] * (factor**2 / (segments * energy * rate))
@@ -157,7 +152,7 @@ class Periodograms:
     def _run(self, part: FloatArray) -> None:
         """Add samples that follow the last ones without a gap."""
         self._rest.append(part)
-        size = sum(one.size for one in self._rest)
+        size = sum(piece.size for piece in self._rest)
         if size < self.length:
             self._rest[-1] = part.copy()  # the caller may use its memory again
             return
@@ -167,7 +162,7 @@ class Periodograms:
 
         segments = np.lib.stride_tricks.sliding_window_view(run, w.size)[:: self.hop]
         power = np.zeros(w.size // 2 + 1)
-        group = max(1, AT_ONCE // w.size)
+        group = max(1, BATCH_SAMPLES // w.size)
         for start in range(0, len(segments), group):
             part = segments[start : start + group]
             part = (part - part.mean(axis=1, keepdims=True)) * w

@@ -37,10 +37,8 @@ def planned(start, law="exact", **options):
 
 
 def sensors(unit=1e-6):
-    return {
-        "h": al.angle.Harmonics.of({128: (3 * unit, -unit), 256: (0.5 * unit, 2 * unit)}, "h"),
-        "q": al.angle.Harmonics.of({128: (-2 * unit, 2 * unit), 256: (unit, 0.0)}, "q"),
-    }
+    return {"h": al.angle.Harmonics.of({128: (3 * unit, -unit), 256: (0.5 * unit, 2 * unit)}, "h"),
+            "q": al.angle.Harmonics.of({128: (-2 * unit, 2 * unit), 256: (unit, 0.0)}, "q")}  # fmt: skip
 
 
 # geometry
@@ -162,15 +160,6 @@ def test_recursive_equals_batch_and_the_kalman_filter(law, start):
     np.testing.assert_allclose(left, innovations, atol=1e-7)
 
 
-def test_square_root_keeps_digits_where_a_covariance_loses_them():
-    """Two constants told apart in the ninth digit only; the covariance form would need 1e-18."""
-    rng = np.random.default_rng(1)
-    rows = np.column_stack([np.ones(200), 1 + 1e-7 * rng.standard_normal(200)])
-    z = rows @ [1.0, 2.0]
-    known, _ = squareroot.SquareRoot.before(np.full(2, 1e9)).absorb(rows, z)
-    np.testing.assert_allclose(known.values, [1.0, 2.0], rtol=1e-6)
-
-
 @given(cut=st.integers(1, 359), seed=st.integers(0, 100))
 @settings(max_examples=examples(20), deadline=None)
 def test_what_is_known_can_be_added_to(cut, seed):
@@ -200,7 +189,7 @@ def test_estimate_finds_what_was_simulated():
     np.testing.assert_allclose(batch.covariance, found.solution.covariance, rtol=1e-9, atol=1e-9 * 1e-12)
 
 
-def test_wrapped_angles_change_nothing():
+def test_estimates_of_still_and_swaying_gimbals():
     gimbals = hour()
     z = al.angle.simulate(gimbals, sensors(), sigma=1e-6, rng=np.random.default_rng(1))
     wrapped = gimbals.moved(q=np.mod(gimbals.q - 2.1, 2 * math.pi))
@@ -208,9 +197,6 @@ def test_wrapped_angles_change_nothing():
     assert np.ptp(wrapped.q) > 6
     one, two = (al.angle.estimate(z, g).solution.values for g in (gimbals, wrapped))
     np.testing.assert_allclose(one, two, rtol=1e-8)
-
-
-def test_polar_sensors_are_estimated_under_sway():
     gimbals = hour(sway=(math.radians(1.5), 61.0))
     true = sensors() | {"h_polar": al.angle.Harmonics.of({128: (2e-6, 1e-6)}, "h_polar")}
     z = al.angle.simulate(gimbals, true, sigma=1e-6, rng=np.random.default_rng(1))
@@ -297,9 +283,19 @@ def test_planned_accuracy_is_the_prototypes(law, totals):
         assert planned(3600.0 * start, law).total == pytest.approx(total, rel=0.01)
 
 
-def test_condition_numbers():
+def test_planning_thins_and_names_a_turn_near_an_error():
     assert planned(7200.0, "linear").condition == pytest.approx(1.1e3, rel=0.1)
     assert planned(18000.0, "linear").condition == pytest.approx(7.8e4, rel=0.05)
+    coarse = al.angle.scan(AngleSettings(LATITUDE, 3600.0, 10.0), [0.0, 7200.0])
+    fine = al.angle.scan(AngleSettings(LATITUDE, 3600.0, 0.1, sigma=10.0), [0.0, 7200.0])
+    np.testing.assert_allclose(fine.totals, coarse.totals, rtol=0.01)
+    assert fine.best.settings.interval == 0.1
+    assert fine.best.total == pytest.approx(fine.totals.min(), rel=0.01)
+    assert "turn" not in [f.name for f in planned(0.0).findings]
+    near = planned(0.0, turn_period=720.0)
+    assert "turn" in [f.name for f in near.findings]
+    assert near.total == pytest.approx(2.30, rel=0.01)
+    assert planned(7200.0, turn_period=720.0).total == pytest.approx(4.00, rel=0.01)
 
 
 @rows("law, duration, low, high, total", [
@@ -335,22 +331,6 @@ def test_sway_halves_the_time_in_the_middle_but_not_at_the_extreme(degrees):
     assert half[5] < full[5]
     assert max(a / b for a, b in zip(half[1:5], full[1:5], strict=True)) < 1.5
     assert half[5] > 3 * half[0]
-
-
-def test_a_scan_thins_what_it_need_not_look_at():
-    coarse = al.angle.scan(AngleSettings(LATITUDE, 3600.0, 10.0), [0.0, 7200.0])
-    fine = al.angle.scan(AngleSettings(LATITUDE, 3600.0, 0.1, sigma=10.0), [0.0, 7200.0])
-    np.testing.assert_allclose(fine.totals, coarse.totals, rtol=0.01)
-    assert fine.best.settings.interval == 0.1
-    assert fine.best.total == pytest.approx(fine.totals.min(), rel=0.01)
-
-
-def test_a_turn_near_an_error_is_named():
-    assert "turn" not in [f.name for f in planned(0.0).findings]
-    near = planned(0.0, turn_period=720.0)
-    assert "turn" in [f.name for f in near.findings]
-    assert near.total == pytest.approx(2.30, rel=0.01)
-    assert planned(7200.0, turn_period=720.0).total == pytest.approx(4.00, rel=0.01)
 
 
 @rows("options, name, words", [
@@ -389,7 +369,7 @@ def test_planning_predicts_the_spread(law):
 # harmonics as a correction
 
 
-def test_a_record_is_corrected_in_its_own_unit():
+def test_harmonics_are_sines_that_keep_gaps_and_correct_a_record_in_its_own_unit():
     known = al.angle.Harmonics.of({128: (10 * ARCSEC, 0.0), 256: (0.0, 5 * ARCSEC)}, "encoder")
     true = np.linspace(0.0, 400.0, 5001)
     reading = np.degrees(known.read(np.radians(true)))
@@ -399,13 +379,13 @@ def test_a_record_is_corrected_in_its_own_unit():
     assert np.abs(reading - true).max() > 12 / 3600
     np.testing.assert_allclose(corrected.values, true, atol=1e-12)
     assert corrected.history == ("corrected: harmonics 128, 256 of the angle",)
-
-
-def test_a_harmonic_is_a_sine_with_an_amplitude_and_a_phase():
     found = al.angle.Harmonics.of({1: (3e-3, -1e-3), 2: (-2e-3, 0.5e-3)})
     angle = np.linspace(0.0, 7.0, 50)
     parts = zip(found.orders, found.amplitude, found.phase, strict=True)
     np.testing.assert_allclose(sum(size * np.sin(k * angle + at) for k, size, at in parts), found.at(angle), atol=1e-15)
+    record = al.Record([0.1, math.nan, 0.3], rate=1.0, unit="rad", kind="angle")
+    values = al.angle.Harmonics.of({2: (1e-3, 0.0)}).apply(record).values
+    assert np.isnan(values).tolist() == [False, True, False]
 
 
 @rows(("kind", "unit"), [("rate", "deg/s"), ("increment", "arcsec"), ("angle", "m/s")])
@@ -413,12 +393,6 @@ def test_only_angles_are_corrected(kind, unit):
     record = al.Record(np.arange(5.0), rate=1.0, unit=unit, kind=kind, name="x")
     with pytest.raises(al.UsageError, match="'angle' in rad or deg"):
         al.angle.Harmonics.of({128: (1e-5, 0.0)}).apply(record)
-
-
-def test_gaps_stay_gaps():
-    record = al.Record([0.1, math.nan, 0.3], rate=1.0, unit="rad", kind="angle")
-    values = al.angle.Harmonics.of({2: (1e-3, 0.0)}).apply(record).values
-    assert np.isnan(values).tolist() == [False, True, False]
 
 
 # any encoder against a reference
@@ -495,23 +469,17 @@ def test_units_and_records_are_one():
     assert named.name == "enc"
 
 
-def test_a_harmonic_that_was_not_asked_for_is_named():
+def test_what_is_said_of_an_encoder():
     measured, reference, _ = encoder()
     measured = measured + 15 * ARCSEC * np.sin(reference)
     finding = next(f for f in al.angle.calibrate(measured, reference).solution.findings if f.name == "order")
     assert "harmonic 1 is also present, with an amplitude of about 15.1 arcsec" in finding.what
     assert not al.angle.calibrate(measured, reference, orders=[1, 128, 256]).solution.findings
-
-
-def test_a_drift_is_estimated_along():
     measured, reference, _ = encoder()
     drifting = measured + np.linspace(-50, 50, 4000) * ARCSEC
     found = al.angle.calibrate(drifting, reference, trend=1)
     assert found.solution["drift"] == pytest.approx(50 * ARCSEC, rel=0.01)
     assert found.solution.warnings == ()
-
-
-def test_less_than_a_period_is_named():
     measured, reference, _ = encoder(turns=0.02)
     assert "span" in [f.name for f in al.angle.calibrate(measured, reference).solution.findings]
 
@@ -545,10 +513,8 @@ REFUSED = {
     "polar": (lambda: planned(0.0, orders={"h_polar": [128]}), "under sway only"),
     "polar data": (lambda: al.angle.estimate(z360, hour(), orders={"q_polar": [128]}), "under sway only"),
     "pole": (lambda: planned(0.0, latitude=math.pi / 2), "does not move cannot be separated from a constant"),
-    "no range": (
-        lambda: al.angle.estimate(z360, hour().moved(h=np.full(360, 0.2))),
-        "h stays within 0 deg, .* cannot be separated",
-    ),
+    "no range": (lambda: al.angle.estimate(z360, hour().moved(h=np.full(360, 0.2))),
+                 "h stays within 0 deg, .* cannot be separated"),
     "constant": (lambda: al.angle.estimate(np.zeros(360), hour()), "constant"),
     "scaled": (lambda: al.angle.estimate(z360 * 1e7, hour()), "must be within 2"),
     "no turn": (lambda: al.angle.estimate(z360, hour(turn_period=None)), "need the angle rho"),
@@ -565,23 +531,17 @@ REFUSED = {
     "interval": (lambda: planned(0.0, interval=-1.0), "interval must be a positive number"),
     "start": (lambda: planned(math.nan), "start must be a time"),
     "text": (lambda: al.angle.estimate(["a"] * 360, hour()), "real numbers"),
-    "calibrate degrees": (
-        lambda: al.angle.calibrate(np.arange(0, 720, 0.5) % 360 + 1e-5, np.arange(0, 720, 0.5) % 360),
-        "in degrees",
-    ),
+    "calibrate degrees": (lambda: al.angle.calibrate(np.arange(0, 720, 0.5) % 360 + 1e-5, np.arange(0, 720, 0.5) % 360),
+                          "in degrees"),
     "calibrate unit": (lambda: al.angle.calibrate(HOUR, HOUR, unit="deg/s"), "not a unit of an angle"),
     "calibrate still": (lambda: al.angle.calibrate(z360 + 0.1, z360 * 0.5), "Turn the sensor"),
-    "calibrate columns": (
-        lambda: al.angle.calibrate(np.linspace(0, 6, 360), -np.linspace(0, 6, 360)),
-        "not small relative",
-    ),
+    "calibrate columns": (lambda: al.angle.calibrate(np.linspace(0, 6, 360), -np.linspace(0, 6, 360)),
+                          "not small relative"),
     "calibrate lengths": (lambda: al.angle.calibrate(HOUR, HOUR[1:]), "359 samples instead of 360"),
-    "calibrate kind": (
-        lambda: al.angle.calibrate(al.Record(HOUR, rate=1.0, unit="deg/s"), HOUR),
-        "must be a record of kind 'angle'",
-    ),
+    "calibrate kind": (lambda: al.angle.calibrate(al.Record(HOUR, rate=1.0, unit="deg/s"), HOUR),
+                       "must be a record of kind 'angle'"),
     "calibrate trend": (lambda: al.angle.calibrate(HOUR, HOUR, trend=7), "degree 0, 1 or 2"),
-}
+}  # fmt: skip
 
 
 @rows("case", REFUSED)
@@ -600,9 +560,12 @@ def test_what_is_not_told_apart_needs_a_prior():
     known = solve(system, prior=np.array([1.0, 1e-2, 1e-2]))
     assert np.isfinite(known.values).all()
     assert math.isinf(known.condition) or known.condition > 1e12
-
-
-def test_every_nuisance_says_what_it_is():
+    # two constants told apart in the ninth digit only; the covariance form would need 1e-18
+    rng = np.random.default_rng(1)
+    rows = np.column_stack([np.ones(200), 1 + 1e-7 * rng.standard_normal(200)])
+    z = rows @ [1.0, 2.0]
+    known, _ = squareroot.SquareRoot.before(np.full(2, 1e9)).absorb(rows, z)
+    np.testing.assert_allclose(known.values, [1.0, 2.0], rtol=1e-6)
     assert set(USUAL) < set(NUISANCES)
     assert all(row.meaning for row in NUISANCES.values())
 

@@ -25,7 +25,7 @@ ARCSEC = math.pi / 648_000
 WHOLE = tuple(map(al.Model, benchmark.WHOLE))
 
 
-def test_closed_form_of_white_noises():
+def test_closed_form_of_white_noises_is_the_steady_kalman_filter():
     found = optimal_time_constant(GYRO, TILT)
     assert found.time_constant == pytest.approx(1.1459, abs=5e-5)
     assert found.first.to("arcsec") == pytest.approx(19.27, abs=0.005)
@@ -35,10 +35,6 @@ def test_closed_form_of_white_noises():
         assert rms / found.first.rms == pytest.approx(math.sqrt((k + 1 / k) / 2), rel=1e-7)
     assert found.second is None
     assert found.loss == 0
-
-
-def test_the_filter_of_first_order_is_the_steady_kalman_filter_of_white_noises():
-    found = optimal_time_constant(GYRO, TILT)
     assert found.first.rms == pytest.approx(kalman_error(N, A), rel=1e-9)
     assert predicted_error(GYRO, TILT, kalman(N, A)).rms == pytest.approx(kalman_error(N, A), rel=1e-9)
     sampled = optimal_time_constant(GYRO, TILT, rate=100.0)
@@ -111,25 +107,19 @@ def test_no_filter_is_better_than_the_bound(models):
         assert found.second.rms < found.first.rms
 
 
-def test_sources_add_and_the_floor_is_that_of_the_accelerometer():
+def test_sources_add_by_the_formulas():
     found = predicted_error(*WHOLE, 1.0, duration=600.0, accelerometer_bias="20 ug")
     assert sum(s.rms**2 for s in found.sources) == pytest.approx(found.rms**2)
     assert [(s.sensor, s.symbol) for s in found.sources][-2:] == [("accelerometer", "B"), ("accelerometer", "bias")]
     flicker = math.hypot(found.floor, 0) ** 2 - (20e-6) ** 2
     slower = predicted_error(*WHOLE, 4.0, duration=600.0).floor
     assert slower == pytest.approx(math.sqrt(flicker), rel=0.15)
-
-
-def test_a_sinusoid_and_a_ramp():
     wave = GYRO + al.Sine(10, "deg/h", frequency=0.1)
     found = predicted_error(wave, TILT, 2.0)
     gain = 2.0 / math.hypot(1, 2 * math.pi * 0.1 * 2.0)
     assert found.sources[-1].rms == pytest.approx(10 * ARCSEC / math.sqrt(2) * gain, rel=1e-9)
     ramp = predicted_error(GYRO + al.R(10, "deg/h^2"), TILT, 2.0, duration=3600.0).sources[-1]
     assert ramp.rms == pytest.approx(10 * ARCSEC * 2.0 / math.sqrt(12), rel=1e-9)
-
-
-def test_density_is_that_of_the_formula():
     f = np.geomspace(1e-3, 10, 50)
     lines = error_density(predicted_error(GYRO, TILT, 2.0), f)
     whole = lines["gyro N"] ** 2 + lines["accelerometer N"] ** 2

@@ -60,13 +60,20 @@ def test_time_constant_follows_from_the_identified_noise(found):
     assert len(found.roll) == len(found.pitch) == 20_000
 
 
-def test_a_given_time_constant_needs_no_noise(still):
+def test_a_given_time_constant_needs_no_noise_and_no_best_one(still, swaying):
     short = al.Recording(tuple(replace(r, values=r.values[:150]) for r in still))
     got = vertical(short, "mahony", 2.0)
     assert got.loop.time_constant == 2.0
     assert all(angle.prediction is None for angle in got.angles)
     with pytest.raises(al.DataError, match=r"no time constant follows from the noise: .*give it with time_constant"):
         vertical(short)
+    silent = replace(KNOWN, accelerometer="N 1e-6 ug/sqrt(Hz)")
+    for angle in vertical(recorded(swaying), settings=silent).angles:
+        assert angle.optimum is None
+        assert angle.prediction.loop.time_constant == 2.0
+        assert "no best filter for this angle: no time constant is best" in angle.doubts[0]
+    with pytest.raises(al.UsageError, match="no time constant is best"):
+        vertical(recorded(swaying), settings=replace(silent, time_constant=None))
 
 
 def test_given_noise_is_not_identified(still):
@@ -202,16 +209,6 @@ def test_a_turning_body_and_a_time_constant_beyond_the_recording_are_said(still)
     assert "the recording lasts" not in plain
 
 
-def test_a_given_time_constant_needs_no_best_one(swaying):
-    silent = replace(KNOWN, accelerometer="N 1e-6 ug/sqrt(Hz)")
-    for angle in vertical(recorded(swaying), settings=silent).angles:
-        assert angle.optimum is None
-        assert angle.prediction.loop.time_constant == 2.0
-        assert "no best filter for this angle: no time constant is best" in angle.doubts[0]
-    with pytest.raises(al.UsageError, match="no time constant is best"):
-        vertical(recorded(swaying), settings=replace(silent, time_constant=None))
-
-
 @pytest.mark.slow("takes more than half a second")
 def test_noise_that_no_model_explains_is_never_used_without_a_warning(still):
     stepped = changed(still, "ay", lambda v: np.resize(1e-3 * np.array([0, 1, 2, 3, 4, 3, 2, 1]), v.size))
@@ -244,7 +241,7 @@ def test_terms_that_are_not_valid_are_left_out_and_what_they_would_do_is_said(st
     assert stated == pytest.approx(p.to("arcsec"), rel=0.05)
 
 
-def test_free_fall_is_counted(still):
+def test_free_fall_is_counted_and_settings_are_checked(still):
     def fall(values):
         values = values.copy()
         values[5000:5100] = 0.0
@@ -256,6 +253,12 @@ def test_free_fall_is_counted(still):
     got = vertical(dropped, time_constant=1.0)
     assert (got.held, got.falling) == (100, 100)
     assert "100 samples in free fall" in table(got)
+    with pytest.raises(al.UsageError, match=r"sample interval of 0.02 s"):
+        vertical(still, time_constant=0.02)
+    with pytest.raises(al.UsageError, match="unknown filter 'best'; known filters: complementary"):
+        vertical(still, "best")
+    with pytest.raises(al.UsageError, match="time_constant must be above 0, not -1"):
+        vertical(still, time_constant=-1.0)
 
 
 def lose(values):
@@ -277,15 +280,6 @@ def lose(values):
 def test_bad_recordings(still, change, said):
     with pytest.raises(al.DataError, match=said):
         vertical(change(still), time_constant=1.0)
-
-
-def test_bad_settings(still):
-    with pytest.raises(al.UsageError, match=r"sample interval of 0.02 s"):
-        vertical(still, time_constant=0.02)
-    with pytest.raises(al.UsageError, match="unknown filter 'best'; known filters: complementary"):
-        vertical(still, "best")
-    with pytest.raises(al.UsageError, match="time_constant must be above 0, not -1"):
-        vertical(still, time_constant=-1.0)
 
 
 @pytest.fixture

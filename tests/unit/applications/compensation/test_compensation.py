@@ -165,12 +165,9 @@ def test_what_was_saved_corrects_in_the_same_way(tmp_path):
     assert gain_on(again, record, along) == gain_on(found, record, along)
 
 
-BROKEN = [
-    ("[]", "contains no saved regression"),
-    ("{", "cannot be read"),
-    ('{"regressions": [{"type": "Regression"}]}', "not a saved regression"),
-    ('{"regressions": [{"type": "Fit"}]}', "not a saved regression"),
-]
+BROKEN = [("[]", "contains no saved regression"), ("{", "cannot be read"),
+          ('{"regressions": [{"type": "Regression"}]}', "not a saved regression"),
+          ('{"regressions": [{"type": "Fit"}]}', "not a saved regression")]  # fmt: skip
 
 
 @rows(("text", "words"), BROKEN)
@@ -188,7 +185,7 @@ def test_a_changed_regression_is_refused():
         al.Regression.from_dict(data)
 
 
-def test_powers_and_lags_enter_where_held_back_blocks_gain():
+def test_powers_enter_where_held_back_blocks_gain_and_lags_as_they_are_asked_for():
     temp = channel(cycles(period=400.0))
     centred = temp.values - temp.values.mean()
     bent = compensate(gyro(8, 1e-5 * centred + 2e-6 * centred**2), temp, ["temp"], degree=3)
@@ -199,6 +196,7 @@ def test_powers_and_lags_enter_where_held_back_blocks_gain():
     lagged = compensate(gyro(9, 1e-5 * late), temp, ["temp"], lags=(60.0,))
     assert lagged["temp, 60 s before"].low < 1e-5 < lagged["temp, 60 s before"].high
     assert lagged["temp, 60 s before"].regressor.column_unit == "degC"
+    assert not lagged["temp, 60 s before"].chosen
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -223,9 +221,6 @@ def test_gaps_are_an_error_or_split_the_record():
     assert "2 stretches" in found.notes[0]
     corrected = found.apply(holed, al.Recording((TEMP,)))
     np.testing.assert_array_equal(np.isnan(corrected.values), np.isnan(values))
-
-
-def test_many_gaps_lose_no_more_than_their_readings():
     rng = np.random.default_rng(1)
     values = gyro(11, 1e-5 * TEMP.values).values.copy()
     values[rng.choice(3600, 12, replace=False)] = np.nan
@@ -254,9 +249,6 @@ def test_a_temperature_beside_a_ramp_has_its_own_coefficient():
     alone = compensate(record, WARMING, ["temp"], trend=False)
     assert alone["temp"].high < 0
     assert any("rate ramp R" in note and "omit trend=False" in note for note in alone.notes)
-
-
-def test_a_ramp_beside_which_a_temperature_does_nothing():
     found = compensate(gyro(12, RAMP, model=al.Model((al.N(0.01, "deg/sqrt(h)"),))), WARMING, ["temp"])
     assert not found.significant
     assert "z shows no dependence on temp" in table(found)
@@ -298,27 +290,23 @@ DOUBLE = channel(2 * TEMP.values, name="double")
 SLOW = al.Record(cycles(360), 0.1, "degC", name="slow")
 HOLED = channel(np.where(HOUR == 7, np.nan, TEMP.values), name="holed")
 ALONG = al.Recording((TEMP, FLAT, DOUBLE, SLOW, HOLED))
-WRONG = [
-    ({"regressors": ["flat"]}, al.DataError, r"'flat' is constant \(always 21 degC\)"),
-    ({"regressors": ["temp", "double"]}, al.DataError, "'temp', 'double' are collinear"),
-    (
-        {"regressors": ["slow"]},
-        al.DataError,
-        r"'slow' \(0.1 Hz, 360 samples\) does not have the sample times .*aligned",
-    ),
-    ({"regressors": ["holed"]}, al.DataError, "1 of its regressors are missing"),
-    ({"regressors": ["flux"]}, al.UsageError, "'flux' is missing; channels: temp, flat"),
-    ({"regressors": []}, al.UsageError, "at least one regressor"),
-    ({"regressors": "temp"}, al.UsageError, "a sequence of strings"),
-    ({"regressors": ["temp", "temp"]}, al.UsageError, "named twice"),
-    ({"regressors": ["time"]}, al.UsageError, "leave out 'time'"),
-    ({"regressors": ["temp"], "degree": 0}, al.UsageError, "from 1 to 6"),
-    ({"regressors": ["temp"], "lags": (-1.0,)}, al.UsageError, "positive numbers of seconds"),
-    ({"regressors": ["temp"], "lags": (0.2,)}, al.UsageError, "shorter than the sample interval"),
-    ({"regressors": ["temp"], "lags": (4000.0,)}, al.DataError, "longer than"),
-    ({"regressors": ["temp"], "settings": FitSettings(least=1e4)}, al.DataError, "effective samples.*least="),
-    ({"derivative_of": ["temp"], "settings": FitSettings(smooth=10.0)}, al.UsageError, "at least 60 s"),
-]
+WRONG = [({"regressors": ["flat"]}, al.DataError, r"'flat' is constant \(always 21 degC\)"),
+         ({"regressors": ["temp", "double"]}, al.DataError, "'temp', 'double' are collinear"),
+         ({"regressors": ["slow"]}, al.DataError,
+          r"'slow' \(0.1 Hz, 360 samples\) does not have the sample times .*aligned"),
+         ({"regressors": ["holed"]}, al.DataError, "1 of its regressors are missing"),
+         ({"regressors": ["flux"]}, al.UsageError, "'flux' is missing; channels: temp, flat"),
+         ({"regressors": []}, al.UsageError, "at least one regressor"),
+         ({"regressors": "temp"}, al.UsageError, "a sequence of strings"),
+         ({"regressors": ["temp", "temp"]}, al.UsageError, "named twice"),
+         ({"regressors": ["time"]}, al.UsageError, "leave out 'time'"),
+         ({"regressors": ["temp"], "degree": 0}, al.UsageError, "from 1 to 6"),
+         ({"regressors": ["temp"], "lags": (-1.0,)}, al.UsageError, "positive numbers of seconds"),
+         ({"regressors": ["temp"], "lags": (0.2,)}, al.UsageError, "shorter than the sample interval"),
+         ({"regressors": ["temp"], "lags": (4000.0,)}, al.DataError, "longer than"),
+         ({"regressors": ["temp"], "settings": FitSettings(least=1e4)}, al.DataError, "effective samples.*least="),
+         ({"derivative_of": ["temp"], "settings": FitSettings(smooth=10.0)}, al.UsageError,
+          "at least 60 s")]  # fmt: skip
 
 
 @rows(("options", "error", "words"), WRONG, ids=lambda v: str(v)[:40])
@@ -347,9 +335,6 @@ def test_records_that_are_no_use_are_said_to_be():
         compensate(gyro(1), TEMP, ["temp"]).apply(gyro(1))
     with pytest.raises(al.UsageError, match="belongs to a gyro"):
         compensate(gyro(1), TEMP, ["temp"]).apply(channel(np.zeros(3600), "m/s^2", "a"), al.Recording((TEMP,)))
-
-
-def test_too_few_effective_samples_are_refused():
     walk = al.Model((al.K(100.0, "deg/h/sqrt(h)"),))
     short = channel(cycles(300))
     with pytest.raises(al.DataError, match=r"has \d+(\.\d+)? effective samples"):
@@ -440,14 +425,11 @@ def study(tmp_path_factory):
     return al.compensate_file(path, settings=al.CompensationSettings(regressors=("temp",)))
 
 
-def test_a_study_that_was_stored_has_no_samples_to_write(study):
+def test_a_study_is_stored_and_drawn(study):
     assert study.corrected.channels == ("z",)
     again = al.from_dict(json.loads(json.dumps(study.to_dict())))
     with pytest.raises(al.DataError, match="nothing to write"):
         _ = again.corrected
-
-
-def test_the_figure_shows_means_of_the_rate_over_minutes(study):
     axes = al.plot(study).axes[1]
     before, after, taken = (line.get_xydata() for line in axes.lines)
     assert axes.get_xlabel() == "time (min)"

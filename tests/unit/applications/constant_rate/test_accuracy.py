@@ -28,13 +28,11 @@ from allanite.simulation.ring_laser import GL1
 ARCSEC = math.pi / 180 / 3600
 RUNS, N, RATE, PULSE = 400, 4800, 40.0, 0.33
 TURNING = 12.3
-MODELS = {
-    "N": (("N", 0.001, "deg/sqrt(h)"),),
-    "Q": (("Q", 0.25, "arcsec"),),
-    "QN": (("N", 3e-4, "deg/sqrt(h)"), ("Q", 0.25, "arcsec")),
-    "NB": (("N", 3e-4, "deg/sqrt(h)"), ("B", 0.01, "deg/h")),
-    "QNBK": (("N", 3e-4, "deg/sqrt(h)"), ("Q", 0.2, "arcsec"), ("B", 0.005, "deg/h"), ("K", 0.05, "deg/h/sqrt(h)")),
-}
+MODELS = {"N": (("N", 0.001, "deg/sqrt(h)"),), "Q": (("Q", 0.25, "arcsec"),),
+          "QN": (("N", 3e-4, "deg/sqrt(h)"), ("Q", 0.25, "arcsec")),
+          "NB": (("N", 3e-4, "deg/sqrt(h)"), ("B", 0.01, "deg/h")),
+          "QNBK": (("N", 3e-4, "deg/sqrt(h)"), ("Q", 0.2, "arcsec"), ("B", 0.005, "deg/h"),
+                   ("K", 0.05, "deg/h/sqrt(h)"))}  # fmt: skip
 
 
 def simulated(model, rng):
@@ -122,7 +120,7 @@ def gl1():
     ]
 
 
-def test_exact_covariance_of_the_gl1():
+def test_exact_covariance_of_the_gl1_and_of_random_walk_alone():
     errors = {
         m: predicted_standard_error(m, GL1.model, size=48_000, rate=400.0) / ARCSEC
         for m in ("mean", "hamming", "regression", "optimal")
@@ -133,9 +131,6 @@ def test_exact_covariance_of_the_gl1():
         assert errors[method] == pytest.approx(error, abs=6e-6)
     # the paper's staircase, 0.0013, is below what any unbiased linear method can do under this noise
     assert errors["optimal"] > 1.2 * 0.0013
-
-
-def test_under_random_walk_alone_averaging_wins():
     model = al.N(3e-3, "deg/sqrt(h)")
     mean, hamming, regression = (
         predicted_standard_error(m, model, size=48_000, rate=400.0) for m in ("mean", "hamming", "regression")
@@ -161,17 +156,13 @@ def test_the_simulated_gl1(gl1, run):
 
 
 @pytest.mark.slow("ensemble of simulated gyros")
-def test_the_warm_up_shows(gl1):
+def test_the_warm_up_and_the_limits_of_ratios_and_scatter(gl1):
     found = gl1[2]
     assert "the rate drifts" in found.drift
     scatter = found.scatter("regression")
     assert scatter.deviation > 1.2 * scatter.neighbours
     # -0.01 deg/h that decays with ten minutes leaves the first interval below
     assert -0.015 < found.errors[found.methods.index("optimal"), 0] / ARCSEC < -0.004
-
-
-@pytest.mark.slow("ensemble of simulated gyros")
-def test_ratios_know_that_both_methods_saw_the_same_data(gl1):
     ratios = {(r.first, r.second): r for r in gl1[0].ratios()}
     assert len(ratios) == 15
     close = ratios["regression", "conditional"]
@@ -181,11 +172,7 @@ def test_ratios_know_that_both_methods_saw_the_same_data(gl1):
     wide = ratios["mean", "optimal"]
     assert wide.low < 2.11 < wide.high
     assert wide.high / wide.low > 1.3
-
-
-@pytest.mark.slow("ensemble of simulated gyros")
-def test_the_limits_of_the_scatter(gl1):
-    """94 intervals: 68 % within 7.3 %."""
+    # 94 intervals: 68 % within 7.3 %
     scatter = gl1[0].scatter("mean", 0.68)
     assert scatter.high / scatter.low == pytest.approx(1.073 / 0.927, rel=0.02)
 

@@ -34,20 +34,24 @@ def white(n=1000, mean=10.0, seed=1, rate=10.0):
 # ---- intervals
 
 
-def test_the_incomplete_end_is_left_out_and_said():
+def test_intervals_fill_the_record_but_for_its_end():
     found = experiment(white(1050), MODEL, ExperimentSettings(interval=10.0, methods=("mean",)))
     assert found.start.tolist() == [10.0 * i for i in range(10)]
     assert found.notes == ("5 s of 105 s do not fill an interval and are omitted",)
     means = white(1050).values[:1000].reshape(10, 100).mean(axis=1)
     np.testing.assert_allclose(found.rates[0] / DEG_H, means)
-
-
-def test_a_record_shorter_than_the_interval_is_one_interval():
     found = experiment(white(100), MODEL, ExperimentSettings(interval=120.0, methods=("mean", "optimal")))
     assert found.rates.shape == (2, 1)
     assert found.duration == 10.0
     assert math.isnan(found.scatter("mean").deviation)
     assert found.ratios() == ()
+    found = experiment(
+        white(), MODEL, ExperimentSettings(interval=10.0, methods=("conditional",), options=EstimatorSettings(lines=3))
+    )
+    plain = experiment(
+        white(), MODEL, ExperimentSettings(interval=10.0, methods=("conditional",), options=EstimatorSettings(lines=1))
+    )
+    assert not np.allclose(found.rates, plain.rates, rtol=1e-12)
 
 
 @rows("kind", ["rate", "angle"])
@@ -68,7 +72,23 @@ def test_gaps_are_an_error_or_split_the_record(kind):
         experiment(broken, MODEL, ExperimentSettings(interval=60.0, gaps="split"))
 
 
-def test_methods_that_cannot_be_used_are_named():
+@rows("choice, words", [
+    ({"interval": 0.0}, "positive number of seconds"), ({"interval": math.nan}, "positive number of seconds"),
+    ({"gaps": "fill"}, "'error' or 'split'"), ({"methods": ("median",)}, "unknown rate estimator"),
+])  # fmt: skip
+def test_impossible_plans_are_refused(choice, words):
+    with pytest.raises(al.UsageError, match=words):
+        ExperimentSettings(**choice)
+
+
+def test_errors_are_counted_from_the_reference_and_useless_methods_named():
+    known = experiment(white(), MODEL, ExperimentSettings(interval=10.0, reference=9.0 * DEG_H, bias=0.5 * DEG_H))
+    free = experiment(white(), MODEL, ExperimentSettings(interval=10.0))
+    np.testing.assert_allclose(known.errors / DEG_H, free.rates / DEG_H - 9.5)
+    assert free.errors[-1].mean() == pytest.approx(0.0, abs=1e-18)
+    data = known.to_dict()
+    assert data["reference_known"] is True
+    assert len(data["methods"][0]["rates"]) == 10
     found = experiment(white(), None, ExperimentSettings(interval=10.0))
     assert found.methods == ("mean", "hamming", "regression", "conditional")
     assert "noise model" in found.left_out["optimal"]
@@ -79,29 +99,10 @@ def test_methods_that_cannot_be_used_are_named():
         experiment(white(), None, ExperimentSettings(methods=("optimal",)))
 
 
-@rows("choice, words", [
-    ({"interval": 0.0}, "positive number of seconds"), ({"interval": math.nan}, "positive number of seconds"),
-    ({"gaps": "fill"}, "'error' or 'split'"), ({"methods": ("median",)}, "unknown rate estimator"),
-])  # fmt: skip
-def test_impossible_plans_are_refused(choice, words):
-    with pytest.raises(al.UsageError, match=words):
-        ExperimentSettings(**choice)
-
-
-def test_errors_are_counted_from_the_reference():
-    known = experiment(white(), MODEL, ExperimentSettings(interval=10.0, reference=9.0 * DEG_H, bias=0.5 * DEG_H))
-    free = experiment(white(), MODEL, ExperimentSettings(interval=10.0))
-    np.testing.assert_allclose(known.errors / DEG_H, free.rates / DEG_H - 9.5)
-    assert free.errors[-1].mean() == pytest.approx(0.0, abs=1e-18)
-    data = known.to_dict()
-    assert data["reference_known"] is True
-    assert len(data["methods"][0]["rates"]) == 10
-
-
 # ---- bias, reversal
 
 
-def test_the_papers_arithmetic():
+def test_bias_is_subtracted_or_removed_by_reversal():
     """12.335042 less a bias of -0.0948 is 12.4298; the vertical earth rate there is that of Moscow."""
     raw = replace(
         estimate(white(), "mean", model=MODEL), value=12.335042 * DEG_H, limits=(12.33 * DEG_H, 12.34 * DEG_H)
@@ -117,9 +118,6 @@ def test_the_papers_arithmetic():
         subtract_bias(raw, math.nan, "deg/h")
     with pytest.raises(al.UnitError):
         subtract_bias(raw, 1.0, "deg")
-
-
-def test_reversal_removes_the_bias():
     up, down = (estimate(white(mean=m, seed=s), "mean", model=MODEL) for m, s in ((12.4 + 0.7, 1), (-12.4 + 0.7, 2)))
     rate, bias = reversal(up, down)
     assert rate.to("deg/h") == pytest.approx(12.4, abs=4 * rate.standard_error / DEG_H)
@@ -236,15 +234,12 @@ def test_lock_in_makes_the_random_walk_that_is_claimed():
     assert gyro.model["N"].value == pytest.approx(walk, rel=1e-6)
 
 
-def test_a_warm_up_is_an_exponential():
+def test_the_bias_of_a_ring_laser_warms_up_and_wanders_as_told():
     quiet = RingLaser(pulse=0.001, lock_in=0.0, warm_up=-5.0, settling=10.0)
     record = al.simulate_ring_laser(quiet, 100.0, 10_000, 200.0, rng=np.random.default_rng(1))
     angle = np.r_[0, np.cumsum(record.values)] * 0.001
     t = np.arange(10_001) / 200
     np.testing.assert_allclose(angle, 100 * t - 50 * (1 - np.exp(-t / 10)), atol=0.002)
-
-
-def test_the_bias_wanders_as_told():
     walk = al.Model((al.K(100.0, "deg/h/sqrt(h)"),))
     gyro = RingLaser(pulse=0.001, lock_in=0.0, wander=walk)
     assert [t.symbol for t in gyro.model] == ["Q", "K"]
@@ -299,13 +294,3 @@ def test_a_record_too_short_for_its_noise_is_measured_with_care():
     low, high = (v / DEG_H for v in best.interval())
     assert low < 12.3444 < high
     assert (high - low) / 2 < 0.02
-
-
-def test_options_reach_the_methods():
-    found = experiment(
-        white(), MODEL, ExperimentSettings(interval=10.0, methods=("conditional",), options=EstimatorSettings(lines=3))
-    )
-    plain = experiment(
-        white(), MODEL, ExperimentSettings(interval=10.0, methods=("conditional",), options=EstimatorSettings(lines=1))
-    )
-    assert not np.allclose(found.rates, plain.rates, rtol=1e-12)

@@ -27,16 +27,10 @@ from allanite.statistics.moments.gls import autocovariance
 
 ARCSEC = math.pi / 180 / 3600
 WHITE = al.N(3e-3, "deg/sqrt(h)")
-MODELS = {
-    "N": WHITE,
-    "Q": al.Q(0.25, "arcsec"),
-    "QN": al.N(3e-4, "deg/sqrt(h)") + al.Q(0.25, "arcsec"),
-    "B": al.B(0.01, "deg/h"),
-    "K": al.K(0.02, "deg/h/sqrt(h)"),
-    "NB": WHITE + al.B(0.01, "deg/h"),
-    "QNBK": WHITE + al.Q(0.25, "arcsec") + al.B(0.01, "deg/h") + al.K(0.5, "deg/h/sqrt(h)"),
-    "QNKR": WHITE + al.Q(0.25, "arcsec") + al.K(0.5, "deg/h/sqrt(h)") + al.R(0.3, "deg/h^2"),
-}
+MODELS = {"N": WHITE, "Q": al.Q(0.25, "arcsec"), "QN": al.N(3e-4, "deg/sqrt(h)") + al.Q(0.25, "arcsec"),
+          "B": al.B(0.01, "deg/h"), "K": al.K(0.02, "deg/h/sqrt(h)"), "NB": WHITE + al.B(0.01, "deg/h"),
+          "QNBK": WHITE + al.Q(0.25, "arcsec") + al.B(0.01, "deg/h") + al.K(0.5, "deg/h/sqrt(h)"),
+          "QNKR": WHITE + al.Q(0.25, "arcsec") + al.K(0.5, "deg/h/sqrt(h)") + al.R(0.3, "deg/h^2")}  # fmt: skip
 
 
 def model_of(name):
@@ -56,24 +50,19 @@ def linear_weights(method, n, model=WHITE, **choices):
     return through_dither(RATE_ESTIMATORS[method].weights(setting), setting)
 
 
-def test_the_mean_of_means_is_the_mean():
+def test_mean_hamming_and_regression_are_the_printed_formulas():
     record = counts()
     found = estimate(record, "mean").value
     for parts in (2, 8, 100):
         means = [estimate(al.Record(p, rate=100.0, unit="arcsec", kind="count", scale=0.33), "mean").value
                  for p in np.split(record.values, parts)]  # fmt: skip
         assert np.mean(means) == pytest.approx(found, rel=1e-13)
-
-
-def test_hamming_is_the_printed_formula():
-    record = counts()
     assert estimate(record, "hamming").value == pytest.approx(referee.hamming(record.rate_values), rel=1e-12)
-
-
-def test_regression_is_the_printed_formula_through_all_angles():
-    record = counts()
     wanted = referee.regression(record.angle, record.rate)
     assert estimate(record, "regression").value == pytest.approx(wanted, rel=1e-12)
+    # neighbouring lines share all but a sample; the difference is far below the standard error
+    one, other = (estimate(record, m, model=MODELS["QN"]) for m in ("conditional", "regression"))
+    assert abs(one.value - other.value) < 0.1 * other.standard_error
 
 
 @rows("lines", [1, 2, 25, 300])
@@ -87,13 +76,6 @@ def test_conditional_is_the_mean_of_kept_lines(lines):
     every = estimate(record, "conditional", options=EstimatorSettings(lines=lines, allowed=1.0))
     assert every.value == pytest.approx(slopes.mean(), rel=1e-12)
     assert every.details["kept"] == 1.0
-
-
-def test_conditional_is_a_copy_of_regression():
-    """Neighbouring lines share all but a sample; the difference is far below the standard error."""
-    record = counts()
-    one, other = (estimate(record, m, model=MODELS["QN"]) for m in ("conditional", "regression"))
-    assert abs(one.value - other.value) < 0.1 * other.standard_error
 
 
 @rows("method", [m for m in RATE_ESTIMATORS if m != "staircase"])
@@ -176,11 +158,9 @@ def test_nothing_beats_the_optimum(method):
 
 
 # a.4 of the plan of these estimators: standard error over the bound against rho = sigma / (N sqrt T), 48000 samples
-EFFICIENCY = {
-    "mean": [1.000, 1.001, 1.010, 1.085, 1.724, 4.30, 13.5, 73.6],
-    "hamming": [1.167, 1.167, 1.167, 1.168, 1.181, 1.309, 2.29, 11.0],
-    "regression": [1.095, 1.095, 1.095, 1.094, 1.091, 1.081, 1.055, 1.001],
-}
+EFFICIENCY = {"mean": [1.000, 1.001, 1.010, 1.085, 1.724, 4.30, 13.5, 73.6],
+              "hamming": [1.167, 1.167, 1.167, 1.168, 1.181, 1.309, 2.29, 11.0],
+              "regression": [1.095, 1.095, 1.095, 1.094, 1.091, 1.081, 1.055, 1.001]}  # fmt: skip
 
 
 @rows("which", range(8))
@@ -273,11 +253,9 @@ def test_counts_increments_angle_and_rate_are_the_same_data(method):
     record = counts(1000)
     steps = record.values * 0.33
     options = EstimatorSettings(quantum=0.33)
-    same = [
-        (al.Record(steps, rate=100.0, unit="arcsec", kind="increment"), options),
-        (al.Record(np.r_[7.0, 7.0 + np.cumsum(steps)], rate=100.0, unit="arcsec", kind="angle"), options),
-        (al.Record(steps * 100, rate=100.0, unit="arcsec/s", kind="rate"), options),
-    ]
+    same = [(al.Record(steps, rate=100.0, unit="arcsec", kind="increment"), options),
+            (al.Record(np.r_[7.0, 7.0 + np.cumsum(steps)], rate=100.0, unit="arcsec", kind="angle"), options),
+            (al.Record(steps * 100, rate=100.0, unit="arcsec/s", kind="rate"), options)]  # fmt: skip
     wanted = estimate(record, method, model=MODELS["QN"])
     for other, chosen in same:
         found = estimate(other, method, model=MODELS["QN"], options=chosen)
@@ -285,54 +263,27 @@ def test_counts_increments_angle_and_rate_are_the_same_data(method):
         assert found.standard_error == pytest.approx(wanted.standard_error, rel=1e-9)
 
 
-def test_an_accelerometer_is_measured_too():
-    record = al.Record(np.random.default_rng(1).standard_normal(1000) + 5, rate=10.0, unit="ug")
-    found = estimate(record, "mean", model=al.N(0.01, "m/s/sqrt(h)"))
-    assert found.words().endswith(" ug")
-    assert found.to("ug") == pytest.approx(5.0, abs=0.2)
-
-
 # ---- bad input
 
 
-BAD = {
-    "a reading that is no number": (lambda: ([1.0, math.nan, 2.0], "mean", {}), al.DataError, "1 of 3 samples"),
-    "infinity": (lambda: ([1.0, math.inf, 2.0, 3.0], "mean", {}), al.DataError, "first at sample 1"),
-    "two samples": (lambda: ([1.0, 2.0], "mean", {}), al.UsageError, "at least 3 samples"),
-    "an unknown method": (lambda: (np.ones(9), "median", {}), al.UsageError, "Known rate estimators: mean, hamming"),
-    "an unknown target": (
-        lambda: (np.ones(9), "mean", {"target": "end"}),
-        al.UsageError,
-        "known targets: mean, constant",
-    ),
-    "too many lines": (
-        lambda: (np.ones(9), "conditional", {"options": EstimatorSettings(lines=9)}),
-        al.UsageError,
-        "do not fit into 9 samples",
-    ),
-    "no lines": (
-        lambda: (np.ones(9), "conditional", {"options": EstimatorSettings(lines=0)}),
-        al.UsageError,
-        "0 regression lines",
-    ),
-    "an unknown window": (
-        lambda: (np.ones(9), "hamming", {"options": EstimatorSettings(window="x")}),
-        al.UsageError,
-        "hann",
-    ),
-    "no model": (lambda: (np.ones(9), "optimal", {}), al.UsageError, r"allanite.identify\(record\)"),
-    "no quantum": (lambda: (np.ones(9), "staircase", {}), al.UsageError, "quantum="),
-    "a quantum of nothing": (
-        lambda: (np.ones(9), "staircase", {"options": EstimatorSettings(quantum=0.0)}),
-        al.UsageError,
-        "positive number",
-    ),
-    "a model of another sensor": (
-        lambda: (np.ones(9), "mean", {"model": al.N(1.0, "m/s/sqrt(h)")}),
-        al.UnitError,
-        "accelerometer",
-    ),
-}
+BAD = {"a reading that is no number": (lambda: ([1.0, math.nan, 2.0], "mean", {}), al.DataError, "1 of 3 samples"),
+       "infinity": (lambda: ([1.0, math.inf, 2.0, 3.0], "mean", {}), al.DataError, "first at sample 1"),
+       "two samples": (lambda: ([1.0, 2.0], "mean", {}), al.UsageError, "at least 3 samples"),
+       "an unknown method": (lambda: (np.ones(9), "median", {}), al.UsageError, "Known rate estimators: mean, hamming"),
+       "an unknown target": (lambda: (np.ones(9), "mean", {"target": "end"}), al.UsageError,
+                             "known targets: mean, constant"),
+       "too many lines": (lambda: (np.ones(9), "conditional", {"options": EstimatorSettings(lines=9)}), al.UsageError,
+                          "do not fit into 9 samples"),
+       "no lines": (lambda: (np.ones(9), "conditional", {"options": EstimatorSettings(lines=0)}), al.UsageError,
+                    "0 regression lines"),
+       "an unknown window": (lambda: (np.ones(9), "hamming", {"options": EstimatorSettings(window="x")}), al.UsageError,
+                             "hann"),
+       "no model": (lambda: (np.ones(9), "optimal", {}), al.UsageError, r"allanite.identify\(record\)"),
+       "no quantum": (lambda: (np.ones(9), "staircase", {}), al.UsageError, "quantum="),
+       "a quantum of nothing": (lambda: (np.ones(9), "staircase", {"options": EstimatorSettings(quantum=0.0)}),
+                                al.UsageError, "positive number"),
+       "a model of another sensor": (lambda: (np.ones(9), "mean", {"model": al.N(1.0, "m/s/sqrt(h)")}), al.UnitError,
+                                     "accelerometer")}  # fmt: skip
 
 
 @rows("what", BAD)
@@ -343,15 +294,12 @@ def test_bad_input_is_named(what):
         estimate(al.Record(values, rate=1.0, unit="deg/h", name="z"), method, **choices)
 
 
-def test_a_dead_output_gives_zero_and_says_so():
+def test_dead_stuck_and_slipped_outputs_are_named():
     dead = al.Record(np.zeros(500, dtype=int), rate=100.0, unit="arcsec", kind="count", scale=0.33)
     for method in RATE_ESTIMATORS:
         found = estimate(dead, method, model=MODELS["QN"])
         assert abs(found.to("deg/h")) <= (0.067 if method == "staircase" else 0)
         assert [f.name for f in found.findings] == ["dead"]
-
-
-def test_a_slipped_pulse_and_a_stuck_output_are_named():
     record = counts()
     values = record.values.copy()
     values[1234] += 500
@@ -380,6 +328,10 @@ def test_the_value_says_what_it_is():
     with pytest.raises(al.UsageError, match="between 0 and 1"):
         found.interval(95)
     assert "no standard error" in estimate(counts(), "mean").words()
+    record = al.Record(np.random.default_rng(1).standard_normal(1000) + 5, rate=10.0, unit="ug")
+    found = estimate(record, "mean", model=al.N(0.01, "m/s/sqrt(h)"))
+    assert found.words().endswith(" ug")
+    assert found.to("ug") == pytest.approx(5.0, abs=0.2)
 
 
 def test_the_ranking_says_which_method_to_use():
@@ -391,9 +343,6 @@ def test_the_ranking_says_which_method_to_use():
     assert rank(MODELS["Q"], size=48_000, rate=400.0).verdict.startswith("use regression: ")
     assert angle.to_dict()["verdict"] == angle.verdict
     assert list(angle.errors) == list(RATE_ESTIMATORS)
-
-
-def test_setting_counts_what_wanders():
     setting = Task(10, 1.0, model_of("QNKR"))
     assert [t.symbol for t in setting.wandering] == ["K", "R"]
     assert [t.symbol for t in setting.settled] == ["N", "Q"]

@@ -82,9 +82,6 @@ def test_what_is_no_pair_of_currents_is_refused(currents):
     rate = al.Record(np.zeros(20_000), 100.0, "deg/h", name="gx")
     with pytest.raises(al.DataError, match="two currents of one kind"):
         mixed(Recording((currents.records[0], rate)), AXES)
-
-
-def test_clipping_of_one_current_is_not_hidden_by_the_sum(currents):
     clipped = al.Record(np.clip(currents.records[0].values, -10, 10), 100.0, "mA", name="ix")
     stage = al.Stage("ADC", 12, 10.0, "mA")
     with pytest.raises(al.DataError, match=r"'ix'.*clipped"):
@@ -104,7 +101,7 @@ def test_the_sum_of_two_currents_may_exceed_the_range_of_each():
     assert [channel.budget.stages[0].clipped for channel in found] == [2, 2]
 
 
-def test_a_gain_before_the_converter_makes_its_steps_smaller(currents):
+def test_a_gain_before_the_converter_makes_steps_and_range_smaller(currents):
     plain, gained = al.Stage.parse("ADC 14 5V"), al.Stage.parse("ADC 14 5V gain=8")
     assert gained.step == plain.step / 8
     assert al.Stage.parse(gained.text) == gained
@@ -117,9 +114,6 @@ def test_a_gain_before_the_converter_makes_its_steps_smaller(currents):
     for wrong in ("gain=0", "gain=-1", "gain=x"):
         with pytest.raises(al.UsageError, match="gain"):
             al.Stage.parse(f"ADC 12 5V {wrong}")
-
-
-def test_a_gain_lowers_the_range_at_which_samples_are_clipped():
     record = al.Record(np.linspace(-1, 1, 4001), 100.0, "V", name="ux")
     al.budget(record, [al.Stage.parse("ADC 14 5V gain=4")], scale=0.2, sense=5.0, recipe=al.Recipe(terms="QN"))
     with pytest.raises(al.DataError, match="clipped"):

@@ -31,12 +31,18 @@ def coefficient(stage):
     return stage.step / math.sqrt(12) * math.sqrt(INTERVAL) * 60
 
 
-def test_the_scale_factor_is_the_torque_over_the_momentum():
+def test_the_scale_factor_is_the_torque_over_the_momentum_and_keeps_the_history():
     assert SCALE.factor == pytest.approx(4 * 100 * 0.4 * 0.05 * 0.05 / (2e-3 * 1000))
     assert replace(SCALE, sides=1.0).factor == pytest.approx(SCALE.factor / 4)
     # one ampere in arcsec per second, which is the same number in deg/h
     rate = rate_from_current(al.Record([1.0, 2.0], 1000.0, "A"), SCALE)
     assert convert(rate.values[0], "rad/s", "deg/h") == pytest.approx(0.2 * 206264.8, rel=1e-6)
+    assert TorqueScale.parse(SCALE.text) == SCALE
+    assert TorqueScale.parse("turns=1,field=2, span=3,radius=4,inertia=5,spin=6").sides == 1.0
+    record = al.Record([1.0, math.nan, 2.0], 10.0, "A", name="ix", start=5.0, history=("cut",))
+    rate = rate_from_current(record, 0.5)
+    assert np.isnan(rate.values).tolist() == [False, True, False]
+    assert (rate.name, rate.start, rate.history[0]) == ("ix", 5.0, "cut")
 
 
 @rows("name", ["turns", "field", "span", "radius", "inertia", "spin", "sides"])
@@ -46,14 +52,11 @@ def test_constants_are_positive(name, value):
         replace(SCALE, **{name: value})
 
 
-SAME = [
-    (al.Record([1.0, -2.0], 1000.0, "A"), {}),
-    (al.Record([1e3, -2e3], 1000.0, "mA"), {}),
-    (al.Record([0.5, -1.0], 1000.0, "V"), {"sense": 0.5}),
-    (al.Record([500.0, -1000.0], 1000.0, "mV"), {"sense": 0.5}),
-    (al.Record([1024, -2048], 1000.0, "1"), {"sense": 0.5, "stage": al.Stage("ADC", 14, 4.0, "V")}),
-    (al.Record([512, -1024], 1000.0, "1"), {"stage": al.Stage("ADC", 12, 4.0, "A")}),
-]
+SAME = [(al.Record([1.0, -2.0], 1000.0, "A"), {}), (al.Record([1e3, -2e3], 1000.0, "mA"), {}),
+        (al.Record([0.5, -1.0], 1000.0, "V"), {"sense": 0.5}),
+        (al.Record([500.0, -1000.0], 1000.0, "mV"), {"sense": 0.5}),
+        (al.Record([1024, -2048], 1000.0, "1"), {"sense": 0.5, "stage": al.Stage("ADC", 14, 4.0, "V")}),
+        (al.Record([512, -1024], 1000.0, "1"), {"stage": al.Stage("ADC", 12, 4.0, "A")})]  # fmt: skip
 
 
 @rows(("record", "options"), SAME, ids=lambda v: str(getattr(v, "unit", "")))
@@ -62,18 +65,6 @@ def test_all_ways_to_a_current_give_the_same_rate(record, options):
     np.testing.assert_allclose(rate.values, [0.2, -0.4], rtol=1e-12)
     assert (rate.unit, rate.kind, rate.rate) == ("rad/s", "rate", 1000.0)
     assert "0.2 rad/s per A" in rate.history[-1]
-
-
-def test_the_constants_are_read_from_text():
-    assert TorqueScale.parse(SCALE.text) == SCALE
-    assert TorqueScale.parse("turns=1,field=2, span=3,radius=4,inertia=5,spin=6").sides == 1.0
-
-
-def test_lost_readings_stay_lost_and_history_is_kept():
-    record = al.Record([1.0, math.nan, 2.0], 10.0, "A", name="ix", start=5.0, history=("cut",))
-    rate = rate_from_current(record, 0.5)
-    assert np.isnan(rate.values).tolist() == [False, True, False]
-    assert (rate.name, rate.start, rate.history[0]) == ("ix", 5.0, "cut")
 
 
 WRONG = [
@@ -222,13 +213,9 @@ def test_codes_are_counted_whatever_the_offset(values, offset):
     assert found == Codes(len(set(values)), max(values) - min(values) + 1, 0)
 
 
-STAGES = [
-    ("ADC 12 5V", ("ADC", 12, 5.0, "V")),
-    ("output 16 +-100 deg/s", ("output", 16, 100.0, "deg/s")),
-    ("bus 24 1e3mA", ("bus", 24, 1e3, "mA")),
-    ("raw 12 2048", ("raw", 12, 2048.0, "1")),
-    ("e 8 1.5e-2rad/s", ("e", 8, 0.015, "rad/s")),
-]
+STAGES = [("ADC 12 5V", ("ADC", 12, 5.0, "V")), ("output 16 +-100 deg/s", ("output", 16, 100.0, "deg/s")),
+          ("bus 24 1e3mA", ("bus", 24, 1e3, "mA")), ("raw 12 2048", ("raw", 12, 2048.0, "1")),
+          ("e 8 1.5e-2rad/s", ("e", 8, 0.015, "rad/s"))]  # fmt: skip
 
 
 @rows(("text", "wanted"), STAGES)
