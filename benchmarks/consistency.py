@@ -54,11 +54,7 @@ PARTS = (
         "Rms error over predicted sigma, of all records (lowest .. highest of a record), from the covariance.",
         ["simulated / exact"],
     ),
-    (
-        "Accuracy",
-        "Rms error over that of the state space of the true model / median of the predicted sigma, deg.",
-        [],
-    ),
+    ("Accuracy", "Rms error over that of the state space of the true model / median of the predicted sigma, deg.", []),
 )
 
 

@@ -69,7 +69,7 @@ def main() -> None:
     lines = [line for case in CASES for line in made(case, seeds)]
     notes = [
         f"seeds {seeds[0]}..{seeds[-1]}; {SAMPLES} samples; the simulated degrees of freedom are known to "
-        f"{100 * (2 / len(seeds)) ** 0.5:.0f} % where they are many, worse where they are few",
+        f"{100 * (2 / len(seeds)) ** 0.5:.0f} % where they are many, worse where they are few"
     ]
     run.publish("TheoBR and TheoH against simulation", notes, markdown(HEADINGS, lines))
 

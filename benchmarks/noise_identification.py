@@ -16,12 +16,7 @@ from allanite.statistics import STATISTICS, integrated
 from allanite.statistics.confidence.powerlaw import identify_power_law
 
 NAMES = {2: "WPM", 1: "FPM", 0: "WFM", -1: "FFM", -2: "RWFM", -3: "FWFM", -4: "RRFM"}
-SIMULATED = {
-    2: al.Q(1.0, "rad"),
-    0: al.N(1.0, "rad/sqrt(s)"),
-    -1: al.B(1.0, "rad/s"),
-    -2: al.K(1.0, "rad/s^1.5"),
-}
+SIMULATED = {2: al.Q(1.0, "rad"), 0: al.N(1.0, "rad/sqrt(s)"), -1: al.B(1.0, "rad/s"), -2: al.K(1.0, "rad/s^1.5")}
 HEADINGS = ("row", "noise", "m", "points", "method", "found %", "plain rounding %")
 
 

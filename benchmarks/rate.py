@@ -266,11 +266,7 @@ def main() -> None:
             "root mean square of their deviations, least and largest. Warm-up: -0.01 deg/h at the start, 10 min.",
             acceptance(options.runs),
         ),
-        (
-            "Noise that fits the paper",
-            "Exact standard deviations of two-minute errors, deg/h.",
-            fitting(),
-        ),
+        ("Noise that fits the paper", "Exact standard deviations of two-minute errors, deg/h.", fitting()),
         (
             "Predictions",
             f"{options.records} intervals of the simulated GL-1; a ratio is known to "
@@ -291,7 +287,7 @@ def main() -> None:
         ),
     )
     notes = [
-        f"seeds 1..{options.runs} for runs, 1..{options.records} for predictions, 1..{options.searches} for searches",
+        f"seeds 1..{options.runs} for runs, 1..{options.records} for predictions, 1..{options.searches} for searches"
     ]
     run.publish("A constant rate in two minutes", notes, [line for part in parts for line in lines(*part)])
     if options.write:

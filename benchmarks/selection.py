@@ -144,7 +144,7 @@ def main() -> None:
         table = rows(run.asked.records, pool)
     notes = [
         f"seeds 1..{run.asked.records}; 100 Hz; se: standard error of K² by the Cramer-Rao bound; the expected limit "
-        "is that of a spectrum in which every power is what is expected, the true terms known",
+        "is that of a spectrum in which every power is what is expected, the true terms known"
     ]
     run.publish("Which terms are claimed", notes, markdown(HEADINGS, table))
 

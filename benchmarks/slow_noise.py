@@ -162,7 +162,7 @@ def main() -> None:
     slow = [r for r in rows if r[0] != "clean"]
     error = 100 * math.sqrt(0.01 * 0.99 / run.asked.records)
     notes = [
-        f"seeds: number of the row and 1..{run.asked.records}; 100 Hz; standard error of a share of 1 %: {error:.1f} %",
+        f"seeds: number of the row and 1..{run.asked.records}; 100 Hz; standard error of a share of 1 %: {error:.1f} %"
     ]
     body = [
         "## Slow",

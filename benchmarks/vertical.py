@@ -230,12 +230,7 @@ def oscillation_rows() -> list[tuple[str, ...]]:
 def main() -> None:
     run = begin(__doc__, runs=150)
     body = ["## Closed forms", "", *markdown(("what", "here", "expected"), closed_forms())]
-    body += [
-        "## Flicker and random walk",
-        "",
-        f"{WHOLE[0]}; {WHOLE[1]}; 30 runs.",
-        "",
-    ]
+    body += ["## Flicker and random walk", "", f"{WHOLE[0]}; {WHOLE[1]}; 30 runs.", ""]
     quoted = {600.0: "0.762 s, 26.3", 3600.0: "0.691 s, 28.3"}
     rows = [(f"{T:g}", *(f"{v:.4g}" for v in whole(T)), quoted[T]) for T in quoted]
     body += markdown(("T [s]", "time constant [s]", "predicted [arcsec]", "simulated [arcsec]", "expected"), rows)

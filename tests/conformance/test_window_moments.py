@@ -90,14 +90,8 @@ SENSORS = {
         + al.K(0.09, "deg/h/sqrt(s)")
         + al.R(0.002, "deg/h/s"),
     ),
-    "RLG, a sample a minute": (
-        1 / 60,
-        al.Q(0.5, "arcsec") + al.N(0.18, "arcsec/sqrt(s)") + al.B(0.05, "deg/h"),
-    ),
-    "MEMS, a sample every 10 s": (
-        0.1,
-        al.N(0.005, "deg/sqrt(s)") + al.B(0.002, "deg/s") + al.K(3e-4, "deg/s/sqrt(s)"),
-    ),
+    "RLG, a sample a minute": (1 / 60, al.Q(0.5, "arcsec") + al.N(0.18, "arcsec/sqrt(s)") + al.B(0.05, "deg/h")),
+    "MEMS, a sample every 10 s": (0.1, al.N(0.005, "deg/sqrt(s)") + al.B(0.002, "deg/s") + al.K(3e-4, "deg/s/sqrt(s)")),
 }
 
 

@@ -92,15 +92,7 @@ def test_published_degrees_of_freedom(tmp_path):
     path = tmp_path / "white.csv"
     run("simulate", path, "--model", "N 0.1 deg/sqrt(h)", "--samples", "7200", "--rate", "1")
     found = cells(
-        "deviation",
-        path,
-        "--statistic",
-        "theo1",
-        "--edf",
-        "published",
-        "--m",
-        "10,100,720,3600",
-        "--power-law",
+        "deviation", path, "--statistic", "theo1", "--edf", "published", "--m", "10,100,720,3600", "--power-law"
     )
     white = {int(r["m"]): float(r["edf"]) for r in found if r["alpha"] == "0"}
     table = {10: 3139, 100: 387, 720: 51.6, 3600: 7.8}
