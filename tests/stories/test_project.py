@@ -1,5 +1,6 @@
 """What a checkout promises."""
 
+import ast
 import hashlib
 import importlib
 import json
@@ -246,6 +247,40 @@ def test_a_phrase_of_the_list_is_found(tmp_path):
     file.write_text('"""The overlapped Allan deviation."""\nx = f"{3} lost readings"  # an honest interval\n')
     said = [text for _, text in words.texts(file)]
     assert sum(bool(re.search(phrase, text)) for phrase in words.BANNED for text in said) == 3
+
+
+BUDGET = {"lines": 82_169, "files": 3, "names": 842, "circles": 0, "hidden circles": 2}
+"""What the package has at most: lines, files above 400 of them, values whose name says little, circles of imports.
+
+Hidden are those that are closed by an import in a function. Each number only falls: lower it with what makes it lower.
+"""
+
+
+@pytest.mark.slow("reads the whole package")
+def test_the_package_keeps_its_budget():
+    import house
+
+    sizes = house.lines().values()
+    closed, hidden = (house.circles(house.imports(inside=inside)) for inside in (False, True))
+    counted = {
+        "lines": sum(sizes), "files": sum(count > house.LARGE for count in sizes), "names": len(house.vague_names()),
+        "circles": len(closed), "hidden circles": len(hidden),
+    }  # fmt: skip
+    above = {what: count for what, count in counted.items() if count > BUDGET[what]}
+    assert above == {}, f"python tools/house.py ROOM shows where; circles: {closed + hidden}"
+
+
+def test_a_circle_of_imports_and_a_name_that_says_little_are_noticed(monkeypatch):
+    import house
+
+    trees = {
+        "allanite.a": "from .b import x\nfor one in x:\n    kept, left = one\n", "allanite.b": "import allanite.c",
+        "allanite.c": "def f():\n    from . import a\n", "allanite": "if TYPE_CHECKING:\n    from . import a\n",
+    }  # fmt: skip
+    monkeypatch.setattr(house, "modules", lambda: {name: ast.parse(text) for name, text in trees.items()})
+    assert house.circles(house.imports()) == []
+    assert house.circles(house.imports(inside=True)) == [["allanite.a", "allanite.b", "allanite.c"]]
+    assert house.vague_names() == [("allanite.a", 2, "one"), ("allanite.a", 3, "left")]
 
 
 def test_what_applications_may_not_use_is_no_attribute_of_extending():
