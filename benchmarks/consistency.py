@@ -8,7 +8,7 @@ which is aided by an angle every second and then left alone, meets noise of the 
 the folder of the recordings, the models that are identified in the ADIS16405 among them are true models, too.
 """
 
-from table import begin, markdown
+from table import begin, section
 
 import math
 import os
@@ -202,7 +202,7 @@ def main() -> None:
     for aid, both in pages.items():
         for part, rows in zip(PARTS, both, strict=True):
             title, about, more = part
-            body += [f"## {title}, aid to {aid:g} deg", "", about, "", *markdown([*HEADINGS, *more], rows)]
+            body += section(f"{title}, aid to {aid:g} deg", [*HEADINGS, *more], rows, about)
     run.publish("Consistency of exported files", notes, body)
 
 

@@ -8,7 +8,7 @@ stands that of the processors, which other programs on the machine do not make l
 exit code 1 if a bound is missed.
 """
 
-from table import begin, markdown
+from table import begin, markdown, section
 
 import cProfile
 import io
@@ -152,11 +152,12 @@ def main() -> int:
                 *markdown(
                     ("command", "nothing set", "pinned", "--threads 1", "over the read", "wanted", "apart", ""), rows
                 ),
-                "## Where the time goes",
-                "",
-                "Shares of the whole for the page with `--threads 1`; a stage may be part of another.",
-                "",
-                *markdown(("stage", "calls", "share"), stages(path, page)),
+                *section(
+                    "Where the time goes",
+                    ("stage", "calls", "share"),
+                    stages(path, page),
+                    "Shares of the whole for the page with `--threads 1`; a stage may be part of another.",
+                ),
             ),
         )
     return int(any(row[-1] == "MISSED" for row in rows))

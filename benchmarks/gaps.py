@@ -10,7 +10,7 @@ numbers, of every statistic that takes gaps. Every cell has seeds of its own: th
 of the record.
 """
 
-from table import begin, markdown
+from table import begin, covered, markdown
 
 import math
 import os
@@ -137,15 +137,12 @@ def curve_rows(asked: tuple[int, list[str], list[str]], pool: "Pool") -> list[tu
                     one = np.array([found[name, share] for found in said if (name, share) in found])
                     if share * SIZE > STATISTICS[name].largest(SIZE):
                         continue
-                    row = (sensor, loss, name, f"{share:g}", f"{100 * len(one) / records:.0f}")
+                    cells = ("", "", "")
                     if len(one):
-                        inside, above, below = (100 * (one[:, 0] == where).mean() for where in (0, 1, -1))
-                        row += (f"{inside:.1f} (+{above:.1f} -{below:.1f})", f"{np.median(one[:, 1]):.3g}",
-                                f"{math.sqrt(np.mean(one[:, 2] ** 2)):.3f}")  # fmt: skip
-                    else:
-                        row += ("", "", "")
-                    rows.append(row)
-                    print(*row, flush=True)
+                        rms = f"{math.sqrt(np.mean(one[:, 2] ** 2)):.3f}"
+                        cells = covered(one[:, 0]), f"{np.median(one[:, 1]):.3g}", rms
+                    rows.append((sensor, loss, name, f"{share:g}", f"{100 * len(one) / records:.0f}", *cells))
+                    print(*rows[-1], flush=True)
     return rows
 
 

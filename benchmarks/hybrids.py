@@ -26,18 +26,8 @@ CASES = (
 FACTORS = {"theobr": (32, 100, 200, 400), "theoh": (8, 64, 200, 400)}
 FEWEST = 1.5
 HEADINGS = (
-    "noise",
-    "bias",
-    "statistic",
-    "m",
-    "edf",
-    "edf / simulated",
-    "mean / expected",
-    "68 %",
-    "95 %",
-    "below",
-    "above",
-)
+    "noise", "bias", "statistic", "m", "edf", "edf / simulated", "mean / expected", "68 %", "95 %", "below", "above",
+)  # fmt: skip
 
 
 def made(case: tuple[dict[str, float], str | None], seeds: range) -> list[tuple[str, ...]]:

@@ -9,7 +9,7 @@ with the power law that it finds at each averaging time. Every cell has seeds of
 samples, and of the record.
 """
 
-from table import begin, markdown
+from table import begin, covered, markdown
 
 import contextlib
 import io
@@ -153,12 +153,8 @@ def _kind(said: list[Said]) -> tuple[str, str, str]:
     if not known:
         return "", "", ""
     place = np.array([one.place for one in known])
-    inside, above, below = (100 * (place[:, 0] == where).mean() for where in (0, 1, -1))
-    return (
-        f"{inside:.1f} (+{above:.1f} -{below:.1f})",
-        f"{100 * (place[:, 1] == 0).mean():.1f}",
-        f"{np.median([one.width[0] for one in known]):.3g}",
-    )
+    ratio = f"{np.median([one.width[0] for one in known]):.3g}"
+    return covered(place[:, 0]), f"{100 * (place[:, 1] == 0).mean():.1f}", ratio
 
 
 @dataclass(frozen=True)
@@ -237,7 +233,7 @@ def coefficient_rows(records: int, pool: "Pool") -> list[tuple[str, ...]]:
         least = al.bound(cell.model, cell.size, cell.rate)
         true = {t.symbol for t in cell.model}
         false = [100 * np.mean([one[s][0] for one in said if s in one]) for s in "QNBKR" if s not in true]
-        for symbol in (*true_symbols(cell), TIME):
+        for symbol in (*(t.symbol for t in cell.model), TIME):
             one = np.array([found[symbol] for found in said if symbol in found])
             if not one.size:
                 continue
@@ -249,11 +245,6 @@ def coefficient_rows(records: int, pool: "Pool") -> list[tuple[str, ...]]:
             rows.append((name, symbol, str(len(one)), least_error, *shares, *errors, most))
             print(*rows[-1], flush=True)
     return rows
-
-
-def true_symbols(cell: Cell) -> list[str]:
-    """The terms of a cell."""
-    return [t.symbol for t in cell.model]
 
 
 def _over(ratio: np.ndarray, bound: float) -> str:

@@ -7,12 +7,12 @@ The figure of the run with seed 1, rate.svg, is put beside the table.
 Random numbers have seeds 1, 2, 3 ...
 """
 
-from table import begin, markdown
+from table import begin, section
 
 import itertools
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -245,10 +245,6 @@ def timed(job: Callable, times: int = 3) -> tuple[float, object]:
     return min(taken), result
 
 
-def lines(title: str, text: str, table: Table) -> Iterator[str]:
-    yield from (f"## {title}", "", text, "", *markdown(*table))
-
-
 def draw(path: Path) -> None:
     """The errors of the run with seed 1, as figure 10 of the paper."""
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -289,7 +285,11 @@ def main() -> None:
     notes = [
         f"seeds 1..{options.runs} for runs, 1..{options.records} for predictions, 1..{options.searches} for searches"
     ]
-    run.publish("A constant rate in two minutes", notes, [line for part in parts for line in lines(*part)])
+    run.publish(
+        "A constant rate in two minutes",
+        notes,
+        [line for title, about, made in parts for line in section(title, *made, about)],
+    )
     if options.write:
         draw(options.write.with_suffix(".svg"))
 

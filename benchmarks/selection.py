@@ -5,7 +5,7 @@
 Records at 100 Hz are simulated with seeds 1, 2, 3, ... and identified as a user would.
 """
 
-from table import begin, markdown
+from table import begin, markdown, shared
 
 import math
 from dataclasses import dataclass, replace
@@ -67,8 +67,7 @@ def claimed(terms: dict[str, tuple[str, float, float]]) -> set[str]:
 
 def percent(hits: list[bool]) -> str:
     """A share with its standard error."""
-    p = float(np.mean(hits))
-    return f"{100 * p:.1f} ± {100 * math.sqrt(max(p * (1 - p), 1e-4) / len(hits)):.1f} %"
+    return f"{shared(hits)} %"
 
 
 def variance_error(model: al.Model, symbol: str, n: int) -> float:

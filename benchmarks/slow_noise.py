@@ -8,7 +8,7 @@ truth of the noise. Cured: of the records in which it was named with options to 
 named in that window; with a power law the share in which N beside it holds within 1.96 standard errors.
 """
 
-from table import begin, markdown
+from table import begin, section
 
 import math
 import re
@@ -164,18 +164,12 @@ def main() -> None:
     notes = [
         f"seeds: number of the row and 1..{run.asked.records}; 100 Hz; standard error of a share of 1 %: {error:.1f} %"
     ]
-    body = [
-        "## Slow",
-        "",
+    about = (
         "Warm-up: 10 to 30 B, time constant from an eighth to a third of the record. The power laws equal N at the "
-        "corner. The last column says what bursts do to B.",
-        "",
-        *markdown(HEADINGS, slow),
-        "## Clean",
-        "",
-        *markdown(HEADINGS, [r for r in rows if r[0] == "clean"]),
-    ]
-    run.publish("What is slow and no noise", notes, body)
+        "corner. The last column says what bursts do to B."
+    )
+    clean = section("Clean", HEADINGS, [r for r in rows if r[0] == "clean"])
+    run.publish("What is slow and no noise", notes, section("Slow", HEADINGS, slow, about) + clean)
 
 
 if __name__ == "__main__":

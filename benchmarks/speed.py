@@ -12,7 +12,7 @@ first-level cache holds. The in-cache bound of a job is u times its differences;
 whole time, with integration.
 """
 
-from table import Run, begin, markdown
+from table import Run, begin, markdown, section
 
 import os
 import resource
@@ -448,10 +448,10 @@ def growth(run: Run) -> bool:
     parts = [(name, f"{one.ns:.3g}", one.part) for name, one in peer.items()]
     run.publish("Growth of the time with the record", notes, [
         *table(demands),
-        "## Peers, extrapolated by their inner terms: a difference, squared and summed", "",
-        *markdown(("job", "ns a term", "from"), parts),
-        "## Relative errors of every tau of 1e6 samples and of Theo1 at every even m of 72000", "",
-        *markdown(("noise", "oadev", "theo1"), [(name, f"{a:.1e}", f"{b:.1e}") for name, a, b in wrong]),
+        *section("Peers, extrapolated by their inner terms: a difference, squared and summed",
+                 ("job", "ns a term", "from"), parts),
+        *section("Relative errors of every tau of 1e6 samples and of Theo1 at every even m of 72000",
+                 ("noise", "oadev", "theo1"), [(name, f"{a:.1e}", f"{b:.1e}") for name, a, b in wrong]),
         "## Time by samples [s]", "",
         *(f"- {job.title}: {_by_size(job, times[name])}" for name, job in JOBS.items()),
     ])  # fmt: skip

@@ -11,7 +11,7 @@ commit in a folder. Commands that analyze are run a second time.
 Then the parts of the wait: what is downloaded, unpacked and compiled. Ends with exit code 1 if a bound is missed.
 """
 
-from table import ROOT, begin, markdown
+from table import ROOT, begin, markdown, section
 
 import json
 import os
@@ -234,31 +234,25 @@ def main() -> int:
             "Times in s. Commands are those of README.md; FILE is an hour of a gyro at 100 Hz.",
             "",
             *markdown(("command", "first", "again"), [shown(*row) for row in rows]),
-            "## Installation by pip",
-            "",
-            *markdown(("part", "s", "MB"), installing),
-            "## First run",
-            "",
-            f"The sample, {run.asked.rounds} times with an empty cache of kernels and with the one that this run left.",
-            "",
-            *markdown(("run", "shortest", "median", "median, of the processors"), rounds),
-            "## Kernels",
-            "",
-            f"{len(kernels)} kernels and parts take {sum(seconds for _, seconds in kernels):.1f} s in one process, "
-            "without the import of numba.",
-            "",
-            *markdown(
-                ("kernel or part, without the parts that it calls", "s"),
-                [(name, f"{seconds:.2f}") for name, seconds in kernels[:LARGEST]],
+            *section("Installation by pip", ("part", "s", "MB"), installing),
+            *section(
+                "First run", ("run", "shortest", "median", "median, of the processors"), rounds,
+                f"The sample, {run.asked.rounds} times with an empty cache of kernels and with the one that this run "
+                "left.",
             ),
-            "## For this processor and for any",
-            "",
-            *markdown(
+            *section(
+                "Kernels", ("kernel or part, without the parts that it calls", "s"),
+                [(name, f"{seconds:.2f}") for name, seconds in kernels[:LARGEST]],
+                f"{len(kernels)} kernels and parts take {sum(seconds for _, seconds in kernels):.1f} s in one process, "
+                "without the import of numba.",
+            ),
+            *section(
+                "For this processor and for any",
                 ("kernel", "for this processor, ms", "for any of its architecture, ms", "ratio"),
                 [(n, f"{1e3 * own[n]:.2f}", f"{1e3 * any_[n]:.2f}", f"{any_[n] / own[n]:.1f}") for n in own],
             ),
         ),
-    )
+    )  # fmt: skip
     return int(bool(missed))
 
 

@@ -7,7 +7,7 @@ ratios less than the rest. Coefficients: simulated records pushed in 16 chunks, 
 root mean square errors over the Cramer-Rao bound of the terms of the model.
 """
 
-from table import begin, markdown
+from table import begin, section
 
 import time
 from collections.abc import Callable
@@ -103,17 +103,10 @@ def main() -> None:
         f"seeds: 1..{run.asked.records}; errors over bound are known to {100 / np.sqrt(2 * run.asked.records):.0f} %",
         "the machine was shared: read the ratios of one run, not the paces",
     ]
-    body = [
-        "## Speed",
-        "",
-        f"White noise; an Accumulator of oadev holds {size} bytes.",
-        "",
-        *markdown(["what", "million samples/s", "times allantools.realtime"], fast),
-        "## Coefficients",
-        "",
-        *markdown(["sensor", "samples", "term", "bound %", "stream / bound", "some: stream", "some: whole"],
-                  coefficients(run.asked.records, run.asked.whole)),
-    ]  # fmt: skip
+    body = section("Speed", ["what", "million samples/s", "times allantools.realtime"], fast,
+                   f"White noise; an Accumulator of oadev holds {size} bytes.")  # fmt: skip
+    headings = ["sensor", "samples", "term", "bound %", "stream / bound", "some: stream", "some: whole"]
+    body += section("Coefficients", headings, coefficients(run.asked.records, run.asked.whole))
     run.publish("Streams", notes, body)
 
 

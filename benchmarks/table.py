@@ -11,11 +11,13 @@ if "numpy" not in sys.modules:
         os.environ[f"{_library}_NUM_THREADS"] = "1"
 
 import argparse
+import math
 import platform
 import re
 import shlex
 import subprocess
 import time
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import date
@@ -37,7 +39,7 @@ ROOMS = {
     "identification": "identification", "limits": "identification statistics", "methods": "identification",
     "mutants": "", "noise_identification": "statistics", "out_of_core": "stream statistics",
     "prices": "identification", "rate": "applications/constant_rate", "real_sensors": "identification prepare",
-    "search_cells": "identification", "search_recordings": "identification prepare", "selection": "identification",
+    "search_cells": "identification", "selection": "identification",
     "signals": "cli parallel statistics", "simulation": "simulation", "slow_noise": "identification",
     "speed": "identification kernels statistics", "stranger": "cli kernels", "stream": "stream",
     "terms": "identification terms", "theoh_paper": "identification statistics", "vertical": "applications/attitude",
@@ -128,6 +130,24 @@ def begin(doc: str, **options: object) -> Run:
 def markdown(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
     """Lines of a table, and an empty one."""
     return [_line(headings), "|" + "---|" * len(headings), *map(_line, rows), ""]
+
+
+def section(title: str, headings: Sequence[str], rows: Iterable[Sequence[str]], *about: str) -> list[str]:
+    """Lines of a section: its title, what is said about its table, and the table."""
+    return [f"## {title}", "", *(line for text in about for line in (text, "")), *markdown(headings, rows)]
+
+
+def shared(hits: Sequence[bool]) -> str:
+    """A share with its standard error, %."""
+    p = sum(map(bool, hits)) / len(hits)
+    return f"{100 * p:.1f} ± {100 * math.sqrt(max(p * (1 - p), 1e-4) / len(hits)):.1f}"
+
+
+def covered(places: Iterable[int]) -> str:
+    """How often limits hold the truth, %: places of the truth are -1 below them, 0 within, 1 above."""
+    counts = Counter(map(int, places))
+    inside, above, below = (100 * counts[place] / counts.total() for place in (0, 1, -1))
+    return f"{inside:.1f} (+{above:.1f} -{below:.1f})"
 
 
 def _line(cells: Sequence[str]) -> str:

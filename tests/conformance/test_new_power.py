@@ -1,11 +1,11 @@
 """A noise term whose coefficient has a power of time that no other has: its units follow from the power."""
 
-from dataclasses import replace
+import sys
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.rows import rows
+from tests import ROOT
 
 import allanite as al
 from allanite.cli import main
@@ -13,36 +13,16 @@ from allanite.core.syntax import written
 from allanite.core.units import SIGNALS, unit_of
 from allanite.reporting import page
 from allanite.terms import TERMS
-from allanite.terms.markov import gauss_markov, markov_block
 from allanite.testing import check_term
 
-
-def rate_of_change(T):
-    """Gauss-Markov noise whose RMS is the coefficient times T^1.5."""
-    base, size = gauss_markov(T), T**3
-    return replace(
-        base,
-        symbol="RR",
-        title="driven relaxation",
-        meaning="a rate that relaxes, by the density of what drives it",
-        power=-1.5,
-        structure=lambda t: size * base.structure(t),
-        derivative=lambda order, t: size * base.derivative(order, t),
-        summed=lambda t: size * base.summed(t),
-        increments=lambda h: size * base.increments(h),
-        spectrum=lambda f, tau0: size * tau0**3 * base.spectrum(f, tau0),
-        dct=lambda k, n: size * base.dct(k, n),
-        shaped=lambda shape, rate: rate_of_change(shape[0] * rate),
-        block=lambda q, shape, h: markov_block(q * shape[0] ** 1.5, shape[0], h),
-        quantity_meaning="",
-        color="#123456",
-    )
+sys.path.append(str(ROOT / "tests" / "plugin"))
+from allanite_sample.relaxation import relaxation
 
 
 @pytest.fixture(autouse=True)
 def row(monkeypatch):
     """One line of the table."""
-    monkeypatch.setitem(TERMS, "RR", rate_of_change(1.0))
+    monkeypatch.setitem(TERMS, "RR", relaxation(1.0))
 
 
 def model():
@@ -54,14 +34,14 @@ def record(n=2**13):
 
 
 def test_its_columns_agree():
-    check_term(rate_of_change(6.0))
+    check_term(relaxation(6.0))
 
 
-@rows("signal", SIGNALS, ids=lambda signal: signal.name)
-def test_its_units_follow_from_the_power(signal):
-    expected = unit_of(signal.unit) * unit_of("s") ** -1.5
-    assert unit_of(signal.si[-1.5]) == expected
-    assert unit_of(signal.sheet[-1.5]).dimension == expected.dimension
+def test_its_units_follow_from_the_power():
+    for signal in SIGNALS:
+        expected = unit_of(signal.unit) * unit_of("s") ** -1.5
+        assert unit_of(signal.si[-1.5]) == expected, signal.name
+        assert unit_of(signal.sheet[-1.5]).dimension == expected.dimension, signal.name
 
 
 def test_it_is_written_and_read():

@@ -72,6 +72,7 @@ def test_a_study_of_values_is_read_again(study):
     assert again.to_dict()["channels"] == study["channels"]
 
 
+@pytest.mark.slow("analyses")
 @rows("method", ["nnls", "gls"])
 @pytest.mark.usefixtures("details")
 def test_what_a_statistic_does_not_see_is_named_by_the_quantity(folder, method):
