@@ -39,10 +39,10 @@ ALIKE = 0.2
 STAGES = {
     "reading": "readers/__init__.py:read",
     "inspection": "prepare/quality.py:inspect",
-    "identification": "identification/front.py:identify",
+    "identification: the search": "identification/front.py:started",
+    "identification: what follows from it": "identification/front.py:fit",
     "residuals and their tests": "identification/checks/residuals.py:residuals",
     "limits of curves": "core/curve.py:_limits",
-    "other models of the fit (in the stored data)": "identification/likelihood/identify.py:_alternatives",
     "figures": "reporting/matplotlib_svg.py:drawn",
     "text for the terminal": "reporting/__init__.py:first_screen",
 }

@@ -19,8 +19,6 @@ from angle import Experiment, Job, plan, run
 PAGE = (ROOT / "docs" / "angle_paper.md").read_text(encoding="utf-8")
 TABLE = read("angle.md")
 STARTS = range(6)
-
-
 SIMULATED = [row for row in TABLE.rows() if row["simulated"] != "-" and row["base"] == "still"]
 
 

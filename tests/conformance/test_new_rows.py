@@ -55,14 +55,9 @@ WDEV = Statistic(
 
 
 PLAIN_FLICKER = replace(
-    TERMS["F"],
-    symbol="Z",
-    title="wander of the angle",
-    meaning="flicker of the rate's integral",
-    reference="this test",
-    titles={},
-    color="#123456",
-)
+    TERMS["F"], symbol="Z", title="wander of the angle", meaning="flicker of the rate's integral",
+    reference="this test", titles={}, color="#123456",
+)  # fmt: skip
 
 MODEL = "Z 3 arcsec, N 0.01 deg/sqrt(h)"
 
