@@ -8,22 +8,19 @@ import numpy as np
 import pytest
 from allantools.ci import edf_greenhall
 from scipy.integrate import quad
-from tests import ROOT
+from tests import ROOT, model_of
 from tests.reference import edf as published
 from tests.reference.dense import moments, quadratic_form
 from tests.reference.laws import LAWS, STRUCTURES, exact_edf
 from tests.rows import rows
 
 import allanite as al
-from allanite.core.model import term
-from allanite.core.units import SIGNALS
 from allanite.statistics import edf
 from allanite.statistics.confidence.bias import published_bias
 from allanite.statistics.confidence.powerlaw import symbol_of
 
 PAGE = Page((ROOT / "docs" / "published_formulas.md").read_text(encoding="utf-8"))
 SIZE = 256
-UNITS = {symbol: SIGNALS[2].si[row.power] for symbol, row in al.TERMS.items()}
 NAMES = {2: "WPM", 1: "FPM", 0: "WFM", -1: "FFM", -2: "RWFM", -3: "FWFM", -4: "RRFM"}
 RANGES = {"1": (1,), "2 to 8": (2, 4, 8), "16 to 64": (16, 32, 64), "85 to 128": (85, 103, 127, 128)}
 THEO_RANGES = {"10 to 64": (10, 16, 32, 64), "86 to 128": (86, 128), "160 to 256": (160, 192, 200, 240, 256)}
@@ -97,8 +94,7 @@ def test_the_package_has_the_exact_values(heading):
     row = al.STATISTICS[name]
     factors = [m for inside in ranges.values() for m in inside if m <= row.largest(SIZE)]
     for alpha in set(alphas) & {2, 0, -1, -2}:
-        model = al.Model((term(symbol_of(alpha), 1.0, UNITS[symbol_of(alpha)]),))
-        found = edf(row, model, np.array(factors), SIZE, 1.0)
+        found = edf(row, model_of({symbol_of(alpha): 1.0}), np.array(factors), SIZE, 1.0)
         # as `edf` promises: windows are thinned out where they are many
         tolerance = 1e-5 if row.differences else 1e-2
         np.testing.assert_allclose(found, [exact(name, alpha, m) for m in factors], rtol=tolerance)
