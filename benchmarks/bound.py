@@ -1,7 +1,5 @@
 """Is the Cramer-Rao bound that of a Gaussian record: against full matrices, with and without an unknown ramp.
 
-    python benchmarks/bound.py [--size 2048] [--write PATH]
-
 The referee makes the covariance of the differences of the rates, and the information tr(P C_i P C_j) / 2 from it.
 Nothing is random: there is no seed.
 """

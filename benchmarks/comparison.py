@@ -1,7 +1,5 @@
 """How often a comparison calls equal devices different, and how often it sees a change, against prediction.
 
-    python benchmarks/comparison.py verdict|ratio [--models N NK QNBK] [--pairs 2000] [--processes 1] [--write PATH]
-
 Pairs of records of one model are simulated with seeds 1, 2, 3, ... and compared as `compare` does; where a device has
 changed, the second record of each pair is louder by a factor. Ends with exit code 1 if a share is out of bounds.
 """

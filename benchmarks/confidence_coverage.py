@@ -1,7 +1,5 @@
 """How often the confidence limits of every statistic hold the truth, under every noise; allantools' errors beside them.
 
-    python benchmarks/confidence_coverage.py [--records 1000] [--write PATH]
-
 Records of 256 samples are simulated with seeds 1, 2, 3, ...; the limits are those of the model that made them. Ends
 with exit code 1 if a cell is out of bounds.
 """

@@ -1,7 +1,5 @@
 """Are exported files consistent: the error of a filter that uses them over the standard deviation that it predicts.
 
-    python benchmarks/consistency.py [--records 100] [--runs 1000] [--aids 0.1 0] [--covers no 1,1000] [--write PATH]
-
 Records of gyros are simulated, identified as a user's would be, and exported to every target with fields, without and
 with cover. Each file is read back into N, K, B and the correlation time of the bias, and a Kalman filter of these,
 which is aided by an angle every second and then left alone, meets noise of the true model. With ALLANITE_RECORDINGS,

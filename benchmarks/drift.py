@@ -1,7 +1,5 @@
 """Drift without aid: closed form against a strapdown integration of simulated sensors.
 
-    python benchmarks/drift.py [--runs 6000] [--records 100] [--write PATH]
-
 Three gyros and three accelerometers at rest; the bias of each is its mean over a minute before. Rates turn the attitude
 by Rodrigues' formula, specific forces are turned and integrated twice. Then the intervals of the heading from records
 of 2 h, whose noise is identified. Random numbers have seeds 1, 2, 3 ...

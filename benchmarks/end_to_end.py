@@ -1,7 +1,5 @@
 """From a file to a page: a CSV of six channels by the commands that a user types, against reading the file alone.
 
-    python benchmarks/end_to_end.py [--samples 1000000] [--rounds 3] [--write PATH]
-
 Every command is a new process. It runs with nothing set, as users do, with the threads of BLAS limited to one, and with
 `--threads 1`. The unit of the ratios is the time in which pyarrow reads the same file in one thread. Beside the time
 stands that of the processors, which other programs on the machine do not make longer as they do the time. Ends with

@@ -1,7 +1,5 @@
 """What is claimed of records in which one explanation can take the place of another.
 
-    python benchmarks/explanations.py [--records 300] [--cells NAME,NAME] [--write PATH]
-
 Simulated records of known noise behind filters, resonances, rounding, gaps and steps, identified with the default
 recipe. Every cell has seeds of its own: its number in the table of cells, and the number of the record.
 """

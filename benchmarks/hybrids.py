@@ -1,7 +1,5 @@
 """Degrees of freedom and coverage of TheoBR and TheoH against simulation, from which `theo.KEPT` comes.
 
-    python benchmarks/hybrids.py [--records 600] [--first 1] [--write PATH]
-
 Records of 512 samples with seeds FIRST, FIRST + 1, ...: single noise with the ratio kf of the record, mixtures with the
 ratio of the model. (`KEPT` was taken from seeds 1 to 600; other seeds test it.)
 """

@@ -1,8 +1,5 @@
 """How good is each method: error, bias and coverage against the Cramer-Rao bound, on the same records.
 
-    python benchmarks/methods.py [--sensors MEMS FOG RLG] [--sizes 65536 262144] [--records 100] [--ways methods]
-                                 [--write PATH]
-
 The records of benchmarks/identification.py, seeds 1, 2, 3, ...; each method is asked for the true terms and no others,
 and the likelihood reads all frequencies: a record in a hundred fails the test by chance, and would be read in a band.
 A term that a method does not find counts as 0, or as what its model has of it. With --ways curves it is generalized

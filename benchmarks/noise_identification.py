@@ -1,7 +1,5 @@
 """How often is the power law of the noise found: by the autocorrelation with plain rounding, and as the package does.
 
-    python benchmarks/noise_identification.py [--records 200] [--write PATH]
-
 Pure noise is simulated with seeds 1, 2, 3, ...; every m-th point of the angle is what the methods see.
 """
 

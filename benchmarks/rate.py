@@ -1,7 +1,5 @@
 """A constant rate in two minutes: the paper's experiment on the simulated GL-1, bounds, the search, speed.
 
-    python benchmarks/rate.py [--runs 6] [--records 400] [--searches 20] [--write PATH]
-
 The figure of the run with seed 1, rate.svg, is put beside the table.
 
 Random numbers have seeds 1, 2, 3 ...

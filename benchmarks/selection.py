@@ -1,7 +1,5 @@
 """Which terms are claimed: false ones, upper limits of absent ones, goodness of fit, flicker against Gauss-Markov.
 
-    python benchmarks/selection.py [--records 1000] [--write PATH]
-
 Records at 100 Hz are simulated with seeds 1, 2, 3, ... and identified as a user would.
 """
 

@@ -1,8 +1,5 @@
 """How fast: statistics and the whole analysis against the machine's own limit, peers, and start-up of numpy.
 
-    python benchmarks/speed.py ratios [--samples 3600000] [--write PATH]
-    python benchmarks/speed.py growth [--write PATH]
-
 One thread, processor time, the shortest of several rounds of one run; only ratios are to be trusted. Growth: the time
 by the record's length beside allantools and numpy, extrapolated by the number of their inner terms from a part that
 takes at least 5 s; errors against the definitions, and memory. Ends with exit code 1 if a demand is missed.

@@ -1,7 +1,5 @@
 """What somebody waits for who has read the README and has a recording: its commands in an empty place, timed.
 
-    python benchmarks/stranger.py [--rounds 5] [--write PATH]
-
 The commands and the Python of README.md are run word for word, in the order of the page: each that needs no
 installation (uvx, pipx) in a home of its own, the others in one more, with a new virtual environment. A home is empty,
 so are the caches of pip, uv and numba; variables of the environment are cleared but for those that lead to the package

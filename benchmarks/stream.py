@@ -1,7 +1,5 @@
 """Streams: samples per second beside allantools.realtime and the batch, and coefficients beside the bound.
 
-    python benchmarks/stream.py [--records 200] [--whole 40] [--write PATH]
-
 Speed: processor time of the thread, best of seven, of one run: what else runs on the machine slows all of it, and the
 ratios less than the rest. Coefficients: simulated records pushed in 16 chunks, and some of the same records as a whole;
 root mean square errors over the Cramer-Rao bound of the terms of the model.

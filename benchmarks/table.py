@@ -18,11 +18,13 @@ import shlex
 import subprocess
 import time
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import date
 from functools import cached_property
+from multiprocessing import Pool
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results"
@@ -50,6 +52,7 @@ ROOMS = {
 sys.path.insert(0, str(ROOT))  # the referees are among the tests
 
 Row = tuple[str, ...]
+Cell = tuple[Any, ...]
 
 
 def _git(*words: str) -> str:
@@ -141,6 +144,19 @@ def shared(hits: Sequence[bool]) -> str:
     """A share with its standard error, %."""
     p = sum(map(bool, hits)) / len(hits)
     return f"{100 * p:.1f} ± {100 * math.sqrt(max(p * (1 - p), 1e-4) / len(hits)):.1f}"
+
+
+def spread(
+    work: Callable[[Any], Any],
+    cells: Iterable[tuple[Any, ...]],
+    records: int,
+    processes: int | None = None,
+    first: int = 0,
+) -> Iterator[tuple[tuple[Any, ...], list[Any]]]:
+    """Each cell with what is made, in processes, of it and the number of each record."""
+    with Pool(processes) as pool:
+        for cell in cells:
+            yield cell, pool.map(work, [(*cell, number) for number in range(first, first + records)], chunksize=4)
 
 
 def covered(places: Iterable[int]) -> str:

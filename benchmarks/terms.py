@@ -1,7 +1,5 @@
 """Terms that are looked for when they are asked for: how often found, bias and coverage of their limits.
 
-    python benchmarks/terms.py [--cells one] [--records 300] [--write PATH]
-
 Each cell has seeds of its own. Records of 2^16 samples at 20 Hz are simulated and identified with the terms named; the
 limits of every coefficient, time constant, frequency and damping are those of 95 %. A second line of each cell counts
 false findings of the new term in records of the same model without it.

@@ -1,8 +1,5 @@
 """The claims of a paper on TheoH for optical gyros, measured on simulated records.
 
-    python benchmarks/theoh_paper.py [--records 60] [--curves 200] [--limits 240] [--draws 2000]
-                                     [--write PATH]
-
 Tang, Cheng and Gao, Acta Armamentarii 36 (2015) 1688: two hours at 1 Hz, five noise terms.
 """
 

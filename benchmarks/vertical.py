@@ -1,7 +1,5 @@
 """The gyro-vertical: predicted against simulated errors, filters in scenarios, coning, speed.
 
-    python benchmarks/vertical.py [--runs 150] [--write PATH]
-
 Random numbers have seeds 1, 2, 3 ...
 """
 
