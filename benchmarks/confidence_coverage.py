@@ -12,10 +12,9 @@ import warnings
 import numpy as np
 
 import allanite as al
-from allanite.core.model import term
+from allanite.core.units import SIGNALS
 
 SAMPLES = 256
-UNITS = {"Q": "rad", "N": "rad/sqrt(s)", "B": "rad/s", "K": "rad/s^1.5", "R": "rad/s^2"}
 NOISES = {
     "Q": {"Q": 1.0},
     "N": {"N": 1.0},
@@ -49,7 +48,7 @@ CELLS = [(noise, name) for noise in NOISES for name in FACTORS]
 
 
 def model_of(noise: str) -> al.Model:
-    return al.Model(tuple(term(s, v, UNITS[s]) for s, v in NOISES[noise].items()))
+    return al.Model(tuple(al.Term(symbol, value, SIGNALS[0]) for symbol, value in NOISES[noise].items()))
 
 
 def records_of(noise: str, count: int) -> list[al.Record]:

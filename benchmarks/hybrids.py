@@ -9,10 +9,9 @@ from table import begin, markdown
 import numpy as np
 
 import allanite as al
-from allanite.core.model import term
+from allanite.core.units import SIGNALS
 
 SAMPLES = 512
-UNITS = {"Q": "rad", "N": "rad/sqrt(s)", "B": "rad/s", "K": "rad/s^1.5"}
 CASES = (
     ({"N": 1.0}, None),
     ({"B": 1.0}, None),
@@ -31,7 +30,7 @@ HEADINGS = (
 def made(case: tuple[dict[str, float], str | None], seeds: range) -> list[tuple[str, ...]]:
     """The lines of a case."""
     coefficients, bias = case
-    model = al.Model(tuple(term(s, v, UNITS[s]) for s, v in coefficients.items()))
+    model = al.Model(tuple(al.Term(symbol, value, SIGNALS[0]) for symbol, value in coefficients.items()))
     records = [al.simulate(model, SAMPLES, 1.0, rng=np.random.default_rng(seed)) for seed in seeds]
     lines = []
     for name, factors in FACTORS.items():

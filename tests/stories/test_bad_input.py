@@ -207,6 +207,10 @@ def test_gaps_and_outliers_are_dealt_with_and_said(tmp_path):
     assert not any("outlier" in note for note in found["keep"]["fit"]["notes"])
     names = [finding["name"] for finding in found[""]["quality"]["findings"]]
     assert {"gaps", "outliers"} <= set(names)
+    said = " ".join(
+        CliRunner().invoke(main, ["analyze", str(tmp_path / "a.csv"), *OPTIONS, "--details"]).output.split()
+    )
+    assert "exclude them there, too (--outliers mark)" in said
     # the curve has them, unless they are left out everywhere
     curves = {name: channel["curves"][0]["deviation"][0] for name, channel in found.items()}
     # the noise of the exact expectation is another one, which rounds otherwise

@@ -1,7 +1,5 @@
 """What the pages on compensation and on currents show is run."""
 
-from table import read
-
 import json
 import re
 
@@ -87,8 +85,3 @@ def test_the_figures_of_the_page_are_those_of_the_formula():
         adds = 60 * step / 12**0.5 * 1e-3**0.5
         assert float(n) == pytest.approx(adds, rel=0.02)
         assert float(share) == pytest.approx(100 * (adds / 2.525648) ** 2, rel=0.2)
-
-
-def test_the_page_names_the_source_of_its_figures():
-    assert "`benchmarks/compensation.py`" in PAGE
-    assert "table 2" in {row["noise"] for row in read("compensation.md").rows()}
