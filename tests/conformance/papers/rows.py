@@ -26,9 +26,6 @@ class Row:
     wrong: bool = False
     read: Callable[..., float] = float
 
-    def __str__(self):
-        return self.item
-
 
 def number(path, cell):
     """The number of a cell in a CSV or JSON file; those of all rows if the cell begins with ``all``."""
@@ -77,10 +74,6 @@ def arcsec(rad):
 def rms(values):
     values = list(values)
     return math.sqrt(sum(value**2 for value in values) / len(values))
-
-
-def of_degree_per_hour(rad_per_s):
-    return arcsec(rad_per_s)
 
 
 def minutes(seconds):
