@@ -22,7 +22,6 @@ from allanite.claims.checking import check
 from allanite.claims.claim import claim_of
 
 RATE, SIZE = 100.0, 360_000
-UNITS = {"gyro": "rad/s", "accelerometer": "m/s^2"}
 Rng = np.random.Generator
 
 

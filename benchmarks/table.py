@@ -157,12 +157,8 @@ def least(job: Callable[[], object], rounds: int, clock: Callable[[], float] = t
 
 
 def spread(
-    work: Callable[[Any], Any],
-    cells: Iterable[tuple[Any, ...]],
-    records: int,
-    processes: int | None = None,
-    first: int = 0,
-) -> Iterator[tuple[tuple[Any, ...], list[Any]]]:
+    work: Callable[[Any], Any], cells: Iterable[Cell], records: int, processes: int | None = None, first: int = 0
+) -> Iterator[tuple[Cell, list[Any]]]:
     """Each cell with what is made, in processes, of it and the number of each record."""
     with Pool(processes) as pool:
         for cell in cells:

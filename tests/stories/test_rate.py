@@ -238,7 +238,7 @@ def test_the_recipe_repeats_the_run(brief, tmp_path):
     assert run(brief, "--recipe", recipe, "--json", "-").stdout == first.stdout
 
 
-def test_a_noise_that_explains_nothing_is_not_used(folder):
+def test_a_noise_that_explains_nothing_is_not_used():
     """The level of the noise doubles half way: no model explains it, at any rate of readings."""
     values = np.random.default_rng(1).standard_normal(20_000)
     values[10_000:] *= 2

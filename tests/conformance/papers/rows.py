@@ -57,11 +57,6 @@ def ratio(one, other):
     return one / other
 
 
-def slope(first, second):
-    """Over two decades."""
-    return math.log10(second / first) / 2
-
-
 def percent(edf):
     """Relative standard error of a deviation."""
     return 100 / math.sqrt(2 * edf)
