@@ -46,7 +46,8 @@ COMPLAINTS = {
     "the sensor was shaken for the calibration of its noise":
         Answer("analyze shaken.csv", r"moves from 10 s .* the longest static stretch: --until 10", code=3),
     "no messages were found: is the topic right?":
-        Answer("info run.bag --channels /imu/wrong", r"it contains .*/imu/data of type sensor_msgs/Imu", code=2),
+        Answer("info run.bag --channels /imu/wrong",
+               r"it contains .*/imu/data of type sensor_msgs/Imu \(1500 rows", code=2),
     "only mcap is read, or only db3: the other one":
         Answer("info run_db3", r"/imu/data of type sensor_msgs/Imu \(1500 rows at 100 Hz\)"),
     "only db3 is read, or only mcap: the other one":
