@@ -275,6 +275,7 @@ def reader(**parts):
 
 KALIBR, ADEV = al.EXPORTS["kalibr"], al.STATISTICS["adev"]
 SHEET = al.DATASHEETS["ADIS16470"]
+TWICE = replace(SHEET, claims=SHEET.claims[:1] * 2)
 METERS = replace(KALIBR, fields=(replace(KALIBR.fields[0], unit="m"),))
 
 
@@ -293,7 +294,7 @@ def silent(path):
         (check_target, replace(KALIBR, forms={}), "target 'kalibr': it has no form of a file"),
         (check_target, replace(KALIBR, fields=KALIBR.fields * 2), "fields have the same name"),
         (check_target, METERS, "the unit m of .* is not that of N"),
-        (check_data_sheet, replace(SHEET, claims=SHEET.claims[:1] * 2), "data sheet 'ADIS16470': a line is there twice"),
+        (check_data_sheet, TWICE, "data sheet 'ADIS16470': a line is there twice"),
         (check_data_sheet, replace(SHEET, claims=(replace(SHEET.claims[0], unit="deg/h"),)), "is not a unit of N"),
         (check_data_sheet, replace(SHEET, claims=(replace(SHEET.claims[0], place=""),)), "it has no page or table"),
         (check_data_sheet, replace(SHEET, claims=(replace(SHEET.claims[0], sensor="accelerometer"),)), "of the gyro"),
