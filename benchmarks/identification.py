@@ -24,20 +24,9 @@ LONG, FEW = 2**18, 300
 """Samples above which there are at most so many records."""
 
 HEADINGS = (
-    "terms",
-    "sensor",
-    "n",
-    "term",
-    "bound %",
-    "claimed %",
-    "identified %",
-    "cover %",
-    "profile %",
-    "width",
-    "rmse",
-    "rmse of square",
-    "bias",
-)
+    "terms", "sensor", "n", "term", "bound %", "claimed %", "identified %", "cover %", "profile %", "width", "rmse",
+    "rmse of square", "bias",
+)  # fmt: skip
 
 
 def bounds(model: al.Model, n: int) -> dict[str, float]:

@@ -116,15 +116,5 @@ def weights_rows(lines: Sequence[Line]) -> tuple[Row, list[Row]]:
             levels = [*np.quantile(weight, (0.5, 0.9, 0.97, 0.99)), weight.max()]
             perhaps, claimed = percent(weight > 1 - CLAIMED), percent(weight >= CLAIMED)
             rows.append((name, str(n), str(weight.size), *(f"{x:.2f}" for x in levels), perhaps, claimed))
-    return (
-        "component",
-        "n",
-        "records",
-        "50 %",
-        "90 %",
-        "97 %",
-        "99 %",
-        "largest",
-        "above 0.27 %",
-        "above 0.73 %",
-    ), rows
+    levels = ("50 %", "90 %", "97 %", "99 %", "largest", "above 0.27 %", "above 0.73 %")
+    return ("component", "n", "records", *levels), rows

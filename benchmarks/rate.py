@@ -106,20 +106,11 @@ def efficiency() -> Table:
 
 
 MIXTURES = {
-    "white": "N",
-    "quantization": "Q",
-    "white, quantization": "QN",
-    "white, flicker": "NB",
-    "white, random walk": "NK",
-    "quantization, flicker": "QB",
-    "all": "QNBK",
-}
-SIZES = {
-    "Q": al.Q(0.25, "arcsec"),
-    "N": al.N(1e-3, "deg/sqrt(h)"),
-    "B": al.B(0.01, "deg/h"),
-    "K": al.K(0.1, "deg/h/sqrt(h)"),
-}
+    "white": "N", "quantization": "Q", "white, quantization": "QN", "white, flicker": "NB", "white, random walk": "NK",
+    "quantization, flicker": "QB", "all": "QNBK",
+}  # fmt: skip
+SIZES = {"Q": al.Q(0.25, "arcsec"), "N": al.N(1e-3, "deg/sqrt(h)"), "B": al.B(0.01, "deg/h")}
+SIZES["K"] = al.K(0.1, "deg/h/sqrt(h)")
 
 
 def levinson_bound(model: al.Model, target: str) -> float:
