@@ -1,7 +1,5 @@
 """Angle sensors of a gimbal: is the planned accuracy that of simulated experiments, and which range of h is best.
 
-    python benchmarks/angle.py [--runs 300] [--first 1] [--write PATH]
-
 The experiment is that of docs/angle_paper.md: latitude 60 deg, one hour from every full hour after h = 0 (or the middle
 half of it), a reading every 10 s, noise 1, harmonics 128 and 256 of h and q, prior standard deviations 3 (amplitudes)
 and 10 (rest). In a run the true constants are drawn from that prior, the errors are added to the angles, and the

@@ -1,7 +1,5 @@
 """Bags of a million messages: time and memory of reading one, next to decoding with rosbags message by message.
 
-    python benchmarks/bags.py [--messages 1000000] [--forms bag db3 ...] [--keep FOLDER] [--write PATH]
-
 The bags hold one topic of sensor_msgs/Imu at 200 Hz and are written here, or with --keep taken from a folder where an
 earlier run has left them. Each is read in a new process of its own; time is that of the processor, of that process and
 of those that it starts, without their imports. Memory is the largest resident size of that process less its size

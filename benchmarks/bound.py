@@ -1,7 +1,5 @@
 """Is the Cramer-Rao bound that of a Gaussian record: against full matrices, with and without an unknown ramp.
 
-    python benchmarks/bound.py [--size 2048] [--write PATH]
-
 The referee makes the covariance of the differences of the rates, and the information tr(P C_i P C_j) / 2 from it.
 Nothing is random: there is no seed.
 """
@@ -56,18 +54,8 @@ def made(name: str, n: int, rate: float, *, ramp: bool) -> list[tuple[str, ...]]
     pairs = list(zip(found.names, errors, found.errors, strict=True))
     if ramp:
         pairs.append(("R", slope / 1e-6, (found.ramp or math.nan) / 1e-6))
-    return [
-        (
-            name,
-            f"{rate:g}",
-            "unknown" if ramp else "none",
-            parameter,
-            f"{100 * a:.4g}",
-            f"{100 * b:.4g}",
-            f"{b / a:.4f}",
-        )
-        for parameter, a, b in pairs
-    ]
+    head = (name, f"{rate:g}", "unknown" if ramp else "none")
+    return [(*head, parameter, f"{100 * a:.4g}", f"{100 * b:.4g}", f"{b / a:.4f}") for parameter, a, b in pairs]
 
 
 def main() -> None:

@@ -5,7 +5,7 @@ of a bias, b = phi b + s w, is that of a filter. Each of the defects is seeded i
 numbers in each record; a record holds 1 h. Right records are those of the simulators without a defect.
 """
 
-from table import begin, markdown
+from table import begin, section
 
 import math
 import sys
@@ -22,7 +22,6 @@ from allanite.claims.checking import check
 from allanite.claims.claim import claim_of
 
 RATE, SIZE = 100.0, 360_000
-UNITS = {"gyro": "rad/s", "accelerometer": "m/s^2"}
 Rng = np.random.Generator
 
 
@@ -87,13 +86,13 @@ def classic(gyro: Sensor, accelerometer: Sensor) -> str:
 def gazebo(gyro: Sensor, accelerometer: Sensor) -> str:
     """The noise of gz-sensors: a standard deviation per sample."""
     parts = []
-    for section, of in (("angular_velocity", gyro), ("linear_acceleration", accelerometer)):
+    for element, of in (("angular_velocity", gyro), ("linear_acceleration", accelerometer)):
         noise = (
             f'<noise type="gaussian"><mean>0</mean><stddev>{of.density * math.sqrt(RATE)!r}</stddev>'
             f"<dynamic_bias_stddev>{of.walk!r}</dynamic_bias_stddev>"
             f"<dynamic_bias_correlation_time>{of.time!r}</dynamic_bias_correlation_time></noise>"
         )
-        parts.append(f"<{section}>" + "".join(f"<{axis}>{noise}</{axis}>" for axis in "xyz") + f"</{section}>")
+        parts.append(f"<{element}>" + "".join(f"<{axis}>{noise}</{axis}>" for axis in "xyz") + f"</{element}>")
     return "<imu>" + "".join(parts) + "</imu>"
 
 
@@ -255,13 +254,11 @@ def main() -> None:
             f"in more than half of the records: {share(sum(most for _, _, most in defects), len(defects))}",
             f"false alarms: {share(alarms, total)} right records, {100 * alarms / total:.1f} %",
         ),
-        [
-            "## Defects", "",
-            *markdown(("defect", "seen in", "found", "cause named", "names"), [row for row, *_ in defects]),
-            "## Right records", "",
-            *markdown(("simulator", "records", "false alarms", "share", "by quantity"), [row for row, _ in right]),
-        ],
-    )  # fmt: skip
+        section("Defects", ("defect", "seen in", "found", "cause named", "names"), [row for row, *_ in defects])
+        + section(
+            "Right records", ("simulator", "records", "false alarms", "share", "by quantity"), [r for r, _ in right]
+        ),
+    )
 
 
 if __name__ == "__main__":

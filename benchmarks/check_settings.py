@@ -5,7 +5,7 @@ against filters that are not there. The filters of the first table are those of 
 are in no row, and their samples are rounded to a fourth of their standard deviation.
 """
 
-from table import begin, markdown
+from table import begin, section
 
 import math
 import sys
@@ -96,12 +96,10 @@ def main() -> None:
             f"white noise, {SIZE} samples at {RATE:g} Hz; contradicted, and in brackets not decided",
             f"false alarms at the true cut-off: {alarms} of {total} records, nominal 5 %",
         ),
-        [
-            "## Filters that are rows", "", *markdown(headings, rows),
-            "## No filter", "", *markdown(("filter", "records", *(f"{c:g} Hz" for c in absent)), [none]),
-            "## Filters of no row", "", *markdown(headings, others),
-        ],
-    )  # fmt: skip
+        section("Filters that are rows", headings, rows)
+        + section("No filter", ("filter", "records", *(f"{c:g} Hz" for c in absent)), [none])
+        + section("Filters of no row", headings, others),
+    )
 
 
 if __name__ == "__main__":

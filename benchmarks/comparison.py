@@ -1,12 +1,10 @@
 """How often a comparison calls equal devices different, and how often it sees a change, against prediction.
 
-    python benchmarks/comparison.py verdict|ratio [--models N NK QNBK] [--pairs 2000] [--processes 1] [--write PATH]
-
 Pairs of records of one model are simulated with seeds 1, 2, 3, ... and compared as `compare` does; where a device has
 changed, the second record of each pair is louder by a factor. Ends with exit code 1 if a share is out of bounds.
 """
 
-from table import begin, markdown
+from table import begin, section
 
 import math
 import sys
@@ -177,36 +175,30 @@ def _within(cell: str) -> bool:
 def verdict_part(models: list[str], pairs: int, processes: int) -> tuple[list[str], list[str]]:
     """Text, and what is out of bounds."""
     rows = [row for model in models for row in verdict_rows(model, pairs, processes)]
-    return [
-        "## Equal devices",
-        "",
+    about = (
         "verdict: the likelihood ratio with its law drawn, as printed; chi-square: the same likelihood ratio by "
         "chi-square; symbols: one coefficient by its profile, not adjusted. Bounds of the verdict: "
-        f"{SIZE[0]} to {SIZE[1]} %.",
-        "",
-        *markdown(VERDICT, rows),
-        "## A small change of white noise",
-        "",
+        f"{SIZE[0]} to {SIZE[1]} %."
+    )
+    about_small = (
         f"The likelihood ratio of {pairs} pairs against an F test with {SAMPLES - 1} degrees of freedom each, the best "
-        "there is if nothing but white noise could be there.",
-        "",
-        *markdown(SMALL_HEADINGS, list(small_rows(pairs, processes))),
-    ], missed_verdicts(rows)
+        "there is if nothing but white noise could be there."
+    )
+    small = list(small_rows(pairs, processes))
+    text = section("Equal devices", VERDICT, rows, about)
+    return text + section("A small change of white noise", SMALL_HEADINGS, small, about_small), missed_verdicts(rows)
 
 
 def ratio_part(models: list[str], pairs: int, processes: int) -> tuple[list[str], list[str]]:
     """Text, and what is out of bounds."""
     rows = [row for model in models for row in ratio_rows(model, pairs, processes)]
-    return [
-        "## Ratio of variances by averaging time",
-        "",
+    about = (
         "Overlapped Allan variance, the law under what is supposed of each pair. Predicted: the law of the true model "
         "(an F with both degrees of freedom where these are many), scaled by the square of the change. "
         f"Bounds: size {SIZE[0]} to {SIZE[1]} %, power within {NEAR:g} points of the prediction; from {FEWEST} degrees "
-        "of freedom on.",
-        "",
-        *markdown(RATIO, rows),
-    ], missed_ratios(rows)
+        "of freedom on."
+    )
+    return section("Ratio of variances by averaging time", RATIO, rows, about), missed_ratios(rows)
 
 
 PARTS = {"verdict": verdict_part, "ratio": ratio_part}

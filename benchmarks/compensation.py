@@ -1,16 +1,12 @@
 """How often a regression sees effects that are not there, holds the truth, and gains what it promises.
 
-    python benchmarks/compensation.py [--records 400] [--first 1] [--write PATH]
-
 Rates of 1 Hz over 1 h, with the noise of table 2 of the paper on the magnetically suspended gyro (N 2.525648
 deg/sqrt(h), B 12.023988 deg/h, K 32.72457 deg/h/sqrt(h)) or with other noise; a thermometer of 0.0625 degC steps that
 drifts in one of three ways; seeds 1, 2, 3, ...
 """
 
-from table import begin, markdown
+from table import begin, markdown, spread
 
-import os
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -135,11 +131,9 @@ def made(cell: Cell, results: list[np.ndarray]) -> list[tuple[str, ...]]:
 def main() -> None:
     run = begin(__doc__, records=400, first=1)
     records, first, rows = run.asked.records, run.asked.first, []
-    with ProcessPoolExecutor(os.cpu_count()) as pool:
-        for cell in CELLS:
-            jobs = [(cell, seed) for seed in range(first, first + records)]
-            rows += made(cell, list(pool.map(run_one, jobs, chunksize=10)))
-            print(*rows[-2:], sep="\n", flush=True)
+    for (cell,), results in spread(run_one, ((cell,) for cell in CELLS), records, first=first):
+        rows += made(cell, results)
+        print(*rows[-2:], sep="\n", flush=True)
     notes = [
         f"seeds {first}..{first + records - 1}; 1 Hz, 1 h; Monte-Carlo standard error "
         f"at 5 %: {100 * (0.05 * 0.95 / records) ** 0.5:.1f} %",

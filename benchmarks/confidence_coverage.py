@@ -1,7 +1,5 @@
 """How often the confidence limits of every statistic hold the truth, under every noise; allantools' errors beside them.
 
-    python benchmarks/confidence_coverage.py [--records 1000] [--write PATH]
-
 Records of 256 samples are simulated with seeds 1, 2, 3, ...; the limits are those of the model that made them. Ends
 with exit code 1 if a cell is out of bounds.
 """
@@ -14,10 +12,9 @@ import warnings
 import numpy as np
 
 import allanite as al
-from allanite.core.model import term
+from allanite.core.units import SIGNALS
 
 SAMPLES = 256
-UNITS = {"Q": "rad", "N": "rad/sqrt(s)", "B": "rad/s", "K": "rad/s^1.5", "R": "rad/s^2"}
 NOISES = {
     "Q": {"Q": 1.0},
     "N": {"N": 1.0},
@@ -51,7 +48,7 @@ CELLS = [(noise, name) for noise in NOISES for name in FACTORS]
 
 
 def model_of(noise: str) -> al.Model:
-    return al.Model(tuple(term(s, v, UNITS[s]) for s, v in NOISES[noise].items()))
+    return al.Model(tuple(al.Term(symbol, value, SIGNALS[0]) for symbol, value in NOISES[noise].items()))
 
 
 def records_of(noise: str, count: int) -> list[al.Record]:

@@ -1,14 +1,12 @@
 """Are exported files consistent: the error of a filter that uses them over the standard deviation that it predicts.
 
-    python benchmarks/consistency.py [--records 100] [--runs 1000] [--aids 0.1 0] [--covers no 1,1000] [--write PATH]
-
 Records of gyros are simulated, identified as a user's would be, and exported to every target with fields, without and
 with cover. Each file is read back into N, K, B and the correlation time of the bias, and a Kalman filter of these,
 which is aided by an angle every second and then left alone, meets noise of the true model. With ALLANITE_RECORDINGS,
 the folder of the recordings, the models that are identified in the ADIS16405 among them are true models, too.
 """
 
-from table import begin, markdown
+from table import begin, section
 
 import math
 import os
@@ -54,11 +52,7 @@ PARTS = (
         "Rms error over predicted sigma, of all records (lowest .. highest of a record), from the covariance.",
         ["simulated / exact"],
     ),
-    (
-        "Accuracy",
-        "Rms error over that of the state space of the true model / median of the predicted sigma, deg.",
-        [],
-    ),
+    ("Accuracy", "Rms error over that of the state space of the true model / median of the predicted sigma, deg.", []),
 )
 
 
@@ -206,7 +200,7 @@ def main() -> None:
     for aid, both in pages.items():
         for part, rows in zip(PARTS, both, strict=True):
             title, about, more = part
-            body += [f"## {title}, aid to {aid:g} deg", "", about, "", *markdown([*HEADINGS, *more], rows)]
+            body += section(f"{title}, aid to {aid:g} deg", [*HEADINGS, *more], rows, about)
     run.publish("Consistency of exported files", notes, body)
 
 

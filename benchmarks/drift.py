@@ -1,13 +1,11 @@
 """Drift without aid: closed form against a strapdown integration of simulated sensors.
 
-    python benchmarks/drift.py [--runs 6000] [--records 100] [--write PATH]
-
 Three gyros and three accelerometers at rest; the bias of each is its mean over a minute before. Rates turn the attitude
 by Rodrigues' formula, specific forces are turned and integrated twice. Then the intervals of the heading from records
 of 2 h, whose noise is identified. Random numbers have seeds 1, 2, 3 ...
 """
 
-from table import begin, markdown
+from table import begin, section
 
 import math
 
@@ -149,18 +147,17 @@ def covered(text: str, records: int) -> list[list[str]]:
 def main() -> None:
     run = begin(__doc__, runs=6000, records=100)
     runs = run.asked.runs
-    heads = ["noise", "quantity", "unit", *(f"{t:g} s" for _, span in SPANS for t in span)]
-    errors = [100 / math.sqrt(2 * runs * axes) for axes in (1, 2)]
-    body = ["## Strapdown, flat earth", "", *markdown(heads, [
-        row for seed, sensor in enumerate(SENSORS, 1) for row in compared(sensor, runs, seed)
-    ])]  # fmt: skip
-    body += ["## Round earth", "", "Each axis by itself: the tilt falls by the velocity over the earth's radius.", ""]
-    body += markdown(heads, compared(SENSORS[-1], runs, len(SENSORS) + 1, schuler=True))
-    body += ["## Intervals of the heading", "", "From identified noise: share of records whose 95 % interval has the "
-             "truth, share whose upper limit is above it, %, and median of estimate over truth.", ""]  # fmt: skip
     times = [f"{t:g} s" for _, span in SPANS for t in span]
+    heads = ["noise", "quantity", "unit", *times]
+    errors = [100 / math.sqrt(2 * runs * axes) for axes in (1, 2)]
+    flat = [row for seed, sensor in enumerate(SENSORS, 1) for row in compared(sensor, runs, seed)]
+    body = section("Strapdown, flat earth", heads, flat)
+    body += section("Round earth", heads, compared(SENSORS[-1], runs, len(SENSORS) + 1, schuler=True),
+                    "Each axis by itself: the tilt falls by the velocity over the earth's radius.")  # fmt: skip
     rows = [row for text in IDENTIFIED for row in covered(text, run.asked.records)]
-    body += markdown(("noise", "records", *times), rows)
+    body += section("Intervals of the heading", ("noise", "records", *times), rows, "From identified noise: share of "
+                    "records whose 95 % interval has the truth, share whose upper limit is above it, %, and median of "
+                    "estimate over truth.")  # fmt: skip
     notes = [
         f"{runs} runs a row, seeds 1, 2, 3 ...; Monte-Carlo standard error {errors[0]:.2f} % of heading, "
         f"{errors[1]:.2f} % of the others, which are of two axes (of three on the round earth)",

@@ -1,14 +1,12 @@
 """From a file to a page: a CSV of six channels by the commands that a user types, against reading the file alone.
 
-    python benchmarks/end_to_end.py [--samples 1000000] [--rounds 3] [--write PATH]
-
 Every command is a new process. It runs with nothing set, as users do, with the threads of BLAS limited to one, and with
 `--threads 1`. The unit of the ratios is the time in which pyarrow reads the same file in one thread. Beside the time
 stands that of the processors, which other programs on the machine do not make longer as they do the time. Ends with
 exit code 1 if a bound is missed.
 """
 
-from table import begin, markdown
+from table import begin, markdown, section
 
 import cProfile
 import io
@@ -39,10 +37,10 @@ ALIKE = 0.2
 STAGES = {
     "reading": "readers/__init__.py:read",
     "inspection": "prepare/quality.py:inspect",
-    "identification": "identification/front.py:identify",
+    "identification: the search": "identification/front.py:started",
+    "identification: what follows from it": "identification/front.py:fit",
     "residuals and their tests": "identification/checks/residuals.py:residuals",
     "limits of curves": "core/curve.py:_limits",
-    "other models of the fit (in the stored data)": "identification/likelihood/identify.py:_alternatives",
     "figures": "reporting/matplotlib_svg.py:drawn",
     "text for the terminal": "reporting/__init__.py:first_screen",
 }
@@ -152,11 +150,12 @@ def main() -> int:
                 *markdown(
                     ("command", "nothing set", "pinned", "--threads 1", "over the read", "wanted", "apart", ""), rows
                 ),
-                "## Where the time goes",
-                "",
-                "Shares of the whole for the page with `--threads 1`; a stage may be part of another.",
-                "",
-                *markdown(("stage", "calls", "share"), stages(path, page)),
+                *section(
+                    "Where the time goes",
+                    ("stage", "calls", "share"),
+                    stages(path, page),
+                    "Shares of the whole for the page with `--threads 1`; a stage may be part of another.",
+                ),
             ),
         )
     return int(any(row[-1] == "MISSED" for row in rows))

@@ -1,7 +1,5 @@
 """The tests with the distribution installed into environments of their own, in every kind of place.
 
-    python benchmarks/environments.py [--pythons python3.11 python3.12] [--kinds oldest offline] [--write PATH]
-
 The wheel is built from the sdist. `KINDS` says what is installed and where the tests run; rows of the same installation
 share it. The oldest dependencies are the lower bounds of pyproject.toml, the newest are what pip finds today, and
 pre-releases what it finds with --pre. Tools of the tests are the newest throughout. Pythons and locales that are not

@@ -1,7 +1,5 @@
 """What is claimed of records in which one explanation can take the place of another.
 
-    python benchmarks/explanations.py [--records 300] [--cells NAME,NAME] [--write PATH]
-
 Simulated records of known noise behind filters, resonances, rounding, gaps and steps, identified with the default
 recipe. Every cell has seeds of its own: its number in the table of cells, and the number of the record.
 """
@@ -23,9 +21,7 @@ import allanite as al
 from allanite.core.validity import GRADES
 from allanite.study.noise import noise_of
 from allanite.study.results import Noise
-
-SETTLING = 4096
-"""Samples before the record, in which filters forget their start."""
+from real_sensors import SETTLING, fast_noise, filtered
 
 Values = np.ndarray
 Change = Callable[[Values, np.random.Generator], Values]
@@ -36,26 +32,11 @@ RESONANCES = ((0.464, 3.6e-3, 40), (0.562, 3.6e-3, 40), (1.69, 3e-3, 60), (9.88,
 """Of a table in a laboratory: frequency, Hz, RMS, g, and quality."""
 
 
-def fast_noise(y: Values) -> float:
-    """Standard deviation of what changes from sample to sample."""
-    return float(np.std(np.diff(y)) / math.sqrt(2))
-
-
 def resonance(n: int, rate: float, frequency: float, quality: float, rng: np.random.Generator) -> Values:
     """White noise through two poles, of standard deviation 1."""
     r, w = math.exp(-math.pi * frequency / quality / rate), 2 * math.pi * frequency / rate
     z = lfilter([1.0], [1.0, -2 * r * math.cos(w), r * r], rng.standard_normal(n + 20_000))[20_000:]
     return z / z.std()
-
-
-def averaged(count: int) -> Change:
-    """Mean of `count` samples."""
-    return lambda y, rng: lfilter(np.full(count, 1 / count), [1.0], y)
-
-
-def through(b: Values, a: Values) -> Change:
-    """A digital filter."""
-    return lambda y, rng: lfilter(b, a, y)
 
 
 def rounded(sigma: float) -> Change:
@@ -158,13 +139,14 @@ CELLS: dict[str, Cell] = {
     **{f"{name}, every {every}th missing": Cell(model, 2**16, change=dropped(every))
        for every in (3, 7) for name, model in PLAIN.items()},
     **{f"{name}, 5 % missing": Cell(model, 2**16, change=lost(0.05)) for name, model in PLAIN.items()},
-    **{f"N B, mean of {count}": Cell(PLAIN["N B"], 2**16, change=averaged(count)) for count in range(2, 10)},
+    **{f"N B, mean of {count}": Cell(PLAIN["N B"], 2**16, change=filtered([1 / count] * count, [1.0]))
+       for count in range(2, 10)},
     "two GM, 3 and 100 s": Cell("N 0.1 deg/sqrt(h), GM 3 deg/h 3 s, GM 3 deg/h 100 s", 2**15, 20.0),
     "loop of 0.5 Hz, damping 0.5": Cell("N 0.6 deg/sqrt(h), GM2 108 deg/h 0.5 Hz 0.5", 2**16),
     "loop of 0.3 Hz, damping 0.15": Cell("N 0.6 deg/sqrt(h), GM2 108 deg/h 0.3 Hz 0.15", 2**16),
     "N K, 40 % missing": Cell("N 0.1 deg/sqrt(h), K 12 deg/h/sqrt(h)", 2**15, 20.0, gap),
     "N B K, 40 % missing": Cell("N 0.1 deg/sqrt(h), B 3 deg/h, K 6 deg/h/sqrt(h)", 2**15, 20.0, gap),
-    **{f"GM {time} s behind 8 Hz": Cell(BEHIND.format(time), 2**15, change=through(*butter(1, 8 / 50)))
+    **{f"GM {time} s behind 8 Hz": Cell(BEHIND.format(time), 2**15, change=filtered(*butter(1, 8 / 50)))
        for time in (1, 10)},
     **{f"N B GM {time} s": Cell(BESIDE.format(time), 2**16, 20.0) for time in (60, 150, 800)},
     "1 step": Cell(PLAIN["N B"], 2**16, change=partial(stepped, 1, 0.2), walk=True),

@@ -1,20 +1,17 @@
 """Records of a rate with lost readings: limits of coefficients and of curves against the truth.
 
-    python benchmarks/gaps.py coefficients [--records 400] [--sensors MEMS FOG RLG] [--losses "1 %" ...] [--write PATH]
-    python benchmarks/gaps.py curves [--records 400] [--sensors MEMS FOG RLG] [--losses "1 %" ...] [--write PATH]
-    python benchmarks/gaps.py patterns [--records 2000]
-
 Readings are lost one by one at random, or in bursts that start at random. Each record is identified by "auto"; the
 limits of its curves are averaged over the models that it leaves open. `patterns` looks only for limits that are no
 numbers, of every statistic that takes gaps. Every cell has seeds of its own: the numbers of the sensor, of the loss and
 of the record.
 """
 
-from table import begin, markdown
+from table import Row, begin, covered, markdown, spread
 
+import itertools
 import math
 import os
-from multiprocessing import Pool
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -77,27 +74,20 @@ def coefficients_of(job: tuple[str, str, int]) -> dict[str, tuple[float, ...]]:
     return found
 
 
-def coefficient_rows(asked: tuple[int, list[str], list[str]], pool: "Pool") -> list[tuple[str, ...]]:
-    """A row for each true term of each cell."""
-    records, sensors, losses = asked
-    rows = []
-    for sensor in sensors:
-        for loss in losses:
-            said = pool.map(coefficients_of, [(sensor, loss, i) for i in range(records)], chunksize=4)
-            known = [one for one in said if one]
-            explained = 100 * np.mean([one["p"][0] >= 0.01 for one in known]) if known else math.nan
-            for t in SENSORS[sensor]:
-                one = np.array([found[t.symbol] for found in known if not math.isnan(found[t.symbol][1])])
-                refused = f"{100 * (1 - len(one) / records):.0f}"
-                if not len(one):
-                    rows.append((sensor, loss, t.symbol, refused, "", "", "", ""))
-                else:
-                    claimed = one[one[:, 0] > 0, 0]
-                    rms = f"{100 * math.sqrt(np.mean((claimed - 1) ** 2)):.1f}" if claimed.size else ""
-                    rows.append((sensor, loss, t.symbol, refused, f"{100 * claimed.size / len(one):.0f}",
-                                 f"{100 * one[:, 1].mean():.1f}", rms, f"{explained:.0f}"))  # fmt: skip
-                print(*rows[-1], flush=True)
-    return rows
+def coefficient_rows(sensor: str, loss: str, answers: list[dict[str, tuple[float, ...]]]) -> Iterator[Row]:
+    """A row for each true term of a cell."""
+    known = [answer for answer in answers if answer]
+    explained = 100 * np.mean([answer["p"][0] >= 0.01 for answer in known]) if known else math.nan
+    for t in SENSORS[sensor]:
+        pairs = np.array([answer[t.symbol] for answer in known if not math.isnan(answer[t.symbol][1])])
+        head = (sensor, loss, t.symbol, f"{100 * (1 - len(pairs) / len(answers)):.0f}")
+        if not len(pairs):
+            yield (*head, "", "", "", "")
+            continue
+        claimed = pairs[pairs[:, 0] > 0, 0]
+        rms = f"{100 * math.sqrt(np.mean((claimed - 1) ** 2)):.1f}" if claimed.size else ""
+        shares = f"{100 * claimed.size / len(pairs):.0f}", f"{100 * pairs[:, 1].mean():.1f}"
+        yield (*head, *shares, rms, f"{explained:.0f}")
 
 
 def curves_of(job: tuple[str, str, int]) -> dict[tuple[str, float], tuple[int, float, float]]:
@@ -125,28 +115,19 @@ def curves_of(job: tuple[str, str, int]) -> dict[tuple[str, float], tuple[int, f
     return found
 
 
-def curve_rows(asked: tuple[int, list[str], list[str]], pool: "Pool") -> list[tuple[str, ...]]:
-    """A row for each statistic and averaging time of each cell."""
-    records, sensors, losses = asked
-    rows = []
-    for sensor in sensors:
-        for loss in losses:
-            said = pool.map(curves_of, [(sensor, loss, i) for i in range(records)], chunksize=4)
-            for name in CURVES:
-                for share in SHARES:
-                    one = np.array([found[name, share] for found in said if (name, share) in found])
-                    if share * SIZE > STATISTICS[name].largest(SIZE):
-                        continue
-                    row = (sensor, loss, name, f"{share:g}", f"{100 * len(one) / records:.0f}")
-                    if len(one):
-                        inside, above, below = (100 * (one[:, 0] == where).mean() for where in (0, 1, -1))
-                        row += (f"{inside:.1f} (+{above:.1f} -{below:.1f})", f"{np.median(one[:, 1]):.3g}",
-                                f"{math.sqrt(np.mean(one[:, 2] ** 2)):.3f}")  # fmt: skip
-                    else:
-                        row += ("", "", "")
-                    rows.append(row)
-                    print(*row, flush=True)
-    return rows
+def curve_rows(
+    sensor: str, loss: str, answers: list[dict[tuple[str, float], tuple[int, float, float]]]
+) -> Iterator[Row]:
+    """A row for each statistic and averaging time of a cell."""
+    for name, share in itertools.product(CURVES, SHARES):
+        if share * SIZE > STATISTICS[name].largest(SIZE):
+            continue
+        points = np.array([answer[name, share] for answer in answers if (name, share) in answer])
+        cells = ("", "", "")
+        if len(points):
+            rms = f"{math.sqrt(np.mean(points[:, 2] ** 2)):.3f}"
+            cells = covered(points[:, 0]), f"{np.median(points[:, 1]):.3g}", rms
+        yield (sensor, loss, name, f"{share:g}", f"{100 * len(points) / len(answers):.0f}", *cells)
 
 
 PATTERN = al.N(1, "deg/sqrt(h)") + al.B(3, "deg/h")
@@ -154,8 +135,9 @@ GAPS = [name for name, row in STATISTICS.items() if row.gaps and row.order > 1]
 """Statistics that take gaps and have limits."""
 
 
-def pattern_of(i: int) -> list[str]:
+def pattern_of(job: tuple[int]) -> list[str]:
     """Statistics whose limits of a record with random losses are not all numbers with 0 < low < high."""
+    (i,) = job
     rng = np.random.default_rng((1000, i))
     size = int(rng.integers(200, 4097))
     record = al.simulate(PATTERN, size, 1.0, rng=rng)
@@ -175,36 +157,44 @@ def pattern_of(i: int) -> list[str]:
     return wrong
 
 
+TABLES = {
+    "coefficients": (
+        "Coefficients with gaps", coefficients_of, coefficient_rows,
+        "refused: % not observable, or the record refused; claimed, 95: % of the others, and whose limits hold the "
+        "truth; rms: of those claimed, %; explained: % of records with p of 1 % or more",
+        ("sensor", "lost", "term", "refused", "claimed", "95", "rms, %", "explained"),
+    ),
+    "curves": (
+        "Curves with gaps", curves_of, curve_rows,
+        "there: % of records with the point; 95: % of them whose limits hold the truth (+ truth above, - below)"
+        "; ratio: median upper over lower limit; rms: root mean square of value over truth",
+        ("sensor", "lost", "statistic", "tau / T", "there", "95", "ratio", "rms"),
+    ),
+}  # fmt: skip
+"""Title, what is made of a record, the rows of a cell, a note and the headings."""
+
+
 def main() -> None:
     """Make a table."""
-    cores = os.cpu_count() or 1
-    run = begin(__doc__, what=("coefficients", "curves", "patterns"), records=400, sensors=list(SENSORS),
-                losses=list(LOSSES), processes=cores)  # fmt: skip
+    run = begin(__doc__, what=(*TABLES, "patterns"), records=400, sensors=list(SENSORS), losses=list(LOSSES),
+                processes=os.cpu_count() or 1)  # fmt: skip
     asked = run.asked
-    cells = asked.records, asked.sensors, asked.losses
+    if asked.what == "patterns":
+        ((_, wrong),) = spread(pattern_of, [()], asked.records, asked.processes)
+        body = [f"{sum(map(bool, wrong))} of {asked.records} patterns with limits that are no numbers"]
+        run.publish("Limits in any pattern of gaps", ["seeds: 1000 and the number of the record"], body)
+        return
+    title, work, rows_of, note, headings = TABLES[asked.what]
+    rows: list[Row] = []
+    for cell, answers in spread(work, itertools.product(asked.sensors, asked.losses), asked.records, asked.processes):
+        rows += rows_of(*cell, answers)
+        print(*rows[-1], flush=True)
     notes = [
         "seeds: numbers of the sensor, of the loss and of the record",
         f"{asked.records} records a cell of {SIZE} samples at {RATE:g} Hz; `identify` with its defaults",
+        note,
     ]
-    with Pool(asked.processes) as pool:
-        if asked.what == "patterns":
-            said = pool.map(pattern_of, range(asked.records), chunksize=4)
-            body = [f"{sum(map(bool, said))} of {asked.records} patterns with limits that are no numbers"]
-            run.publish("Limits in any pattern of gaps", ["seeds: 1000 and the number of the record"], body)
-        elif asked.what == "coefficients":
-            notes += [
-                "refused: % not observable, or the record refused; claimed, 95: % of the others, and whose limits hold "
-                "the truth; rms: of those claimed, %; explained: % of records with p of 1 % or more"
-            ]
-            headings = ("sensor", "lost", "term", "refused", "claimed", "95", "rms, %", "explained")
-            run.publish("Coefficients with gaps", notes, markdown(headings, coefficient_rows(cells, pool)))
-        else:
-            notes += [
-                "there: % of records with the point; 95: % of them whose limits hold the truth (+ truth above, - below)"
-                "; ratio: median upper over lower limit; rms: root mean square of value over truth"
-            ]
-            headings = ("sensor", "lost", "statistic", "tau / T", "there", "95", "ratio", "rms")
-            run.publish("Curves with gaps", notes, markdown(headings, curve_rows(cells, pool)))
+    run.publish(title, notes, markdown(headings, rows))
 
 
 if __name__ == "__main__":

@@ -1,7 +1,5 @@
 """Degrees of freedom and coverage of TheoBR and TheoH against simulation, from which `theo.KEPT` comes.
 
-    python benchmarks/hybrids.py [--records 600] [--first 1] [--write PATH]
-
 Records of 512 samples with seeds FIRST, FIRST + 1, ...: single noise with the ratio kf of the record, mixtures with the
 ratio of the model. (`KEPT` was taken from seeds 1 to 600; other seeds test it.)
 """
@@ -11,10 +9,9 @@ from table import begin, markdown
 import numpy as np
 
 import allanite as al
-from allanite.core.model import term
+from allanite.core.units import SIGNALS
 
 SAMPLES = 512
-UNITS = {"Q": "rad", "N": "rad/sqrt(s)", "B": "rad/s", "K": "rad/s^1.5"}
 CASES = (
     ({"N": 1.0}, None),
     ({"B": 1.0}, None),
@@ -26,24 +23,14 @@ CASES = (
 FACTORS = {"theobr": (32, 100, 200, 400), "theoh": (8, 64, 200, 400)}
 FEWEST = 1.5
 HEADINGS = (
-    "noise",
-    "bias",
-    "statistic",
-    "m",
-    "edf",
-    "edf / simulated",
-    "mean / expected",
-    "68 %",
-    "95 %",
-    "below",
-    "above",
-)
+    "noise", "bias", "statistic", "m", "edf", "edf / simulated", "mean / expected", "68 %", "95 %", "below", "above",
+)  # fmt: skip
 
 
 def made(case: tuple[dict[str, float], str | None], seeds: range) -> list[tuple[str, ...]]:
     """The lines of a case."""
     coefficients, bias = case
-    model = al.Model(tuple(term(s, v, UNITS[s]) for s, v in coefficients.items()))
+    model = al.Model(tuple(al.Term(symbol, value, SIGNALS[0]) for symbol, value in coefficients.items()))
     records = [al.simulate(model, SAMPLES, 1.0, rng=np.random.default_rng(seed)) for seed in seeds]
     lines = []
     for name, factors in FACTORS.items():
@@ -69,7 +56,7 @@ def main() -> None:
     lines = [line for case in CASES for line in made(case, seeds)]
     notes = [
         f"seeds {seeds[0]}..{seeds[-1]}; {SAMPLES} samples; the simulated degrees of freedom are known to "
-        f"{100 * (2 / len(seeds)) ** 0.5:.0f} % where they are many, worse where they are few",
+        f"{100 * (2 / len(seeds)) ** 0.5:.0f} % where they are many, worse where they are few"
     ]
     run.publish("TheoBR and TheoH against simulation", notes, markdown(HEADINGS, lines))
 

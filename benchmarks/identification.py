@@ -1,7 +1,5 @@
 """How good is the identification: coverage, width, false and missed terms against the Cramer-Rao bound.
 
-    python benchmarks/identification.py [--sensors MEMS FOG RLG] [--sizes 65536 262144] [--records 300] [--write PATH]
-
 Records of three sensors are simulated with seeds 1, 2, 3, ... and identified twice: "auto" as a user would, who does
 not know which terms there are (Gauss-Markov noise and sinusoids are looked for too), and "known" with the true terms
 asked for and no others. The bound is that of the coefficients with the true terms known (and the ramp unknown where
@@ -26,20 +24,9 @@ LONG, FEW = 2**18, 300
 """Samples above which there are at most so many records."""
 
 HEADINGS = (
-    "terms",
-    "sensor",
-    "n",
-    "term",
-    "bound %",
-    "claimed %",
-    "identified %",
-    "cover %",
-    "profile %",
-    "width",
-    "rmse",
-    "rmse of square",
-    "bias",
-)
+    "terms", "sensor", "n", "term", "bound %", "claimed %", "identified %", "cover %", "profile %", "width", "rmse",
+    "rmse of square", "bias",
+)  # fmt: skip
 
 
 def bounds(model: al.Model, n: int) -> dict[str, float]:

@@ -1,15 +1,12 @@
 """Limits of curves and of coefficients whose noise is identified from the same record, against the truth.
 
-    python benchmarks/limits.py curves [--records 400] [--exponents 10 14] [--noises N+K Q+K] [--write PATH]
-    python benchmarks/limits.py coefficients [--records 400] [--write PATH]
-
 Nothing is told of the noise: each record is identified by "auto", and the limits of its curves are averaged over the
 models that it leaves open. Beside them the limits that take the selected model for the truth, and those of allantools
 with the power law that it finds at each averaging time. Every cell has seeds of its own: the number of the noise, of
 samples, and of the record.
 """
 
-from table import begin, markdown
+from table import Row, begin, covered, markdown, spread
 
 import contextlib
 import io
@@ -19,7 +16,6 @@ import warnings
 from argparse import Namespace
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from multiprocessing import Pool
 
 import numpy as np
 
@@ -129,22 +125,16 @@ def _peer_limits(phase: np.ndarray, dev: float, m: int, statistic: str) -> list[
     return [tuple(map(float, ci.confidence_interval(dev, edf, level))) for level in LEVELS]
 
 
-def curve_rows(asked: Namespace, pool: "Pool") -> list[tuple[str, ...]]:
-    """A row for each noise, length, statistic and averaging time."""
-    rows = []
-    for name in asked.noises:
-        for size in (2**e for e in asked.exponents):
-            said = pool.map(curves_of, [(name, size, i) for i in range(asked.records)], chunksize=4)
-            for statistic in STATISTIC:
-                for k in factors_of(statistic, size):
-                    share = k * STATISTICS[statistic].tau_factor / size
-                    kinds = [_kind([one[kind, statistic, k] for one in said if (kind, statistic, k) in one])
-                             for kind in ("averaged", "selected", "allantools")]  # fmt: skip
-                    rows.append(
-                        (name, str(size), statistic, f"{share:.2f}", *(cell for kind in kinds for cell in kind))
-                    )
-                    print(*rows[-1], flush=True)
-    return rows
+KINDS = ("averaged", "selected", "allantools")
+
+
+def curve_rows(name: str, size: int, answers: list[dict[tuple[str, str, int], Said]]) -> Iterator[Row]:
+    """A row for each statistic and averaging time of a noise and length."""
+    for statistic in STATISTIC:
+        for k in factors_of(statistic, size):
+            keys = [(kind, statistic, k) for kind in KINDS]
+            cells = [cell for key in keys for cell in _kind([answer[key] for answer in answers if key in answer])]
+            yield (name, str(size), statistic, f"{k * STATISTICS[statistic].tau_factor / size:.2f}", *cells)
 
 
 def _kind(said: list[Said]) -> tuple[str, str, str]:
@@ -153,12 +143,8 @@ def _kind(said: list[Said]) -> tuple[str, str, str]:
     if not known:
         return "", "", ""
     place = np.array([one.place for one in known])
-    inside, above, below = (100 * (place[:, 0] == where).mean() for where in (0, 1, -1))
-    return (
-        f"{inside:.1f} (+{above:.1f} -{below:.1f})",
-        f"{100 * (place[:, 1] == 0).mean():.1f}",
-        f"{np.median([one.width[0] for one in known]):.3g}",
-    )
+    ratio = f"{np.median([one.width[0] for one in known]):.3g}"
+    return covered(place[:, 0]), f"{100 * (place[:, 1] == 0).mean():.1f}", ratio
 
 
 @dataclass(frozen=True)
@@ -229,31 +215,21 @@ def _held(true: float, limits: Iterable[tuple[float, float]]) -> list[float]:
     return [float(low <= true <= high) for low, high in limits]
 
 
-def coefficient_rows(records: int, pool: "Pool") -> list[tuple[str, ...]]:
-    """A row for each true term of each cell."""
-    rows = []
-    for name, cell in CELLS.items():
-        said = pool.map(coefficients_of, [(name, i) for i in range(records)], chunksize=4)
-        least = al.bound(cell.model, cell.size, cell.rate)
-        true = {t.symbol for t in cell.model}
-        false = [100 * np.mean([one[s][0] for one in said if s in one]) for s in "QNBKR" if s not in true]
-        for symbol in (*true_symbols(cell), TIME):
-            one = np.array([found[symbol] for found in said if symbol in found])
-            if not one.size:
-                continue
-            bound = float(least[symbol]) if symbol in true else math.nan
-            shares = [f"{100 * share:.1f}" for share in one[:, 3:].mean(axis=0)]
-            errors = [_over(ratio, bound) for ratio in one[:, :3].T]
-            least_error = "" if math.isnan(bound) else f"{100 * bound:.1f}"
-            most = f"{max(false, default=0.0):.1f}"
-            rows.append((name, symbol, str(len(one)), least_error, *shares, *errors, most))
-            print(*rows[-1], flush=True)
-    return rows
-
-
-def true_symbols(cell: Cell) -> list[str]:
-    """The terms of a cell."""
-    return [t.symbol for t in cell.model]
+def coefficient_rows(name: str, answers: list[dict[str, tuple[float, ...]]]) -> Iterator[Row]:
+    """A row for each true term of a cell."""
+    model = CELLS[name].model
+    least = al.bound(model, CELLS[name].size, CELLS[name].rate)
+    true = [t.symbol for t in model]
+    false = [100 * np.mean([answer[s][0] for answer in answers if s in answer]) for s in "QNBKR" if s not in true]
+    for symbol in (*true, TIME):
+        numbers = np.array([answer[symbol] for answer in answers if symbol in answer])
+        if not numbers.size:
+            continue
+        bound = float(least[symbol]) if symbol in true else math.nan
+        shares = [f"{100 * share:.1f}" for share in numbers[:, 3:].mean(axis=0)]
+        errors = [_over(ratio, bound) for ratio in numbers[:, :3].T]
+        least_error = "" if math.isnan(bound) else f"{100 * bound:.1f}"
+        yield (name, symbol, str(len(numbers)), least_error, *shares, *errors, f"{max(false, default=0.0):.1f}")
 
 
 def _over(ratio: np.ndarray, bound: float) -> str:
@@ -262,36 +238,51 @@ def _over(ratio: np.ndarray, bound: float) -> str:
     return "" if math.isnan(error) else f"{error:.2f}"
 
 
+def curves_asked(asked: Namespace) -> tuple[str, list[tuple[str, int]], list[str], tuple[str, ...]]:
+    """Title, cells, notes and headings of the table of curves."""
+    notes = [
+        "seeds: number of the noise, samples, number of the record",
+        f"{asked.records} records a cell; theobr and theoh with the model's bias, {', '.join(EXACT)} 'exact'",
+        "95: % of records whose limits hold the truth (+ truth above, - below); 68: at 68 %; ratio: median upper "
+        "over lower limit at 95 %",
+    ]
+    kinds = [f"{kind}: {what}" for kind in KINDS for what in ("95", "68", "ratio")]
+    cells = [(name, 2**exponent) for name in asked.noises for exponent in asked.exponents]
+    return "Limits of curves", cells, notes, ("noise", "samples", "statistic", "tau / T", *kinds)
+
+
+def coefficients_asked(asked: Namespace) -> tuple[str, list[tuple[str]], list[str], tuple[str, ...]]:
+    """The same of the table of coefficients."""
+    notes = [
+        "seeds: 100 and the number of the cell, samples, number of the record",
+        f"{asked.records} records a cell, less those in which the term was said not to be valid",
+        "95, 68: % of records whose limits hold the truth, `identify` with its defaults",
+        "rms error of the median, claimed or not, over the Cramer-Rao bound with terms known; beside it those "
+        "of the likelihood and of unweighted least squares on the Allan variance, both with terms known",
+        "false: % of records, of the term most often claimed falsely",
+    ]
+    rms = ("rms", "rms, terms known", "rms, least squares")
+    headings = ("noise", "term", "records", "bound, %", "claimed, %", "95", "68", *rms, "false, %")
+    return "Limits of coefficients", [(name,) for name in CELLS], notes, headings
+
+
+TABLES = {
+    "curves": (curves_asked, curves_of, curve_rows),
+    "coefficients": (coefficients_asked, coefficients_of, coefficient_rows),
+}
+
+
 def main() -> None:
     """Make a table."""
-    cores = os.cpu_count() or 1
-    run = begin(
-        __doc__, what=("curves", "coefficients"), records=400, exponents=[10, 14], noises=list(NOISES), processes=cores
-    )
-    asked = run.asked
-    with Pool(asked.processes) as pool:
-        if asked.what == "coefficients":
-            notes = [
-                "seeds: 100 and the number of the cell, samples, number of the record",
-                f"{asked.records} records a cell, less those in which the term was said not to be valid",
-                "95, 68: % of records whose limits hold the truth, `identify` with its defaults",
-                "rms error of the median, claimed or not, over the Cramer-Rao bound with terms known; beside it those "
-                "of the likelihood and of unweighted least squares on the Allan variance, both with terms known",
-                "false: % of records, of the term most often claimed falsely",
-            ]
-            rms = ("rms", "rms, terms known", "rms, least squares")
-            headings = ("noise", "term", "records", "bound, %", "claimed, %", "95", "68", *rms, "false, %")
-            run.publish("Limits of coefficients", notes, markdown(headings, coefficient_rows(asked.records, pool)))
-            return
-        notes = [
-            "seeds: number of the noise, samples, number of the record",
-            f"{asked.records} records a cell; theobr and theoh with the model's bias, {', '.join(EXACT)} 'exact'",
-            "95: % of records whose limits hold the truth (+ truth above, - below); 68: at 68 %; ratio: median upper "
-            "over lower limit at 95 %",
-        ]
-        kinds = [f"{kind}: {what}" for kind in ("averaged", "selected", "allantools") for what in ("95", "68", "ratio")]
-        headings = ("noise", "samples", "statistic", "tau / T", *kinds)
-        run.publish("Limits of curves", notes, markdown(headings, curve_rows(asked, pool)))
+    run = begin(__doc__, what=tuple(TABLES), records=400, exponents=[10, 14], noises=list(NOISES),
+                processes=os.cpu_count() or 1)  # fmt: skip
+    about, work, rows_of = TABLES[run.asked.what]
+    title, cells, notes, headings = about(run.asked)
+    rows: list[Row] = []
+    for cell, answers in spread(work, cells, run.asked.records, run.asked.processes):
+        rows += rows_of(*cell, answers)
+        print(*rows[-1], flush=True)
+    run.publish(title, notes, markdown(headings, rows))
 
 
 if __name__ == "__main__":

@@ -1,19 +1,17 @@
 """How good is each method: error, bias and coverage against the Cramer-Rao bound, on the same records.
 
-    python benchmarks/methods.py [--sensors MEMS FOG RLG] [--sizes 65536 262144] [--records 100] [--ways methods]
-                                 [--write PATH]
-
 The records of benchmarks/identification.py, seeds 1, 2, 3, ...; each method is asked for the true terms and no others,
 and the likelihood reads all frequencies: a record in a hundred fails the test by chance, and would be read in a band.
 A term that a method does not find counts as 0, or as what its model has of it. With --ways curves it is generalized
 least squares of the curve of each statistic, and every cell has seeds of its own.
 """
 
-from table import begin, markdown
+from table import Row, begin, markdown
 
 import itertools
 import math
 import sys
+from functools import partial
 from multiprocessing import Pool
 
 import numpy as np
@@ -21,29 +19,28 @@ import numpy as np
 import allanite as al
 from identification import RATE, SENSORS, Job, asked, bounds
 
-WAYS = {name: (name, None) for name in al.METHODS} | {
-    f"gls of {statistic}": ("gls", statistic) for statistic in ("ohdev", "mdev")
+WAYS: dict[str, dict[str, tuple[str, str | None]]] = {
+    "methods": {name: (name, None) for name in al.METHODS} | {f"gls of {s}": ("gls", s) for s in ("ohdev", "mdev")},
+    "curves": {f"gls of {s}": ("gls", s) for s in ("oadev", "theo1", "theobr", "theoh", "pdev", "mtotdev", "htotdev")},
 }
-"""Method and statistic, by the name in the table."""
+"""Method and statistic by the name in the table, of both tables."""
 
-CURVES = {
-    f"gls of {statistic}": ("gls", statistic)
-    for statistic in ("oadev", "theo1", "theobr", "theoh", "pdev", "mtotdev", "htotdev")
+TITLES = {
+    "methods": "Methods of identification against the Cramer-Rao bound",
+    "curves": "Generalized least squares of the curve of each statistic",
 }
-"""The same of the statistics of a curve."""
 
 HEADINGS = ("sensor", "n", "term", "bound %", "method", "rmse", "bias", "cover %")
 
-Ways = dict[str, tuple[str, str | None]]
 Found = dict[str, list[tuple[float, float, float]]]
 
 
-def identified(job: Job, ways: Ways = WAYS) -> Found:
+def identified(job: Job, ways: str = "methods") -> Found:
     """(value, low, high) of every term, by way."""
-    own = [list(SENSORS).index(job.sensor), job.n] if ways is CURVES else []
+    own = [list(SENSORS).index(job.sensor), job.n] if ways == "curves" else []
     record = al.simulate(SENSORS[job.sensor], job.n, RATE, rng=np.random.default_rng([*own, job.seed]))
     found = {}
-    for way, (method, statistic) in ways.items():
+    for way, (method, statistic) in WAYS[ways].items():
         band = "all" if "band" in al.METHODS[method].options else None
         fit = al.identify(record, method, terms=asked("known", job.sensor), statistic=statistic, band=band)
         model = {t.symbol: t.value for t in fit.model}
@@ -51,7 +48,7 @@ def identified(job: Job, ways: Ways = WAYS) -> Found:
     return found
 
 
-def rows_of(sensor: str, n: int, records: list[Found]) -> list[tuple[str, ...]]:
+def rows_of(sensor: str, n: int, records: list[Found]) -> list[Row]:
     """Rows of the table, one a term and way."""
     limits = bounds(SENSORS[sensor], n)
     rows = []
@@ -64,30 +61,21 @@ def rows_of(sensor: str, n: int, records: list[Found]) -> list[tuple[str, ...]]:
     return rows
 
 
-def table(sensors: list[str], sizes: list[int], seeds: range) -> list[tuple[str, ...]]:
+def table(sensors: list[str], sizes: list[int], seeds: range, ways: str) -> list[Row]:
     """All rows."""
     rows = []
     with Pool() as pool:
         for n, sensor in itertools.product(sizes, sensors):
-            found = pool.map(identified, [Job("known", sensor, n, seed) for seed in seeds], chunksize=2)
-            rows += rows_of(sensor, n, found)
+            jobs = [Job("known", sensor, n, seed) for seed in seeds]
+            rows += rows_of(sensor, n, pool.map(partial(identified, ways=ways), jobs, chunksize=2))
             print(f"{sensor} {n} done", file=sys.stderr, flush=True)
-    return rows
-
-
-def curves(sensors: list[str], sizes: list[int], seeds: range) -> list[tuple[str, ...]]:
-    """The rows of the statistics, on one thread."""
-    rows = []
-    for n, sensor in itertools.product(sizes, sensors):
-        rows += rows_of(sensor, n, [identified(Job("known", sensor, n, seed), CURVES) for seed in seeds])
-        print(f"{sensor} {n} done", file=sys.stderr, flush=True)
     return rows
 
 
 def main() -> None:
     run = begin(__doc__, sensors=list(SENSORS), sizes=[2**16, 2**18], records=100, ways="methods")
     asked = run.asked
-    rows = (curves if asked.ways == "curves" else table)(asked.sensors, asked.sizes, range(1, asked.records + 1))
+    rows = table(asked.sensors, asked.sizes, range(1, asked.records + 1), asked.ways)
     cell = ", of each cell its own" if asked.ways == "curves" else ""
     notes = [
         f"seeds 1..{asked.records}, the same records for every method{cell}; 100 Hz; the true terms are known",
@@ -96,12 +84,7 @@ def main() -> None:
         f"{100 / math.sqrt(2 * asked.records):.0f} % of an rmse, "
         f"{100 * math.sqrt(0.05 * 0.95 / asked.records):.0f} % of a coverage of 95 %.",
     ]
-    title = (
-        "Generalized least squares of the curve of each statistic"
-        if asked.ways == "curves"
-        else ("Methods of identification against the Cramer-Rao bound")
-    )
-    run.publish(title, notes, markdown(HEADINGS, rows))
+    run.publish(TITLES[asked.ways], notes, markdown(HEADINGS, rows))
 
 
 if __name__ == "__main__":

@@ -1,7 +1,5 @@
 """How often is the power law of the noise found: by the autocorrelation with plain rounding, and as the package does.
 
-    python benchmarks/noise_identification.py [--records 200] [--write PATH]
-
 Pure noise is simulated with seeds 1, 2, 3, ...; every m-th point of the angle is what the methods see.
 """
 
@@ -16,12 +14,7 @@ from allanite.statistics import STATISTICS, integrated
 from allanite.statistics.confidence.powerlaw import identify_power_law
 
 NAMES = {2: "WPM", 1: "FPM", 0: "WFM", -1: "FFM", -2: "RWFM", -3: "FWFM", -4: "RRFM"}
-SIMULATED = {
-    2: al.Q(1.0, "rad"),
-    0: al.N(1.0, "rad/sqrt(s)"),
-    -1: al.B(1.0, "rad/s"),
-    -2: al.K(1.0, "rad/s^1.5"),
-}
+SIMULATED = {2: al.Q(1.0, "rad"), 0: al.N(1.0, "rad/sqrt(s)"), -1: al.B(1.0, "rad/s"), -2: al.K(1.0, "rad/s^1.5")}
 HEADINGS = ("row", "noise", "m", "points", "method", "found %", "plain rounding %")
 
 

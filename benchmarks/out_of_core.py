@@ -1,8 +1,5 @@
 """Files that do not fit into memory: peak memory and throughput of `allanite analyze`, over reading alone.
 
-    python benchmarks/out_of_core.py [--millions 1000] [--files npy-f8 npy-f4 raw-i2 parquet-f4] [--folder DIR]
-                                     [--write PATH]
-
 Each file is made, read alone, analyzed and deleted. Its pages are dropped from memory before it is read, alone or by
 the analysis: `cold`; and it is read alone once more, from memory: `warm`. Reading alone is readinto of 8 MB at a time,
 or of Parquet iter_batches of pyarrow in one thread. Processor time is of user and system, of all threads.

@@ -10,7 +10,7 @@ not made again, which is right for the gains as long as they do not change, and 
 The seed is the CRC-32 of null and size, and the number of the record.
 """
 
-from table import begin, markdown
+from table import begin, section
 
 import json
 import math
@@ -181,10 +181,10 @@ def main() -> None:
     job = begin(__doc__ or "", lines="", short=40, usual=60, long=20)
     asked = job.asked
     lines = run({2**13: asked.short, 2**16: asked.usual, 2**18: asked.long}, Path(asked.lines))
-    body = ["## Gains", "", *markdown(*gains_rows(lines))]
-    body += ["## Gains by null", "", "97 % quantile of the gain.", "", *markdown(*nulls_rows(lines))]
-    body += ["## Claims", "", "% of records.", "", *markdown(*claims_rows(lines))]
-    body += ["## Weights", "", *markdown(*weights_rows(lines))]
+    body = section("Gains", *gains_rows(lines))
+    body += section("Gains by null", *nulls_rows(lines), "97 % quantile of the gain.")
+    body += section("Claims", *claims_rows(lines), "% of records.")
+    body += section("Weights", *weights_rows(lines))
     spent = f"{sum(line['cpu'] for line in lines) / 60:.0f} min of processor time for {len(lines)} records"
     job.publish("Prices of components", (*NOTES, spent), body)
 

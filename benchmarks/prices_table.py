@@ -111,24 +111,10 @@ def weights_rows(lines: Sequence[Line]) -> tuple[Row, list[Row]]:
     rows = []
     for name in (name for name in COMPONENTS if name not in ("term", "sinusoid")):
         for n in sizes_of(lines):
-            some = [
-                x
-                for x in lines
-                if x["n"] == n and not (name in x["null"] or (name == "filter" and "behind" in x["null"]))
-            ]
+            some = [line for line in lines if line["n"] == n and _lacks(line, name)]
             weight = np.array([line["weights"].get(name, 0.0) for line in some])
             levels = [*np.quantile(weight, (0.5, 0.9, 0.97, 0.99)), weight.max()]
             perhaps, claimed = percent(weight > 1 - CLAIMED), percent(weight >= CLAIMED)
             rows.append((name, str(n), str(weight.size), *(f"{x:.2f}" for x in levels), perhaps, claimed))
-    return (
-        "component",
-        "n",
-        "records",
-        "50 %",
-        "90 %",
-        "97 %",
-        "99 %",
-        "largest",
-        "above 0.27 %",
-        "above 0.73 %",
-    ), rows
+    levels = ("50 %", "90 %", "97 %", "99 %", "largest", "above 0.27 %", "above 0.73 %")
+    return ("component", "n", "records", *levels), rows

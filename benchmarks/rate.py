@@ -1,18 +1,16 @@
 """A constant rate in two minutes: the paper's experiment on the simulated GL-1, bounds, the search, speed.
 
-    python benchmarks/rate.py [--runs 6] [--records 400] [--searches 20] [--write PATH]
-
 The figure of the run with seed 1, rate.svg, is put beside the table.
 
 Random numbers have seeds 1, 2, 3 ...
 """
 
-from table import begin, markdown
+from table import begin, section
 
 import itertools
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -108,20 +106,11 @@ def efficiency() -> Table:
 
 
 MIXTURES = {
-    "white": "N",
-    "quantization": "Q",
-    "white, quantization": "QN",
-    "white, flicker": "NB",
-    "white, random walk": "NK",
-    "quantization, flicker": "QB",
-    "all": "QNBK",
-}
-SIZES = {
-    "Q": al.Q(0.25, "arcsec"),
-    "N": al.N(1e-3, "deg/sqrt(h)"),
-    "B": al.B(0.01, "deg/h"),
-    "K": al.K(0.1, "deg/h/sqrt(h)"),
-}
+    "white": "N", "quantization": "Q", "white, quantization": "QN", "white, flicker": "NB", "white, random walk": "NK",
+    "quantization, flicker": "QB", "all": "QNBK",
+}  # fmt: skip
+SIZES = {"Q": al.Q(0.25, "arcsec"), "N": al.N(1e-3, "deg/sqrt(h)"), "B": al.B(0.01, "deg/h")}
+SIZES["K"] = al.K(0.1, "deg/h/sqrt(h)")
 
 
 def levinson_bound(model: al.Model, target: str) -> float:
@@ -245,10 +234,6 @@ def timed(job: Callable, times: int = 3) -> tuple[float, object]:
     return min(taken), result
 
 
-def lines(title: str, text: str, table: Table) -> Iterator[str]:
-    yield from (f"## {title}", "", text, "", *markdown(*table))
-
-
 def draw(path: Path) -> None:
     """The errors of the run with seed 1, as figure 10 of the paper."""
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -266,11 +251,7 @@ def main() -> None:
             "root mean square of their deviations, least and largest. Warm-up: -0.01 deg/h at the start, 10 min.",
             acceptance(options.runs),
         ),
-        (
-            "Noise that fits the paper",
-            "Exact standard deviations of two-minute errors, deg/h.",
-            fitting(),
-        ),
+        ("Noise that fits the paper", "Exact standard deviations of two-minute errors, deg/h.", fitting()),
         (
             "Predictions",
             f"{options.records} intervals of the simulated GL-1; a ratio is known to "
@@ -291,9 +272,13 @@ def main() -> None:
         ),
     )
     notes = [
-        f"seeds 1..{options.runs} for runs, 1..{options.records} for predictions, 1..{options.searches} for searches",
+        f"seeds 1..{options.runs} for runs, 1..{options.records} for predictions, 1..{options.searches} for searches"
     ]
-    run.publish("A constant rate in two minutes", notes, [line for part in parts for line in lines(*part)])
+    run.publish(
+        "A constant rate in two minutes",
+        notes,
+        [line for title, about, made in parts for line in section(title, *made, about)],
+    )
     if options.write:
         draw(options.write.with_suffix(".svg"))
 

@@ -7,14 +7,14 @@ The recordings are not part of the project; INDEX.md of the folder says where ea
 its own: the number of its sensor, of its fault, and of the record.
 """
 
-from table import begin, markdown
+from table import begin, markdown, spread
 
+import itertools
 import math
 import os
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
-from multiprocessing import Pool
 from pathlib import Path
 
 import numpy as np
@@ -122,17 +122,6 @@ def answer(noise: Noise, truth: dict[str, float]) -> Answer:
     return Answer(noise.validity, scope.filter is not None, scope.limited or bool(scope.masks), terms, false)
 
 
-def cells(records: int, exponent: int, pool: "Pool") -> list[tuple[str, ...]]:
-    """A row for each sensor behind each fault."""
-    found = []
-    for sensor in SENSORS:
-        for fault in FAULTS:
-            jobs = [(sensor, fault, 2**exponent, i) for i in range(records)]
-            found.append((sensor, fault, *_row(pool.map(simulated, jobs, chunksize=4))))
-            print(*found[-1], flush=True)
-    return found
-
-
 def _row(answers: list[Answer]) -> list[str]:
     grades = Counter(a.grade for a in answers)
     shares = [f"{100 * grades[g] / len(answers):.1f}" for g in GRADES]
@@ -204,23 +193,18 @@ def main() -> None:
         headings = ("file", "channel", "grade", "read", "N over deviation at 1 s", "0.664 B over least upper limit")
         run.publish("The first answer on real recordings", notes, markdown(headings, rows))
         return
-    with Pool(asked.processes) as pool:
-        rows = cells(asked.records, asked.exponent, pool)
+    rows, cells = [], itertools.product(SENSORS, FAULTS, [2**asked.exponent])
+    for (sensor, fault, _), answers in spread(simulated, cells, asked.records, asked.processes):
+        rows.append((sensor, fault, *_row(answers)))
+        print(*rows[-1], flush=True)
     notes = [
         "seeds: number of the sensor, number of the fault, samples, number of the record",
         f"{asked.records} records of 2^{asked.exponent} samples at 100 Hz a cell, `noise_of` with the default recipe",
         "N, B, K: of the records called explained: % covered by 95 % limits / % off by 3 % and 3 standard errors / rms "
         "error of those identified, %",
     ]
-    headings = (
-        "sensor",
-        "behind",
-        *(f"{g}, %" for g in GRADES),
-        "filter claimed, %",
-        "band or mask, %",
-        "false term, %",
-        *TERMS,
-    )
+    shares = (*(f"{g}, %" for g in GRADES), "filter claimed, %", "band or mask, %", "false term, %")
+    headings = ("sensor", "behind", *shares, *TERMS)
     run.publish("The first answer on simulated sensors behind real faults", notes, markdown(headings, rows))
 
 

@@ -1,11 +1,9 @@
 """Which terms are claimed: false ones, upper limits of absent ones, goodness of fit, flicker against Gauss-Markov.
 
-    python benchmarks/selection.py [--records 1000] [--write PATH]
-
 Records at 100 Hz are simulated with seeds 1, 2, 3, ... and identified as a user would.
 """
 
-from table import begin, markdown
+from table import begin, markdown, shared
 
 import math
 from dataclasses import dataclass, replace
@@ -67,8 +65,7 @@ def claimed(terms: dict[str, tuple[str, float, float]]) -> set[str]:
 
 def percent(hits: list[bool]) -> str:
     """A share with its standard error."""
-    p = float(np.mean(hits))
-    return f"{100 * p:.1f} ± {100 * math.sqrt(max(p * (1 - p), 1e-4) / len(hits)):.1f} %"
+    return f"{shared(hits)} %"
 
 
 def variance_error(model: al.Model, symbol: str, n: int) -> float:
@@ -144,7 +141,7 @@ def main() -> None:
         table = rows(run.asked.records, pool)
     notes = [
         f"seeds 1..{run.asked.records}; 100 Hz; se: standard error of K² by the Cramer-Rao bound; the expected limit "
-        "is that of a spectrum in which every power is what is expected, the true terms known",
+        "is that of a spectrum in which every power is what is expected, the true terms known"
     ]
     run.publish("Which terms are claimed", notes, markdown(HEADINGS, table))
 

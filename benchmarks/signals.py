@@ -1,8 +1,5 @@
 """Programs that are ended at random moments: soon, whole or not at all, and without anything that is left behind.
 
-    python benchmarks/signals.py targets [--runs 200] [--write PATH]
-    python benchmarks/signals.py verbs [--runs 3] [--samples 5000000] [--write PATH]
-
 targets: SIGINT, SIGTERM and SIGHUP by turns, on a usual disk and, by the superuser, on one of 5 MB in memory, which is
 too small for some jobs; the target has to be the old file or a whole new one, and nothing else may be left.
 verbs: Ctrl-C in every verb and every statistic.

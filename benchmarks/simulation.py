@@ -1,7 +1,5 @@
 """Is a simulated record what it is said to be: expected over simulated Allan variance and spectrum, every octave.
 
-    python benchmarks/simulation.py [--records 200] [--write PATH]
-
 Records of 4096 readings of every term and of mixtures, seeds 1, 2, 3, ...; sinusoids with a random phase. Each cell is
 the mean over the records less the exact expectation, in standard errors of that mean (from the scatter of the records).
 """

@@ -1,20 +1,17 @@
 """Whether what is slow and no noise is named: warm-up, a power law that is not flicker's, popcorn noise.
 
-    python benchmarks/slow_noise.py [--records 200] [--write PATH]
-
 Slow: records of noise with such a thing. Clean: records of noise alone, where nothing may be named. The share of the
 records in which each is named, in which K and R are claimed, and in which the 95 % intervals of N, B and K hold the
 truth of the noise. Cured: of the records in which it was named with options to type, the share in which it is no longer
 named in that window; with a power law the share in which N beside it holds within 1.96 standard errors.
 """
 
-from table import begin, markdown
+from table import begin, section, spread
 
 import math
 import re
 import sys
 from collections.abc import Callable
-from multiprocessing import Pool
 
 import numpy as np
 
@@ -153,29 +150,21 @@ def row(cell: int, found: list[list[float]]) -> tuple[str, ...]:
 
 def main() -> None:
     run = begin(__doc__, records=200, processes=2)
-    rows = []
-    with Pool(run.asked.processes) as pool:
-        for cell, what in enumerate(CELLS):
-            found = pool.map(asked_of, [(cell, seed) for seed in range(1, run.asked.records + 1)], chunksize=5)
-            rows.append(row(cell, found))
-            print(*what, rows[-1][3:], file=sys.stderr, flush=True)
+    rows, numbers = [], ((number,) for number in range(len(CELLS)))
+    for (number,), answers in spread(asked_of, numbers, run.asked.records, run.asked.processes, first=1):
+        rows.append(row(number, answers))
+        print(*CELLS[number], rows[-1][3:], file=sys.stderr, flush=True)
     slow = [r for r in rows if r[0] != "clean"]
     error = 100 * math.sqrt(0.01 * 0.99 / run.asked.records)
     notes = [
-        f"seeds: number of the row and 1..{run.asked.records}; 100 Hz; standard error of a share of 1 %: {error:.1f} %",
+        f"seeds: number of the row and 1..{run.asked.records}; 100 Hz; standard error of a share of 1 %: {error:.1f} %"
     ]
-    body = [
-        "## Slow",
-        "",
+    about = (
         "Warm-up: 10 to 30 B, time constant from an eighth to a third of the record. The power laws equal N at the "
-        "corner. The last column says what bursts do to B.",
-        "",
-        *markdown(HEADINGS, slow),
-        "## Clean",
-        "",
-        *markdown(HEADINGS, [r for r in rows if r[0] == "clean"]),
-    ]
-    run.publish("What is slow and no noise", notes, body)
+        "corner. The last column says what bursts do to B."
+    )
+    clean = section("Clean", HEADINGS, [r for r in rows if r[0] == "clean"])
+    run.publish("What is slow and no noise", notes, section("Slow", HEADINGS, slow, about) + clean)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,5 @@
 """How fast: statistics and the whole analysis against the machine's own limit, peers, and start-up of numpy.
 
-    python benchmarks/speed.py ratios [--samples 3600000] [--write PATH]
-    python benchmarks/speed.py growth [--write PATH]
-
 One thread, processor time, the shortest of several rounds of one run; only ratios are to be trusted. Growth: the time
 by the record's length beside allantools and numpy, extrapolated by the number of their inner terms from a part that
 takes at least 5 s; errors against the definitions, and memory. Ends with exit code 1 if a demand is missed.
@@ -12,14 +9,13 @@ first-level cache holds. The in-cache bound of a job is u times its differences;
 whole time, with integration.
 """
 
-from table import Run, begin, markdown
+from table import Run, begin, least, markdown, section
 
 import os
 import resource
 import subprocess
 import sys
 import tempfile
-import time
 import tracemalloc
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
@@ -75,22 +71,12 @@ def third_differences(x, m, rounds):
     return total
 
 
-def shortest(job: Callable[[], object], rounds: int) -> float:
-    """Least processor time of several, s."""
-    times = []
-    for _ in range(rounds):
-        start = time.process_time()
-        job()
-        times.append(time.process_time() - start)
-    return min(times)
-
-
 def unit(order: int, rounds: int = 20_000) -> float:
     """U of differences of this order, s."""
     x = np.random.default_rng(1).standard_normal(5 * INCORE)
     kernel = {2: second_differences, 3: third_differences}[order]
     kernel(x, INCORE, 10)
-    return shortest(lambda: kernel(x, INCORE, rounds), 3) / (rounds * INCORE)
+    return least(lambda: kernel(x, INCORE, rounds), 3) / (rounds * INCORE)
 
 
 def differences(size: int, m: Sequence[int], order: int = 2) -> float:
@@ -102,7 +88,7 @@ def share(record: al.Record, statistic: str, turns: int = 7) -> tuple[float, flo
     """Share of the in-cache bound at the tau of the log grid, u and the job's time, s; measured by turns."""
     order = DIFFERENCES[statistic]
     m = al.deviation(record, statistic, taus="log").m.tolist()
-    times = [(unit(order), shortest(lambda: al.deviation(record, statistic, m=m), 2)) for _ in range(turns)]
+    times = [(unit(order), least(lambda: al.deviation(record, statistic, m=m), 2)) for _ in range(turns)]
     u, job = (min(each) for each in zip(*times, strict=True))
     return u * differences(record.size, m, order) / job, u, job
 
@@ -180,7 +166,7 @@ def read_csv(rows: int = 1_000_000) -> tuple[float, float]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "gyro.csv")
         csv.write_csv(text, path)
-        times = [(shortest(lambda: al.read(path), 1), shortest(lambda: csv.read_csv(path), 1)) for _ in range(7)]
+        times = [(least(lambda: al.read(path), 1), least(lambda: csv.read_csv(path), 1)) for _ in range(7)]
     ours, theirs = zip(*times, strict=True)
     return min(ours), min(theirs)
 
@@ -204,9 +190,9 @@ def ratios(run: Run) -> bool:
         lambda: al.identify(record),
         lambda: al.analyze(record),
     ]
-    rounds = [[shortest(job, 1) for job in jobs] for _ in range(7)]
+    rounds = [[least(job, 1) for job in jobs] for _ in range(7)]
     allan, selected, identified, analysis = np.min(rounds, axis=0).tolist()
-    peer = shortest(lambda: allantools_of("oadev", record, curve.m), 3)
+    peer = least(lambda: allantools_of("oadev", record, curve.m), 3)
     program = str(Path(sys.executable).with_name("allanite"))
     commands = [[sys.executable, "-c", f"import {name}"] for name in ("numpy", "allanite")]
     numpy_alone, importing, helping = startups([*commands, [program, "--help"]])
@@ -318,7 +304,7 @@ class Peer(NamedTuple):
 def part_of(job: Callable[[int], object], terms: Callable[[int], float], words: str) -> Peer:
     """Run a part, the k-th being k times as long, until it takes long enough."""
     k = 1
-    while (seconds := shortest(partial(job, k), 1)) < ENOUGH:
+    while (seconds := least(partial(job, k), 1)) < ENOUGH:
         k = max(k + 1, int(np.ceil(1.3 * k * ENOUGH / max(seconds, 0.05))))
     return Peer(1e9 * seconds / terms(k), words.format(k=k))
 
@@ -411,13 +397,13 @@ def growth(run: Run) -> bool:
     records = {size: record_of(size) for job in JOBS.values() for size in job.sizes}
     for job in JOBS.values():
         job.run(records[job.sizes[1]])
-    times = {name: [shortest(lambda: job.run(records[n]), 3) for n in job.sizes] for name, job in JOBS.items()}  # noqa: B023
+    times = {name: [least(lambda: job.run(records[n]), 3) for n in job.sizes] for name, job in JOBS.items()}  # noqa: B023
     peer, wrong = peers(), errors()
     hundred = [
-        shortest(lambda: allantools_of("oadev", records[n], GRIDS["log"](n // 2)), 3)  # noqa: B023
+        least(lambda: allantools_of("oadev", records[n], GRIDS["log"](n // 2)), 3)  # noqa: B023
         for n in (1_000_000, 3_600_000)
     ]
-    every = shortest(lambda: JOBS["oadev all"].run(records[1_000_000]), 3)
+    every = least(lambda: JOBS["oadev all"].run(records[1_000_000]), 3)
 
     def over(what: str, name: str, bound: float, which: int = -1) -> Demand:
         ours, theirs = times[name][which], peer[JOBS[name].peer].seconds(name, which)
@@ -448,10 +434,10 @@ def growth(run: Run) -> bool:
     parts = [(name, f"{one.ns:.3g}", one.part) for name, one in peer.items()]
     run.publish("Growth of the time with the record", notes, [
         *table(demands),
-        "## Peers, extrapolated by their inner terms: a difference, squared and summed", "",
-        *markdown(("job", "ns a term", "from"), parts),
-        "## Relative errors of every tau of 1e6 samples and of Theo1 at every even m of 72000", "",
-        *markdown(("noise", "oadev", "theo1"), [(name, f"{a:.1e}", f"{b:.1e}") for name, a, b in wrong]),
+        *section("Peers, extrapolated by their inner terms: a difference, squared and summed",
+                 ("job", "ns a term", "from"), parts),
+        *section("Relative errors of every tau of 1e6 samples and of Theo1 at every even m of 72000",
+                 ("noise", "oadev", "theo1"), [(name, f"{a:.1e}", f"{b:.1e}") for name, a, b in wrong]),
         "## Time by samples [s]", "",
         *(f"- {job.title}: {_by_size(job, times[name])}" for name, job in JOBS.items()),
     ])  # fmt: skip

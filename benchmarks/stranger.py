@@ -1,7 +1,5 @@
 """What somebody waits for who has read the README and has a recording: its commands in an empty place, timed.
 
-    python benchmarks/stranger.py [--rounds 5] [--write PATH]
-
 The commands and the Python of README.md are run word for word, in the order of the page: each that needs no
 installation (uvx, pipx) in a home of its own, the others in one more, with a new virtual environment. A home is empty,
 so are the caches of pip, uv and numba; variables of the environment are cleared but for those that lead to the package
@@ -11,7 +9,7 @@ commit in a folder. Commands that analyze are run a second time.
 Then the parts of the wait: what is downloaded, unpacked and compiled. Ends with exit code 1 if a bound is missed.
 """
 
-from table import ROOT, begin, markdown
+from table import ROOT, begin, markdown, section
 
 import json
 import os
@@ -234,31 +232,25 @@ def main() -> int:
             "Times in s. Commands are those of README.md; FILE is an hour of a gyro at 100 Hz.",
             "",
             *markdown(("command", "first", "again"), [shown(*row) for row in rows]),
-            "## Installation by pip",
-            "",
-            *markdown(("part", "s", "MB"), installing),
-            "## First run",
-            "",
-            f"The sample, {run.asked.rounds} times with an empty cache of kernels and with the one that this run left.",
-            "",
-            *markdown(("run", "shortest", "median", "median, of the processors"), rounds),
-            "## Kernels",
-            "",
-            f"{len(kernels)} kernels and parts take {sum(seconds for _, seconds in kernels):.1f} s in one process, "
-            "without the import of numba.",
-            "",
-            *markdown(
-                ("kernel or part, without the parts that it calls", "s"),
-                [(name, f"{seconds:.2f}") for name, seconds in kernels[:LARGEST]],
+            *section("Installation by pip", ("part", "s", "MB"), installing),
+            *section(
+                "First run", ("run", "shortest", "median", "median, of the processors"), rounds,
+                f"The sample, {run.asked.rounds} times with an empty cache of kernels and with the one that this run "
+                "left.",
             ),
-            "## For this processor and for any",
-            "",
-            *markdown(
+            *section(
+                "Kernels", ("kernel or part, without the parts that it calls", "s"),
+                [(name, f"{seconds:.2f}") for name, seconds in kernels[:LARGEST]],
+                f"{len(kernels)} kernels and parts take {sum(seconds for _, seconds in kernels):.1f} s in one process, "
+                "without the import of numba.",
+            ),
+            *section(
+                "For this processor and for any",
                 ("kernel", "for this processor, ms", "for any of its architecture, ms", "ratio"),
                 [(n, f"{1e3 * own[n]:.2f}", f"{1e3 * any_[n]:.2f}", f"{any_[n] / own[n]:.1f}") for n in own],
             ),
         ),
-    )
+    )  # fmt: skip
     return int(bool(missed))
 
 

@@ -1,16 +1,14 @@
 """Streams: samples per second beside allantools.realtime and the batch, and coefficients beside the bound.
 
-    python benchmarks/stream.py [--records 200] [--whole 40] [--write PATH]
-
 Speed: processor time of the thread, best of seven, of one run: what else runs on the machine slows all of it, and the
 ratios less than the rest. Coefficients: simulated records pushed in 16 chunks, and some of the same records as a whole;
 root mean square errors over the Cramer-Rao bound of the terms of the model.
 """
 
-from table import begin, markdown
+from table import begin, least, section
 
 import time
-from collections.abc import Callable
+from functools import partial
 
 import allantools.realtime
 import numpy as np
@@ -24,30 +22,21 @@ PEER = 3000
 SENSORS = (("mems", 100.0, 2**20, "NBK"), ("fog", 1.0, 2**18, "QNBKR"))
 
 
-def best(job: Callable[[], object], times: int = 5) -> float:
-    """Least processor time of a job, s."""
-    taken = []
-    for _ in range(times):
-        begun = time.thread_time()
-        job()
-        taken.append(time.thread_time() - begun)
-    return min(taken)
-
-
 def speed() -> list[list[str]]:
     """Rows: what, million samples per second, times allantools.realtime."""
     values = np.random.default_rng(1).normal(size=SAMPLES)
     factors = [m for m in _factors() if m <= PEER // 2]
+    taken = partial(least, clock=time.thread_time)
 
     def peer() -> None:
         found = allantools.realtime.oadev_realtime(afs=np.array(factors))
         for value in values[:PEER].tolist():
             found.add_frequency(value)
 
-    slow = PEER / best(peer, 2)
+    slow = PEER / taken(peer, 2)
     rows = [[f"allantools.realtime, oadev, {len(factors)} averaging times", f"{slow / 1e6:.4f}", "1"]]
     record = al.Record(values, 1.0, "deg/h")
-    batch = best(lambda: al.deviation(record, m=[m for m in _factors() if m <= SAMPLES // 2], noise=None), 2)
+    batch = taken(lambda: al.deviation(record, m=[m for m in _factors() if m <= SAMPLES // 2], noise=None), 2)
     rows.append(["al.deviation, the same averaging times, every window", *_row(SAMPLES / batch, slow)])
     for chunk in (SAMPLES, 10_000, 100):
         for statistic in streamable() if chunk == SAMPLES else ("oadev",):
@@ -59,7 +48,7 @@ def speed() -> list[list[str]]:
                     stream.push(part)
 
             push()
-            pace = sum(part.size for part in parts) / best(push, 5 if chunk > 100 else 2)
+            pace = sum(part.size for part in parts) / taken(push, 5 if chunk > 100 else 2)
             rows.append([f"Accumulator, {statistic}, chunks of {chunk}", *_row(pace, slow)])
     return rows
 
@@ -103,17 +92,10 @@ def main() -> None:
         f"seeds: 1..{run.asked.records}; errors over bound are known to {100 / np.sqrt(2 * run.asked.records):.0f} %",
         "the machine was shared: read the ratios of one run, not the paces",
     ]
-    body = [
-        "## Speed",
-        "",
-        f"White noise; an Accumulator of oadev holds {size} bytes.",
-        "",
-        *markdown(["what", "million samples/s", "times allantools.realtime"], fast),
-        "## Coefficients",
-        "",
-        *markdown(["sensor", "samples", "term", "bound %", "stream / bound", "some: stream", "some: whole"],
-                  coefficients(run.asked.records, run.asked.whole)),
-    ]  # fmt: skip
+    body = section("Speed", ["what", "million samples/s", "times allantools.realtime"], fast,
+                   f"White noise; an Accumulator of oadev holds {size} bytes.")  # fmt: skip
+    headings = ["sensor", "samples", "term", "bound %", "stream / bound", "some: stream", "some: whole"]
+    body += section("Coefficients", headings, coefficients(run.asked.records, run.asked.whole))
     run.publish("Streams", notes, body)
 
 

@@ -11,16 +11,20 @@ if "numpy" not in sys.modules:
         os.environ[f"{_library}_NUM_THREADS"] = "1"
 
 import argparse
+import math
 import platform
 import re
 import shlex
 import subprocess
 import time
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import date
 from functools import cached_property
+from multiprocessing import Pool
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results"
@@ -37,7 +41,7 @@ ROOMS = {
     "identification": "identification", "limits": "identification statistics", "methods": "identification",
     "mutants": "", "noise_identification": "statistics", "out_of_core": "stream statistics",
     "prices": "identification", "rate": "applications/constant_rate", "real_sensors": "identification prepare",
-    "search_cells": "identification", "search_recordings": "identification prepare", "selection": "identification",
+    "search_cells": "identification", "selection": "identification",
     "signals": "cli parallel statistics", "simulation": "simulation", "slow_noise": "identification",
     "speed": "identification kernels statistics", "stranger": "cli kernels", "stream": "stream",
     "terms": "identification terms", "theoh_paper": "identification statistics", "vertical": "applications/attitude",
@@ -48,6 +52,7 @@ ROOMS = {
 sys.path.insert(0, str(ROOT))  # the referees are among the tests
 
 Row = tuple[str, ...]
+Cell = tuple[Any, ...]
 
 
 def _git(*words: str) -> str:
@@ -128,6 +133,43 @@ def begin(doc: str, **options: object) -> Run:
 def markdown(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
     """Lines of a table, and an empty one."""
     return [_line(headings), "|" + "---|" * len(headings), *map(_line, rows), ""]
+
+
+def section(title: str, headings: Sequence[str], rows: Iterable[Sequence[str]], *about: str) -> list[str]:
+    """Lines of a section: its title, what is said about its table, and the table."""
+    return [f"## {title}", "", *(line for text in about for line in (text, "")), *markdown(headings, rows)]
+
+
+def shared(hits: Sequence[bool]) -> str:
+    """A share with its standard error, %."""
+    p = sum(map(bool, hits)) / len(hits)
+    return f"{100 * p:.1f} ± {100 * math.sqrt(max(p * (1 - p), 1e-4) / len(hits)):.1f}"
+
+
+def least(job: Callable[[], object], rounds: int, clock: Callable[[], float] = time.process_time) -> float:
+    """Least time of several, of the processor unless by another clock, s."""
+    times = []
+    for _ in range(rounds):
+        start = clock()
+        job()
+        times.append(clock() - start)
+    return min(times)
+
+
+def spread(
+    work: Callable[[Any], Any], cells: Iterable[Cell], records: int, processes: int | None = None, first: int = 0
+) -> Iterator[tuple[Cell, list[Any]]]:
+    """Each cell with what is made, in processes, of it and the number of each record."""
+    with Pool(processes) as pool:
+        for cell in cells:
+            yield cell, pool.map(work, [(*cell, number) for number in range(first, first + records)], chunksize=4)
+
+
+def covered(places: Iterable[int]) -> str:
+    """How often limits hold the truth, %: places of the truth are -1 below them, 0 within, 1 above."""
+    counts = Counter(map(int, places))
+    inside, above, below = (100 * counts[place] / counts.total() for place in (0, 1, -1))
+    return f"{inside:.1f} (+{above:.1f} -{below:.1f})"
 
 
 def _line(cells: Sequence[str]) -> str:

@@ -1,7 +1,5 @@
 """Terms that are looked for when they are asked for: how often found, bias and coverage of their limits.
 
-    python benchmarks/terms.py [--cells one] [--records 300] [--write PATH]
-
 Each cell has seeds of its own. Records of 2^16 samples at 20 Hz are simulated and identified with the terms named; the
 limits of every coefficient, time constant, frequency and damping are those of 95 %. A second line of each cell counts
 false findings of the new term in records of the same model without it.
@@ -10,9 +8,8 @@ Records of 2^14 samples, with W of 80 s (commit f6702ca), were too short for GMA
 limits held in 90.1 ± 2.1 %, those of T in 89.7 ± 2.1 %, and T was 14 % too small.
 """
 
-from table import begin, markdown
+from table import begin, markdown, shared
 
-import math
 import sys
 from dataclasses import dataclass
 
@@ -59,12 +56,6 @@ CELLS = {"one": ONE, "two": TWO}
 """Cells by the number of terms with a shape that are asked for."""
 
 
-def percent(hits: np.ndarray) -> str:
-    """A share with its standard error."""
-    p = float(np.mean(hits))
-    return f"{100 * p:.1f} ± {100 * math.sqrt(max(p * (1 - p), 1e-4) / len(hits)):.1f}"
-
-
 def identified(model: al.Model, terms: str, seed: int) -> al.Fit:
     """The fit of one record."""
     return al.identify(al.simulate(model, SIZE, RATE, rng=np.random.default_rng(seed)), terms=terms)
@@ -84,7 +75,7 @@ def rows(cell: Cell, records: int) -> list[tuple[str, ...]]:
     fits = [identified(cell.model, cell.terms, cell.seed + i) for i in range(records)]
     few = max(records // 3, 10)
     empty = [identified(cell.rest, cell.terms, cell.seed + records + i) for i in range(few)]
-    false = percent(np.array([fit[symbol].claimed for fit in empty]))
+    false = shared([fit[symbol].claimed for fit in empty])
     bound = al.bound(cell.model, SIZE, RATE)
     lines = []
     for term in (cell.extra, *cell.rest):
@@ -94,9 +85,9 @@ def rows(cell: Cell, records: int) -> list[tuple[str, ...]]:
         for i, (name, truth) in enumerate(zip(names, (term.value, *term.shape), strict=True)):
             value, low, high = values[:, i].T
             lines.append((
-                str(cell.model), str(records), name, f"{truth:.4g}", percent(claimed),
+                str(cell.model), str(records), name, f"{truth:.4g}", shared(claimed),
                 f"{100 * (value.mean() / truth - 1):+.1f}",
-                f"{value.std() / truth / bound[name]:.2f}", percent((low <= truth) & (truth <= high)),
+                f"{value.std() / truth / bound[name]:.2f}", shared((low <= truth) & (truth <= high)),
                 false if term is cell.extra and not i else "",
             ))  # fmt: skip
     return lines

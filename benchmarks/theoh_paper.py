@@ -1,12 +1,9 @@
 """The claims of a paper on TheoH for optical gyros, measured on simulated records.
 
-    python benchmarks/theoh_paper.py [--records 60] [--curves 200] [--limits 240] [--draws 2000]
-                                     [--write PATH]
-
 Tang, Cheng and Gao, Acta Armamentarii 36 (2015) 1688: two hours at 1 Hz, five noise terms.
 """
 
-from table import begin, markdown
+from table import begin, section
 
 import math
 from itertools import product
@@ -63,14 +60,8 @@ def joint() -> list[tuple[str, ...]]:
         allan = float(al.expected(FOG, "oadev", [float(tau)], rate=1.0)[0])
         theo = float(al.expected(FOG, "theoh", [float(tau)], rate=1.0, size=SIZE)[0])
         unit = convert(1.0, "rad/s", "deg/h")
-        rows.append(
-            (
-                str(tau),
-                f"{unit * math.sqrt(allan):.3f}",
-                f"{unit * math.sqrt(theo):.3f}",
-                f"{math.sqrt(theo / allan):.3f}",
-            )
-        )
+        numbers = (unit * math.sqrt(allan), unit * math.sqrt(theo), math.sqrt(theo / allan))
+        rows.append((str(tau), *(f"{number:.3f}" for number in numbers)))
     return rows
 
 
@@ -163,21 +154,19 @@ def main() -> None:
         f"{100 / math.sqrt(2 * asked.curves):.0f} % of one of whole curves, "
         f"{100 * math.sqrt(0.05 * 0.95 / asked.limits):.1f} % of a coverage of 95 %",
     ]
-    body = [
-        "## Error of the Allan deviation, 72 windows of 100 s, percent", "",
-        *markdown(("", "exact", f"{asked.draws} records"), k),
-        "## TheoH at its joint: expected deviation, deg/h", "",
-        *markdown(("tau, s", "Allan", "TheoH", "ratio"), joint()),
-        "## Coefficients: rmse over the truth", "",
-        *markdown(("method", "statistic", *symbols, *(f"{s}, 0 if not claimed" for s in symbols[-2:])), fits),
-        "## Unweighted fit of the whole curve (method curve): rmse over the truth", "",
-        *markdown(("statistic", "bias removed by", *symbols), curves),
-        "## 95 % limits of gls, percent of records in which they hold the truth; truth below and above them", "",
-        *markdown(("statistic", *symbols), covering(places)),
-        "## Noise that changes its level: variance times tau over the mean power", "",
-        *markdown(("level", "statistic", "30 s", "300 s", "600 s", "900 s"), varying(asked.draws // 10)),
-    ]  # fmt: skip
-    run.publish("TheoH for optical gyros", notes, body)
+    sections = (
+        ("Error of the Allan deviation, 72 windows of 100 s, percent", ("", "exact", f"{asked.draws} records"), k),
+        ("TheoH at its joint: expected deviation, deg/h", ("tau, s", "Allan", "TheoH", "ratio"), joint()),
+        ("Coefficients: rmse over the truth",
+         ("method", "statistic", *symbols, *(f"{s}, 0 if not claimed" for s in symbols[-2:])), fits),
+        ("Unweighted fit of the whole curve (method curve): rmse over the truth",
+         ("statistic", "bias removed by", *symbols), curves),
+        ("95 % limits of gls, percent of records in which they hold the truth; truth below and above them",
+         ("statistic", *symbols), covering(places)),
+        ("Noise that changes its level: variance times tau over the mean power",
+         ("level", "statistic", "30 s", "300 s", "600 s", "900 s"), varying(asked.draws // 10)),
+    )  # fmt: skip
+    run.publish("TheoH for optical gyros", notes, [line for part in sections for line in section(*part)])
 
 
 if __name__ == "__main__":

@@ -1,12 +1,11 @@
 """The gyro-vertical: predicted against simulated errors, filters in scenarios, coning, speed.
 
-    python benchmarks/vertical.py [--runs 150] [--write PATH]
-
 Random numbers have seeds 1, 2, 3 ...
 """
 
-from table import begin, markdown
+from table import begin, section
 
+import itertools
 import math
 from timeit import repeat
 
@@ -226,51 +225,39 @@ def oscillation_rows() -> list[tuple[str, ...]]:
 
 def main() -> None:
     run = begin(__doc__, runs=150)
-    body = ["## Closed forms", "", *markdown(("what", "here", "expected"), closed_forms())]
-    body += [
-        "## Flicker and random walk",
-        "",
-        f"{WHOLE[0]}; {WHOLE[1]}; 30 runs.",
-        "",
-    ]
     quoted = {600.0: "0.762 s, 26.3", 3600.0: "0.691 s, 28.3"}
-    rows = [(f"{T:g}", *(f"{v:.4g}" for v in whole(T)), quoted[T]) for T in quoted]
-    body += markdown(("T [s]", "time constant [s]", "predicted [arcsec]", "simulated [arcsec]", "expected"), rows)
-    body += ["## Predicted against simulated", "",
-             f"Above 1/(2T), T = {HORIZON:g} s, {RATE:g} Hz, {run.asked.runs} runs of {LONGER} T; arcsec.",
-             ""]  # fmt: skip
-    rows = []
-    for models in MODELS:
-        for tau in TIMES:
-            a, b = cell(models, tau, run.asked.runs)
-            rows.append((*models, f"{tau:g}", f"{a:.2f}", f"{b:.2f}", f"{100 * (b / a - 1):+.2f} %"))
-    body += markdown(("gyro", "accelerometer", "time constant [s]", "predicted", "simulated", "difference"), rows)
-    body += ["## Loss against the optimal causal filter", "", "T = 600 s, 100 Hz; arcsec.", ""]
-    body += markdown(
-        ("gyro", "accelerometer", "time constant [s]", "first order", "second order", "bound", "loss"), losses()
-    )
-    body += ["## Scenarios", "", "RMS of roll and pitch, deg: with mean rates, with rates at the end of each interval, "
-             "and of an independent prototype with these.", ""]  # fmt: skip
-    heads = [
-        f"{s} {how}" for s in ("fixed base", "acceleration", "oscillation") for how in ("mean", "instant", "expected")
-    ]
-    body += markdown(("filter", *heads), scenario_rows())
-    body += ["## Oscillation in closed form", "",
-             "RMS of roll and pitch, deg: lever arm and lead of the sampled rates in closed form, with the error at "
-             "rest; simulated; and of the prototype.", ""]  # fmt: skip
-    heads = ["mean derived", "mean simulated", "instant derived", "instant simulated", "expected"]
-    body += markdown(("filter", *heads), oscillation_rows())
-    found = coning()
-    body += ["## Coning", "", "Drift left of 987 deg/h, deg/h: cone of 1 deg at 5 Hz, sampled at 200 Hz.", ""]
-    rows = [(name, f"{found[name]:.4g}", f"{known:.4g}") for name, known in CONING_FIGURES.items()]
-    body += markdown(("algorithm", "here", "expected"), rows)
-    body += [
-        "## Speed",
-        "",
-        "The shortest of three runs.",
-        "",
-        *markdown(("filter", "s for 1e6 samples"), [(k, f"{v:.2f}") for k, v in speeds().items()]),
-    ]
+    coloured = [(f"{T:g}", *(f"{v:.4g}" for v in whole(T)), quoted[T]) for T in quoted]
+    compared = []
+    for models, tau in itertools.product(MODELS, TIMES):
+        a, b = cell(models, tau, run.asked.runs)
+        compared.append((*models, f"{tau:g}", f"{a:.2f}", f"{b:.2f}", f"{100 * (b / a - 1):+.2f} %"))
+    places, ways = ("fixed base", "acceleration", "oscillation"), ("mean", "instant", "expected")
+    drifts = coning()
+    sections = (
+        ("Closed forms", ("what", "here", "expected"), closed_forms()),
+        ("Flicker and random walk",
+         ("T [s]", "time constant [s]", "predicted [arcsec]", "simulated [arcsec]", "expected"), coloured,
+         f"{WHOLE[0]}; {WHOLE[1]}; 30 runs."),
+        ("Predicted against simulated",
+         ("gyro", "accelerometer", "time constant [s]", "predicted", "simulated", "difference"), compared,
+         f"Above 1/(2T), T = {HORIZON:g} s, {RATE:g} Hz, {run.asked.runs} runs of {LONGER} T; arcsec."),
+        ("Loss against the optimal causal filter",
+         ("gyro", "accelerometer", "time constant [s]", "first order", "second order", "bound", "loss"), losses(),
+         "T = 600 s, 100 Hz; arcsec."),
+        ("Scenarios", ("filter", *(f"{place} {how}" for place in places for how in ways)), scenario_rows(),
+         "RMS of roll and pitch, deg: with mean rates, with rates at the end of each interval, and of an independent "
+         "prototype with these."),
+        ("Oscillation in closed form",
+         ("filter", "mean derived", "mean simulated", "instant derived", "instant simulated", "expected"),
+         oscillation_rows(), "RMS of roll and pitch, deg: lever arm and lead of the sampled rates in closed form, with "
+         "the error at rest; simulated; and of the prototype."),
+        ("Coning", ("algorithm", "here", "expected"),
+         [(name, f"{drifts[name]:.4g}", f"{known:.4g}") for name, known in CONING_FIGURES.items()],
+         "Drift left of 987 deg/h, deg/h: cone of 1 deg at 5 Hz, sampled at 200 Hz."),
+        ("Speed", ("filter", "s for 1e6 samples"), [(k, f"{v:.2f}") for k, v in speeds().items()],
+         "The shortest of three runs."),
+    )  # fmt: skip
+    body = [line for part in sections for line in section(*part)]
     run.publish("Gyro-vertical", ["random numbers with seeds 1, 2, 3 ..."], body)
 
 

@@ -1,7 +1,5 @@
 """The degrees of freedom of the statistics over windows and of the total deviation: how exact, how fast.
 
-    python benchmarks/window_moments.py [--sizes 128 256 513] [--write PATH]
-
 Errors are those of EDF against full matrices 2 tr(A G A G), with A as each definition writes it, for single terms,
 halves of every pair, 200 random mixtures (seed 1, a ramp at most 0.9 of the variance) and three sensors; and, for an
 hour at 1 kHz, against windows of twice as many points. Times are per averaging time, five terms at once.

@@ -8,6 +8,8 @@ integration what is not marked ``nightly``, and `make nightly` everything, with 
 import os
 from pathlib import Path
 
+from allanite.core.model import Model, Term
+from allanite.core.units import SIGNALS
 from allanite.phrases.phrase import Phrase
 from allanite.reporting.language import speaking, tr
 
@@ -33,6 +35,11 @@ def thinned(rows, keep, _why=""):
 def all_but(rows, long, _why=""):
     """The rows of a table, those in `long` in `make nightly` alone."""
     return [row for row in rows if ALL or row not in long]
+
+
+def model_of(coefficients, signal=SIGNALS[2]):
+    """A model of coefficients in SI by their symbols, of a number without a unit or of another signal."""
+    return Model(tuple(Term(symbol, value, signal) for symbol, value in coefficients.items()))
 
 
 def translated(phrase: Phrase, lang: str) -> str:

@@ -47,9 +47,7 @@ def selection(paths: Iterable[str], there: Path = ROOT) -> Iterator[str]:
                 yield from BESIDE["statistics"]
             case ("tests", *_, name) if name.startswith("test_"):
                 yield str(path)
-            case ("README.md",):
-                yield "tests/stories/test_readme.py"
-            case ("docs", *_):
+            case ("README.md",) | ("docs", *_):
                 yield "tests/stories/test_docs.py"
 
 

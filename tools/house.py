@@ -1,13 +1,13 @@
-"""Measure the source: lines, chains of imports, names that exist twice, functions used once, context variables.
+"""Measure the source: lines, circles and chains of imports, names that say little, functions used once.
 
 python tools/house.py            one table for the package
-python tools/house.py ROOM ...   the functions used once and the most complex ones of these packages
+python tools/house.py ROOM ...   what is behind it in these packages
 """
 
 import ast
 import sys
 from collections import Counter, defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,51 +15,100 @@ from typing import Any
 SRC = Path(__file__).parents[1] / "src"
 PACKAGE = "allanite"
 
+VAGUE = frozenset({"found", "seen", "left", "there", "one", "said"})
+"""Names of values that do not say what they hold."""
+
+LARGE = 400
+"""Lines above which a file holds more than one idea."""
+
 Function = ast.FunctionDef | ast.AsyncFunctionDef
+Graph = dict[str, set[str]]
 
 
 @cache
 def modules() -> dict[str, ast.Module]:
     """The syntax tree of each module, by its dotted name."""
-    found = {}
+    trees = {}
     for path in sorted((SRC / PACKAGE).rglob("*.py")):
         parts = path.relative_to(SRC).with_suffix("").parts
         name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
-        found[name] = ast.parse(path.read_text(encoding="utf-8"))
-    return found
+        trees[name] = ast.parse(path.read_text(encoding="utf-8"))
+    return trees
 
 
-def lines() -> int:
-    """Lines of the package."""
-    return sum(path.read_bytes().count(b"\n") for path in (SRC / PACKAGE).rglob("*.py"))
+def file_of(name: str) -> Path:
+    """The file of a module."""
+    place = SRC.joinpath(*name.split("."))
+    return place / "__init__.py" if place.is_dir() else place.with_suffix(".py")
 
 
-def _top(tree: ast.Module) -> Iterator[ast.stmt]:
-    """Statements that run at import; those for type checkers do not."""
-    for node in tree.body:
-        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
-            continue
-        yield node
+@cache
+def lines() -> dict[str, int]:
+    """Lines of each module."""
+    return {name: file_of(name).read_bytes().count(b"\n") for name in modules()}
 
 
-def imports() -> dict[str, set[str]]:
-    """The modules of the package that each module imports at once."""
-    known, result = modules(), {}
-    for name, tree in known.items():
-        base = SRC.joinpath(*name.split("."))
-        package = name if base.is_dir() else name.rpartition(".")[0]
-        met: set[str] = set()
-        for node in _top(tree):
-            if isinstance(node, ast.Import):
-                met |= {alias.name for alias in node.names}
-            elif isinstance(node, ast.ImportFrom):
-                up = package.split(".")
-                root = ".".join(up[: len(up) - node.level + 1]) if node.level else ""
-                stem = ".".join(filter(None, (root, node.module or "")))
-                inner = {f"{stem}.{alias.name}" for alias in node.names}
-                met |= {one if one in known else stem for one in inner}
-        result[name] = {one for one in met if one in known} - {name}
-    return result
+def _is_for_checkers(node: ast.AST) -> bool:
+    """Whether a statement is for type checkers alone."""
+    return isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
+
+
+def _statements(tree: ast.AST, *, inside: bool) -> Iterator[ast.AST]:
+    """Statements that run at import, and with `inside` those of functions; never those for type checkers."""
+    for node in ast.iter_child_nodes(tree):
+        holds = isinstance(node, ast.stmt | ast.ExceptHandler | ast.match_case)
+        if holds and not _is_for_checkers(node) and (inside or not isinstance(node, Function)):
+            yield node
+            yield from _statements(node, inside=inside)
+
+
+def _imported(name: str, node: ast.AST) -> set[str]:
+    """The modules of the package that a statement of a module imports."""
+    if isinstance(node, ast.Import):
+        return {alias.name for alias in node.names} & modules().keys()
+    if not isinstance(node, ast.ImportFrom):
+        return set()
+    package = name if file_of(name).name == "__init__.py" else name.rpartition(".")[0]
+    up = package.split(".")
+    root = ".".join(up[: len(up) - node.level + 1]) if node.level else ""
+    stem = ".".join(filter(None, (root, node.module or "")))
+    inner = (f"{stem}.{alias.name}" for alias in node.names)
+    return {full if full in modules() else stem for full in inner} & modules().keys()
+
+
+def imports(*, inside: bool = False) -> Graph:
+    """The modules of the package that each module imports at once, and with `inside` also when a function runs."""
+    graph = {}
+    for name, tree in modules().items():
+        named = (_imported(name, node) for node in _statements(tree, inside=inside))
+        graph[name] = set[str]().union(*named) - {name}
+    return graph
+
+
+def circles(graph: Graph) -> list[list[str]]:
+    """The strongly connected components of more than one module, by Tarjan's algorithm."""
+    order: dict[str, int] = {}
+    lowest: dict[str, int] = {}
+    path: list[str] = []
+    parts: list[list[str]] = []
+
+    def visit(name: str) -> None:
+        order[name] = lowest[name] = len(order)
+        path.append(name)
+        for other in sorted(graph[name]):
+            if other not in order:
+                visit(other)
+            if other in path:
+                lowest[name] = min(lowest[name], lowest[other])
+        if lowest[name] == order[name]:
+            at = path.index(name)
+            parts.append(sorted(path[at:]))
+            del path[at:]
+
+    for name in graph:
+        if name not in order:
+            visit(name)
+    return [part for part in parts if len(part) > 1]
 
 
 def longest_chain() -> list[str]:
@@ -68,15 +117,39 @@ def longest_chain() -> list[str]:
 
     @cache
     def chain(name: str) -> tuple[str, ...]:
-        return (name, *max((chain(one) for one in graph[name]), key=len, default=()))
+        return (name, *max((chain(other) for other in graph[name]), key=len, default=()))
 
     return list(max(map(chain, graph), key=len))
 
 
+def _targets(node: ast.AST) -> Iterable[ast.expr]:
+    """What a statement or an expression binds."""
+    match node:
+        case ast.Assign():
+            return node.targets
+        case ast.AnnAssign() | ast.AugAssign() | ast.NamedExpr() | ast.For() | ast.AsyncFor() | ast.comprehension():
+            return [node.target]
+        case ast.With() | ast.AsyncWith():
+            return [item.optional_vars for item in node.items if item.optional_vars]
+    return ()
+
+
+def vague_names() -> list[tuple[str, int, str]]:
+    """Module, line and name of each value whose name says little."""
+    bound = (
+        (module, name.lineno, name.id)
+        for module, tree in modules().items()
+        for node in ast.walk(tree)
+        for target in _targets(node)
+        for name in ast.walk(target)
+        if isinstance(name, ast.Name) and isinstance(name.ctx, ast.Store)
+    )
+    return [place for place in bound if place[2] in VAGUE]
+
+
 def functions() -> list[tuple[str, Function]]:
     """Each function with the name of its module."""
-    kinds = (ast.FunctionDef, ast.AsyncFunctionDef)
-    return [(name, node) for name, tree in modules().items() for node in ast.walk(tree) if isinstance(node, kinds)]
+    return [(name, node) for name, tree in modules().items() for node in ast.walk(tree) if isinstance(node, Function)]
 
 
 def _private(name: str) -> bool:
@@ -141,10 +214,15 @@ def table() -> list[tuple[str, Any]]:
     """The measures and their values."""
     once, private = used_once()
     most = max(functions(), key=lambda each: complexity(each[1]))
+    words = Counter(name for *_, name in vague_names())
     return [
-        ("lines", lines()),
+        ("lines", sum(lines().values())),
         ("modules", len(modules())),
+        (f"files above {LARGE} lines", sum(count > LARGE for count in lines().values())),
+        ("circles of imports, at once", len(circles(imports()))),
+        ("circles with those of functions", len(circles(imports(inside=True)))),
         ("longest chain of imports", len(longest_chain())),
+        ("names that say little", f"{words.total()} ({', '.join(f'{k} {v}' for k, v in words.most_common())})"),
         ("private functions", private),
         ("of these used once, %", round(100 * len(once) / private, 1)),
         ("class names that exist twice", len(classes_twice())),
@@ -154,23 +232,34 @@ def table() -> list[tuple[str, Any]]:
     ]
 
 
+def behind(room: str) -> Iterator[str]:
+    """What is behind the table in a package, a line each."""
+
+    def inside(module: str) -> bool:
+        return f"{module}.".startswith(f"{PACKAGE}.{room}.")
+
+    def shown(module: str) -> str:
+        return module.removeprefix(f"{PACKAGE}.")
+
+    once = [(module, name) for module, name in used_once()[0] if inside(module)]
+    private = sum(_private(node.name) for module, node in functions() if inside(module))
+    yield f"{room}: {len(once)} of {private} private functions are used once"
+    yield from (f"  {shown(module)}.{name}" for module, name in once)
+    yield from (f"  {shown(module)}:{line}: {name}" for module, line, name in vague_names() if inside(module))
+    parts = (part for part in circles(imports(inside=True)) if any(map(inside, part)))
+    yield from (f"  circle: {', '.join(map(shown, part))}" for part in parts)
+    large = ((module, count) for module, count in lines().items() if inside(module) and count > LARGE)
+    yield from (f"  {count} lines: {shown(module)}" for module, count in large)
+    hard = [(complexity(node), module, node.name) for module, node in functions() if inside(module)]
+    yield from (f"  complexity {many}: {shown(module)}.{name}" for many, module, name in sorted(hard, reverse=True)[:5])
+
+
 def main(rooms: list[str]) -> None:
     """Print the table, or what is behind it in some packages."""
-    if not rooms:
-        for name, value in table():
-            print(f"{name:32} {value}")
-        return
-    once, _ = used_once()
     for room in rooms:
-        inside = f"{PACKAGE}.{room}"
-        some = [(module, name) for module, name in once if module.startswith(inside)]
-        private = sum(_private(node.name) for module, node in functions() if module.startswith(inside))
-        print(f"{room}: {len(some)} of {private} private functions are used once")
-        for module, name in some:
-            print(f"  {module.removeprefix(PACKAGE + '.')}.{name}")
-        hard = [(complexity(node), module, node.name) for module, node in functions() if module.startswith(inside)]
-        for many, module, name in sorted(hard, reverse=True)[:5]:
-            print(f"  complexity {many}: {module.removeprefix(PACKAGE + '.')}.{name}")
+        print(*behind(room), sep="\n")
+    for name, value in [] if rooms else table():
+        print(f"{name:32} {value}")
 
 
 if __name__ == "__main__":

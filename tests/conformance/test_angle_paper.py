@@ -19,8 +19,6 @@ from angle import Experiment, Job, plan, run
 PAGE = (ROOT / "docs" / "angle_paper.md").read_text(encoding="utf-8")
 TABLE = read("angle.md")
 STARTS = range(6)
-
-
 SIMULATED = [row for row in TABLE.rows() if row["simulated"] != "-" and row["base"] == "still"]
 
 
@@ -169,6 +167,7 @@ def test_half_an_hour_under_sway_against_a_still_hour():
         assert 4 < totals[5] / totals.min() < 5
 
 
+@pytest.mark.slow("programs of a page")
 def test_the_examples_of_the_page_run(capsys):
     for code in re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL):
         exec(compile(code, str(Path("docs/angle_paper.md")), "exec"), {})  # noqa: S102 - the page's own example

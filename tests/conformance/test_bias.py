@@ -2,17 +2,18 @@
 
 import numpy as np
 import pytest
+from tests import model_of
 from tests.rows import paired, rows
 
 import allanite as al
-from allanite.core.model import term
+from allanite.core.units import SIGNALS
 
 BIASED = [name for name, row in al.STATISTICS.items() if row.target and not row.parts]
-UNIT = {"Q": "rad", "N": "rad/sqrt(s)", "B": "rad/s", "K": "rad/s^1.5"}
 
 
-def model_of(**coefficients):
-    return al.Model(tuple(term(s, v, UNIT[s]) for s, v in coefficients.items()))
+def rate(**coefficients):
+    """A model of a rate, SI."""
+    return model_of(coefficients, SIGNALS[0])
 
 
 def record_of(model, n=2000, seed=1):
@@ -21,7 +22,7 @@ def record_of(model, n=2000, seed=1):
 
 @rows("symbols, name", paired(["Q", "N", "B", "K", "NK"], BIASED))
 def test_the_exact_factor_makes_the_expectation_that_of_the_target(name, symbols):
-    model = model_of(**dict.fromkeys(symbols, 1.0))
+    model = rate(**dict.fromkeys(symbols, 1.0))
     curve = al.deviation(record_of(model), name, noise=model, bias="exact")
     plain = al.deviation(record_of(model), name, noise=model)
     np.testing.assert_allclose(curve.variance, plain.variance * curve.factor)
@@ -35,36 +36,30 @@ def test_the_exact_factor_makes_the_expectation_that_of_the_target(name, symbols
 
 @rows("name", ["oadev", "ohdev", "mdev", "pdev"])
 def test_what_estimates_itself_has_no_bias(name):
-    model = model_of(N=1.0)
+    model = rate(N=1.0)
     assert set(al.deviation(record_of(model), name, noise=model, bias="exact").factor) == {1.0}
 
 
 def test_published_factors_go_by_the_power_law_that_is_found():
-    record = record_of(model_of(N=1.0))
+    record = record_of(rate(N=1.0))
     curve = al.deviation(record, "mtotdev", m=[10], bias="published")
     assert curve.factor[0] == pytest.approx(1 / 0.73)
     assert "bias factor" in curve.rows()[0]
 
 
-def test_the_model_takes_the_place_of_the_ratio_of_theobr():
-    model = model_of(N=1.0, K=0.1)
+def test_the_model_takes_the_place_of_the_ratio_of_theobr_and_does_not_scatter():
+    model = rate(N=1.0, K=0.1)
     record = record_of(model, 4000)
     raw = al.deviation(record, "theo1", m=[2000], noise=model)
     by_model = al.deviation(record, "theobr", m=[2000], noise=model, bias="model")
     ratio = al.expected(model, "oadev", raw.tau) / al.expected(model, "theo1", raw.tau, rate=1.0)
     np.testing.assert_allclose(by_model.variance, raw.variance * ratio, rtol=1e-9)
-
-
-def test_a_ratio_that_is_computed_does_not_scatter():
-    model = model_of(N=1.0, K=0.1)
-    record = record_of(model, 4000)
-    plain = al.deviation(record, "theo1", m=[2000], noise=model)
-    np.testing.assert_allclose(al.deviation(record, "theobr", m=[2000], noise=model, bias="model").edf, plain.edf)
-    assert al.deviation(record, "theobr", m=[2000], noise=model, bias="plain").edf < plain.edf
+    np.testing.assert_allclose(by_model.edf, raw.edf)
+    assert al.deviation(record, "theobr", m=[2000], noise=model, bias="plain").edf < raw.edf
 
 
 def test_limits_on_one_side_are_those_of_the_wider_interval():
-    model = model_of(N=1.0)
+    model = rate(N=1.0)
     curve = al.deviation(record_of(model), noise=model)
     low, high = curve.interval(0.9)
     np.testing.assert_allclose(curve.lower(0.95), low, rtol=1e-12)
@@ -78,18 +73,18 @@ def test_limits_on_one_side_are_those_of_the_wider_interval():
         ("theo1", {"bias": "model"}, "for theobr, theoh"),
         ("theoh", {"bias": "exact"}, "takes"),
         ("theo1", {"bias": "exact", "noise": None}, "a bias correction depends on the noise"),
-        ("theo1", {"bias": "published", "noise": model_of(N=1.0)}, "noise='auto'"),
+        ("theo1", {"bias": "published", "noise": rate(N=1.0)}, "noise='auto'"),
     ],
 )
 def test_corrections_that_make_no_sense_are_refused(name, options, words):
     with pytest.raises(al.UsageError, match=words):
-        al.deviation(record_of(model_of(N=1.0)), name, **options)
+        al.deviation(record_of(rate(N=1.0)), name, **options)
 
 
 @pytest.mark.slow("seconds of analyses")
 @rows("name", [name for name, row in al.STATISTICS.items() if row.order > 1])
 def test_limits_come_by_themselves_under_the_noise_that_is_found(name):
-    model = model_of(K=1.0)
+    model = rate(K=1.0)
     curve = al.deviation(record_of(model, 1000), name)
     known = al.deviation(record_of(model, 1000), name, noise=model)
     low, high = curve.interval(0.95)
@@ -101,4 +96,4 @@ def test_limits_come_by_themselves_under_the_noise_that_is_found(name):
 @rows("name", ["mtie", "tierms"])
 def test_what_no_noise_gives_limits_to_has_none(name):
     with pytest.raises(al.UsageError):
-        _ = al.deviation(record_of(model_of(N=1.0)), name).edf
+        _ = al.deviation(record_of(rate(N=1.0)), name).edf

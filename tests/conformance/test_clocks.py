@@ -111,20 +111,15 @@ def drift(stamps, values, rng):
 
 
 FAULTS = {
-    "lost": ("missing samples", lost),
-    "outage": ("missing samples", outage),
-    "half lost": ("missing samples", half_lost),
-    "jitter": ("jitter", jitter),
+    "lost": ("missing samples", lost), "outage": ("missing samples", outage),
+    "half lost": ("missing samples", half_lost), "jitter": ("jitter", jitter),
     "bursts": ("bursty time stamps", bursts),
-    "whole seconds": ("coarse time stamps", whole_seconds),
-    "repeated rows": ("duplicate time stamps", repeated_rows),
+    "whole seconds": ("coarse time stamps", whole_seconds), "repeated rows": ("duplicate time stamps", repeated_rows),
     "repeated stamps": ("duplicate time stamps", repeated_stamps),
-    "swapped rows": ("reversed time stamps", swapped_rows),
-    "damaged": ("damaged time stamps", damaged),
-    "set back": ("reversed time stamps", set_back),
-    "constant": ("constant time stamps", constant),
+    "swapped rows": ("reversed time stamps", swapped_rows), "damaged": ("damaged time stamps", damaged),
+    "set back": ("reversed time stamps", set_back), "constant": ("constant time stamps", constant),
     "drift": ("clock drift", drift),
-}
+}  # fmt: skip
 RATES = {"bursts": 2e-3, "drift": 2e-3, "jitter": 1e-4, "whole seconds": 1e-4}
 """How closely the rate is known, where a stamp may be off by an interval or more."""
 

@@ -5,21 +5,19 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from tests import all_but
+from tests import all_but, model_of
 from tests.reference.dense import covariance as dense
 from tests.reference.dense import quadratic_form, ramp_weights
 from tests.reference.theo import theobr
 from tests.rows import paired, rows
 
 import allanite as al
-from allanite.core.model import term
 from allanite.statistics import covariance
 from allanite.statistics.moments import profile
 from allanite.statistics.moments.moments import by_term, covariance_by_term
 from allanite.statistics.moments.pairs import Pairs, WindowPair
 from allanite.statistics.moments.profile import crossed
 
-UNIT = {"Q": "s", "N": "sqrt(s)", "B": "1", "K": "1/sqrt(s)", "R": "1/s"}
 MIXTURES = [
     {"Q": 1.0}, {"N": 1.0}, {"B": 1.0}, {"K": 1.0}, {"Q": 2.0, "N": 1.0, "B": 0.3, "K": 0.1, "R": 3e-3},
     {"N": 1.0, "K": 0.05, "R": 1e-3},
@@ -38,8 +36,11 @@ def weights_of_ramp(name, m, size):
     return ramp_weights(al.STATISTICS[name], m, size)
 
 
-def model_of(mixture):
-    return al.Model(tuple(term(s, v, UNIT[s]) for s, v in mixture.items()))
+def exact(rows, m, size, model):
+    """The covariance from full matrices."""
+    forms = [form(row.name, k, size) for row, k in zip(rows, m.tolist(), strict=True)]
+    scale = np.array([(k * row.tau_factor) ** (2.0 * row.power) for row, k in zip(rows, m.tolist(), strict=True)])
+    return dense(forms, [t.row for t in model], [t.value**2 for t in model]) * np.outer(scale, scale)
 
 
 def correlated(C, wanted):
@@ -52,20 +53,14 @@ def correlated(C, wanted):
 def test_it_equals_the_full_matrix(name, mixture):
     row, model = al.STATISTICS[name], model_of(mixture)
     m = np.unique([row.step, 2, 4, 10, 16, 30, 64])
-    powers = [t.value**2 for t in model]
-    forms = [form(row.name, k, SIZE) for k in m.tolist()]
-    scale = (m * row.tau_factor) ** (2.0 * row.power)
-    wanted = dense(forms, [t.row for t in model], powers) * np.outer(scale, scale)
-    C = covariance(row, model, m, SIZE, 1.0)
-    assert correlated(C, wanted) < 1e-6
+    assert correlated(covariance(row, model, m, SIZE, 1.0), exact([row] * m.size, m, SIZE, model)) < 1e-6
 
 
 @rows("mixture", MIXTURES, ids="".join)
 def test_of_two_statistics_it_equals_the_full_matrix(mixture):
     rows = [al.STATISTICS[name] for name in ("oadev", "oadev", "theo1", "oadev", "theo1", "theo1")]
     m, model = np.array([1, 7, 8, 40, 100, 150]), model_of(mixture)
-    forms = [form(row.name, k, SIZE) for row, k in zip(rows, m.tolist(), strict=True)]
-    wanted = dense(forms, [t.row for t in model], [t.value**2 for t in model])
+    wanted = exact(rows, m, SIZE, model)
     C = covariance_by_term(rows, model, m, SIZE, 1.0).sum(axis=(2, 3))
     assert correlated(np.where(np.eye(m.size, dtype=bool), wanted, C), wanted) < 1e-6
 
@@ -75,9 +70,7 @@ def test_of_two_statistics_it_equals_the_full_matrix(mixture):
 def test_long_windows_equal_the_full_matrix(name):
     row, model, size = al.STATISTICS[name], model_of(MIXTURES[4]), 1000
     m = np.array([2, 16, 64, 150, 240])
-    forms = [form(row.name, k, size) for k in m.tolist()]
-    wanted = dense(forms, [t.row for t in model], [t.value**2 for t in model])
-    assert correlated(covariance(row, model, m, size, 1.0), wanted) < 1e-6
+    assert correlated(covariance(row, model, m, size, 1.0), exact([row] * m.size, m, size, model)) < 1e-6
 
 
 @rows("name", ["theo1", "pdev", "mtotdev", "htotdev"])
@@ -85,9 +78,7 @@ def test_long_windows_equal_the_full_matrix(name):
 def test_the_longest_window_is_near_the_full_matrix(name):
     row, model, size = al.STATISTICS[name], model_of(MIXTURES[4]), 1000
     m = np.array([16, 240, row.largest(size)])
-    forms = [form(row.name, k, size) for k in m.tolist()]
-    wanted = dense(forms, [t.row for t in model], [t.value**2 for t in model])
-    assert correlated(covariance(row, model, m, size, 1.0), wanted) < 0.006
+    assert correlated(covariance(row, model, m, size, 1.0), exact([row] * m.size, m, size, model)) < 0.006
 
 
 @pytest.mark.slow("full matrices")
@@ -96,8 +87,7 @@ def test_of_a_hybrid_longer_windows_are_near_the_full_matrix(mixture):
     """The points of theoh that are fitted, and the longest one."""
     rows = [al.STATISTICS[name] for name in ("oadev", "oadev", "oadev", "theo1", "theo1", "theo1")]
     size, m, model = 1000, np.array([16, 64, 200, 256, 512, 1000]), model_of(mixture)
-    forms = [form(row.name, k, size) for row, k in zip(rows, m.tolist(), strict=True)]
-    wanted = dense(forms, [t.row for t in model], [t.value**2 for t in model])
+    wanted = exact(rows, m, size, model)
     assert correlated(covariance_by_term(rows, model, m, size, 1.0).sum(axis=(2, 3)), wanted) < 0.006
 
 
@@ -135,10 +125,7 @@ def test_a_ramp_beside_very_long_windows(name, monkeypatch):
 def test_beside_a_ramp_reduced_windows_are_near_the_full_matrix(name, ramp):
     row, size, m = al.STATISTICS[name], 1000, np.array([2, 8, 64, 240])
     model = model_of({"N": 1.0, "B": 0.3, "K": 0.02, "R": ramp})
-    forms = [form(row.name, k, size) for k in m.tolist()]
-    wanted = dense(forms, [t.row for t in model], [t.value**2 for t in model])
-    scale = (m * row.tau_factor) ** (2.0 * row.power)
-    assert correlated(covariance(row, model, m, size, 1.0), wanted * np.outer(scale, scale)) < 0.006
+    assert correlated(covariance(row, model, m, size, 1.0), exact([row] * m.size, m, size, model)) < 0.006
 
 
 def modified(m):

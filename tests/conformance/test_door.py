@@ -104,6 +104,7 @@ def cut(size: int, step: int) -> al.Record:
     return al.Record(samples, 10.0, "deg/h")
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("size, step", paired([500, 5000], [3, 5, 7]))
 def test_regular_dropouts_are_no_internal_error(size, step):
     assert al.deviation(cut(size, step)).tau.size

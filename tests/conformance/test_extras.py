@@ -17,7 +17,6 @@ from allanite.cli import main
 from allanite.core.errors import cure, requirements
 from damaged import SEEDS
 
-PROJECT = (ROOT / "pyproject.toml").read_text("utf-8")
 SAMPLE = ROOT / "examples" / "tactical_gyro.csv"
 FOLDER = shlex.quote(str(SAMPLE.parent))
 

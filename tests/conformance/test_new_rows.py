@@ -1,21 +1,29 @@
 """A new statistic or noise term is one file and a line in its table: everything else follows from the row."""
 
 import math
+import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests import ROOT
 from tests.rows import paired, rows
 
 import allanite as al
 from allanite.cli import main
 from allanite.core.model import term
+from allanite.core.syntax import written
+from allanite.core.units import SIGNALS, unit_of
 from allanite.reporting import page
 from allanite.statistics import covariance, edf
 from allanite.statistics.row import Statistic, binomial_window, constant
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
+from allanite.testing import check_term
+
+sys.path.append(str(ROOT / "tests" / "plugin"))
+from allanite_sample.relaxation import relaxation
 
 # what a user would write in a file: differences of the fourth order
 
@@ -55,14 +63,9 @@ WDEV = Statistic(
 
 
 PLAIN_FLICKER = replace(
-    TERMS["F"],
-    symbol="Z",
-    title="wander of the angle",
-    meaning="flicker of the rate's integral",
-    reference="this test",
-    titles={},
-    color="#123456",
-)
+    TERMS["F"], symbol="Z", title="wander of the angle", meaning="flicker of the rate's integral",
+    reference="this test", titles={}, color="#123456",
+)  # fmt: skip
 
 MODEL = "Z 3 arcsec, N 0.01 deg/sqrt(h)"
 
@@ -73,10 +76,19 @@ def new_rows(monkeypatch):
     monkeypatch.setitem(STATISTICS, "fdev", FDEV)
     monkeypatch.setitem(STATISTICS, "wdev", WDEV)
     monkeypatch.setitem(TERMS, "Z", PLAIN_FLICKER)
+    monkeypatch.setitem(TERMS, "RR", relaxation(1.0))
 
 
 def simulated(model, n=2**13, seed=1):
     return al.simulate(model, n, 1.0, rng=np.random.default_rng(seed), name="z")
+
+
+def as_expected(model, name):
+    """The mean of 40 records is the expectation, within 5 standard errors of its degrees of freedom."""
+    curves = [al.deviation(simulated(model, 2048, seed), name, m=[1, 8, 64], noise=model) for seed in range(40)]
+    expected = al.expected(model, name, curves[0].tau, rate=1.0, size=2048)
+    error = expected * np.sqrt(2 / curves[0].edf / len(curves))
+    assert np.all(np.abs(np.mean([c.variance for c in curves], axis=0) - expected) < 5 * error)
 
 
 # statistics
@@ -164,11 +176,7 @@ def test_a_new_term_is_made_written_and_read():
 
 @rows("name", ["oadev", "mdev", "ohdev", "totdev", "fdev"])
 def test_a_new_term_has_expectation_and_limits_in_every_statistic(name):
-    model = al.Model(MODEL)
-    curves = [al.deviation(simulated(model, 2048, seed), name, m=[1, 8, 64], noise=model) for seed in range(40)]
-    expected = al.expected(model, name, curves[0].tau, rate=1.0, size=2048)
-    error = expected * np.sqrt(2 / curves[0].edf / len(curves))
-    assert np.all(np.abs(np.mean([c.variance for c in curves], axis=0) - expected) < 5 * error)
+    as_expected(al.Model(MODEL), name)
 
 
 def test_the_law_at_each_tau_may_be_that_of_a_new_term(monkeypatch):
@@ -229,6 +237,75 @@ def test_new_rows_have_their_pages(tmp_path, monkeypatch):
     assert "wdev" in "\n".join(statistic_page("wdev", tmp_path))
     assert "[Z](Z.md)" in "\n".join(term_index())
     assert "[fdev](fdev.md)" in "\n".join(statistic_index())
+
+
+# a noise term whose coefficient has a power of time that no other has
+
+
+def relaxing():
+    return al.N(0.1, "deg/sqrt(h)") + al.RR(2e-6, "rad/s^2.5", time_constant=20.0)
+
+
+def test_the_columns_of_a_term_of_a_new_power_agree():
+    check_term(relaxation(6.0))
+
+
+def test_units_follow_from_the_power():
+    for signal in SIGNALS:
+        expected = unit_of(signal.unit) * unit_of("s") ** -1.5
+        assert unit_of(signal.si[-1.5]) == expected, signal.name
+        assert unit_of(signal.sheet[-1.5]).dimension == expected.dimension, signal.name
+
+
+def test_a_term_of_a_new_power_is_written_and_read():
+    again = al.Model(str(relaxing()))
+    assert str(again) == str(relaxing())
+    assert al.Model(written(relaxing())) == relaxing() == al.Model.from_dict(relaxing().to_dict())
+    assert relaxing()["RR"].unit == "rad/s^2.5"
+    with pytest.raises(al.UnitError, match=r"usual units: deg/h\^2.5, ug/h\^1.5"):
+        al.RR(1.0, "rad/s", time_constant=1.0)
+
+
+def test_a_term_of_a_new_power_is_expected_and_simulated():
+    as_expected(relaxing(), "oadev")
+
+
+def test_a_term_of_a_new_power_is_identified():
+    fit = al.identify(simulated(relaxing()), terms="N,RR")
+    assert fit["RR"].status == "identified"
+    assert fit["RR"].shape[0] == pytest.approx(20.0, rel=0.3)
+    assert fit["RR"].value == pytest.approx(2e-6, rel=0.3)
+    with pytest.raises(al.UsageError, match="RR"):  # a fit of a curve knows no terms with a shape
+        al.identify(simulated(relaxing()), "gls", terms="N,RR", statistic="oadev")
+
+
+@pytest.mark.slow("takes more than half a second")
+def test_everything_that_takes_a_model_takes_a_term_of_a_new_power(tmp_path):
+    assert al.bound(relaxing(), 2**13, 1.0)["RR"] < 0.2
+    space = al.state_space(relaxing(), 1.0)
+    assert space.P0[0, 0] == pytest.approx((2e-6 * 20**1.5) ** 2)
+    study = al.analyze(simulated(relaxing()), al.Recipe(terms="N,RR", to=("rad/s^2.5",)))
+    assert "driven relaxation" in page(study)
+    assert "rad/s^2.5" in study.channels[0].fit["RR"].to_dict()["shown"]["unit"]
+    al.plot(study, path=tmp_path / "z.svg")
+    assert al.from_dict(study.to_dict()).channels[0].fit["RR"].shape == study.channels[0].fit["RR"].shape
+
+
+@pytest.mark.slow("takes more than half a second")
+def test_a_term_of_a_new_power_is_known_at_the_command_line(tmp_path):
+    path = str(tmp_path / "z.csv")
+    for line in (
+        ["simulate", path, "--model", str(relaxing()), "--rate", "1", "--samples", "8192"],
+        ["analyze", path, "--terms", "N,RR"],
+        ["analyze", path, "--terms", "N,RR", "--to", "rad/s^2.5"],
+        ["plan", "--model", str(relaxing()), "--rate", "1"],
+        ["statespace", "--model", str(relaxing()), "--rate", "1"],
+        ["selfcheck", "--model", str(relaxing()), "--rate", "1", "--samples", "2000", "--records", "2"],
+        ["export", "--model", str(relaxing()), "--to", "datasheet", "--rate", "1"],
+    ):
+        run = CliRunner().invoke(main, line)
+        assert run.exit_code == 0, (line, run.output)
+        assert "RR" in run.output or line[0] in ("simulate", "export")
 
 
 # whatever stands for a model

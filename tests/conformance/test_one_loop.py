@@ -68,18 +68,13 @@ def folder(tmp_path_factory):
     return folder
 
 
-@rows("verb", sorted(REFUSE))
-def test_a_recording_that_moves_is_refused(verb, folder, refusals):
-    assert run(verb, folder / "moving.csv").exit_code == 3
-    assert refusals.pop().code == "moving"
+@rows("verb, what", [(verb, what) for what in ("moving", "constant") for verb in sorted(REFUSE)])
+def test_a_recording_that_moves_and_a_constant_signal_are_refused(verb, what, folder, refusals):
+    assert run(verb, folder / f"{what}.csv").exit_code == 3
+    assert refusals.pop().code == what
 
 
-@rows("verb", sorted(REFUSE))
-def test_a_constant_signal_is_refused(verb, folder, refusals):
-    assert run(verb, folder / "constant.csv").exit_code == 3
-    assert refusals.pop().code == "constant"
-
-
+@pytest.mark.slow("every third verb")
 @rows("verb", third(0))
 def test_stamps_that_scatter_are_said_once(verb, folder):
     result = run(verb, folder / "jitter.csv")
@@ -102,6 +97,7 @@ def test_outliers_are_said_and_the_option_is_taken(verb, folder):
     assert "'fill'" in words(refused)
 
 
+@pytest.mark.slow("every third verb")
 @rows("verb", third(1))
 def test_raw_binary_is_read(verb, folder):
     options = ("--dtype", "<i2", "--columns", "2", "--rate", RATE, "--unit", "deg/h", "--scale", "0.05")
@@ -141,6 +137,7 @@ def test_a_band_is_taken_by_every_verb_that_identifies(verb, folder):
     assert result.exit_code == (0 if verb in IDENTIFY else 2), words(result)
 
 
+@pytest.mark.slow("every third verb")
 @rows("verb", [verb for verb in third(2) if verb != "info"])
 def test_the_recipe_in_the_json_is_what_was_done(verb, folder, tmp_path):
     result = run(verb, folder / "quiet.csv", "--from", "60", "--channels", "gz", "--json", "-")

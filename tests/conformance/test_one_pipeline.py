@@ -63,12 +63,8 @@ FILES = {
         text(np.round(30 * noise()), "x [arcsec],y [arcsec]", "%d"), {"rate": RATE, "kind": "count", "scale": 0.1},
     ),
     "increments": (text(noise(), "x [arcsec],y [arcsec]"), {"rate": RATE, "kind": "increment"}),
-    "outliers": (text(spoiled("outliers"), "gx [deg/h],gy [deg/h]"), {"rate": RATE}),
-    "motion": (text(spoiled("motion"), "gx [deg/h],gy [deg/h]"), {"rate": RATE}),
-    "stuck": (text(spoiled("stuck"), "gx [deg/h],gy [deg/h]"), {"rate": RATE}),
-    "constant": (text(spoiled("constant"), "gx [deg/h],gy [deg/h]"), {"rate": RATE}),
-    "missing": (text(spoiled("missing"), "gx [deg/h],gy [deg/h]"), {"rate": RATE}),
-    "rounded": (text(spoiled("rounded"), "gx [deg/h],gy [deg/h]"), {"rate": RATE}),
+    **{what: (text(spoiled(what), "gx [deg/h],gy [deg/h]"), {"rate": RATE})
+       for what in ("outliers", "motion", "stuck", "constant", "missing", "rounded")},
     "short": (text(noise(size=300), "gx [deg/h],gy [deg/h]"), {"rate": RATE}),
     "unknown": (text(noise()), {"rate": RATE}),
 }  # fmt: skip

@@ -4,6 +4,7 @@ The papers publish no records, so that simulated ones stand in. Where a paper is
 replaces its own.
 """
 
+import re
 import shlex
 
 import pytest
@@ -14,15 +15,16 @@ from tests.conformance.papers.rows import number
 from tests.rows import rows
 
 from allanite.cli import main
+from allanite.papers.paper import AGREES, DIFFERS, PAPERS, VERDICTS, Item, compared, paper
 
-PAPERS = {"000": stabilizer, "vertical": vertical, "001": theoh, "002": sensors, "003": laser, "004": torque}
+MODULES = {"000": stabilizer, "vertical": vertical, "001": theoh, "002": sensors, "003": laser, "004": torque}
 
 SUFFIXES = {"--csv": "csv", "--coefficients": "csv", "--readings": "csv", "--json": "json", "--plot": "svg",
             "--closeup": "svg"}  # fmt: skip
 """Options that write a file."""
 
 
-ROWS = [pytest.param(row, id=f"{paper} {row.item}") for paper, module in PAPERS.items() for row in module.ROWS]
+ROWS = [pytest.param(row, id=f"{paper} {row.item}") for paper, module in MODULES.items() for row in module.ROWS]
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +55,7 @@ def parted(command):
 def wanted():
     """What is wanted of each job, so that it runs once: the options that write files, and the text where it is said."""
     found = {}
-    for module in PAPERS.values():
+    for module in MODULES.values():
         for row in module.ROWS:
             for command in (row.command,) if isinstance(row.command, str) else row.command:
                 job, option = parted(command)
@@ -89,3 +91,40 @@ def test_the_number_is_that_of_the_paper_or_the_one_that_replaces_it(written, ro
     assert (found == near) is not row.wrong
     if row.ours is not None:
         assert found == pytest.approx(row.ours, rel=0.01)
+
+
+ITEMS = [item for name in PAPERS for item in paper(name).items]
+"""Every table, figure and claim of the papers: it has a verdict, and a reason where ours differs."""
+
+WIDTHS = (32, 16, 24)
+"""Letters of an item with its claim, of what the paper prints, and of the first clause of the reason; ours have 22."""
+
+
+def test_items_of_papers_are_complete():
+    for item in ITEMS:
+        assert all((item.claim, item.paper, item.here or item.verdict)), item
+        assert item.verdict in ("", *VERDICTS), item
+        assert item.why or item.tolerance or item.verdict in ("", AGREES), item
+        assert item.why or item.verdict != DIFFERS, item
+        read = any(": " in place for place in item.here)
+        assert not read or item.numbers or item.ours, f"a verdict that cannot fail: {item}"
+        assert item.verdict != AGREES or item.numbers, f"nothing is compared: {item}"
+
+
+def test_a_verdict_fails_where_the_files_hold_other_numbers(tmp_path):
+    (tmp_path / "a.csv").write_text("value\n7\n", "utf-8")
+    for more, verdict in (
+        ({"numbers": (7.0,)}, True), ({"numbers": (8.0,)}, False), ({"ours": (7.0,), "verdict": "computed"}, True),
+        ({"ours": (8.0,), "verdict": "computed"}, False), ({"numbers": (7.0,), "verdict": "misprint"}, False),
+        ({"numbers": (8.0,), "verdict": "misprint", "ours": (9.0,)}, False),
+    ):  # fmt: skip
+        found = compared(Item("eq. 1", "a claim", "7", here=("a.csv: value",), tolerance=0.01, **more), tmp_path)
+        assert found.expected is verdict, more
+    with pytest.raises(LookupError, match=r"a\.csv has no row value=9"):
+        compared(Item("eq. 1", "a claim", "7", here=("a.csv: value @ value=9",)), tmp_path)
+
+
+def test_a_line_of_the_first_screen_is_not_too_wide():
+    for item in ITEMS:
+        shown = (f"{item.item}: {item.claim}", item.paper, re.split("[:;] ", item.why)[0])
+        assert [(text, most) for text, most in zip(shown, WIDTHS, strict=True) if len(text) > most] == [], item.item

@@ -31,19 +31,13 @@ def f(x: "a - b", y=-3):
     return g(x, y, *y) + max(x, y) ** 2  # a + b
 '''
 CHANGES = {
-    ("sign", "1 - 2", "1 + 2"),
-    ("sign", "y=-3", "y=3"),
-    ("sign", "x += 0.5", "x -= 0.5"),
-    ("sign", "*y) + max", "*y) - max"),
-    ("factor", "4.0 * (", "8.0 * ("),
-    ("factor", "- 2)", "- 4)"),
-    ("factor", "+= 0.5", "+= 1.0"),
-    ("factor", "** 2 ", "** 4 "),
-    ("arguments", "x,\n        y,\n", "y,\n        x,\n"),
-    ("arguments", "g(x, y,", "g(y, x,"),
+    ("sign", "1 - 2", "1 + 2"), ("sign", "y=-3", "y=3"), ("sign", "x += 0.5", "x -= 0.5"),
+    ("sign", "*y) + max", "*y) - max"), ("factor", "4.0 * (", "8.0 * ("), ("factor", "- 2)", "- 4)"),
+    ("factor", "+= 0.5", "+= 1.0"), ("factor", "** 2 ", "** 4 "),
+    ("arguments", "x,\n        y,\n", "y,\n        x,\n"), ("arguments", "g(x, y,", "g(y, x,"),
     ("check", "x > 2\n        or y\n", "False \\\n\n"),
     ("check", "demand_size(\n        x,\n        y,\n    )\n", "pass \\\n \\\n \\\n\n"),
-}
+}  # fmt: skip
 
 
 @pytest.fixture

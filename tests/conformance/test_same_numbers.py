@@ -22,14 +22,8 @@ JOBS = {
     "spectrum": (al.spectrum, 1e-12),
     "dynamic": (al.dynamic, 1e-12),
 }
-SCALES = {
-    "2^60": 2.0**60,
-    "2^-60": 2.0**-60,
-    "1e15": 1e15,
-    "1e-15": 1e-15,
-    "1e28": 1e28,  # of values of about 1e-3; tests/unit/cli/test_streams.py has what is refused beyond
-    "1e-25": 1e-25,
-}
+SCALES = {"2^60": 2.0**60, "2^-60": 2.0**-60} | {text: float(text) for text in ("1e15", "1e-15", "1e28", "1e-25")}
+"""Of values of about 1e-3; tests/unit/cli/test_streams.py has what is refused beyond."""
 UNCHANGED = {
     "sign": lambda values: -values,
     "bias": lambda values: values + 1 / 4,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests import examples
+from tests import examples, model_of
 from tests.reference import REFEREES, largest
 from tests.reference.dense import moments, quadratic_form
 from tests.reference.terms import UndefinedError
@@ -14,14 +14,11 @@ from tests.reference.windows import windowed
 from tests.rows import paired, rows
 
 import allanite as al
-from allanite.core.model import term
-from allanite.core.units import SIGNALS
 from allanite.statistics import GRIDS, covariance, edf
 from allanite.testing import check_statistic
 
 ROWS = list(al.STATISTICS)
 GAPPED = ["adev", "oadev", "hdev", "ohdev", "mdev", "theo1", "haar"]
-UNITS = {symbol: SIGNALS[2].si[row.power] for symbol, row in al.TERMS.items()}
 
 
 def record_of(y, rate=1.0, **options):
@@ -205,15 +202,15 @@ MIXTURES = ["Q", "N", "B", "K", "QN", "NB", "NK", "QNBK", "NKR", "NR"]
 SIZES = {"Q": 3.0, "N": 1.0, "B": 0.5, "K": 0.1, "R": 0.02}
 
 
-def model_of(symbols):
-    return al.Model(tuple(term(s, SIZES[s], UNITS[s]) for s in symbols))
+def mixture(symbols):
+    return model_of({symbol: SIZES[symbol] for symbol in symbols})
 
 
 @rows("name", ["adev", "oadev", "haar", "hdev", "ohdev", "mdev", "tdev"])
 @rows("symbols, m", paired(MIXTURES, [1, 3, 16, 40]))
 def test_moments_equal_the_dense_matrix(name, symbols, m):
     n, row = 128, al.STATISTICS[name]
-    model = model_of(symbols)
+    model = mixture(symbols)
     E, r = moments(strided_form(row, m, n), [t.row for t in model])
     E = E * np.array([t.value**2 for t in model])
     assert al.expected(model, name, float(m), rate=1.0)[0] == pytest.approx(E.sum() * m ** (2.0 * row.power), rel=1e-8)
@@ -236,7 +233,7 @@ def strided_form(row, m, n):
 
 @rows("name, symbols", paired(["oadev", "ohdev", "mdev"], ["Q", "N", "B", "K", "QNBK", "NKR"]))
 def test_gaps_cut_the_moments_into_those_of_the_runs(name, symbols):
-    n, m, row, model = 240, 8, al.STATISTICS[name], model_of(symbols)
+    n, m, row, model = 240, 8, al.STATISTICS[name], mixture(symbols)
     runs = [(100, 1), (59, 1), (79, 1)]
     A, at = np.zeros((n + 1, n + 1)), 0
     counts = [int(row.count(size, np.array([m]))[0]) for size, _ in runs]
@@ -252,7 +249,7 @@ def test_gaps_cut_the_moments_into_those_of_the_runs(name, symbols):
 
 @rows("name, symbols", paired(["oadev", "ohdev", "mdev", "tdev"], ["N", "B", "K", "QNBK", "NKR"]))
 def test_covariance_between_times_equals_the_dense_matrix(name, symbols):
-    n, factors, row, model = 160, np.array([1, 2, 5, 16, 40]), al.STATISTICS[name], model_of(symbols)
+    n, factors, row, model = 160, np.array([1, 2, 5, 16, 40]), al.STATISTICS[name], mixture(symbols)
     found = covariance(row, model, factors, n, 1.0)
     lag = np.abs(np.subtract.outer(np.arange(n + 1.0), np.arange(n + 1.0)))
     noise = [t for t in model if t.row.waveform is None]
@@ -287,9 +284,9 @@ GOLDEN = {  # confidence of Q, N, B, K alone and in equal shares, by exact lag s
 def test_golden_degrees_of_freedom(case):
     name, n, m = case
     row, symbols = al.STATISTICS[name], "QNBK"
-    level = {s: al.expected(term(s, 1.0, UNITS[s]), name, float(m), rate=1.0)[0] for s in symbols}
-    models = [al.Model((term(s, 1.0, UNITS[s]),)) for s in symbols]
-    models.append(al.Model(tuple(term(s, level[s] ** -0.5, UNITS[s]) for s in symbols)))
+    models = [model_of({symbol: 1.0}) for symbol in symbols]
+    levels = [al.expected(model, name, float(m), rate=1.0)[0] for model in models]
+    models.append(model_of({symbol: level**-0.5 for symbol, level in zip(symbols, levels, strict=True)}))
     found = [edf(row, model, np.array([m]), n, 1.0)[0] for model in models]
     np.testing.assert_allclose(found, GOLDEN[case], rtol=3e-6, atol=6e-5)
 
@@ -297,7 +294,7 @@ def test_golden_degrees_of_freedom(case):
 @rows("name", ["totdev", "mtotdev", "ttotdev", "htotdev", "theo1", "theobr", "theoh", "pdev"])
 def test_every_row_has_confidence_limits(name):
     record = record_of(np.random.default_rng(1).standard_normal(2000))
-    curve = al.deviation(record, name, noise=model_of("NK"))
+    curve = al.deviation(record, name, noise=mixture("NK"))
     low, high = curve.interval(0.95)
     assert np.all((low < curve.deviation) & (curve.deviation < high) & (curve.edf >= 1))
 

@@ -81,24 +81,9 @@ def test_longer_windows(name, m):
 
 
 SENSORS = {
-    "MEMS": (100.0, al.N(0.005, "deg/sqrt(s)") + al.B(0.002, "deg/s") + al.K(3e-4, "deg/s/sqrt(s)")),
-    "FOG": (
-        100.0,
-        al.Q(0.4, "arcsec")
-        + al.N(3, "deg/h*sqrt(s)")
-        + al.B(1, "deg/h")
-        + al.K(0.09, "deg/h/sqrt(s)")
-        + al.R(0.002, "deg/h/s"),
-    ),
-    "RLG, a sample a minute": (
-        1 / 60,
-        al.Q(0.5, "arcsec") + al.N(0.18, "arcsec/sqrt(s)") + al.B(0.05, "deg/h"),
-    ),
-    "MEMS, a sample every 10 s": (
-        0.1,
-        al.N(0.005, "deg/sqrt(s)") + al.B(0.002, "deg/s") + al.K(3e-4, "deg/s/sqrt(s)"),
-    ),
-}
+    "MEMS": (100.0, al.sensor("mems")), "FOG": (100.0, al.sensor("fog")),
+    "RLG, a sample a minute": (1 / 60, al.sensor("rlg")), "MEMS, a sample every 10 s": (0.1, al.sensor("mems")),
+}  # fmt: skip
 
 
 @rows("sensor, name", paired(list(SENSORS), ROWS))

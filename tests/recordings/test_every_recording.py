@@ -62,12 +62,8 @@ ROS = {"rad/s": GYROS, "m/s^2": ACCELEROMETERS}
 BURSTS = r"bursty time stamps .*491\.3 Hz from the median step, 99\.3171 Hz from the mean"
 CURVE = r"the unit is unknown; pass the unit of the samples, --unit UNIT"
 FILES = [
-    File("adis_16405_imu1.rda", 0, r"low-pass filtered: ", 100.0, r"'adis_16405_imu1/freq' in the file",
-         options={"unit": "deg/s"}, compared=ADIS),
-    File("adis_16405_imu2.rda", 0, r"low-pass filtered: ", 100.0, r"'adis_16405_imu2/freq' in the file",
-         options={"unit": "deg/s"}, compared=ADIS),
-    File("adis_16405_imu3.rda", 0, r"low-pass filtered: ", 100.0, r"'adis_16405_imu3/freq' in the file",
-         options={"unit": "deg/s"}),
+    *(File(f"adis_16405_imu{i}.rda", 0, r"low-pass filtered: ", 100.0, rf"'adis_16405_imu{i}/freq' in the file",
+           options={"unit": "deg/s"}, compared=ADIS if i < 3 else {}) for i in (1, 2, 3)),
     File("aegiverse_fog_0917.txt", 0, r"stuck in 1 place, .* 5 distinct values, quantized to 1\.5 °/h", 100.02865,
          r"column 'time', time stamps assumed to be in seconds",
          options={"unit": "deg/h"}, compared={"deg/h": same("fog")}),

@@ -1,4 +1,6 @@
-"""The first answer on real recordings, by the default recipe: a part of benchmarks/real_sensors.py."""
+"""The first answer on real recordings, by the default recipe, and beside a data sheet: parts of committed tables."""
+
+from table import read
 
 import math
 
@@ -6,6 +8,7 @@ import pytest
 from tests.rows import rows
 
 import allanite as al
+import data_sheets
 
 GYROS = ("adis_16405_imu1.rda", "adis_16405_imu2.rda")
 OTHERS = (
@@ -55,3 +58,15 @@ def test_a_swaying_gyroscope_has_no_result(recordings):
     for channel in al.analyze(recordings / "psins_lasergyro.imu").channels:
         assert channel.noise.validity == "unexplained"
         assert not any(e.claimed for e in channel.fit)
+        if channel.record.name.startswith("g"):
+            assert sum(c.name == "resonance" and c.claimed for c in channel.fit.components) > 5
+
+
+@pytest.mark.slow("takes more than half a second")
+@rows("name", data_sheets.FILES[:1])
+def test_a_channel_beside_its_data_sheet_is_as_in_the_table(recordings, name):
+    channel = "Gyro. X"
+    rows = [row for row in read("data_sheets.md").rows() if (row["file"], row["channel"]) == (name, channel)]
+    found = al.compare_with_sheet(recordings / name, "adis16405", unit=data_sheets.UNIT, channels=(channel,))
+    measured = {m.claim.printed: m.ratio[0] for m in found.measured(found[channel])}
+    assert {row["quantity"]: pytest.approx(float(row["ratio"]), rel=0.01) for row in rows} == measured

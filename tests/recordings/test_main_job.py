@@ -56,14 +56,6 @@ def test_laser_gyro_quiet_window(recordings, laser, channel):
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_a_swaying_vehicle_is_no_five_term_model(laser):
-    for channel in ("gx", "gy", "gz"):
-        fit = al.identify(laser[channel])
-        assert fit.validity == "unexplained"
-        assert sum(c.name == "resonance" and c.claimed for c in fit.components) > 5
-
-
-@pytest.mark.slow("takes more than half a second")
 @rows("window", all_but([[], ["--from", "600", "--until", "900"]], [[]], "the page of two hours"))
 def test_from_the_file_to_the_page(recordings, tmp_path, window):
     page, figure, data = (tmp_path / name for name in ("page.html", "curve.svg", "study.json"))
@@ -91,16 +83,10 @@ def matrix(path):
     return np.frombuffer(raw, ">f8", 6_000_000, start).reshape(6, -1).T.astype(float)
 
 
-@pytest.fixture(scope="module")
-def adis(recordings, tmp_path_factory):
-    path = tmp_path_factory.mktemp("adis") / "adis.npy"
-    np.save(path, matrix(recordings / "adis_16405_imu1.rda")[:, :3])
-    return path
-
-
 @pytest.mark.slow("takes more than half a second")
-def test_a_filter_is_found_or_left_out(recordings, adis):
-    recording = al.read(adis, rate=100.0, unit="deg/s", kind="rate")
+def test_a_filter_is_found_or_left_out(recordings, tmp_path):
+    np.save(tmp_path / "adis.npy", matrix(recordings / "adis_16405_imu1.rda")[:, :3])
+    recording = al.read(tmp_path / "adis.npy", rate=100.0, unit="deg/s", kind="rate")
     for record, channel in zip(recording, ("gx", "gy", "gz"), strict=True):
         m, deviation, _ = reference(recordings, "adis_16405_imu1.rda", channel)
         np.testing.assert_allclose(al.deviation(record, m=m).to("deg/s").deviation, deviation, rtol=2e-8)
@@ -119,10 +105,3 @@ def test_a_filter_is_found_or_left_out(recordings, adis):
         assert below["N"].value == pytest.approx(at_one_second, rel=0.10)
         assert behind["N"].value == pytest.approx(at_one_second, rel=0.03)
         assert below["N"].status == "identified"
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_the_band_is_an_option(adis):
-    result = CliRunner().invoke(main, ["analyze", str(adis), "--rate", "100", "--unit", "deg/s", "--band", "0,5"])
-    assert result.exit_code == 0, result.output
-    assert "angle random walk" in result.stdout

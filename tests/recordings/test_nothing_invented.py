@@ -18,9 +18,7 @@ from allanite.terms import TERMS
 MPU = "mpu6050_static10min/mpu6050_"
 ADIS = {"unit": "gyro=deg/s,accel=g"}
 FILES = [
-    ("adis_16405_imu1.rda", ADIS),
-    ("adis_16405_imu2.rda", ADIS),
-    ("adis_16405_imu3.rda", ADIS),
+    *((f"adis_16405_imu{i}.rda", ADIS) for i in (1, 2, 3)),
     ("aegiverse_fog_0917.txt", {"unit": "deg/h"}),
     ("aegiverse_fpga_gyro_0802.txt", {"time": "1", "unit": "deg/s", "channels": ("2",)}),
     ("cubeorange_sample_log_small.ulg", {}),

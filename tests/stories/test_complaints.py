@@ -4,7 +4,6 @@ import importlib.util
 import re
 import shlex
 import shutil
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -17,42 +16,42 @@ from allanite.cli import main
 INTERVAL = 0.01
 
 
-class Answer(NamedTuple):
-    """The command in the folder of `files`, what it must say, how it ends, and what it must not say."""
+class Answer:
+    """The command in the folder of `files`, what it must say, and how it ends."""
 
-    command: str
-    said: str
-    code: int = 0
-    never: str = r"\b(nan|NaN|inf)\b"
+    def __init__(self, command, *said, code=0):
+        self.command, self.said, self.code = command, said, code
 
 
 TRUTH = "N 0.3 deg/sqrt(h), K 60 deg/h/sqrt(h)"
 COMPLAINTS = {
     "plotted values in deg/s do not match the exported ones in rad/s":
-        Answer("analyze gyro.csv --channels gx --to rad/s/sqrt(Hz)",
-               r"8\.67e-5 .* rad/s/√Hz .* 0\.298\d .* °/√h"),
-    "the documentation does not say whether the variance is overlapped":
-        Answer("deviation gyro.csv --channels gx", "overlapping Allan deviation"),
-    "simulated noise is found 28 % too small":
+        Answer("analyze gyro.csv --channels gx --to rad/s/sqrt(Hz)", r"8\.66e-5 .* rad/s/√Hz .* 0\.2977 .* °/√h"),
+    "simulated noise is found 28 % too small, and results of tools differ: which is right?":
         Answer("selfcheck --model 'N 0.15 deg/sqrt(h)' --rate 10 --duration 10min --records 4 --max-bias 10",
-               r"N 0\.15 °/√h .* \+- "),
-    "results of tools differ, and it is hard to judge which is right":
-        Answer("selfcheck --model 'N 0.15 deg/sqrt(h)' --rate 10 --duration 10min --records 4",
-               "coverage: share of the printed intervals that contain the truth"),
-    "a record of three seconds gives NaN":
-        Answer("analyze short.csv", "the record is only 3 s long; .* record for longer"),
-    "the sensor was shaken for the calibration of its noise":
-        Answer("analyze shaken.csv", r"moves from 10 s .* the longest static stretch: --until 10", 3),
-    "no messages were found: is the topic right?":
-        Answer("info run.bag --channels /imu/wrong", r"it contains .*/imu/data of type sensor_msgs/Imu \(1500 rows", 2),
-    "only mcap is read, or only db3: the other one":
-        Answer("info run_db3", r"/imu/data of type sensor_msgs/Imu \(1500 rows at 100 Hz\)"),
-    "only db3 is read, or only mcap: the other one":
-        Answer("info run_mcap", r"/imu/data of type sensor_msgs/Imu \(1500 rows at 100 Hz\)"),
+               r"N 0\.15 °/√h .* \+- ", "coverage: share of the printed intervals that contain the truth"),
+    "the tangent of slope -1/2 is no tangent; what do the marks mean, is the sensor good, who tells of long records?":
+        Answer("analyze gyro.csv --channels gx", "angle random walk .* identified",
+               r"explained \(goodness of fit p = .* 95 % interval",
+               r"what it means: gx .* dominates up to .* The drift is random",
+               r"[Gg]rade by its in-run bias stability .* grades are conventions"),
     "a bag must be converted with MATLAB first":
         Answer("info run.bag", r"rate 100\.0 Hz from column 'header\.stamp'"),
     "the bag must be played in real time, and the program waits for data":
         Answer("info run.bag --quiet", "^$"),
+    "the documentation does not say whether the variance is overlapped":
+        Answer("deviation gyro.csv --channels gx", "overlapping Allan deviation"),
+    "a record of three seconds gives NaN":
+        Answer("analyze short.csv", "the record is only 3 s long; .* record for longer"),
+    "the sensor was shaken for the calibration of its noise":
+        Answer("analyze shaken.csv", r"moves from 10 s .* the longest static stretch: --until 10", code=3),
+    "no messages were found: is the topic right?":
+        Answer("info run.bag --channels /imu/wrong",
+               r"it contains .*/imu/data of type sensor_msgs/Imu \(1500 rows", code=2),
+    "only mcap is read, or only db3: the other one":
+        Answer("info run_db3", r"/imu/data of type sensor_msgs/Imu \(1500 rows at 100 Hz\)"),
+    "only db3 is read, or only mcap: the other one":
+        Answer("info run_mcap", r"/imu/data of type sensor_msgs/Imu \(1500 rows at 100 Hz\)"),
     "messages out of order are skipped, and something is divided by zero":
         Answer("info order.csv", "2 time stamps .* the rows were out of order and have been sorted by time"),
     "time stamps repeat or jitter with the latency of the driver":
@@ -65,26 +64,18 @@ COMPLAINTS = {
         Answer("simulate flicker.csv --model 'B 10 deg/h' --rate 10 --duration 100 --force",
                "B bias instability 10 °/h"),
     "rate and angle as input give different curves":
-        Answer("info gyro.csv --unit deg", "'deg' does not determine what a sample is", 2),
+        Answer("info gyro.csv --unit deg", "'deg' does not determine what a sample is", code=2),
     "axes have averaging times of different number":
         Answer("deviation gyro.csv --csv - --quiet", "channel,statistic,m,tau_s"),
     "the simulator has no rate random walk":
         Answer(f"simulate walk.csv --model '{TRUTH}' --rate 20 --duration 100 --force",
                r"K rate random walk 60 °/h/√h"),
-    "the script that was promised is not there":
-        Answer("analyze gyro.csv --channels gx", "angle random walk .* identified"),
     "how long is a record to be?":
         Answer(f"plan --model '{TRUTH}' --rate 100 --accuracy 10", r"K 60 °/h/√h .* 1\.75 h"),
-    "opinions on the interpretation of a long record are asked for":
-        Answer("analyze gyro.csv --channels gx", r"what it means: gx .* dominates up to .* The drift is random"),
-    "what do the marks in the figure mean, and is the sensor good?":
-        Answer("analyze gyro.csv --channels gx", r"[Gg]rade by its in-run bias stability .* grades are conventions"),
     "is a temperature effect to be removed first?":
         Answer("compensate warm.csv --channels gx --regressors temp", r"temp .* p"),
-    "the tangent of slope -1/2 is no tangent":
-        Answer("analyze gyro.csv --channels gx", r"explained \(goodness of fit p = .* 95 % interval"),
     "one of many units is missing in the results":
-        Answer("analyze units", r"not analyzed: units/c\.csv", 5),
+        Answer("analyze units", r"not analyzed: units/c\.csv", code=5),
 }  # fmt: skip
 
 
@@ -137,8 +128,8 @@ def test_one_command_answers_a_complaint(complaint, files, monkeypatch):
     result = CliRunner().invoke(main, shlex.split(answer.command))
     said = " ".join((result.stdout + " " + result.stderr).split())
     assert result.exit_code == answer.code, said
-    assert re.search(answer.said, said), said
-    assert not re.search(answer.never, said), said
+    assert [words for words in answer.said if not re.search(words, said)] == [], said
+    assert "--json" in answer.command or not re.search(r"\b(nan|NaN|inf)\b", said), said  # no limit is "inf" in JSON
 
 
 def test_averaging_times_are_those_of_all_axes(files):

@@ -167,20 +167,6 @@ def test_a_window_without_the_fault_is_free_of_it(name, tmp_path):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.usefixtures("details")
-def test_outliers_that_are_marked_are_in_no_curve(tmp_path):
-    y = np.random.default_rng(4).standard_normal(20_000)
-    spiked(y)
-    file, data = write(tmp_path / "day.csv", {"gx [deg/s]": y}), tmp_path / "day.json"
-    assert "exclude them there, too (--outliers mark)" in run("analyze", file)
-    first = []
-    for how in ("keep", "mark"):
-        run("analyze", file, "--outliers", how, "--json", data, "--force")
-        first.append(json.loads(data.read_text())["channels"][0]["curves"][0]["deviation"][0])
-    assert first[0] > 1.1 * first[1]
-
-
-@pytest.mark.slow("takes more than half a second")
 def test_where_nearly_all_is_lost_a_window_of_what_is_left_is_analysed(tmp_path):
     y = np.random.default_rng(4).standard_normal(20_000)
     y[:18_500] = np.nan

@@ -6,20 +6,13 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from tests.rows import rows
+from tests.verbs import run
 
 import allanite as al
-from allanite.cli import main
 
 MODEL = "N 0.5 arcsec*sqrt(s), R 0.3 arcsec/s"
 VOLTS = "N 1e-3 V*sqrt(s), K 2e-4 V/sqrt(s)"
-
-
-def run(*args, code=0):
-    result = CliRunner().invoke(main, [str(arg) for arg in args])
-    assert result.exit_code == code, result.stderr
-    return result
 
 
 @pytest.fixture(scope="module")
@@ -40,19 +33,17 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def study(folder):
-    run("analyze", folder / "run1.csv", "--kind", "value", "--json", folder / "a.json", "--report", folder / "a.html",
-        "--csv", folder / "a.csv", "--coefficients", folder / "c.csv", "--plot", folder / "a.svg",
-        "--quiet")  # fmt: skip
+    run(f"analyze '{folder}/run1.csv' --kind value --json '{folder}/a.json' --report '{folder}/a.html' --quiet "
+        f"--csv '{folder}/a.csv' --coefficients '{folder}/c.csv' --plot '{folder}/a.svg'")  # fmt: skip
     return json.loads((folder / "a.json").read_text())
 
 
 @pytest.mark.slow("takes more than half a second")
 def test_the_coefficients_are_those_of_the_angle(study):
     terms = {term["symbol"]: term for term in study["channels"][0]["fit"]["terms"]}
-    assert terms["N"]["shown"]["unit"] == "arcsec*sqrt(s)"
-    assert terms["N"]["shown"]["value"] == pytest.approx(0.5, rel=0.1)
-    assert terms["R"]["shown"]["unit"] == "arcsec/s"
-    assert terms["R"]["shown"]["value"] == pytest.approx(0.3, rel=0.05)
+    for symbol, unit, value, near in (("N", "arcsec*sqrt(s)", 0.5, 0.1), ("R", "arcsec/s", 0.3, 0.05)):
+        assert terms[symbol]["shown"]["unit"] == unit
+        assert terms[symbol]["shown"]["value"] == pytest.approx(value, rel=near)
     assert (terms["N"]["unit"], study["channels"][0]["validity"]) == ("rad*sqrt(s)", "explained")
 
 
@@ -72,10 +63,11 @@ def test_a_study_of_values_is_read_again(study):
     assert again.to_dict()["channels"] == study["channels"]
 
 
+@pytest.mark.slow("analyses")
 @rows("method", ["nnls", "gls"])
 @pytest.mark.usefixtures("details")
 def test_what_a_statistic_does_not_see_is_named_by_the_quantity(folder, method):
-    said = run("analyze", folder / "run1.csv", "--kind", "value", "--method", method, "--statistic", "ohdev").stdout
+    said = run(f"analyze '{folder}/run1.csv' --kind value --method {method} --statistic ohdev").stdout
     assert "R: ohdev is insensitive to ramp of the angle" in said
     assert "flicker of the angle" in said
     assert "bias" not in said
@@ -83,7 +75,7 @@ def test_what_a_statistic_does_not_see_is_named_by_the_quantity(folder, method):
 
 @pytest.mark.usefixtures("details")
 def test_a_voltage_has_no_angle(folder):
-    said = run("analyze", folder / "volts.csv", "--kind", "value").stdout
+    said = run(f"analyze '{folder}/volts.csv' --kind value").stdout
     assert "white noise of the voltage" in said
     assert "random walk of the voltage" in said
     assert "angle" not in said
@@ -93,21 +85,18 @@ def test_a_voltage_has_no_angle(folder):
 @pytest.mark.slow("takes more than half a second")
 @rows(
     "verb, more, unit",
-    [
-        ("deviation", ("--no-intervals", "--statistic", "oadev,mdev,ohdev"), "arcsec"),
-        ("dynamic", (), "arcsec"),
-        ("spectrum", (), "(arcsec)^2/Hz"),
-    ],
-)
+    [("deviation", "--no-intervals --statistic oadev,mdev,ohdev", "arcsec"), ("dynamic", "", "arcsec"),
+     ("spectrum", "", "(arcsec)^2/Hz")],
+)  # fmt: skip
 def test_curves_are_in_the_unit_of_the_angle(folder, verb, more, unit):
     out = folder / f"{verb}.csv"
-    run(verb, folder / "run1.csv", "--kind", "value", *more, "--csv", out, "--plot", folder / f"{verb}.svg", "--quiet")
+    run(f"{verb} '{folder}/run1.csv' --kind value {more} --csv '{out}' --plot '{folder}/{verb}.svg' --quiet")
     rows = list(csv.DictReader(io.StringIO(out.read_text())))
     assert {row["unit"] for row in rows} == {unit}
 
 
 def test_two_runs_are_compared(folder):
-    said = run("compare", folder / "run1.csv", folder / "run2.csv", "--kind", "value").stdout
+    said = run(f"compare '{folder}/run1.csv' '{folder}/run2.csv' --kind value").stdout
     assert "white noise of the angle" in said
     assert "angle random walk" not in said
 
@@ -120,24 +109,13 @@ def test_three_runs_are_pooled():
 
 
 def test_other_programs_take_no_angle(folder):
-    said = run("export", folder / "run1.csv", "--kind", "value", "--to", "kalibr", code=3).stderr
+    said = run(f"export '{folder}/run1.csv' --kind value --to kalibr", 3).stderr
     assert "gyroscopes and accelerometers, not of 'az' (angle)" in said
     assert "'allanite analyze FILE --coefficients PATH'" in said
 
 
 def test_simulate_writes_values_that_are_read_again(tmp_path):
-    run(
-        "simulate",
-        tmp_path / "a.npz",
-        "--model",
-        MODEL,
-        "--rate",
-        10,
-        "--samples",
-        500,
-        "--quantize",
-        "rate 0.1 arcsec",
-    )
+    run(f"simulate '{tmp_path}/a.npz' --model '{MODEL}' --rate 10 --samples 500 --quantize 'rate 0.1 arcsec'")
     record = al.read(tmp_path / "a.npz")[0]
     assert (record.kind, record.unit, record.signal.name) == ("value", "arcsec", "angle")
     assert np.allclose(record.values * 10, np.round(record.values * 10), atol=1e-9)

@@ -1,6 +1,7 @@
-"""What a release says of itself: version, date and changes."""
+"""What a release says of itself, its packages and its workflows: versions, dates, dependencies, changes."""
 
 import re
+import tomllib
 from datetime import date
 
 import pytest
@@ -58,3 +59,54 @@ def test_fragments_join_the_section_of_the_version(version, texts, expected):
 def test_a_fragment_of_another_form_is_refused(text):
     with pytest.raises(ValueError, match="a fragment is"):
         changes.joined(BEGUN, [text], "1.0", DAY)
+
+
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+CALLED = {"matplotlib": "matplotlib-base"}
+"""Packages that conda knows by another name."""
+
+
+def test_the_conda_recipe_has_the_dependencies_of_the_project():
+    recipe = yaml.safe_load((ROOT / "packaging" / "conda" / "recipe.yaml").read_text("utf-8"))
+    wanted = [re.match(r"([\w-]+)(>=[\d.]+)", line).groups() for line in PROJECT["project"]["dependencies"]]
+    _, *run = recipe["requirements"]["run"]
+    assert run == [f"{CALLED.get(name, name)} {bound}" for name, bound in wanted]
+    assert recipe["requirements"]["run"][0] == f"python {PROJECT['project']['requires-python']}"
+    assert PROJECT["build-system"]["requires"][0].replace("hatchling", "hatchling ") in recipe["requirements"]["host"]
+
+
+def test_the_container_copies_what_exists():
+    text = (ROOT / "packaging" / "Containerfile").read_text("utf-8")
+    for line in re.findall(r"^COPY (?!--from)(?:--chown=\S+ )?(.+)$", text, re.MULTILINE):
+        *sources, _ = line.split()
+        assert all((ROOT / source).exists() for source in sources), line
+    assert "[all]" in text
+
+
+def test_the_article_cites_what_its_bibliography_has():
+    folder = ROOT / "paper"
+    cited = set(re.findall(r"@(\w+)", (folder / "paper.md").read_text("utf-8").split("---", 2)[2]))
+    assert cited == set(re.findall(r"^@\w+\{(\w+),", (folder / "paper.bib").read_text("utf-8"), re.MULTILINE))
+
+
+WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
+
+
+def steps(path):
+    for job in yaml.safe_load(path.read_text("utf-8"))["jobs"].values():
+        yield from job.get("steps", [job])
+
+
+@rows("path", WORKFLOWS, ids=lambda path: path.stem)
+def test_a_workflow_runs_what_exists_and_uses_what_is_pinned(path):
+    targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text("utf-8"), re.MULTILINE)
+    for step in steps(path):
+        for name in re.findall(r"^make ([a-z-]+)", step.get("run", ""), re.MULTILINE):
+            assert name in targets, name
+        for script in re.findall(r"^(\.ci/\w+)", step.get("run", "")):
+            assert (ROOT / script).is_file()
+        used = step.get("uses", "./")
+        assert used.startswith("./") or re.search(r"@[0-9a-f]{40}$", used), used
+        if used.startswith("./.github"):
+            assert (ROOT / used).is_file()
+    assert yaml.safe_load(path.read_text("utf-8"))["permissions"] == {"contents": "read"} or path.stem == "docs"

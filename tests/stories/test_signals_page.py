@@ -1,29 +1,19 @@
 """What the pages on compensation and on currents show is run."""
 
-from table import read
-
 import json
 import re
-import shlex
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
-from tests import ROOT
+from tests.pages import commands, fenced, stated, text_of, typed
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
 
 PAGES = ("budget.md", "compensation.md")
-PAGE = "\n".join((ROOT / "docs" / page).read_text(encoding="utf-8") for page in PAGES)
-
-
-def blocks(language):
-    return re.findall(rf"^```{language}\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
-
-
-COMMANDS = [line for block in blocks("sh") for line in block.replace("\\\n", " ").splitlines()]
+PAGE = "\n".join(map(text_of, PAGES))
+PROGRAMS = [block for page in PAGES for block in fenced(page, "python")]
+COMMANDS = [line for page in PAGES for line in commands(page)]
 
 
 @pytest.fixture(scope="module")
@@ -49,12 +39,10 @@ def desk(tmp_path_factory):
 
 
 @pytest.mark.slow("seconds of analyses")
-@rows("block", blocks("python"), ids=range(len(blocks("python"))))
+@rows("block", PROGRAMS, ids=range(len(PROGRAMS)))
 def test_python_prints_what_it_says(block, capsys):
     exec(block, {"__name__": "__main__"})  # noqa: S102 - our own page
-    said = re.findall(r"^print\(.*\)  # (.*)$", block, re.MULTILINE)
-    assert said
-    assert capsys.readouterr().out.splitlines() == said
+    assert capsys.readouterr().out.splitlines() == stated(block) != []
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -62,12 +50,7 @@ def test_commands_run_one_after_the_other(desk, monkeypatch):
     monkeypatch.chdir(desk)
     assert len(COMMANDS) == 10
     for command in COMMANDS:
-        words = shlex.split(command)[1:]
-        done = CliRunner().invoke(main, words)
-        assert done.exit_code == 0, done.output
-        for option in ("--report", "--save", "--corrected", "--output"):
-            if option in words:
-                assert (desk / words[words.index(option) + 1]).stat().st_size > 1000
+        typed(command, writing=("--report", "--save", "--corrected", "--output"))
 
 
 TURNED = [line for line in COMMANDS if "up." in line or "down." in line]
@@ -79,12 +62,10 @@ TURNED = [line for line in COMMANDS if "up." in line or "down." in line]
 def test_two_positions_remove_the_bias_of_both_axes(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for command in TURNED:
-        done = CliRunner().invoke(main, shlex.split(command)[1:])
-        assert done.exit_code == 0, done.output
-    assert "rate by reversal: 28.9 (" in done.stdout
-    assert "bias by reversal: 12.4 (" in done.stdout
-    part = CliRunner().invoke(main, [*shlex.split(TURNED[-1])[1:], "--until", "300", "--json", "-"])
-    channels = json.loads(part.stdout)["channels"]
+        said = typed(command, writing=())
+    assert "rate by reversal: 28.9 (" in said
+    assert "bias by reversal: 12.4 (" in said
+    channels = json.loads(typed(TURNED[-1], "--until", "300", "--json", "-", writing=()))["channels"]
     assert [channel["name"] for channel in channels] == ["wx", "wy"]
     for channel, sign in zip(channels, (-1, 1), strict=True):
         for found, truth in ((channel["estimates"][0], 28.878), (channel["bias"], 12.376)):
@@ -104,8 +85,3 @@ def test_the_figures_of_the_page_are_those_of_the_formula():
         adds = 60 * step / 12**0.5 * 1e-3**0.5
         assert float(n) == pytest.approx(adds, rel=0.02)
         assert float(share) == pytest.approx(100 * (adds / 2.525648) ** 2, rel=0.2)
-
-
-def test_the_page_names_the_source_of_its_figures():
-    assert "`benchmarks/compensation.py`" in PAGE
-    assert "table 2" in {row["noise"] for row in read("compensation.md").rows()}

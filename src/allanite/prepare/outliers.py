@@ -65,8 +65,8 @@ def outliers(record: Record, among: int | None = None) -> Outliers:
     # The limit is 5 standard deviations, or in a long record the value that one clean record in a thousand exceeds. The
     # standard deviation is 1.4826 times the median absolute residual, and at least the typical step between neighbours
     # that differ, so that coarse samples are not outliers. The search is repeated without the outliers found, because
-    # dense spikes widen the scale. If too many samples lie just below the limit, the noise has heavy tails, and there
-    # are no outliers. Of a record that is only a part of another one, `among` is the number of samples of that.
+    # dense spikes widen the scale. If too many samples lie just below the limit, the noise has heavy tails, and none
+    # of them is an outlier. Of a record that is only a part of another one, `among` is the number of samples of that.
     if among is not None:
         return _found(record, among)
     if record not in _known:

@@ -130,7 +130,7 @@ class Sums:
         self.cells = Cells()  # sums over longer times that the coefficients need
         self.start = self.begins = self.stop = start
         self.size = 0  # number of samples without missing ones
-        self.constant = 0.0  # the first sample, which is taken off all: the sums do not depend on it
+        self.constant = 0.0  # the first sample, which is subtracted from all: the sums do not depend on it
         self.led = False  # a point before the first sample, with which differences of the running sum begin
 
     @property

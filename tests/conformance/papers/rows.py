@@ -26,9 +26,6 @@ class Row:
     wrong: bool = False
     read: Callable[..., float] = float
 
-    def __str__(self):
-        return self.item
-
 
 def number(path, cell):
     """The number of a cell in a CSV or JSON file; those of all rows if the cell begins with ``all``."""
@@ -60,11 +57,6 @@ def ratio(one, other):
     return one / other
 
 
-def slope(first, second):
-    """Over two decades."""
-    return math.log10(second / first) / 2
-
-
 def percent(edf):
     """Relative standard error of a deviation."""
     return 100 / math.sqrt(2 * edf)
@@ -77,10 +69,6 @@ def arcsec(rad):
 def rms(values):
     values = list(values)
     return math.sqrt(sum(value**2 for value in values) / len(values))
-
-
-def of_degree_per_hour(rad_per_s):
-    return arcsec(rad_per_s)
 
 
 def minutes(seconds):

@@ -2,7 +2,7 @@
 
 import numpy as np
 from tests.conformance.papers.direct import allan, hadamard, overlapping, values
-from tests.conformance.papers.rows import Row, arcsec, of_degree_per_hour, ratio
+from tests.conformance.papers.rows import Row, arcsec, ratio
 
 COEFFICIENTS = "analyze run1.csv --coefficients -"
 MEANING = "analyze run2.csv --device stabilizer"
@@ -27,10 +27,10 @@ ROWS = (
       for symbol, value, tolerance in TRUTH),
     Row("Fig. 2: top of a sinusoid, at 0.371 of the period",
         "deviation --model 'Sine 1 deg/h 3 Hz' --rate 1000 --duration 100 --taus 0.124 --csv -",
-        "deviation", 0.725, 0.002, read=of_degree_per_hour),
+        "deviation", 0.725, 0.002, read=arcsec),
     Row("Fig. 2: top of correlated noise, at 1.89 time constants",
         "deviation --model 'GM 1 deg/h 1 s' --rate 100 --duration 100 --taus 1.89 --csv -",
-        "deviation", 0.617, 0.002, read=of_degree_per_hour),
+        "deviation", 0.617, 0.002, read=arcsec),
     Row("oscillation of a loop", "analyze loop.npz --terms N,GM2 --coefficients -", "value @ term=GM2", 1.0,
         0.1),
     Row("limits of the modified deviation that are no numbers",

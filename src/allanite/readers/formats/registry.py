@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from importlib.metadata import EntryPoint
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.record import Recording
@@ -16,6 +15,9 @@ from allanite.phrases.phrase import say
 from allanite.plugins import broken, leave_out, plugins
 from allanite.readers.options import FrameLike, Options
 from allanite.readers.sandbox.process import demand_start
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 
 class FormatReader(Protocol):
@@ -115,7 +117,7 @@ WRITERS: dict[str, str] = {
 class ReaderPlugin:
     """A reader of another package."""
 
-    entry: EntryPoint
+    entry: "EntryPoint"
     module: Any
 
     @property
@@ -132,7 +134,7 @@ class ReaderPlugin:
             return False
 
     def reader(self, head: bytes) -> FormatReader:
-        """Itself: what its module does wrong is said by `read`."""
+        """Itself; `read` reports what its module does wrong."""
         return self
 
     def read(self, path: str, options: Options) -> Recording:
