@@ -143,7 +143,7 @@ def test_a_whole_record_is_not_touched_and_another_word_is_refused():
 @pytest.mark.slow("many patterns of gaps")
 def test_limits_are_numbers_in_any_pattern():
     """40 of the patterns of benchmarks/gaps.py, which tries 2000."""
-    assert [i for i in range(40) if pattern_of(i)] == []
+    assert [i for i in range(40) if pattern_of((i,))] == []
 
 
 def test_a_model_without_noise_of_the_joints_hides_nothing():
