@@ -45,6 +45,10 @@ def by_sensor(axes: Sequence[Axis]) -> dict[str, list[Axis]]:
     return {sensor: [a for a in axes if a.sensor == sensor] for sensor in dict.fromkeys(a.sensor for a in axes)}
 
 
+SAME = 1e-6
+"""Relative difference below which two values are the same."""
+
+
 @dataclass(frozen=True, repr=False)
 class Entry(Value):
     """A field with its value."""
@@ -60,11 +64,20 @@ class Entry(Value):
     remark: str  # interval, or why the value is a limit; stands in the file
     measured: bool = True  # whether every value comes from an identified coefficient, not from a limit
     covers: bool = False  # whether the value is that of a model that covers what was identified
+    identified: tuple[
+        float, ...
+    ] = ()  # the same without cover, inflation and limits of the target; empty if there is none
 
     @property
     def full(self) -> str:
         """Its name with that of its section."""
         return f"{self.section}.{self.name}".strip(".")
+
+    @property
+    def factor(self) -> float | None:
+        """By how much the written value is larger than the identified one; None if it is the same."""
+        factor = self.values[0] / self.identified[0] if self.identified else 1.0
+        return None if abs(factor - 1) < SAME else factor
 
     def _summary(self) -> str:
         return f"{self.full} = {', '.join(map(number, self.values))} {self.unit}"

@@ -24,6 +24,7 @@ from .channels import first_of
 from .datasheet import DATA_SHEET, alternative, card_of, data_sheet_table
 from .details import details, fitness, over_time, overlay
 from .expectation import causes, meaning_notes, meaning_of, meanings
+from .export import filter_table
 from .fit import coefficients, definitions
 from .jobs import channel_sheet, job_face, source_of
 from .values import readings_table, rows_of
@@ -221,6 +222,7 @@ def study_view(study: Study, level: float) -> Face:
     return job_face(
         study, (say("Noise of {source}", source=source_of(study)), BRAND), sheets,
         [
+            *filter_table(study),
             *_together(study, list(panels.values()), level),
             *causes([meaning for meaning in meant if meaning is not None]),
         ],
