@@ -101,9 +101,11 @@ def without_cover(entries: Sequence[Entry]) -> Iterator[str]:
     covering = [entry for entry in entries if entry.covers]
     if not covering:
         return
-    how = say("{option} writes the identified values", option=spelled("--cover=no", "cover=False"))
-    absent = ", ".join(entry.full for entry in covering if not entry.identified)
-    yield say("{how}; {fields}: none", how=how, fields=absent) if absent else how
+    option = spelled("--cover=no", "cover=False")
+    how = say("{option} writes the identified values", option=option)
+    absent = [entry.full for entry in covering if not entry.identified]
+    none = say("{how}; {fields}: none", how=how, fields=", ".join(absent))
+    yield how if not absent else none if len(absent) < len(covering) else say("{option} omits the cover", option=option)
 
 
 def _demand_sensors(target: Target, groups: Mapping[str, Sequence[Axis]], axes: Sequence[Axis]) -> None:

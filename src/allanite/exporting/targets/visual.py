@@ -115,8 +115,8 @@ GTSAM = Target(
     "which the integration divides by dt. The division was not read in the version of today",
     notes=(
         say(
-            "setIntegrationCovariance and setBiasAccOmegaInt (its name differs between versions) do not follow from "
-            "the noise"
+            "setIntegrationCovariance, the error of the numerical integration, is not an Allan coefficient; "
+            "neither is setBiasAccOmegaInt (its name differs between versions), the covariance of the initial biases"
         ),
     ),
 )

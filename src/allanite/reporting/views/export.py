@@ -28,7 +28,8 @@ from . import view
 
 BRAND = say("noise coefficients for a filter")
 KEY = say(
-    "f is the rate, T a correlation time; N, K and B are the coefficients of white noise, random walk and flicker"
+    "f is the rate (sqrt(f) is 14 at 200 Hz), T a correlation time; N, K and B are the coefficients of white noise, "
+    "random walk and flicker"
 )
 
 
@@ -187,7 +188,8 @@ def _tables() -> dict[str, dict[str, str]]:
 def first_of_explanation(value: Explanation, level: float) -> First:
     """The names of all tables, or what the fields of a target mean."""
     if value.target:
-        return condensed(explanation_view.face(value, level))
+        notes = [Remark.of("", note) for note in row_of_file(value.target).notes]
+        return replace(condensed(explanation_view.face(value, level)), remarks=notes)
     lines = [say("{table}: {names}", table=title, names=", ".join(rows)) for title, rows in _tables().items()]
     after = (
         ("allanite explain NAME", say("fields of a target, degrees of freedom of a statistic, or a data sheet")),
@@ -206,12 +208,13 @@ def explanation_view(value: Explanation, _: float) -> Face:
         return Face(say("targets, statistics, noise terms and data sheets"), BRAND, sheets)
     row = row_of_file(value.target)
     fields = [
-        [f.full, SENSORS[f.sensor], f.unit, f.formula,
-         title_of(f.term, signal_named(f.sensor)) if f.term else say("correlation time")]
+        [f.full, *f.nature, f.unit, f.formula, SENSORS[f.sensor],
+         title_of(f.term, signal_named(f.sensor)) if f.term else ""]
         for f in row.fields
     ]  # fmt: skip
-    columns = (Column(say("field"), "name"), Column(say("sensor"), "text"), Column(say("unit"), "unit"),
-               Column(say("is"), "text"), Column("", "text"))  # fmt: skip
+    columns = (Column(say("field"), "name"), Column(say("kind"), "text"), Column(say("often mistaken for"), "text"),
+               Column(say("wrong by"), "text"), Column(say("unit"), "unit"), Column(say("is"), "text"),
+               Column(say("sensor"), "text", aside=True), Column("", "text", aside=True))  # fmt: skip
     parts: list[Part] = [Table(columns, fields), Note(KEY, "quiet")] if fields else []
     if row.step:
         parts.append(
