@@ -24,10 +24,7 @@ KALIBR = Target(
 OPENVINS = Target(
     name="openvins",
     title=say("kalibr_imu_chain.yaml of OpenVINS"),
-    fields=(
-        *pair("gyroscope_noise_density", "accelerometer_noise_density", *DENSITY),
-        *pair("gyroscope_random_walk", "accelerometer_random_walk", *WALK),
-    ),
+    fields=KALIBR.fields,
     forms={
         ".yaml": LineLayout(
             "  {name}: {value}",
