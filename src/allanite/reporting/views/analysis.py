@@ -222,12 +222,12 @@ def study_view(study: Study, level: float) -> Face:
     return job_face(
         study, (say("Noise of {source}", source=source_of(study)), BRAND), sheets,
         [
-            *filter_table(study),
             *_together(study, list(panels.values()), level),
             *causes([meaning for meaning in meant if meaning is not None]),
         ],
         header=header_of(study.provenance, study.notes, method if fitted else ""),
-        close=[*meanings(meant), *_statuses(study)], how=list(_how(study)), device=study.recipe.labels,
+        close=[*filter_table(study), *meanings(meant), *_statuses(study)],
+        how=list(_how(study)), device=study.recipe.labels,
         facts=[*facts, f"sha256 {digest[:12]}…"] if digest else facts,
     )  # fmt: skip
 

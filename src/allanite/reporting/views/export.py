@@ -80,7 +80,7 @@ def filter_table(study: Study) -> Iterator[Table]:
     """The values of a study for a filter, beside those that were identified."""
     made = for_filter(study, How(partial=True))
     if made is not None:
-        yield _fields(made, say("For filters ({filter})", filter=FILTER.name))
+        yield replace(_fields(made, say("For filters ({filter})", filter=FILTER.name)), where="page")
 
 
 def for_filter(study: Study, how: How) -> Export | None:
