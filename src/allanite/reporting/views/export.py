@@ -48,7 +48,7 @@ def _fields(value: Export, title: str = "") -> Table:
     columns = (
         Column(say("field"), "name"), Column(say("written")),
         Column(say("identified") if value.recipe else say("given")), Column(say("unit"), "unit"), Column(say("factor")),
-        Column(say("remark"), "interval", aside=differs), Column(say("formula"), "text", aside=True),
+        Column(say("remark"), "text", aside=differs), Column(say("formula"), "text", aside=True),
         Column(say("channel"), "text", aside=True),
     )  # fmt: skip
     rows = [[f"×{cell}" if i == 4 and cell else cell or say("none") if i == 2 else cell for i, cell in enumerate(row)]
