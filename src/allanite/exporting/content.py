@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import isclose
 
 from allanite.core.curve import Curve
 from allanite.core.estimate import Estimate
@@ -45,10 +46,6 @@ def by_sensor(axes: Sequence[Axis]) -> dict[str, list[Axis]]:
     return {sensor: [a for a in axes if a.sensor == sensor] for sensor in dict.fromkeys(a.sensor for a in axes)}
 
 
-SAME = 1e-6
-"""Relative difference below which two values are the same."""
-
-
 @dataclass(frozen=True, repr=False)
 class Entry(Value):
     """A field with its value."""
@@ -77,7 +74,7 @@ class Entry(Value):
     def factor(self) -> float | None:
         """By how much the written value is larger than the identified one; None if it is the same."""
         factor = self.values[0] / self.identified[0] if self.identified else 1.0
-        return None if abs(factor - 1) < SAME else factor
+        return None if isclose(factor, 1.0, rel_tol=1e-6) else factor
 
     def _summary(self) -> str:
         return f"{self.full} = {', '.join(map(number, self.values))} {self.unit}"
