@@ -12,8 +12,10 @@ def exports_page() -> Iterator[str]:
         forms = ", ".join(f"`{suffix}`" for suffix in row.forms)
         yield from (f"### {row.name}", "", f"{row.title}; {forms}.", "")
         if row.fields:
-            rows = [(f"`{f.full}`", f.sensor, f"`{f.unit}`", f"`{f.formula}`", _span(f.span)) for f in row.fields]
-            yield from table(("field", "sensor", "unit", "is", "range"), rows)
+            rows = [
+                (f"`{f.full}`", f.sensor, f"`{f.unit}`", f"`{f.formula}`", *f.nature, _span(f.span)) for f in row.fields
+            ]
+            yield from table(("field", "sensor", "unit", "is", "kind", "often mistaken for", "wrong by", "range"), rows)
         step = (
             [f"f is 1/{row.step:g} s, the rate of the filter's steps, whatever the sampling rate"] if row.step else []
         )

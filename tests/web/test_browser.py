@@ -138,7 +138,7 @@ def test_export_save_and_repeat_by_the_command_line(page: Any, six: Path, tmp_pa
     curves(page)
     page.get_by_test_id("target").select_option("kalibr")
     page.get_by_test_id("export").click()
-    assert "gyroscope_noise_density" in page.get_by_test_id("export-text").inner_text()
+    assert "gyroscope_noise_density" in page.get_by_test_id("export-text").text_content()
     page.get_by_test_id("datasheet").click()
     page.wait_for_function(
         "() => !document.querySelector('[data-testid=export-text]').textContent.includes('gyroscope_noise_density')"

@@ -82,6 +82,8 @@ def test_the_words_and_files_are_those_of_the_command_line(client, analyzed, fil
     found = client.post(f"/api/jobs/{analyzed}/export", {"channels": ["gy"], "target": "datasheet"}).json()
     options = ("--rate", "100", "--exclude", "40..60", "--channels", "gy", "--to", "datasheet", "--output", "-")
     assert found["text"] == printed("export", file, *options).replace(str(file), "gyro.csv")
+    whole = {"channels": ["gy"], "target": "kalibr", "models": ["N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)"], "cover": False}
+    assert "gyroscope_noise_density" in client.post(f"/api/jobs/{analyzed}/export", whole).json()["html"]
     refused = client.post(f"/api/jobs/{analyzed}/export", {"target": "nonsense"})
     assert refused.json()["error"].startswith("unknown target 'nonsense'; known targets: kalibr")
 

@@ -21,7 +21,7 @@ def test_a_file_is_dropped_analyzed_exported_and_there_after_a_reload(page: Any,
     assert page.get_by_test_id("curve").get_attribute("data-validity") == "explained"
     page.get_by_test_id("target").select_option("kalibr")
     page.get_by_test_id("export").click()
-    assert "gyroscope_noise_density" in page.get_by_test_id("export-text").inner_text()
+    assert "gyroscope_noise_density" in page.get_by_test_id("export-text").text_content()
     assert len(json.loads(saved(page, "json"))["channels"]) == 6
     assert "<!DOCTYPE html>" in saved(page, "report")
     page.get_by_test_id("spectrum").click()

@@ -173,18 +173,22 @@ def coefficients(axes: Sequence[Axis], symbol: str, *, markov: bool, unexplained
     `markov`: a Gauss-Markov process that was identified may replace a random walk that was not.
     """
     chosen: list[AxisCoefficient] = []
-    reasons: list[str] = []
+    reasons: dict[str, list[str]] = {}
     for axis in axes:
         e = axis.estimate(symbol)
         coefficient = None if e is None else _coefficient(axis, e, unexplained=unexplained)
         if markov and symbol == "K" and (coefficient is None or coefficient.limit):
             coefficient = _markov(axis) or coefficient
         if coefficient is None:
-            why = say("not given or not looked for") if e is None else e.words(level=axis.level)
-            reasons.append(say("{axis}: {symbol} is {why}", axis=axis.label, symbol=symbol, why=why))
+            absent = say("not stated") if axis.fit.method == "given" else say("not looked for")
+            why = absent if e is None else e.words(level=axis.level)
+            reasons.setdefault(why, []).append(axis.label)
         else:
             chosen.append(coefficient)
-    return tuple(chosen), reasons
+    return tuple(chosen), [
+        say("{axis}: {symbol} is {why}", axis=", ".join(names), symbol=symbol, why=why)
+        for why, names in reasons.items()
+    ]
 
 
 def _coefficient(axis: Axis, e: Estimate, *, unexplained: bool) -> AxisCoefficient | None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import isclose
 
 from allanite.core.curve import Curve
 from allanite.core.estimate import Estimate
@@ -60,11 +61,20 @@ class Entry(Value):
     remark: str  # interval, or why the value is a limit; stands in the file
     measured: bool = True  # whether every value comes from an identified coefficient, not from a limit
     covers: bool = False  # whether the value is that of a model that covers what was identified
+    identified: tuple[
+        float, ...
+    ] = ()  # the same without cover, inflation and limits of the target; empty if there is none
 
     @property
     def full(self) -> str:
         """Its name with that of its section."""
         return f"{self.section}.{self.name}".strip(".")
+
+    @property
+    def factor(self) -> float | None:
+        """By how much the written value is larger than the identified one; None if it is the same."""
+        factor = self.values[0] / self.identified[0] if self.identified else 1.0
+        return None if isclose(factor, 1.0, rel_tol=1e-6) else factor
 
     def _summary(self) -> str:
         return f"{self.full} = {', '.join(map(number, self.values))} {self.unit}"

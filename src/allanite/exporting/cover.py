@@ -29,7 +29,7 @@ from allanite.statistics import expected
 
 from .choice import COVER
 from .content import Axis
-from .stated_noise import AxisNoise, Outages
+from .stated_noise import AxisNoise, Outages, unfielded
 from .target import Target
 
 WIDEST = 8.0
@@ -60,7 +60,9 @@ def covered(target: Target, axes: Sequence[Axis], groups: Sequence[Sequence[Axis
 
 def _fit(target: Target, noises: Sequence[AxisNoise], *, asked: bool) -> Fit:
     model, (low, high) = covering(target, noises, asked=asked), noises[0].tau[[0, -1]].tolist()
-    note = say("covers {low:.4g} to {high:.4g} s", low=low, high=high)
+    units = [(term, term.signal.sheet[term.row.power]) for term in unfielded(target, noises)]
+    what = ", ".join(f"{term.symbol} {term.to(unit):.3g} {unit}" for term, unit in units)
+    note = say("covers {what} from {low:.4g} to {high:.4g} s", what=what or say("the noise"), low=low, high=high)
     estimates = (Estimate(t.symbol, t.signal, t.value, None, "reported", None, COVER, shape=t.shape, reason=note)
                  for t in model)  # fmt: skip
     return Fit(tuple(estimates), COVER, model.signal, model)

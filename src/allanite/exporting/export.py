@@ -23,7 +23,7 @@ from .choice import Source, axes_of, demand_policy, selected
 from .content import Axis, Content, Entry, by_sensor
 from .cover import covered
 from .exports import target_named
-from .fields import How, demand_how, fill, usable
+from .fields import How, demand_how, fill, usable, with_identified, without_cover
 from .stated_noise import StatedNoise, compared, groups_of, to_cover
 from .target import Target, demand_rate
 
@@ -97,14 +97,19 @@ class Export(Value):
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows: a field each."""
-        return ["field", "value", "unit", "formula", "channel", "remark"], [
-            [e.full, ", ".join(f"{v:.6g}" for v in dict.fromkeys(e.values)), e.unit,
-             e.formula, ", ".join(dict.fromkeys(e.channels)), e.remark]
+        return ["field", "value", "identified", "unit", "factor", "remark", "formula", "channel"], [
+            [e.full, _numbers(e.values), _numbers(e.identified), e.unit,
+             "" if e.factor is None else f"{e.factor:.3g}", e.remark, e.formula,
+             ", ".join(dict.fromkeys(e.channels))]
             for e in self.entries
         ]  # fmt: skip
 
     def _summary(self) -> str:
         return f"for {self.target}: {len(self.data)} bytes of {self.suffix}"
+
+
+def _numbers(values: Sequence[float]) -> str:
+    return ", ".join(f"{value:.6g}" for value in dict.fromkeys(values))
 
 
 @public
@@ -196,6 +201,7 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     groups = groups_of(kept, how) if target.drifts else []
     stand = covered(target, kept, to_cover(target, kept, groups, how), asked=how.span is not None)
     entries, missing = fill(target, stand, how)
+    entries = with_identified(entries, target, kept, how)
     stated = tuple(noise for group in groups if (noise := compared(target, entries, group, how)) is not None)
     if not target.fields:
         kept = tuple(axis for group in by_sensor(kept).values() for axis in selected(group, how.axis))
@@ -203,7 +209,12 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     if not how.partial:
         demand_rate(target, rate)
     doubts = [axis for axis in axes if axis.doubt and not how.unexplained]
-    notes = (*missing, *left_out(target, stand), *(line for made in stated if made.covers for line in made.words()))
+    notes = (
+        *without_cover(entries),
+        *missing,
+        *left_out(target, stand),
+        *(line for made in stated if made.covers for line in made.words()),
+    )
     known = 1 if target.simulates else None  # what it says of filters is none of a simulator's business
     warned = [line for made in stated if made.confident for line in made.words()[:known]]
     omitted = (f"left out: {axis.name} ({axis.doubt})" for axis in doubts)

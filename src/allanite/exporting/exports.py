@@ -15,33 +15,14 @@ from .targets.robots import (
     PX4_TC,
     ROBOT_LOCALIZATION,
     ROS_IMU,
-)
+)  # fmt: skip
 from .targets.sheets import DATASHEET, STATESPACE
 from .targets.visual import GTSAM, KALIBR, LIO_SAM, OPENVINS, ORB_SLAM3, VINS_FUSION, VINS_MONO
 
 _OWN = (
-    KALIBR,
-    OPENVINS,
-    ORB_SLAM3,
-    VINS_MONO,
-    VINS_FUSION,
-    LIO_SAM,
-    GTSAM,
-    ROS_IMU,
-    ROBOT_LOCALIZATION,
-    PX4,
-    ARDUPILOT,
-    MATLAB,
-    GNSS_INS_SIM,
-    GAZEBO,
-    GAZEBO_CLASSIC,
-    PEGASUS,
-    KF_GINS,
-    PSINS,
-    NAVEGO,
-    STATESPACE,
-    DATASHEET,
-)
+    KALIBR, OPENVINS, ORB_SLAM3, VINS_MONO, VINS_FUSION, LIO_SAM, GTSAM, ROS_IMU, ROBOT_LOCALIZATION, PX4, ARDUPILOT,
+    MATLAB, GNSS_INS_SIM, GAZEBO, GAZEBO_CLASSIC, PEGASUS, KF_GINS, PSINS, NAVEGO, STATESPACE, DATASHEET,
+)  # fmt: skip
 
 EXPORTS = Registry({row.name: row for row in _OWN}, "allanite.targets", kind=Target, key="name")
 """Targets of `allanite.export` by name."""

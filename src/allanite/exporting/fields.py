@@ -1,8 +1,8 @@
 """From the coefficients of the axes to the fields of a target."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from allanite.core.choices import described
 from allanite.core.errors import DataError, UsageError
@@ -38,7 +38,10 @@ def usable(axes: Sequence[Axis], how: How, needed: Sequence[str] = ()) -> tuple[
     lost = set(() if how.partial else needed) - {axis.sensor for axis in kept}
     doubted = [axis for axis in axes if axis.sensor in lost] if kept else axes
     if doubted or not kept:
-        reasons = "; ".join(f"{axis.name or 'the record'}: {axis.doubt.partition(';')[0]}" for axis in doubted)
+        alike: dict[str, list[str]] = {}
+        for axis in doubted:
+            alike.setdefault(axis.doubt.partition(";")[0], []).append(axis.name or "the record")
+        reasons = "; ".join(f"{', '.join(names)}: {doubt}" for doubt, names in alike.items())
         raise DataError(join("; ", (rejected(reasons or "no channel has a result"), remedy())))
     return kept
 
@@ -70,11 +73,39 @@ def fill(target: Target, axes: Sequence[Axis], how: How) -> tuple[tuple[Entry, .
         why = say("{field} has no value ({reasons})", field=field.full, reasons=join("; ", reasons))
         (fatal if field.needed and not how.partial else missing).append(why)
     if fatal:
-        raise DataError(
-            f"{target.name} cannot be written: {'; '.join(fatal)}. A longer record gives at least an upper limit "
-            f"(allanite plan), or choose an axis that has one with {spelled('--axis', 'axis')}; {remedy()}"
-        )
+        measured = any(axis.fit.method != "given" for axis in axes)
+        cure = (
+            "A longer record gives at least an upper limit (allanite plan), or choose an axis that has one with "
+            f"{spelled('--axis', 'axis')}; {remedy()}" if measured else "State it as well"
+        )  # fmt: skip
+        raise DataError(f"{target.name} cannot be written: {'; '.join(fatal)}. {cure}")
     return tuple(entries), tuple(missing)
+
+
+def with_identified(entries: Iterable[Entry], target: Target, axes: Sequence[Axis], how: How) -> tuple[Entry, ...]:
+    """The fields with the values of what was identified, before cover, inflation and the limits of the target."""
+    free = replace(target, fields=tuple(replace(field, span=(0.0, math.inf)) for field in target.fields))
+    plain = {entry.full: entry for entry in fill(free, axes, replace(how, partial=True, inflate=1.0))[0]}
+    made = []
+    for entry in entries:
+        own = plain.get(entry.full)
+        if own is not None and own.measured and entry.formula != "T":
+            channels = own.channels if entry.covers else entry.channels
+            entry = replace(entry, identified=own.values, channels=channels)  # noqa: PLW2901 - with more
+        made.append(entry)
+    return tuple(made)
+
+
+def without_cover(entries: Sequence[Entry]) -> Iterator[str]:
+    """How the identified values are written, or which of them do not exist."""
+    covering = [entry for entry in entries if entry.covers]
+    if not covering:
+        return
+    option = spelled("--cover=no", "cover=False")
+    how = say("{option} writes the identified values", option=option)
+    absent = [entry.full for entry in covering if not entry.identified]
+    none = say("{how}; {fields}: none", how=how, fields=", ".join(absent))
+    yield how if not absent else none if len(absent) < len(covering) else say("{option} omits the cover", option=option)
 
 
 def _demand_sensors(target: Target, groups: Mapping[str, Sequence[Axis]], axes: Sequence[Axis]) -> None:

@@ -109,7 +109,8 @@ class Explanation(Value):
             {
                 "name": row.name, "title": row.title,
                 "fields": [
-                    {"name": f.full, "sensor": f.sensor, "unit": f.unit, "formula": f.formula} for f in row.fields
+                    {"name": f.full, "sensor": f.sensor, "unit": f.unit, "formula": f.formula,
+                     **dict(zip(("kind", "mistaken_for", "wrong_by"), f.nature, strict=True))} for f in row.fields
                 ],
                 "notes": list(row.notes), "source": row.source,
             }

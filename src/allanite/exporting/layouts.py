@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from allanite.core.syntax import YAML, Syntax, json_text
+from allanite.phrases.phrase import join, say
 
 from .content import Content, Entry, number
 
@@ -56,9 +57,12 @@ class LineLayout:
 
 
 def told(entry: Entry) -> str:
-    """The comment on a field: its unit, formula, channel and interval."""
+    """The comment on a field: its unit, formula, channel, identified value, and interval or cover."""
     names = ", ".join(dict.fromkeys(entry.channels))
-    return f"{entry.unit}, {entry.formula}{f' of {names}' if names else ''}: {entry.remark}"
+    identified = ", ".join(f"{value:.4g}" for value in entry.identified) if entry.factor else ""
+    larger = say("identified {value}, x{factor:.3g}", value=identified, factor=entry.factor) if identified else ""
+    remark = join(" ", filter(None, (larger, entry.remark)))
+    return f"{entry.unit}, {entry.formula}{f' of {names}' if names else ''}: {remark}"
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ duration times the mean rate of that step is subtracted, which makes of the gene
 A predictor with such a term is exact for a constant rate; one of Gauss-Markov noise alone returns to zero.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, reduce
 from operator import add
@@ -329,10 +329,18 @@ def to_cover(
 
 
 def _lacking(target: Target, group: Sequence[AxisNoise]) -> bool:
-    """Whether the target has no field for a slow term of the group."""
-    fields = {field.term for field in target.fields}
-    slow = {t.symbol for noise in group for t in noise.model if not t.row.slope < 0}
-    return bool(slow - fields)
+    """Whether the target has no field for a slow term of the group; no white noise is invented for a model of none."""
+    white = any(t.symbol == "N" for noise in group for t in noise.model)
+    return bool(unfielded(target, group)) and (white or any(noise.axis.fit.method != "given" for noise in group))
+
+
+def unfielded(target: Target, group: Iterable[AxisNoise]) -> tuple[Term, ...]:
+    """The slow terms of a group for which the target has no field, the largest of the axes."""
+    fields, largest = {field.term for field in target.fields}, dict[str, Term]()
+    for term in (t for noise in group for t in noise.model):
+        if not term.row.slope < 0 and term.symbol not in fields:
+            largest[term.symbol] = max(largest.get(term.symbol, term), term, key=lambda t: t.value)
+    return tuple(largest.values())
 
 
 def compared(target: Target, entries: Sequence[Entry], noises: Sequence[AxisNoise], how: How) -> StatedNoise | None:

@@ -72,15 +72,48 @@ class TargetField:
         """
         if not self.term:
             return "T"
-        above = [f"{self.weight:g}"] if self.weight > 1 else []
-        above += [letter for letter, power in (("f", self.rate), ("T", self.time)) if power > 0]
-        below = [f"{1 / self.weight:g}"] if self.weight < 1 else []
-        below += [letter for letter, power in (("f", self.rate), ("T", self.time)) if power < 0]
-        inner = " ".join(above) or "1"
-        inner += f"/{below[0]}" if len(below) == 1 else f"/({' '.join(below)})" if below else ""
-        if self.power == 1:
-            return self.term if inner == "1" else f"{self.term} sqrt({inner})"
-        return f"{self.term}^{self.power}" if inner == "1" else f"{self.term}^{self.power} {inner}"
+        root = _root_of(self.weight, self.rate, self.time, self.power)
+        term = self.term if self.power == 1 else f"{self.term}^{self.power}"
+        return f"{term} {root}".strip()
+
+    @property
+    def nature(self) -> tuple[str, str, str]:
+        """What it is, for what it is mistaken, and the factor by which that is wrong; empty where nothing is known."""
+        name, mistake, weight, rate, time = NATURES.get((self.term, self.rate, self.time, self.power), UNKNOWN)
+        ratio = weight / self.weight, rate - self.rate, time - self.time
+        return name, mistake, _root_of(*ratio, self.power) if mistake else ""
+
+
+def _root_of(weight: float, rate: int, time: int, power: int) -> str:
+    """The power of a root: ``sqrt(2 f)``; empty if it is 1."""
+    if not rate and not time:
+        return "" if weight == 1 else f"{weight ** (power / 2):.3g}"
+    letters = (("f", rate), ("T", time))
+    above = [f"{weight:g}"] * (weight > 1) + [letter for letter, power in letters if power > 0]
+    below = [f"{1 / weight:g}"] * (weight < 1) + [letter for letter, power in letters if power < 0]
+    inner = " ".join(above) or "1"
+    inner += f"/{below[0]}" if len(below) == 1 else f"/({' '.join(below)})" if below else ""
+    return f"sqrt({inner})" if power == 1 else inner
+
+
+_DENSITY, _SIGMA, _STEADY = say("density"), say("sigma per sample"), say("steady-state sigma")
+_SQUARE, _VARIANCE = say("density squared"), say("variance per sample")
+
+UNKNOWN = "", "", 1.0, 0, 0
+
+NATURES: dict[tuple[str, int, int, int], tuple[str, str, float, int, int]] = {
+    ("", 0, 2, 1): (say("correlation time"), "", 1.0, 0, 0),
+    ("N", 0, 0, 1): (_DENSITY, _SIGMA, 1.0, 1, 0),
+    ("N", 1, 0, 1): (_SIGMA, _DENSITY, 1.0, 0, 0),
+    ("N", 0, 0, 2): (_SQUARE, _VARIANCE, 1.0, 1, 0),
+    ("N", 1, 0, 2): (_VARIANCE, _SQUARE, 1.0, 0, 0),
+    ("K", 0, 0, 1): (_DENSITY, _STEADY, 0.5, 0, 1),
+    ("K", 1, 0, 1): (say("sigma of the rate of the bias"), _DENSITY, 1.0, 0, 0),
+    ("K", 0, 1, 1): (_STEADY, _DENSITY, 1.0, 0, 0),
+    ("K", 0, 0, 2): (_SQUARE, say("variance of a step"), 1.0, -1, 0),
+    ("B", 0, 0, 1): (say("level of flicker"), say("minimum of the curve"), 2 * math.log(2) / math.pi, 0, 0),
+}
+"""By term and powers of rate, time and value: what a field is, what is written instead, and weight and powers of it."""
 
 
 Write = Callable[["Content"], str | bytes]

@@ -27,7 +27,7 @@ MIN_REMARK_LINES = 2
 MAX_GRAVE_LINES = 6
 """Lines of grave remarks for which any row of the answer gives way."""
 
-_END = re.compile(r"[;；。]|(?<=[^.\s]{3})\.(?=\s+[A-ZА-Я])| (?=\([^()]*\)(?:$|[:;；。]|\.\s))")
+_END = re.compile(r"[;；。]|(?<=[^.\s]{3})\.(?=\s+[A-ZА-Я](?![:,]| \())| (?=\([^()]*\)(?:$|[:;；。]|\.\s))")
 """Where a clause ends, or an aside begins that ends it."""
 
 MIN_TITLE_COLUMNS = 12

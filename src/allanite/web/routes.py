@@ -245,9 +245,8 @@ async def export(request: Request, name: str) -> dict[str, Any]:
     """The file of a target."""
     asked: ExportBody = await body_of(request, ExportBody)
     jobs: Jobs = request.app.state.jobs
-    return await jobs.ask(
-        name, "export", channels=asked.channels, target=asked.target, choices=asked.model_extra, form=asked.form
-    )
+    own = asked.model_dump(include={"channels", "target", "form", "models"})
+    return await jobs.ask(name, "export", choices=asked.model_extra, lang=asked.lang or jobs.job(name)["lang"], **own)
 
 
 async def save(request: Request, name: str, form: str, lang: Lang = "", dark: bool = False) -> Response:

@@ -62,12 +62,14 @@ class RefitBody(Body):
 
 
 class ExportBody(Body):
-    """A target, and besides the choices of an export."""
+    """A target, the noise of other sensors, and besides the choices of an export."""
 
     model_config = ConfigDict(extra="allow")
     target: str
     channels: list[str] = []
     form: str = ""
+    models: list[str] = []
+    lang: Lang = ""
 
 
 class PathBody(Body):

@@ -211,19 +211,24 @@ def refit(held: Held, job: str, *, channel: str, choices: dict[str, Any], statis
     }
 
 
-def export(held: Held, job: str, *, channels: list[str], target: str, choices: dict[str, Any], form: str) -> Answer:
-    """The file of a target, for the channels of a study."""
+def export(
+    held: Held, job: str, *, channels: list[str], target: str, choices: dict[str, Any], form: str, models: list[str],
+    lang: str,
+) -> Answer:  # fmt: skip
+    """The file of a target, for the channels of a study and the noise of other sensors."""
     from allanite.exporting.export import exported, prepared
     from allanite.exporting.fields import How
+    from allanite.exporting.imported import models_of
 
     value, _ = held.values[job]
     how = How(**read_given(choices_of(How), choices))
     row, suffix = prepared(target, how, form)
     chosen = replace(value, channels=tuple(value[name] for name in channels)) if channels else value
-    made = exported(row, chosen, how, suffix)
+    made = exported(row, [chosen, *models_of(models)], how, suffix)
+    shown = faces.described(made, lang)
     return {
         "text": made.text, "binary": made.binary, "filename": f"{row.name}{made.suffix}",
-        "notes": [str(note) for note in made.notes], "alerts": [str(alert) for alert in made.alerts],
+        "html": "".join([shown["html"], *(sheet["html"] for sheet in shown["channels"])]) if made.entries else "",
     }  # fmt: skip
 
 

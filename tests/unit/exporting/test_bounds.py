@@ -15,6 +15,8 @@ from allanite.exporting.choice import axes_of
 from allanite.exporting.content import Axis
 from allanite.exporting.export import prepared
 from allanite.exporting.fields import How
+from allanite.reporting import first_screen
+from allanite.reporting.digits import digits
 
 GYRO = al.Model("N 0.3 deg/sqrt(h), B 7 deg/h, K 30 deg/h/sqrt(h)")
 ACCELEROMETER = al.Model("N 60 ug/sqrt(Hz), B 30 ug, K 200 ug/sqrt(h)")
@@ -82,6 +84,19 @@ def test_bounds_are_those_of_the_curve_and_above_the_truth(study):
         (axis,) = (bounded(a, asked=True) for a in axes_of(channel))
         assert axis.fit["B"].upper == pytest.approx(high[late].min() / np.sqrt(2 * np.log(2) / np.pi), rel=1e-9)
     assert not any(entry.measured for entry in found.entries)
+
+
+@pytest.mark.slow("seconds of analyses")
+def test_the_first_screen_has_the_values_of_the_file(study):
+    made = {
+        e.name: digits(e.values[0], figures=3).plain()[0] for e in al.export(study, "kalibr", from_curve=True).entries
+    }
+    (line,) = (line for line in first_screen(study).splitlines() if "--to kalibr" in line)
+    gyro, accelerometer = (
+        ", ".join(made[f"{sensor}_{key}"] for key in ("noise_density", "random_walk"))
+        for sensor in ("gyroscope", "accelerometer")
+    )
+    assert line == f"kalibr, bounds: {gyro}; {accelerometer} (allanite export FILE --to kalibr --from-curve)"
 
 
 @rows("target", sorted(set(al.EXPORTS) - {"kalibr"}))

@@ -132,7 +132,9 @@ def test_the_bias_instability_of_a_data_sheet_is_covered_by_convert():
     found = run("convert", "0.3 deg/sqrt(h)", "7.2 deg/h", "N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)", "--to", "openvins",
                 "--rate", "100", "--cover", "1,300", "--json", "-")  # fmt: skip
     values = {entry["name"]: entry for entry in json.loads(found.stdout)["entries"]}
-    assert values["gyroscope_random_walk"]["remark"] == "covers 1 to 300 s"
+    assert values["gyroscope_random_walk"]["remark"] == "covers B 7.2 deg/h from 1 to 300 s"
+    assert values["gyroscope_random_walk"]["identified"] == []
+    assert values["gyroscope_noise_density"]["identified"] == [pytest.approx(8.7266e-5, rel=1e-4)]
     assert values["accelerometer_random_walk"]["values"] == [pytest.approx(3.268883e-06)], "as it was given"
 
 

@@ -88,7 +88,7 @@ def test_nothing_is_never_written_as_zero(status):
               for one in six()[:3]]  # fmt: skip
     with pytest.raises(al.DataError, match="kalibr cannot be written: gyroscope_random_walk has no value") as refused:
         al.export([*source, *six()[3:]], "kalibr", rate=100.0)
-    assert re.search(f"gx: K is {status if status != 'absent' else 'not identified'}", str(refused.value))
+    assert re.search(f"gx, gy, gz: K is {status if status != 'absent' else 'not identified'}", str(refused.value))
     # where no field needs it, it is not written
     assert "random" not in al.export([*source, *six()[3:]], "ros-imu", rate=100.0).text.replace("random walk)", "")
 
@@ -106,10 +106,10 @@ def test_an_axis_without_a_coefficient_is_named():
 def test_models_that_explain_nothing_are_refused_unless_asked_for():
     goodness = al.identify(al.simulate(al.N(1.0, "rad/sqrt(s)"), 4000, 10.0, rng=np.random.default_rng(1))).goodness
     bad = [replace(one, goodness=replace(goodness, p=1e-20)) for one in six()[:3]]
-    with pytest.raises(al.DataError, match=r"gx: the model does not explain the record.*unexplained=True"):
+    with pytest.raises(al.DataError, match=r"^gx, gy, gz: the model does not explain the record.*unexplained=True"):
         al.export(bad, "datasheet")
     doubted = [replace(one, goodness=replace(goodness, p=1e-20)) for one in six()[3:]]
-    with pytest.raises(al.DataError, match=r"^ax: the model does not explain the record.*unexplained=True"):
+    with pytest.raises(al.DataError, match=r"^ax, ay, az: the model does not explain the record.*unexplained=True"):
         al.export([*six()[:3], *doubted], "kalibr", rate=100.0)
     mixed = [bad[1], six()[0], *six()[3:]]
     found = al.export(mixed, "kalibr", rate=100.0)
@@ -280,6 +280,7 @@ def test_the_other_sensor_as_a_model_and_json(files):
     (("convert", "0.66 deg/sqrt(h)", "--to", "vins-mono"), 2, "needs the sampling rate: --rate HZ"),
     (("convert", "--from", "kalibr", "{gyro}"), 3, "has none of the fields of kalibr: gyroscope_noise_density"),
     (("convert", "--from", "datasheet", "{gyro}"), 2, "datasheet cannot be read back"),
+    (("convert", "8 deg/h", "N 60 ug/sqrt(Hz), B 9 ug", "--to", "lio-sam", "-o-"), 3, "N is not stated"),
     (("explain", "nothing"), 2, "unknown name 'nothing'"),
 ])  # fmt: skip
 def test_what_is_refused_says_so(files, arguments, code, words):
@@ -291,7 +292,7 @@ def test_what_is_refused_says_so(files, arguments, code, words):
 def test_a_value_of_a_data_sheet_in_the_unit_of_a_field():
     done = run("convert", "0.66 deg/sqrt(h)", "--to", "kalibr")
     assert done.exit_code == 0, done.output
-    assert re.search(r"gyroscope_noise_density +0\.000191986 +rad/s/√Hz +N", done.stdout)
+    assert re.search(r"gyroscope_noise_density +0\.000191986 +rad/s/√Hz +given +N", done.stdout)
     discrete = run("convert", "0.66 deg/sqrt(h)", "100 ug/sqrt(Hz)", "--to", "vins-mono", "--rate", "200")
     assert re.search(r"gyr_n +0\.00383972", discrete.stdout)
     assert re.search(r"acc_n +0\.0196133", discrete.stdout)

@@ -79,6 +79,19 @@ def made(tmp_path_factory):
     return SimpleNamespace(study=study, quiet=study["gy"], acc=noise()[1])
 
 
+@rows(("target", "field", "nature"), [
+    ("gazebo", 1, ("density", "steady-state sigma", "sqrt(T/2)")),
+    ("gtsam", 0, ("density squared", "variance per sample", "f")),
+    ("ros-imu", 0, ("variance per sample", "density squared", "1/f")),
+    ("vins-mono", 0, ("sigma per sample", "density", "sqrt(1/(2 f))")),
+    ("kf-gins", 2, ("steady-state sigma", "density", "sqrt(2/T)")),
+    ("matlab", 2, ("level of flicker", "minimum of the curve", "0.664")),
+])  # fmt: skip
+def test_what_a_field_is_and_by_how_much_the_usual_mistake_is_wrong(target, field, nature):
+    assert al.EXPORTS[target].fields[field].nature == nature
+    assert all(all(field.nature[:1]) for row in al.EXPORTS.values() for field in row.fields)
+
+
 def said(*arguments):
     done = CliRunner().invoke(main, list(arguments))
     assert done.exit_code == 0, done.output
@@ -97,7 +110,7 @@ REQUESTS = {
         lambda m: all(f.term == "K" for row in al.EXPORTS.values() for f in row.fields
                       if re.search(r"walk|_w$|Walk|BiasN|B_NOISE|BIAS_P|psd", f.name)),
     "LIO-SAM, LINS: which value of a data sheet goes into which field":
-        lambda m: "imuGyrBiasN gyro rad/s²/√Hz K" in said("explain", "lio-sam"),
+        lambda m: "imuGyrBiasN density steady-state sigma sqrt(T/2) rad/s²/√Hz K gyro" in said("explain", "lio-sam"),
     "kalibr: a data sheet's ADIS16448 in kalibr's numbers":
         lambda m: "0.000191986 rad/s/√Hz" in said("convert", "0.66 deg/sqrt(h)", "--to", "kalibr"),
     "kalibr: no procedure for the random walk where only bias instability is known":
@@ -125,7 +138,7 @@ REQUESTS = {
     "NaveGo: units of the angle random walk of a STIM300":
         lambda m: "| 0.15 | | | deg/sqrt(h)" in said("convert", "0.0025 deg/s/sqrt(Hz)"),
     "NaveGo: how gb_psd is computed":
-        lambda m: "gb_psd gyro rad/s²/√Hz K" in said("explain", "navego"),
+        lambda m: "gb_psd density steady-state sigma sqrt(T/2) rad/s²/√Hz K gyro" in said("explain", "navego"),
     "gnss-ins-sim: the drift of the bias depends on the sampling rate":
         lambda m: al.export([m.study, m.acc], "gnss-ins-sim")["gyro_b_stability"]
         == al.export([m.study, m.acc], "gnss-ins-sim", filter_rate=777.0)["gyro_b_stability"],

@@ -48,7 +48,11 @@ GAZEBO = Target(
     source="gz-sensors, src/GaussianNoiseModel.cc: white noise of stddev per sample; the bias is a Gauss-Markov "
     "process driven with the variance dynamic_bias_stddev^2 T (1 - exp(-2 dt/T))/2 per step: "
     "dynamic_bias_stddev is K, not a standard deviation. The copy of 2018 had no dynamic bias",
-    notes=(say("f is the update_rate of the sensor"), say("SDF 1.6 or later")),
+    notes=(
+        say("dynamic_bias_stddev is a density, K; the steady-state sigma is K sqrt(T/2)"),
+        say("f is the update_rate of the sensor"),
+        say("SDF 1.6 or later"),
+    ),
     markov=True,
     each=True,
     comments=XML.pattern,
@@ -89,7 +93,10 @@ ROS_IMU = Target(
     forms={".yaml": LineLayout("{name}: [{diagonal}]")},
     source="sensor_msgs/Imu.msg: 3 x 3 by rows, variance of a sample; all zeros mean unknown. Names of the parameters "
     "of drivers differ",
-    notes=(say("the message has no place for a drift of the bias: K is not written"),),
+    notes=(
+        say("-1 in the first element means that there is no such measurement; all zeros mean an unknown covariance"),
+        say("the message has no place for a drift of the bias: K is not written"),
+    ),
     each=True,
 )
 

@@ -24,10 +24,7 @@ KALIBR = Target(
 OPENVINS = Target(
     name="openvins",
     title=say("kalibr_imu_chain.yaml of OpenVINS"),
-    fields=(
-        *pair("gyroscope_noise_density", "accelerometer_noise_density", *DENSITY),
-        *pair("gyroscope_random_walk", "accelerometer_random_walk", *WALK),
-    ),
+    fields=KALIBR.fields,
     forms={
         ".yaml": LineLayout(
             "  {name}: {value}",
@@ -115,8 +112,8 @@ GTSAM = Target(
     "which the integration divides by dt. The division was not read in the version of today",
     notes=(
         say(
-            "setIntegrationCovariance and setBiasAccOmegaInt (its name differs between versions) do not follow from "
-            "the noise"
+            "setIntegrationCovariance, the error of the numerical integration, is not an Allan coefficient; "
+            "neither is setBiasAccOmegaInt (its name differs between versions), the covariance of the initial biases"
         ),
     ),
 )

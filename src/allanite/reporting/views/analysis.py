@@ -24,6 +24,7 @@ from .channels import first_of
 from .datasheet import DATA_SHEET, alternative, card_of, data_sheet_table
 from .details import details, fitness, over_time, overlay
 from .expectation import causes, meaning_notes, meaning_of, meanings
+from .export import filter_table
 from .fit import coefficients, definitions
 from .jobs import channel_sheet, job_face, source_of
 from .values import readings_table, rows_of
@@ -225,7 +226,8 @@ def study_view(study: Study, level: float) -> Face:
             *causes([meaning for meaning in meant if meaning is not None]),
         ],
         header=header_of(study.provenance, study.notes, method if fitted else ""),
-        close=[*meanings(meant), *_statuses(study)], how=list(_how(study)), device=study.recipe.labels,
+        close=[*filter_table(study), *meanings(meant), *_statuses(study)],
+        how=list(_how(study)), device=study.recipe.labels,
         facts=[*facts, f"sha256 {digest[:12]}…"] if digest else facts,
     )  # fmt: skip
 

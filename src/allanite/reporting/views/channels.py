@@ -16,11 +16,12 @@ from allanite.core.validity import APPROXIMATE, ROUGHLY, UNEXPLAINED
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import words
 from allanite.reporting.digits import digits, rounded
-from allanite.reporting.first import FIGURES, MOST, PLUS_MINUS, ChannelRow, Channels, First, plus_minus
+from allanite.reporting.first import FIGURES, MOST, PLUS_MINUS, Answer, ChannelRow, Channels, First, plus_minus
 from allanite.study.job import Job
 from allanite.study.results import Channel, Noise, Study
 from allanite.terms import TERMS
 
+from .export import filter_line
 from .jobs import alerts, doubts, mean_and_spread, reservations, source_of, weighed, without_repeats
 
 MAIN = ("N", "B", "K")
@@ -29,7 +30,8 @@ MAIN = ("N", "B", "K")
 IN_RUN_SHORT = say("in-run")
 
 MEANING = ("--details", say("intervals, densities, meaning"))
-LONGER = ("allanite plan FILE", say("how long to record until more is known"))
+LONGER = ("allanite plan FILE", say("how long to record"))
+EXPORT = ("allanite export FILE --to TARGET", say("file of a filter"))
 
 
 def first_of(study: Study, level: float) -> First:
@@ -39,11 +41,13 @@ def first_of(study: Study, level: float) -> First:
     if not fitted:
         return _seen(study)
     lost = any(e.status == "absent" and e.symbol in MAIN for channel in fitted for e in channel.fit or ())
-    tables = list(_channels(channels, level))
+    answer: list[Answer] = [*_channels(channels, level), *filter_line(study)]
+    inertial = any(channel.record.signal.inertial for channel in fitted)
     return First(
-        title_of(study), _verdict(channels), tables,
+        title_of(study), _verdict(channels), answer,
         without_repeats(doubts(channels), weighed([*alerts(study), *reservations(channels)])),
-        list(_legend(level).items()), how_read(study), [FIGURES, MEANING, *([LONGER] if lost else [])],
+        list(_legend(level).items()), how_read(study),
+        [FIGURES, MEANING, *([EXPORT] if inertial else []), *([LONGER] if lost else [])],
     )  # fmt: skip
 
 

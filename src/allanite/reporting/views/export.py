@@ -1,16 +1,17 @@
 """How files for other programs are shown: their fields, what they leave out, and what fields mean."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
-from allanite.core.errors import UndrawnError
+from allanite.core.errors import DataError, UndrawnError
 from allanite.core.fit import Fit
 from allanite.core.kinds import title_of
 from allanite.core.model import Model, Term
 from allanite.core.units import signal_named
-from allanite.exporting.export import Export
+from allanite.exporting.export import Export, exported
 from allanite.exporting.exports import EXPORTS, TEMPERATURE, row_of_file
+from allanite.exporting.fields import How
 from allanite.exporting.imported import Explanation, Imported
 from allanite.exporting.target import ACCELEROMETER, GYRO, Target
 from allanite.phrases.phrase import Phrase, join, say
@@ -20,13 +21,15 @@ from allanite.reporting.digits import digits, printed_unit
 from allanite.reporting.first import DETAILS, Channels, First, Remark, condensed, plus_minus
 from allanite.reporting.sheet import Code, Column, Drawing, Face, Note, Part, Plot, Sheet, Table, header_of, one_sheet
 from allanite.statistics import STATISTICS
+from allanite.study.results import Study
 from allanite.terms import TERMS, WHITE
 
 from . import view
 
 BRAND = say("noise coefficients for a filter")
 KEY = say(
-    "f is the rate, T a correlation time; N, K and B are the coefficients of white noise, random walk and flicker"
+    "f is the rate (sqrt(f) is 14 at 200 Hz), T a correlation time; N, K and B are the coefficients of white noise, "
+    "random walk and flicker"
 )
 
 
@@ -37,10 +40,55 @@ DRAWN = say(
 )
 
 SENSORS = {GYRO: say("gyro"), ACCELEROMETER: say("accelerometer")}
-COLUMNS = (
-    Column(say("field"), "name"), Column(say("value")), Column(say("unit"), "unit"), Column(say("formula"), "text"),
-    Column(say("channel"), "text"), Column(say("remark"), "text"),
-)  # fmt: skip
+
+
+def _fields(value: Export, title: str = "") -> Table:
+    """What is written, and beside it what was identified, or given, where that differs."""
+    differs = any(entry.factor or entry.covers for entry in value.entries)
+    columns = (
+        Column(say("field"), "name"), Column(say("written")),
+        Column(say("identified") if value.recipe else say("given")), Column(say("unit"), "unit"), Column(say("factor")),
+        Column(say("remark"), "text", aside=differs), Column(say("formula"), "text", aside=True),
+        Column(say("channel"), "text", aside=True),
+    )  # fmt: skip
+    rows = [[f"×{cell}" if i == 4 and cell else cell or say("none") if i == 2 else cell for i, cell in enumerate(row)]
+            for row in value.rows()[1]]  # fmt: skip
+    table = Table(columns, rows, title)
+    return table if differs else table.only([0, 1, 3, 5, 6, 7])
+
+
+FILTER = EXPORTS["kalibr"]
+"""The target whose values stand beside every result."""
+
+
+def filter_line(study: Study) -> Iterator[Phrase]:
+    """The values of an IMU for a filter, or their upper bounds, and the command that writes the file."""
+    if not {channel.record.signal.name for channel in study if channel.fit is not None}.issuperset(SENSORS):
+        return
+    command, made = f"allanite export FILE --to {FILTER.name}", for_filter(study, How())
+    what = say("{filter} (gyro; accelerometer)", filter=FILTER.name)
+    if made is None:
+        made, command = for_filter(study, How(from_curve=True)), f"{command} --from-curve"
+        what = say("{filter}, bounds", filter=FILTER.name)
+    if made is not None:
+        sizes = [(e.sensor, digits(e.values[0], figures=3).plain()[0]) for e in made.entries]
+        values = join("; ", (", ".join(size for sensor, size in sizes if sensor == own) for own in SENSORS))
+        yield say("{what}: {values} ({command})", what=what, values=values, command=command)
+
+
+def filter_table(study: Study) -> Iterator[Table]:
+    """The values of a study for a filter, beside those that were identified."""
+    made = for_filter(study, How(partial=True))
+    if made is not None:
+        yield replace(_fields(made, say("For filters ({filter})", filter=FILTER.name)), where="page")
+
+
+def for_filter(study: Study, how: How) -> Export | None:
+    """The values for the usual filter; None if the study has none."""
+    try:
+        return exported(FILTER, study, how, FILTER.form(""))
+    except DataError:  # its sheets say why
+        return None
 
 
 def first_of_models(models: Iterable[Model], texts: Sequence[str]) -> First:
@@ -68,8 +116,11 @@ def first_of_export(value: Export, level: float) -> First:
     after = (("--output FILE", say("write it")), DETAILS)
     if value.entries or value.suffix != ".md" or value.target != "datasheet":
         first = condensed(export_view.face(value, level))
-        missing = [Remark.of("", note) for note in value.notes]
-        return replace(first, remarks=[*first.remarks, *missing], after=after)
+        why = dict.fromkeys((SENSORS[e.sensor], e.remark) for e in value.entries if e.covers)
+        notes = [Remark.of("", note) for note in value.notes]
+        own = [*(Remark.of(*reason) for reason in why), *notes[: bool(why)]]
+        answer = first.answer if value.entries or not row_of_file(value.target).fields else []
+        return replace(first, answer=answer, remarks=[*own, *first.remarks, *notes[bool(why) :]], after=after)
     rows = [line.strip("| ").split(" | ") for line in value.text.splitlines() if line.startswith("| ")][2:]
     cells = []
     for channel, quantity, size, low, high, unit, *_ in (row for row in rows if any(row[2:5])):
@@ -94,11 +145,11 @@ def export_view(value: Export, _: float) -> Face:
     row = row_of_file(value.target)
     parts: list[Part] = [Note(alert, "alert") for alert in value.alerts]
     if value.entries:
-        parts.append(Table(COLUMNS, value.rows()[1]))
+        parts.append(_fields(value))
         parts.append(Note(KEY, "quiet"))
         if value.stated:
             parts.append(Drawing(lambda: figures.plot_stated(value.stated), DRAWN_LABEL, DRAWN))
-    elif not value.binary:
+    elif not value.binary and not row.fields:
         parts.append(Code(value.text.rstrip("\n")))
     parts += _noted(row, value.notes)
     header = header_of(value.provenance, ()) if value.provenance else ()
@@ -137,7 +188,8 @@ def _tables() -> dict[str, dict[str, str]]:
 def first_of_explanation(value: Explanation, level: float) -> First:
     """The names of all tables, or what the fields of a target mean."""
     if value.target:
-        return condensed(explanation_view.face(value, level))
+        notes = [Remark.of("", note) for note in row_of_file(value.target).notes]
+        return replace(condensed(explanation_view.face(value, level)), remarks=notes)
     lines = [say("{table}: {names}", table=title, names=", ".join(rows)) for title, rows in _tables().items()]
     after = (
         ("allanite explain NAME", say("fields of a target, degrees of freedom of a statistic, or a data sheet")),
@@ -156,12 +208,13 @@ def explanation_view(value: Explanation, _: float) -> Face:
         return Face(say("targets, statistics, noise terms and data sheets"), BRAND, sheets)
     row = row_of_file(value.target)
     fields = [
-        [f.full, SENSORS[f.sensor], f.unit, f.formula,
-         title_of(f.term, signal_named(f.sensor)) if f.term else say("correlation time")]
+        [f.full, *f.nature, f.unit, f.formula, SENSORS[f.sensor],
+         title_of(f.term, signal_named(f.sensor)) if f.term else ""]
         for f in row.fields
     ]  # fmt: skip
-    columns = (Column(say("field"), "name"), Column(say("sensor"), "text"), Column(say("unit"), "unit"),
-               Column(say("is"), "text"), Column("", "text"))  # fmt: skip
+    columns = (Column(say("field"), "name"), Column(say("kind"), "text"), Column(say("often mistaken for"), "text"),
+               Column(say("wrong by"), "text"), Column(say("unit"), "unit"), Column(say("is"), "text"),
+               Column(say("sensor"), "text", aside=True), Column("", "text", aside=True))  # fmt: skip
     parts: list[Part] = [Table(columns, fields), Note(KEY, "quiet")] if fields else []
     if row.step:
         parts.append(

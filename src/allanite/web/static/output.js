@@ -1,7 +1,7 @@
 // What is taken away: files for other programs, the data sheet, reports, the recipe, the command line that repeats it.
 
 import * as api from "./api.js";
-import { button, byId, complaint, copyable, el, fill, menu, show } from "./dom.js";
+import { button, byId, complaint, copyable, el, fill, fragment, menu, show } from "./dom.js";
 import { shown } from "./jobs.js";
 import { on, run, state, tell } from "./state.js";
 import { t } from "./words.js";
@@ -45,9 +45,13 @@ async function give(target) {
   try {
     await fresh();
     const channels = [...byId("export-channels").querySelectorAll("input:checked")].map((box) => box.value);
-    const { text, filename } = await api.exported(run(), { channels, target });
+    const ticked = (id) => byId(id).checked || undefined;
+    const other = byId("export-model").value.trim();
+    const order = { channels, target, lang: state.choices.lang, unexplained: ticked("unexplained"), from_curve: ticked("from-curve"), cover: ticked("uncovered") && false, models: other ? [other] : [] };
+    const { text, filename, html } = await api.exported(run(), order);
+    const whole = copyable(text, "export-text", t("copy"));
     const file = () => download({ blob: new Blob([text], { type: "text/plain" }), name: filename });
-    fill(place, el("h3", {}, filename ?? target), copyable(text, "export-text", t("copy")), button(`${t("save")}: ${filename}`, "export-save", file));
+    fill(place, el("h3", {}, filename ?? target), html ? [fragment(el("div", { class: "fragment", test: "export-fields" }), html), el("details", {}, el("summary", { test: "export-fold" }, filename), whole)] : whole, button(`${t("save")}: ${filename}`, "export-save", file));
   } catch (error) {
     fill(place, complaint(error, "error-target"));
   }
