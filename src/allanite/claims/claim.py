@@ -112,7 +112,7 @@ class ClaimedNoise(Value):
     source : str
         The file, the name of the data sheet, or the text of the model.
     kind : str
-        What it is: "model", "data sheet", "limits", or the name of a target of `allanite.EXPORTS`.
+        What it is: "model", "data sheet", "limits", or the name of a target of `allanite.exporting.EXPORTS`.
     models : tuple of Model
         One for each kind of sensor, of limits as large as they are. Where the file of a target states a correlation
         time, the bias is GM.

@@ -79,7 +79,7 @@ def bound(
     size: int | None = None,
     rate: float | None = None,
     *,
-    duration: float | None = None,
+    duration: float | str | None = None,
     ramp: bool | None = None,
     terms: str = "known",
 ) -> Bound:

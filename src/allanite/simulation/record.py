@@ -24,8 +24,8 @@ def simulate(
     size: int | None = None,
     rate: float | None = None,
     *,
-    duration: float | None = None,
-    rng: "np.random.Generator | int",
+    duration: float | str | None = None,
+    rng: "np.random.Generator | int | None" = None,
     name: str = "",
     unit: str | None = None,
     rounding: bool = False,
@@ -40,11 +40,12 @@ def simulate(
     ----------
     model : Model, Term or Fit
     size : int
-        Number of samples, at least 2; or `duration`, s.
+        Number of samples, at least 2; or `duration`, in s or as a text such as ``"1 min"``.
     rate : float
         Sampling rate, Hz.
-    rng : numpy.random.Generator or int
-        The source of randomness, for example ``numpy.random.default_rng(1)``, or its seed.
+    rng : numpy.random.Generator or int, optional
+        The source of randomness, for example ``numpy.random.default_rng(1)``, or its seed; by default another one each
+        time.
     name : str, optional
         Name of the channel.
     unit : str, optional
@@ -59,7 +60,7 @@ def simulate(
     Returns
     -------
     Record
-        Mean rate over each interval. `allanite.faults` adds other faults.
+        Mean rate over each interval. `allanite.simulation.faults` adds other faults.
 
     Raises
     ------

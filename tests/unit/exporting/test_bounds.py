@@ -84,7 +84,7 @@ def test_bounds_are_those_of_the_curve_and_above_the_truth(study):
     assert not any(entry.measured for entry in found.entries)
 
 
-@rows("target", sorted(set(al.EXPORTS) - {"kalibr"}))
+@rows("target", sorted(set(al.exporting.EXPORTS) - {"kalibr"}))
 def test_every_target_says_so(target, file):
     row, _ = prepared(target, How(), "")
     found = run("export", file, "--to", target, "--from-curve", "--json", "-")
