@@ -50,6 +50,7 @@ TOPICS: dict[str, tuple[str, str]] = {
 INNER = {
     "statistics": ("edf", "expectation", "Expectation", "covariance", "integrated", "Surface", "LongJobWarning"),
     "identification": ("Residuals", "Shared"),
+    "signals": ("budget", "budget_file", "rate_from_current", "Budget", "PathSettings", "Stage", "TorqueScale"),
 }
 """Packages of which only these names are for users; of the others, whatever is not a module."""
 

@@ -6,6 +6,7 @@ import math
 import re
 import sys
 from functools import cache
+from operator import attrgetter
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -28,7 +29,7 @@ def functions() -> dict[str, Any]:
     """Every public function, by the name that users type after ``al.``."""
     found = {}
     for name in " ".join(names for _, names in TOPICS.values()).split():
-        thing = getattr(al, name)
+        thing = attrgetter(name)(al)
         inner = public_names(name) if isinstance(thing, ModuleType) else []
         found |= {name: thing} if not inner else {f"{name}.{one}": getattr(thing, one) for one in inner}
     return {name: thing for name, thing in found.items() if inspect.isfunction(thing)}

@@ -68,7 +68,7 @@ def test_every_verb_and_public_name_is_there(site):
         thing = getattr(al, name)
         if not name.startswith("_") and callable(thing):
             assert f'id="allanite.{name}"' in names, name
-    for package in ("angle", "constant_rate", "faults", "prepare", "statistics", "compensation"):
+    for package in ("angle", "constant_rate", "simulation.faults", "prepare", "statistics", "compensation"):
         for name in public_names(package):
             assert f'id="allanite.{package}.{name}"' in names, (package, name)
 

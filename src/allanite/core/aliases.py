@@ -8,6 +8,8 @@ from itertools import chain
 from numbers import Real
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from allanite.phrases.phrase import spelled
+
 from .errors import UsageError, WrongTypeError, given
 from .habits import demand_own, renamed
 
@@ -19,17 +21,8 @@ T = TypeVar("T")
 
 
 def public(function: F) -> F:
-    """The function as users call it: `ARGUMENTS` by other names, too, and each of the type that is declared.
+    """The function as users call it, arguments by other names, too (`ARGUMENTS`), each of the type that is declared.
 
-    Raises
-    ------
-    WrongTypeError
-        An argument is of another type.
-    UsageError
-        What comes of the arguments is beyond the range of numbers.
-
-    Examples
-    --------
     >>> public(lambda rate: 1 / rate)(fs=100.0)
     0.01
     """
@@ -89,13 +82,11 @@ def generator(rng: "np.random.Generator | int | None") -> "np.random.Generator":
 def size_and_rate(size: int | None, rate: float | None, duration: float | str | None) -> tuple[int, float]:
     """Number of samples and sampling rate, Hz, of a record that is described by its size or its duration, s.
 
-    Examples
-    --------
     >>> size_and_rate(None, 100.0, 60.0), size_and_rate(None, 100.0, "1 min")
     ((6000, 100.0), (6000, 100.0))
     """
     if isinstance(duration, str):
-        from .choices import seconds_of
+        from .units import seconds_of
 
         duration = seconds_of(duration)
     if rate is None:
@@ -105,5 +96,6 @@ def size_and_rate(size: int | None, rate: float | None, duration: float | str | 
     if duration is not None and not (math.isfinite(duration) and duration > 0):
         raise UsageError(f"the duration must be a positive number of s, not {given(duration)}")
     if (size is None) == (duration is None):
-        raise UsageError("give either size, a number of samples, or duration, in s, e.g. duration=3600")
+        how = spelled("--duration or --samples", "size, a number of samples, or duration, in s, e.g. duration=3600")
+        raise UsageError(f"give either {how}")
     return (size if size is not None else round((duration or 0.0) * rate)), rate

@@ -263,8 +263,6 @@ class Estimate(Value):
     def words(self, unit: str | None = None, level: float = 0.95) -> str:
         """The estimate as text: ``0.31 (0.30 .. 0.32) deg/sqrt(h)`` or ``not identified, below 2.1 deg/h``.
 
-        Examples
-        --------
         >>> from .units import SIGNALS
         >>> Estimate("B", SIGNALS[0], None, None, "absent", 4.848e-6, "whittle").words("deg/h")
         'not identified, below 1 deg/h'

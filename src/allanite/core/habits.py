@@ -1,6 +1,6 @@
 """What other libraries call functions, arguments and attributes of results, and what it is called here."""
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Collection, Iterable
 from numbers import Real
 from typing import Any
 
@@ -42,25 +42,15 @@ REMEDIES = {
 """What replaces a method or attribute of other libraries, and its names."""
 
 
-def same(value: Any) -> Any:
-    """The value as it is given."""
-    return value
-
-
-ARGUMENTS: dict[str, tuple[str, Callable[[Any], Any]]] = {
-    "fs": ("rate", same),
-    "sampling_rate": ("rate", same),
-    "dt": ("rate", lambda dt: 1 / dt if isinstance(dt, Real) and dt else dt),
-    "seed": ("rng", same),
-}
-"""Arguments of other libraries: the name here, and its value."""
+ARGUMENTS = {"fs": "rate", "sampling_rate": "rate", "dt": "rate", "seed": "rng"}
+"""Arguments of other libraries, and their names here; `dt` is the inverse."""
 
 
 def remedy(table: dict[str, str], name: str) -> str:
     """The entry of a table for one of its names; empty if it has none.
 
-    >>> remedy(CALLS, "read_csv"), remedy(SETTINGS, "nperseg"), remedy(CALLS, "x")
-    ('al.read(file)', 'al.Welch(segment=seconds)', '')
+    >>> remedy(CALLS, "read_csv"), remedy(SETTINGS, "af"), remedy(CALLS, "x")
+    ('al.read(file)', 'al.deviation(record, m=factors)', '')
     """
     return next((text for text, names in table.items() if name in names.split()), "")
 
@@ -72,10 +62,11 @@ def renamed(options: dict[str, Any], names: Collection[str]) -> dict[str, Any]:
     {'seed': 1, 'rate': 100.0}
     """
     for foreign in (ARGUMENTS.keys() & options.keys()).difference(names):
-        name, here = ARGUMENTS[foreign]
+        name = ARGUMENTS[foreign]
         if name in options:
             raise UsageError(f"{name} and {foreign} are the same: give one of them")
-        options = {key: value for key, value in options.items() if key != foreign} | {name: here(options[foreign])}
+        value = options.pop(foreign)
+        options[name] = 1 / value if foreign == "dt" and isinstance(value, Real) and value else value
     return options
 
 

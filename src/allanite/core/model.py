@@ -119,13 +119,7 @@ class Term(Value):
 
 
 def coefficient_factor(symbol: str, unit: str, signal: Signal | None = None) -> float:
-    """Size of `unit` in SI, after checking that it is a unit of the coefficient `symbol`.
-
-    Raises
-    ------
-    UnitError
-        If `unit` is not a unit of this coefficient; the message names the usual ones.
-    """
+    """Size of `unit` in SI, if it is a unit of the coefficient `symbol`; a UnitError names the usual ones if not."""
     size = unit_of(unit)
     fits = signal_with(size.dimension, TERMS[symbol].power, values=True)
     if fits is None or (signal is not None and fits is not signal):
@@ -342,13 +336,7 @@ def nevertheless(why: str, remedy: str) -> Phrase:
 
 
 def usable_model(value: ModelLike) -> Model:
-    """The model from which a job may go on: given, or identified without a doubt; of a fit its valid coefficients.
-
-    Raises
-    ------
-    DataError
-        The model does not explain the record that it was identified from.
-    """
+    """The model from which a job may go on: given, or identified without a doubt; of a fit its valid coefficients."""
     usable = getattr(value, "usable", None)
     return usable() if usable is not None else model_of(value).usable()
 

@@ -47,8 +47,6 @@ class Value(Portable):
     libraries. Of data that are read, the fields of each text
     of `_alike` must have as many items, and `_checks` refuse what else a field cannot be.
 
-    Examples
-    --------
     >>> from dataclasses import dataclass
     >>> @dataclass(frozen=True, repr=False)
     ... class Offset(Value):

@@ -53,8 +53,6 @@ TEMPERATURE = {"px4": PX4_TC, "ardupilot": ARDUPILOT_TCAL}
 def target_named(name: str) -> Target:
     """The row of a target; upper case and underscores do not matter.
 
-    Examples
-    --------
     >>> target_named("LIO_SAM").name
     'lio-sam'
     """
