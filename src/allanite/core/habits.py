@@ -13,9 +13,7 @@ CALLS = {
     "al.expected(model, tau)": "predict",
     "al.write(recording, path)": "save to_csv savetxt",
     "al.report(study, path)": "to_html to_pdf html",
-    "al.plan(model, rate)": "duration",
     "al.read_noise(path, target)": "load_yaml import_noise",
-    "al.interpretation.Meaning": "explain",
 }
 """A call, and the names under which it is looked for at the top level."""
 

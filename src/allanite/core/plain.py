@@ -22,9 +22,6 @@ MAX_REPR = 120  # maximum length of a `repr`
 TYPES: "dict[str, type[Value]]" = {}
 """Every kind of value that is imported, by its "type"; a class is here as soon as it is defined."""
 
-FUNCTIONS = ("report", "export")
-"""Functions of `allanite` that are methods, too."""
-
 RESULTS = "allanite.reporting"
 """The package that knows all results; it is imported when a stored type is not known yet, or a notebook shows one."""
 
@@ -114,14 +111,14 @@ class Value(Portable):
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            """What is called otherwise in other libraries; the functions of `FUNCTIONS` with this value."""
+            """What is called otherwise in other libraries; functions of `allanite` with this value."""
             cls = type(self)
             if hasattr(own := getattr(cls, name, None), "__get__"):  # a property that has raised the error
                 return own.__get__(self, cls)
             if not name.startswith("_") and name not in {f.name for f in fields(self)}:
                 if name in cls._called:
                     return getattr(self, cls._called[name])
-                if name in FUNCTIONS:
+                if name in ("report", "export"):
                     return partial(getattr(importlib.import_module("allanite"), name), self)
                 if (part := self._named(name)) is not None:
                     return part

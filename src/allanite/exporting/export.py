@@ -182,7 +182,7 @@ def export(  # noqa: PLR0913 - each has a default, and is a choice of its own
     how = How(axis, inflate, rate, filter_rate, unexplained, SPAN.demand("cover", cover), from_curve)
     row, suffix = prepared(target, how, form)
     if isinstance(source, Record | Recording | str | os.PathLike):
-        source = analyze(source)
+        source = analyze(source, **({} if isinstance(source, Value) else {"rate": rate}))
     return exported(row, source, how, suffix)
 
 

@@ -198,10 +198,7 @@ def html_of(value: Any) -> str:
 
 
 def numbers(value: Any, *, level: float | None = None, coefficients: bool | None = False) -> "Rows":
-    """Headings and rows of a result, unrounded; of a study its curves, or its coefficients and readings.
-
-    None for coefficients where there are any.
-    """
+    """Headings and rows of a result, unrounded; of a study its curves, or its coefficients (None: if it has any)."""
     from allanite.core.errors import UsageError
 
     view = view_of(value)

@@ -91,7 +91,10 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     asked, history = factors_of(taus, row, record.size, record.rate, nearest=True) if m is None else m, record.history
     factors = checked(asked, row, record.size)
     if m is None and not isinstance(taus, str) and not agree(taus, times(row, factors, record.size) / record.rate):
-        history = (*history, say("averaging times rounded to multiples of what {statistic} needs", statistic=row.name))
+        history = (
+            *history,
+            say("averaging times rounded to those of {statistic} at {rate:g} Hz", statistic=row.name, rate=record.rate),
+        )
     _warn_of_long(row, record.size, factors, threads)
     angle = integrated(record, row.order)
     places: Sequence[tuple[int, int]] = ()

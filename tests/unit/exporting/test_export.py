@@ -150,7 +150,7 @@ def test_wrong_choices():
     for wrong in ({"inflate": 0.0}, {"inflate": float("nan")}, {"rate": -1.0}, {"filter_rate": 0.0}):
         with pytest.raises(al.UsageError):
             al.export(six(), "kalibr", **wrong)
-    refused(al.UsageError, "source must be a Study, a Channel, a Fit", lambda: al.export("gyro.csv", "kalibr"))
+    refused(al.UsageError, "source must be a Study, a Channel, a Fit", lambda: al.export(1.0, "kalibr"))
     with pytest.raises(al.UsageError, match=r"statespace is written as .npz, .m, .h, not as '.txt'"):
         al.export(six(), "statespace", form=".txt", rate=1.0)
     refused(al.UsageError, "no axis z", lambda: al.export([*six()[:2], *six()[3:]], "kalibr", axis="z", rate=100.0))
