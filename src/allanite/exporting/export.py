@@ -19,6 +19,7 @@ from allanite.core.validity import graded
 from allanite.core.version import __version__
 from allanite.phrases.phrase import say, spelled
 from allanite.study.analysis import analyze
+from allanite.study.recipe import Recipe
 from allanite.study.results import Study
 
 from .bounds import BOUND, READ, bounded
@@ -182,7 +183,7 @@ def export(  # noqa: PLR0913 - each has a default, and is a choice of its own
     how = How(axis, inflate, rate, filter_rate, unexplained, SPAN.demand("cover", cover), from_curve)
     row, suffix = prepared(target, how, form)
     if isinstance(source, Record | Recording | str | os.PathLike):
-        source = analyze(source, **({} if isinstance(source, Value) else {"rate": rate}))
+        source = analyze(source, None if isinstance(source, Value) else Recipe(rate=rate))
     return exported(row, source, how, suffix)
 
 
