@@ -316,7 +316,7 @@ def test_wrong_grids_say_what_is_possible():
     record = record_of(np.arange(10.0) ** 2)
     for options, words in [
         ({"taus": "often"}, "known grids: octave"),
-        ({"taus": [1.4]}, "not a multiple"),
+        ({"taus": [0.4]}, "not a multiple"),
         ({"taus": [6.0]}, "above 0 s and up to 5 s for a record of 10 s, not 6 s"),
         ({"m": [0]}, "between 1 and 5"),
         ({"m": [1.5]}, "integers"),
