@@ -14,7 +14,7 @@ from scipy.linalg import cho_factor, cho_solve, toeplitz
 import allanite as al
 
 MODELS = {
-    **al.SENSORS,
+    **al.planning.SENSORS,
     "N B K": "N 1 rad/sqrt(s), B 0.3 rad/s, K 0.1 rad/s^1.5",
     "Q N": "Q 1 rad, N 0.1 rad/sqrt(s)",
     "Q K": "Q 1 rad, K 0.01 rad/s^1.5",
@@ -61,7 +61,7 @@ def made(name: str, n: int, rate: float, *, ramp: bool) -> list[tuple[str, ...]]
 def main() -> None:
     run = begin(__doc__, size=2048)
     size = run.asked.size
-    rates = {name: (1.0, 100.0) if name in al.SENSORS else (1.0,) for name in MODELS}
+    rates = {name: (1.0, 100.0) if name in al.planning.SENSORS else (1.0,) for name in MODELS}
     cases = [(name, rate, ramp) for name in MODELS for rate in rates[name] for ramp in (False, True)]
     rows = [row for name, rate, ramp in cases for row in made(name, size, rate, ramp=ramp)]
     notes = [

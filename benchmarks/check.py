@@ -195,7 +195,7 @@ DEFECTS = (
 )  # fmt: skip
 
 
-def checked(simulator: Simulator, rng: Rng, axes: str) -> "al.ClaimCheck":
+def checked(simulator: Simulator, rng: Rng, axes: str) -> "al.claims.ClaimCheck":
     """What is found of one record."""
     return check(simulator.record(rng, axes), claim(simulator))
 

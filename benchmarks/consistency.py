@@ -36,7 +36,7 @@ SENSORS = {
     "N B GM": N + al.B(5, "deg/h") + al.GM(10, "deg/h", time_constant=100.0),
 }
 RECORDED = al.Recipe(unit="deg/s", channels=("1", "2", "3"))
-TARGETS = {name: row for name, row in al.EXPORTS.items() if row.fields}
+TARGETS = {name: row for name, row in al.exporting.EXPORTS.items() if row.fields}
 COVERS: dict[str, tuple[object, Callable[[Target], bool]]] = {
     "no": (False, lambda row: True),
     "default": (None, lambda row: True),
@@ -58,7 +58,7 @@ PARTS = (
 
 def read_back(found: al.Export) -> al.Model:
     """The noise of the gyro in a file: with a correlation time, its bias is a Gauss-Markov process."""
-    row = al.EXPORTS[found.target]
+    row = al.exporting.EXPORTS[found.target]
     model = noise_in(found.text, row, RATE).gyro
     assert model is not None  # noqa: S101 - every target has a field for N
     times = [e.values[0] * unit_of(e.unit).factor for e in found.entries if e.formula == "T"]

@@ -22,7 +22,7 @@ HEADINGS = ("file", "channel", "quantity", "unit", "data sheet", "measured", "95
 
 def rows(file: Path) -> list[tuple[str, ...]]:
     """Every line of the data sheet beside what was measured, a row for each channel."""
-    found, table = al.compare_with_sheet(file, "adis16405", unit=UNIT), []
+    found, table = al.comparison.compare_with_sheet(file, "adis16405", unit=UNIT), []
     for channel in found:
         for m in found.measured(channel):
             size, limits = digits(m.value, m.low, m.high).plain()
@@ -37,7 +37,7 @@ def main() -> None:
     run = begin(__doc__)
     folder = Path(os.environ["ALLANITE_RECORDINGS"])
     table = [row for name in FILES for row in rows(folder / name)]
-    sheet = al.data_sheet_named("adis16405")
+    sheet = al.planning.data_sheet_named("adis16405")
     notes = ["no random numbers", f"{sheet.maker} {sheet.document}"]
     run.publish("Recordings of the ADIS16405 beside its data sheet", notes, markdown(HEADINGS, table))
 

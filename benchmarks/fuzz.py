@@ -89,7 +89,7 @@ def reported(records: Any) -> None:
 
 JOBS: dict[str, Callable[[al.Record, np.random.Generator], object]] = {
     "analyze": lambda record, _: analyzed(record),
-    "deviation": lambda record, rng: str(al.deviation(record, str(rng.choice(list(al.STATISTICS))))),
+    "deviation": lambda record, rng: str(al.deviation(record, str(rng.choice(list(al.statistics.STATISTICS))))),
     "spectrum": lambda record, _: str(al.spectrum(record)),
     "dynamic": lambda record, _: str(al.dynamic(record)),
     "identify": lambda record, _: str(al.identify(record)),
@@ -160,7 +160,7 @@ def worked(k: int) -> None:
     rng = np.random.default_rng((77, k))
     job = JOBS[str(rng.choice(list(JOBS)))]
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", al.LongJobWarning)
+        warnings.simplefilter("ignore", al.statistics.LongJobWarning)
         job(record_of(rng), rng)
 
 
@@ -234,7 +234,9 @@ def taken_back(data: Any, k: int = 0) -> None:
     result = al.from_dict(data)
     repr(result)
     if type(result).__name__ in EXPORTED:
-        al.export([result, OTHER], list(al.EXPORTS)[k % len(al.EXPORTS)], rate=100.0, unexplained=True)
+        al.export(
+            [result, OTHER], list(al.exporting.EXPORTS)[k % len(al.exporting.EXPORTS)], rate=100.0, unexplained=True
+        )
 
 
 def results(_: str) -> Take:

@@ -19,7 +19,7 @@ import numpy as np
 import allanite as al
 
 RATE = 100.0
-SENSORS = {name.upper(): al.sensor(name) for name in al.SENSORS}
+SENSORS = {name.upper(): al.sensor(name) for name in al.planning.SENSORS}
 LONG, FEW = 2**18, 300
 """Samples above which there are at most so many records."""
 

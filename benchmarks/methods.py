@@ -20,7 +20,8 @@ import allanite as al
 from identification import RATE, SENSORS, Job, asked, bounds
 
 WAYS: dict[str, dict[str, tuple[str, str | None]]] = {
-    "methods": {name: (name, None) for name in al.METHODS} | {f"gls of {s}": ("gls", s) for s in ("ohdev", "mdev")},
+    "methods": {name: (name, None) for name in al.identification.METHODS}
+    | {f"gls of {s}": ("gls", s) for s in ("ohdev", "mdev")},
     "curves": {f"gls of {s}": ("gls", s) for s in ("oadev", "theo1", "theobr", "theoh", "pdev", "mtotdev", "htotdev")},
 }
 """Method and statistic by the name in the table, of both tables."""
@@ -41,7 +42,7 @@ def identified(job: Job, ways: str = "methods") -> Found:
     record = al.simulate(SENSORS[job.sensor], job.n, RATE, rng=np.random.default_rng([*own, job.seed]))
     found = {}
     for way, (method, statistic) in WAYS[ways].items():
-        band = "all" if "band" in al.METHODS[method].options else None
+        band = "all" if "band" in al.identification.METHODS[method].options else None
         fit = al.identify(record, method, terms=asked("known", job.sensor), statistic=statistic, band=band)
         model = {t.symbol: t.value for t in fit.model}
         found[way] = [(model.get(e.symbol, 0.0) if e.value is None else e.value, *e.interval(0.95)) for e in fit]

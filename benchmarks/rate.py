@@ -47,7 +47,9 @@ Table = tuple[tuple[str, ...], list[tuple[str, ...]]]
 def gl1_run(seed: int, warm_up: float = 0.0) -> Experiment:
     """94 intervals of two minutes."""
     gyro = replace(GL1, warm_up=warm_up)
-    record = al.simulate_ring_laser(gyro, TRUE, 94 * N, RATE, rng=np.random.default_rng(seed), name="GL-1, simulated")
+    record = al.simulation.simulate_ring_laser(
+        gyro, TRUE, 94 * N, RATE, rng=np.random.default_rng(seed), name="GL-1, simulated"
+    )
     return experiment(record, GL1.model, ExperimentSettings(reference=(TRUE + GL1.bias) * ARCSEC))
 
 
@@ -190,7 +192,7 @@ def predictions(records: int) -> Table:
     """Standard deviation over that predicted, and coverage of the 95 % interval."""
     found = {method: [] for method in RATE_ESTIMATORS}
     for seed in range(1, records + 1):
-        record = al.simulate_ring_laser(GL1, TRUE, N, RATE, rng=np.random.default_rng(seed))
+        record = al.simulation.simulate_ring_laser(GL1, TRUE, N, RATE, rng=np.random.default_rng(seed))
         for method, errors in found.items():
             estimate = al.constant_rate.estimate(record, method, model=GL1.model)
             errors.append(((estimate.to("deg/h") - TRUE - GL1.bias), estimate.standard_error / ARCSEC))
@@ -207,7 +209,7 @@ def speed() -> Table:
     full = al.Model(tuple(SIZES.values()))
     seconds, _ = timed(lambda: predicted_standard_error("optimal", full, size=N, rate=RATE))
     million, _ = timed(lambda: predicted_standard_error("optimal", full, size=10**6, rate=RATE), times=1)
-    record = al.simulate_ring_laser(GL1, TRUE, 94 * N, RATE, rng=np.random.default_rng(1))
+    record = al.simulation.simulate_ring_laser(GL1, TRUE, 94 * N, RATE, rng=np.random.default_rng(1))
     whole, _ = timed(lambda: experiment(record, GL1.model), times=1)
     single = al.Record(record.values[:N], rate=RATE, unit="arcsec", kind="count", scale=PULSE)
     stairs, _ = timed(lambda: al.constant_rate.estimate(single, "staircase"), times=9)

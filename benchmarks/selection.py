@@ -83,7 +83,7 @@ def expected_limit(model: al.Model, symbol: str, n: int) -> float:
     ours = replace(ours, power=ours.expectation(theta) + edges, Uc=np.zeros_like(ours.Uc))
     free = np.ones(theta.size, dtype=bool)
     upper = ThetaProfile(Subset(ours, free, *ours.minimise(free)), theta.size - 1).upper(2.706)
-    return math.sqrt(upper) * RATE ** -al.TERMS[symbol].power
+    return math.sqrt(upper) * RATE ** -al.terms.TERMS[symbol].power
 
 
 def with_walk(steps: float, n: int) -> Case:

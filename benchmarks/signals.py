@@ -71,7 +71,9 @@ VERBS = {
     "selfcheck": ("selfcheck", *MODEL, "--rate", "100", "--samples", "{samples}", "--records", "50"),
     "example": "example 000 papers --force",
 }
-VERBS = {f"deviation --statistic {name}": f"deviation gyro.npz --statistic {name}" for name in al.STATISTICS} | VERBS
+VERBS = {
+    f"deviation --statistic {name}": f"deviation gyro.npz --statistic {name}" for name in al.statistics.STATISTICS
+} | VERBS
 
 
 class Job(NamedTuple):

@@ -33,9 +33,9 @@ MODELS = {
     "N and W": "N 0.003 deg/sqrt(h), W 5 deg/h 10 s",
     "N and R": "N 0.003 deg/sqrt(h), R 900 deg/h^2",
     "N and Sine": "N 0.003 deg/sqrt(h), Sine 1 deg/h 3.1 Hz",
-    "MEMS": al.SENSORS["mems"],
-    "FOG": al.SENSORS["fog"],
-    "RLG": al.SENSORS["rlg"],
+    "MEMS": al.planning.SENSORS["mems"],
+    "FOG": al.planning.SENSORS["fog"],
+    "RLG": al.planning.SENSORS["rlg"],
     "all": "Q 0.01 arcsec, N 0.003 deg/sqrt(h), B 1 deg/h, K 50 deg/h/sqrt(h), GM 2 deg/h 0.5 s, R 900 deg/h^2, "
     "Sine 1 deg/h 3.1 Hz",
 }

@@ -362,8 +362,8 @@ def errors(size: int = 1_000_000) -> list[tuple[str, float, float]]:
         y = made(np.random.default_rng(1).standard_normal(size))
         x = np.concatenate(([0.0], np.cumsum(y - y[0])))
         part = x[: 2 * even.size + 1]
-        every = al.STATISTICS["oadev"].sums(x, np.arange(1, largest + 1))[m - 1]
-        theo = al.STATISTICS["theo1"].sums(part, even)[some]
+        every = al.statistics.STATISTICS["oadev"].sums(x, np.arange(1, largest + 1))[m - 1]
+        theo = al.statistics.STATISTICS["theo1"].sums(part, even)[some]
         pairs = ((every, overlapped(x, m, 2)), (theo, theo1(part, even[some])))
         rows.append((name, *(float(np.abs(fast / plain - 1).max()) for fast, plain in pairs)))
     return rows

@@ -21,7 +21,7 @@ from identification import RATE, SENSORS
 
 ROWS = ["theo1", "mtotdev", "htotdev", "pdev", "totdev"]
 SYMBOLS = "QNBKR"
-TERMS = [al.TERMS[s] for s in SYMBOLS]
+TERMS = [al.terms.TERMS[s] for s in SYMBOLS]
 HOUR, LONG = 3_600_000, 10**9
 
 
@@ -55,13 +55,13 @@ def errors(ours: np.ndarray, exact: np.ndarray, E: np.ndarray) -> dict[str, floa
 
 
 def relative(name: str, m: int, n: int) -> np.ndarray:
-    row = al.STATISTICS[name]
+    row = al.statistics.STATISTICS[name]
     return windowed.relative(row, TERMS, m, int(row.count(n, np.array([m]))[0]), n)
 
 
 def factors(name: str, n: int) -> list[int]:
     """About 40 averaging factors from the first to the last, odd ones too, and the last ones."""
-    row = al.STATISTICS[name]
+    row = al.statistics.STATISTICS[name]
     largest = row.largest(n)
     grid = np.unique(np.rint(np.geomspace(1, largest, 60)).astype(int) // row.step * row.step)
     last = [largest - row.step * k for k in (1, 2, 5)]
@@ -69,7 +69,7 @@ def factors(name: str, n: int) -> list[int]:
 
 
 def against_matrices(name: str, n: int) -> tuple[str, ...]:
-    row, worst, expectation = al.STATISTICS[name], {}, 0.0
+    row, worst, expectation = al.statistics.STATISTICS[name], {}, 0.0
     for m in factors(name, n):
         E, r = moments(quadratic_form(row, m, n), TERMS)
         ours = windowed.response(row, TERMS, m, n)
@@ -82,14 +82,14 @@ def against_matrices(name: str, n: int) -> tuple[str, ...]:
 
 def against_finer_windows(name: str) -> tuple[str, ...]:
     """An hour at 1 kHz, octaves: windows of twice as many points, three times as many rows of the folded record."""
-    row = al.STATISTICS[name]
+    row = al.statistics.STATISTICS[name]
     octaves = [int(m) for m in GRIDS["octave"](row.largest(HOUR)) if m > 1]
     ours = {m: relative(name, m, HOUR) for m in octaves}
     scheme, rows = row.scheme, folded.ROWS
     finer = replace(scheme, levels=tuple(2 * k for k in scheme.levels))
     if scheme.sharp is not None:
         finer = replace(finer, sharp=replace(scheme.sharp, levels=tuple(2 * k for k in scheme.sharp.levels)))
-    al.STATISTICS[name] = replace(row, scheme=finer)
+    al.statistics.STATISTICS[name] = replace(row, scheme=finer)
     folded.ROWS = 3 * rows
     worst: dict[str, float] = {}
     for m in octaves:
@@ -97,14 +97,14 @@ def against_finer_windows(name: str) -> tuple[str, ...]:
         found = errors(ours[m], relative(name, m, HOUR), E)
         worst = {kind: max(value, worst.get(kind, 0.0)) for kind, value in found.items()}
     folded.ROWS = rows
-    al.STATISTICS[name] = row
+    al.statistics.STATISTICS[name] = row
     cells = [f"{worst[kind]:.2f}" for kind in ("single", "pairs", "random", "sensors")]
     return (name, str(HOUR), str(len(octaves)), *cells, "-")
 
 
 def times(name: str, n: int) -> tuple[str, ...]:
     """Milliseconds per averaging time: response and relative of five terms."""
-    row = al.STATISTICS[name]
+    row = al.statistics.STATISTICS[name]
     grid = [int(m) // row.step * row.step for m in GRIDS["log"](row.largest(n)) if m >= row.step]
     for cache in (compact, mean_weights):
         cache.cache_clear()

@@ -36,7 +36,7 @@ def analyses() -> None:
 
 def statistics() -> None:
     """What the statistics need, those first that take long."""
-    for name in ("mtotdev", "theoh", *al.STATISTICS):
+    for name in ("mtotdev", "theoh", *al.statistics.STATISTICS):
         al.deviation(record(), name, noise=None)
     al.dynamic(record())
     for name in ("oadev", "theo1"):

@@ -40,11 +40,11 @@ def methods_page(folder: Path) -> list[str]:
 def _fits(model: al.Model) -> dict[str, al.Fit]:
     record = al.simulate(model, SIZE, RATE, rng=np.random.default_rng(SEED))
     terms = "".join(t.symbol for t in model)
-    return {method: al.identify(record, method, terms=terms) for method in al.METHODS}
+    return {method: al.identify(record, method, terms=terms) for method in al.identification.METHODS}
 
 
 def _about() -> Iterable[tuple[str, ...]]:
-    for name, row in al.METHODS.items():
+    for name, row in al.identification.METHODS.items():
         yield f"`{name}`", row.title, ", ".join(row.allowed) or row.statistic or "the record", row.efficiency
 
 

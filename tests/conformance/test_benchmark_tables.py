@@ -115,7 +115,7 @@ def test_every_term_is_in_a_model_of_the_simulation():
     import simulation
 
     simulated = {term.symbol for text in simulation.MODELS.values() for term in al.Model(text)}
-    assert set(al.TERMS) == simulated, "add a model with each term to MODELS in benchmarks/simulation.py"
+    assert set(al.terms.TERMS) == simulated, "add a model with each term to MODELS in benchmarks/simulation.py"
     again = "python benchmarks/simulation.py --write benchmarks/results/simulation.md"
     assert {row["noise"] for row in rows_of("simulation.md")} == set(simulation.MODELS), f"make it again: {again}"
 
@@ -207,7 +207,7 @@ def test_limits():
 
 def test_the_efficiency_of_a_method_is_that_of_the_table():
     good = [row for row in rows_of("methods.md") if float(row["bound %"]) <= 12]
-    for name, method in al.METHODS.items():
+    for name, method in al.identification.METHODS.items():
         stated = re.fullmatch(r"([\d.]+) to ([\d.]+) times the Cramer-Rao bound", method.efficiency)
         errors = [float(row["rmse"]) for row in good if row["method"] == name]
         assert [float(number) for number in stated.groups()] == pytest.approx([min(errors), max(errors)], rel=0.01), (

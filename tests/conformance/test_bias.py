@@ -8,7 +8,7 @@ from tests.rows import paired, rows
 import allanite as al
 from allanite.core.units import SIGNALS
 
-BIASED = [name for name, row in al.STATISTICS.items() if row.target and not row.parts]
+BIASED = [name for name, row in al.statistics.STATISTICS.items() if row.target and not row.parts]
 
 
 def rate(**coefficients):
@@ -27,7 +27,7 @@ def test_the_exact_factor_makes_the_expectation_that_of_the_target(name, symbols
     plain = al.deviation(record_of(model), name, noise=model)
     np.testing.assert_allclose(curve.variance, plain.variance * curve.factor)
     own = al.expected(model, name, curve.tau, rate=1.0, size=2000)
-    target = al.STATISTICS[name].target
+    target = al.statistics.STATISTICS[name].target
     wanted = (
         al.expected(model, target, curve.tau, rate=1.0) if name != "theo1" else al.expected(model, target, curve.tau)
     )
@@ -82,7 +82,7 @@ def test_corrections_that_make_no_sense_are_refused(name, options, words):
 
 
 @pytest.mark.slow("seconds of analyses")
-@rows("name", [name for name, row in al.STATISTICS.items() if row.order > 1])
+@rows("name", [name for name, row in al.statistics.STATISTICS.items() if row.order > 1])
 def test_limits_come_by_themselves_under_the_noise_that_is_found(name):
     model = rate(K=1.0)
     curve = al.deviation(record_of(model, 1000), name)

@@ -28,12 +28,12 @@ SIZE = 300
 
 @lru_cache(maxsize=16)
 def form(name, m, size):
-    return quadratic_form(al.STATISTICS[name], m, size)
+    return quadratic_form(al.statistics.STATISTICS[name], m, size)
 
 
 @lru_cache(maxsize=64)
 def weights_of_ramp(name, m, size):
-    return ramp_weights(al.STATISTICS[name], m, size)
+    return ramp_weights(al.statistics.STATISTICS[name], m, size)
 
 
 def exact(rows, m, size, model):
@@ -51,14 +51,14 @@ def correlated(C, wanted):
 
 @rows("name, mixture", paired(ROWS, MIXTURES))
 def test_it_equals_the_full_matrix(name, mixture):
-    row, model = al.STATISTICS[name], model_of(mixture)
+    row, model = al.statistics.STATISTICS[name], model_of(mixture)
     m = np.unique([row.step, 2, 4, 10, 16, 30, 64])
     assert correlated(covariance(row, model, m, SIZE, 1.0), exact([row] * m.size, m, SIZE, model)) < 1e-6
 
 
 @rows("mixture", MIXTURES, ids="".join)
 def test_of_two_statistics_it_equals_the_full_matrix(mixture):
-    rows = [al.STATISTICS[name] for name in ("oadev", "oadev", "theo1", "oadev", "theo1", "theo1")]
+    rows = [al.statistics.STATISTICS[name] for name in ("oadev", "oadev", "theo1", "oadev", "theo1", "theo1")]
     m, model = np.array([1, 7, 8, 40, 100, 150]), model_of(mixture)
     wanted = exact(rows, m, SIZE, model)
     C = covariance_by_term(rows, model, m, SIZE, 1.0).sum(axis=(2, 3))
@@ -68,7 +68,7 @@ def test_of_two_statistics_it_equals_the_full_matrix(mixture):
 @rows("name", all_but(["theo1", "pdev", "mtotdev", "htotdev"], ["htotdev"], "full matrices"))
 @pytest.mark.slow("full matrices")
 def test_long_windows_equal_the_full_matrix(name):
-    row, model, size = al.STATISTICS[name], model_of(MIXTURES[4]), 1000
+    row, model, size = al.statistics.STATISTICS[name], model_of(MIXTURES[4]), 1000
     m = np.array([2, 16, 64, 150, 240])
     assert correlated(covariance(row, model, m, size, 1.0), exact([row] * m.size, m, size, model)) < 1e-6
 
@@ -76,7 +76,7 @@ def test_long_windows_equal_the_full_matrix(name):
 @rows("name", ["theo1", "pdev", "mtotdev", "htotdev"])
 @pytest.mark.slow("full matrices")
 def test_the_longest_window_is_near_the_full_matrix(name):
-    row, model, size = al.STATISTICS[name], model_of(MIXTURES[4]), 1000
+    row, model, size = al.statistics.STATISTICS[name], model_of(MIXTURES[4]), 1000
     m = np.array([16, 240, row.largest(size)])
     assert correlated(covariance(row, model, m, size, 1.0), exact([row] * m.size, m, size, model)) < 0.006
 
@@ -85,7 +85,7 @@ def test_the_longest_window_is_near_the_full_matrix(name):
 @rows("mixture", [MIXTURES[4], {"N": 1.0, "B": 0.1}], ids="".join)
 def test_of_a_hybrid_longer_windows_are_near_the_full_matrix(mixture):
     """The points of theoh that are fitted, and the longest one."""
-    rows = [al.STATISTICS[name] for name in ("oadev", "oadev", "oadev", "theo1", "theo1", "theo1")]
+    rows = [al.statistics.STATISTICS[name] for name in ("oadev", "oadev", "oadev", "theo1", "theo1", "theo1")]
     size, m, model = 1000, np.array([16, 64, 200, 256, 512, 1000]), model_of(mixture)
     wanted = exact(rows, m, size, model)
     assert correlated(covariance_by_term(rows, model, m, size, 1.0).sum(axis=(2, 3)), wanted) < 0.006
@@ -98,7 +98,11 @@ def test_of_a_hybrid_longer_windows_are_near_the_full_matrix(mixture):
 )
 def test_what_a_ramp_and_a_noise_add_equals_the_full_matrix(name, noise, size):
     """Over the roots of its own diagonal."""
-    row, model, m = al.STATISTICS[name], model_of({noise: 1.0, "R": 1.0}), np.array([2, 8, 64, 240, size // 3])
+    row, model, m = (
+        al.statistics.STATISTICS[name],
+        model_of({noise: 1.0, "R": 1.0}),
+        np.array([2, 8, 64, 240, size // 3]),
+    )
     m -= m % row.step
     lag = np.abs(np.subtract.outer(np.arange(size + 1.0), np.arange(size + 1.0)))
     scale = (m * row.tau_factor) ** (2.0 * row.power)
@@ -111,7 +115,7 @@ def test_what_a_ramp_and_a_noise_add_equals_the_full_matrix(name, noise, size):
 @rows("name", ["theo1", "pdev", "mtotdev"])
 def test_a_ramp_beside_very_long_windows(name, monkeypatch):
     """Above a length they are summed in a record of fewer samples that last longer."""
-    row, size, terms = al.STATISTICS[name], 2**16, [al.TERMS[s] for s in "NBK"]
+    row, size, terms = al.statistics.STATISTICS[name], 2**16, [al.terms.TERMS[s] for s in "NBK"]
     m = row.step * 2 ** np.arange(0, 14, 3)
     wanted = crossed([row] * m.size, m, size, terms)
     monkeypatch.setattr(profile, "MAX_SAMPLES", 2**12)
@@ -123,7 +127,7 @@ def test_a_ramp_beside_very_long_windows(name, monkeypatch):
 @pytest.mark.slow("takes more than half a second")
 @rows("name, ramp", paired(["theo1", "pdev", "mtotdev"], all_but([1e-4, 1e-3, 1e-2], [1e-4, 1e-2], "full matrices")))
 def test_beside_a_ramp_reduced_windows_are_near_the_full_matrix(name, ramp):
-    row, size, m = al.STATISTICS[name], 1000, np.array([2, 8, 64, 240])
+    row, size, m = al.statistics.STATISTICS[name], 1000, np.array([2, 8, 64, 240])
     model = model_of({"N": 1.0, "B": 0.3, "K": 0.02, "R": ramp})
     assert correlated(covariance(row, model, m, size, 1.0), exact([row] * m.size, m, size, model)) < 0.006
 
@@ -136,7 +140,7 @@ def modified(m):
 @rows("terms", ["QN", "NB", "NK", "NBK"])
 def test_long_windows_are_near_exact_lag_sums(name, window, terms):
     """The rule for any window, applied to differences, of which the exact sums are known up to any length."""
-    row, size, m = al.STATISTICS[name], 2**18, 2 ** np.arange(1, 17, 3)
+    row, size, m = al.statistics.STATISTICS[name], 2**18, 2 ** np.arange(1, 17, 3)
     row = dataclasses.replace(row, window=window or row.window)
     coefficients = {"Q": 100.0, "N": 1.0, "B": 0.01, "K": 1e-4}
     model = model_of({s: coefficients[s] for s in terms})
@@ -156,7 +160,7 @@ def test_long_windows_are_near_exact_lag_sums(name, window, terms):
 def test_that_of_a_hybrid_has_the_scatter_of_its_ratio():
     """First order: the derivatives of the literal definition, at a record whose plain variances are as expected."""
     model, size = model_of({"N": 1.0, "K": 0.03}), 300
-    row, m = al.STATISTICS["theobr"], np.array([20, 100, 200])
+    row, m = al.statistics.STATISTICS["theobr"], np.array([20, 100, 200])
     rng = np.random.default_rng(1)
     found = []
     for _ in range(750):
@@ -167,11 +171,11 @@ def test_that_of_a_hybrid_has_the_scatter_of_its_ratio():
     # 750 records: 5 % of a variance, and as much beyond the first order
     np.testing.assert_allclose(np.sqrt(np.diag(C)), np.sqrt(np.diag(seen)), rtol=0.12)
     assert correlated(C, seen) < 0.2
-    plain = covariance(al.STATISTICS["theo1"], model, m, size, 1.0)
+    plain = covariance(al.statistics.STATISTICS["theo1"], model, m, size, 1.0)
     assert C[0, 0] / plain[0, 0] > 1
 
 
 @rows("name", ["totdev", "adev", "mtie"])
 def test_what_is_not_known_is_refused(name):
     with pytest.raises(al.UsageError):
-        covariance(al.STATISTICS[name], model_of({"N": 1.0}), np.array([2, 4]), SIZE, 1.0)
+        covariance(al.statistics.STATISTICS[name], model_of({"N": 1.0}), np.array([2, 4]), SIZE, 1.0)

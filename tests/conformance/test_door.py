@@ -6,6 +6,7 @@ import math
 import re
 import sys
 from functools import cache
+from operator import attrgetter
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -28,7 +29,7 @@ def functions() -> dict[str, Any]:
     """Every public function, by the name that users type after ``al.``."""
     found = {}
     for name in " ".join(names for _, names in TOPICS.values()).split():
-        thing = getattr(al, name)
+        thing = attrgetter(name)(al)
         inner = public_names(name) if isinstance(thing, ModuleType) else []
         found |= {name: thing} if not inner else {f"{name}.{one}": getattr(thing, one) for one in inner}
     return {name: thing for name, thing in found.items() if inspect.isfunction(thing)}
@@ -47,8 +48,8 @@ def values() -> dict[str, Any]:
         "m": np.array([1, 2]),
         "measured": np.zeros(100), "method": "mean", "model": model, "noise": model, "path": Path("nowhere.csv"),
         "rate": 10.0, "record": record, "recipe": al.Recipe(), "results": "nowhere", "reference": np.zeros(100),
-        "rng": rng, "row": al.STATISTICS["oadev"], "runs": 1000, "second": record,
-        "settings": al.PathSettings((al.Stage("ADC", 16, 300.0, "deg/s"),)),
+        "rng": rng, "row": al.statistics.STATISTICS["oadev"], "runs": 1000, "second": record,
+        "settings": al.signals.PathSettings((al.signals.Stage("ADC", 16, 300.0, "deg/s"),)),
         "sheet": "adis16470", "size": 1000, "source": record, "statistic": "oadev", "tau": 1.0,
         "time": np.arange(100.0),
         "time_constant": 10.0, "times": [0.0, 1.0], "until": 100.0, "value": record, "module": None,
@@ -111,7 +112,7 @@ def test_regular_dropouts_are_no_internal_error(size, step):
     assert al.identify(cut(size, step)).method
 
 
-@rows("size, statistic", paired([100, 256], al.STATISTICS))
+@rows("size, statistic", paired([100, 256], al.statistics.STATISTICS))
 def test_a_missing_sample_of_a_short_record_is_no_internal_error(statistic, size):
     samples = np.random.default_rng(size).normal(size=size)
     samples[size // 2] = np.nan
@@ -142,7 +143,7 @@ EXTREME: dict[str, tuple[Any, str]] = {
     "no duration": (lambda: al.bound(MODEL, rate=1.0, duration=math.nan), "duration must be"),
     "no rate": (lambda: al.selfcheck(MODEL, 100, math.nan, rng=1), "sampling rate must be"),
     "a huge integer": (lambda: al.averaging_stability(RECORD, 10**30), "below 2"),
-    "a tiny step": (lambda: al.faults.quantize_rate(RECORD, 5e-324, "deg/s"), "lsb must be between"),
+    "a tiny step": (lambda: al.simulation.faults.quantize_rate(RECORD, 5e-324, "deg/s"), "lsb must be between"),
     "a negative noise": (lambda: al.attitude.kalman_error(-1.0, 1.0), "must not be negative"),
     "no factors": (lambda: al.statistics.edf(al.STATISTICS["oadev"], MODEL, [0], 100, 10.0), "averaging factors"),
     "a size": (lambda: al.statistics.covariance(al.STATISTICS["oadev"], MODEL, [1], -1, 10.0), "needs at least 2"),

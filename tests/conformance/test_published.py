@@ -48,7 +48,7 @@ FORMULAS = {
 @rows("heading", [name for name in FORMULAS if not name.startswith("Older")])
 def test_the_package_has_the_same_formulas(heading):
     name, formula, alphas, ranges = FORMULAS[heading]
-    row = al.STATISTICS[name]
+    row = al.statistics.STATISTICS[name]
     for alpha in alphas:
         for m in sorted({m for inside in ranges.values() for m in inside if m <= row.largest(SIZE)}):
             for size in (SIZE, 5 * SIZE):
@@ -57,14 +57,14 @@ def test_the_package_has_the_same_formulas(heading):
 
 @functools.cache
 def exact(name, alpha, m):
-    return exact_edf(al.STATISTICS[name], alpha, m, SIZE)
+    return exact_edf(al.statistics.STATISTICS[name], alpha, m, SIZE)
 
 
 def errors(heading, alpha):
     """Smallest and largest published / exact - 1 in %, by range of m."""
     name, formula, _, ranges = FORMULAS[heading]
     for label, factors in ranges.items():
-        inside = [m for m in factors if m <= al.STATISTICS[name].largest(SIZE)]
+        inside = [m for m in factors if m <= al.statistics.STATISTICS[name].largest(SIZE)]
         found = [100 * (formula(alpha, m, SIZE + 1) / exact(name, alpha, m) - 1) for m in inside]
         yield label, (min(found), max(found))
 
@@ -91,7 +91,7 @@ def test_the_page_states_the_error_of_every_formula(heading):
 @rows("heading", list(FORMULAS))
 def test_the_package_has_the_exact_values(heading):
     name, _, alphas, ranges = FORMULAS[heading]
-    row = al.STATISTICS[name]
+    row = al.statistics.STATISTICS[name]
     factors = [m for inside in ranges.values() for m in inside if m <= row.largest(SIZE)]
     for alpha in set(alphas) & {2, 0, -1, -2}:
         found = edf(row, model_of({symbol_of(alpha): 1.0}), np.array(factors), SIZE, 1.0)
@@ -170,7 +170,7 @@ def test_theo1_of_random_walk_turns_negative():
 
 # bias
 
-PUBLISHED_BIAS = {name: row.published for name, row in al.STATISTICS.items() if row.published}
+PUBLISHED_BIAS = {name: row.published for name, row in al.statistics.STATISTICS.items() if row.published}
 BIAS_RANGES = {"m = 1": (1,), "2 to 8": (2, 4, 8), "10 to 64": (10, 16, 32, 64), "66 to 128": (66, 96, 128)}
 BIAS_RANGES["beyond n/2"] = (160, 192, 240)
 BIASED = [
@@ -180,10 +180,10 @@ BIASED = [
 
 def exact_bias(name, alpha, m):
     """E[estimate] / E[target]; the target of Theo1 and of the total deviation is the Allan variance at any tau."""
-    row, law = al.STATISTICS[name], LAWS[alpha]
+    row, law = al.statistics.STATISTICS[name], LAWS[alpha]
     expected = moments(quadratic_form(row, m, SIZE), [law])[0][0]
     if row.target != "oadev":
-        return expected / moments(quadratic_form(al.STATISTICS[row.target], m, SIZE), [law])[0][0]
+        return expected / moments(quadratic_form(al.statistics.STATISTICS[row.target], m, SIZE), [law])[0][0]
     t = np.array([1.0, 2.0]) * m * row.tau_factor
     D = STRUCTURES[alpha](t)
     return expected / ((4 * D[0] - D[1]) / (2 * t[0] ** 2))
@@ -191,7 +191,7 @@ def exact_bias(name, alpha, m):
 
 def errors_of_bias(name, alpha):
     """Smallest and largest published / exact - 1 in % for each range of m; None where none is defined."""
-    row = al.STATISTICS[name]
+    row = al.statistics.STATISTICS[name]
     for factors in BIAS_RANGES.values():
         m = [k for k in factors if k <= row.largest(SIZE) and (name != "theo1" or k >= 10)]
         found = [100 * (published_bias(row, alpha, np.array([k]), SIZE)[0] / exact_bias(name, alpha, k) - 1) for k in m]
@@ -214,15 +214,15 @@ def test_what_is_not_published():
     assert exact_bias("htotdev", 2, 64) == pytest.approx(1.38, abs=0.005)
     for name, alpha in (("totdev", 2), ("htotdev", 1), ("theo1", -3)):
         with pytest.raises(al.UsageError):
-            published_bias(al.STATISTICS[name], alpha, np.array([4, 8]), SIZE)
+            published_bias(al.statistics.STATISTICS[name], alpha, np.array([4, 8]), SIZE)
 
 
 def test_every_tau_may_have_its_own_noise_and_other_rows_have_no_bias():
     alphas, m = np.array([2, 0, -2]), np.array([2, 4, 8])
-    for name in set(al.STATISTICS) - set(PUBLISHED_BIAS):
-        np.testing.assert_array_equal(published_bias(al.STATISTICS[name], alphas, m, SIZE), 1.0, name)
-    assert published_bias(al.STATISTICS["ttotdev"], alphas, m, SIZE).tolist() == [0.94, 0.73, 0.69]
-    assert published_bias(al.STATISTICS["htotdev"], -1, np.array([1, 2]), SIZE).tolist() == [1.0, 0.851]
+    for name in set(al.statistics.STATISTICS) - set(PUBLISHED_BIAS):
+        np.testing.assert_array_equal(published_bias(al.statistics.STATISTICS[name], alphas, m, SIZE), 1.0, name)
+    assert published_bias(al.statistics.STATISTICS["ttotdev"], alphas, m, SIZE).tolist() == [0.94, 0.73, 0.69]
+    assert published_bias(al.statistics.STATISTICS["htotdev"], -1, np.array([1, 2]), SIZE).tolist() == [1.0, 0.851]
 
 
 def test_the_argument_of_theo1_is_tau_and_not_m():
@@ -239,7 +239,7 @@ def test_the_published_tables_follow():
     record = al.Record(lcg(), rate=1.0, unit="1", kind="rate")
     for name, printed in (("mtotdev", [0.06499161, 0.02287774]), ("htotdev", [0.09614787, 0.03058103])):
         curve = al.deviation(record, name, m=[10, 100])
-        factor = published_bias(al.STATISTICS[name], 0, curve.m, record.size)
+        factor = published_bias(al.statistics.STATISTICS[name], 0, curve.m, record.size)
         assert np.sqrt(curve.variance / factor) == pytest.approx(printed, abs=1e-8)
 
 

@@ -17,18 +17,18 @@ def record(signal, values=VALUES):
     return al.Record(values, 10.0, signal.unit, kind="value", name="x")
 
 
-@rows("statistic, signal", paired(al.STATISTICS, OTHERS))
+@rows("statistic, signal", paired(al.statistics.STATISTICS, OTHERS))
 def test_a_curve_is_that_of_a_rate(signal, statistic):
-    row, as_rate = al.STATISTICS[statistic], al.Record(VALUES, 10.0, "rad/s")
+    row, as_rate = al.statistics.STATISTICS[statistic], al.Record(VALUES, 10.0, "rad/s")
     curve = al.deviation(record(signal), statistic, noise=None)
     same = al.deviation(as_rate, statistic, noise=None)
     assert np.array_equal(curve.variance, same.variance)
     assert curve.unit == signal.si[row.power]
 
 
-@rows("symbol, signal", paired(al.TERMS, OTHERS))
+@rows("symbol, signal", paired(al.terms.TERMS, OTHERS))
 def test_a_term_is_that_of_a_rate(signal, symbol):
-    row = al.TERMS[symbol]
+    row = al.terms.TERMS[symbol]
     shape = tuple(p.typical for p in row.parameters)
     term = al.Term(symbol, 2.0, signal, shape)
     model = al.Model(str(al.Model((term,))))
@@ -46,10 +46,10 @@ def test_a_term_is_that_of_a_rate(signal, symbol):
 
 @rows("signal", OTHERS, ids=lambda signal: signal.name)
 def test_no_term_of_another_quantity_is_named(signal):
-    said = {symbol: title_of(symbol, signal) for symbol in al.TERMS}
+    said = {symbol: title_of(symbol, signal) for symbol in al.terms.TERMS}
     assert "angle random walk" not in said.values()
     assert not any("rate" in title.split() for title in said.values())
-    assert not any("angle error" in meaning_of(symbol, signal) for symbol in al.TERMS)
+    assert not any("angle error" in meaning_of(symbol, signal) for symbol in al.terms.TERMS)
 
 
 @rows("signal", OTHERS, ids=lambda signal: signal.name)

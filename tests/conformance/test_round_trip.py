@@ -80,7 +80,7 @@ def fit(method="whittle", i=0):
 def filtered():
     """A fit behind a filter."""
     quiet = al.simulate(al.N(0.1, "deg/sqrt(h)"), 16384, 100.0, rng=np.random.default_rng(1), name="z")
-    return al.identify(al.faults.low_pass(quiet, 12.0), terms="NB")
+    return al.identify(al.simulation.faults.low_pass(quiet, 12.0), terms="NB")
 
 
 @cache
@@ -90,7 +90,7 @@ def comparison():
 
 @cache
 def pool():
-    return al.pool([record(i) for i in range(3)], rng=np.random.default_rng(1))
+    return al.comparison.pool([record(i) for i in range(3)], rng=np.random.default_rng(1))
 
 
 @cache
@@ -112,7 +112,7 @@ def batch():
     with tempfile.TemporaryDirectory() as folder:
         al.write(record(), f"{folder}/unit.npz")
         files = [f"{folder}/unit.npz", f"{folder}/missing.npz"]
-        return al.analyze_files(files, al.Recipe(level=LEVEL), limits=al.Specification.from_toml(limits))
+        return al.batch.analyze_files(files, al.Recipe(level=LEVEL), limits=al.batch.Specification.from_toml(limits))
 
 
 @cache
@@ -120,8 +120,8 @@ def lot():
     """A unit of stored results."""
     with tempfile.TemporaryDirectory() as folder:
         al.write(record(), f"{folder}/unit.npz")
-        al.run_batch(f"{folder}/*.npz", f"{folder}/results", al.Recipe(level=LEVEL))
-        return al.read_lot(f"{folder}/results")
+        al.batch.run_batch(f"{folder}/*.npz", f"{folder}/results", al.Recipe(level=LEVEL))
+        return al.batch.read_lot(f"{folder}/results")
 
 
 WHITE = "N 0.1 deg/sqrt(h)"
@@ -171,12 +171,12 @@ def compensation():
 
 @cache
 def rounded(torquer=TorqueScale(100, 0.4, 0.05, 0.05, 2e-3, 1000.0, 4)):  # noqa: B008 - a frozen value
-    stage = al.Stage("ADC", 12, 5.0, "V")
+    stage = al.signals.Stage("ADC", 12, 5.0, "V")
     volts = 5 * al.simulate(al.N(2.5, "deg/sqrt(h)"), 4000, 1000.0, rng=np.random.default_rng(1)).values / 0.2
     records = (al.Record(np.rint(volts / stage.step) * stage.step, 1000.0, "V", name="ux"),)
     flat = al.Record(np.zeros(4000), 1000.0, "V", name="flat")
-    settings = PathSettings((stage, al.Stage("output", 16, 500.0, "deg/s")), torquer, 5.0)
-    return al.budget_file(al.Recording((*records, flat)), al.Recipe(terms="QN", level=LEVEL), settings)
+    settings = PathSettings((stage, al.signals.Stage("output", 16, 500.0, "deg/s")), torquer, 5.0)
+    return al.signals.budget_file(al.Recording((*records, flat)), al.Recipe(terms="QN", level=LEVEL), settings)
 
 
 def residuals():
@@ -266,7 +266,7 @@ MAKERS = {
     "Codes": lambda: codes(np.repeat([0.0, 1.0, 3.0, 4.0], 50)),
     "Compared": lambda: compare(read_paper("000", PAPER), Path()).items[0],
     "Comparison": comparison,
-    "ClaimedSetting": lambda: al.claim_of("gyro lowpass 42 Hz").settings[0],
+    "ClaimedSetting": lambda: al.claims.claim_of("gyro lowpass 42 Hz").settings[0],
     "Component": lambda: filtered().components[0],
     "Comparison of fits": lambda: al.compare(fit(), fit(i=3)),
     "Compensated": lambda: compensation()[0],
@@ -304,7 +304,11 @@ MAKERS = {
     "ExperimentSettings": lambda: al.constant_rate.ExperimentSettings(methods=("mean",), dither=(400.0,)),
     "Finding": lambda: Finding("gaps", "10 samples are missing", place=(0.5, 1.0)),
     "Fit": fit,
-    **{f"Fit by {method}": lambda method=method: fit(method) for method in al.METHODS if method != "whittle"},
+    **{
+        f"Fit by {method}": lambda method=method: fit(method)
+        for method in al.identification.METHODS
+        if method != "whittle"
+    },
     "FitSettings": lambda: FitSettings(terms="NK", least=3.0),
     "Gain": lambda: regression().inside,
     "Gain that was held back": lambda: compensation().applied[0].gain,
@@ -339,17 +343,17 @@ MAKERS = {
     "Drift": lambda: al.drift(study(), require=["1 deg in 10 min"]),
     "DriftAxis": lambda: al.drift(study()).axes[0],
     "DriftCause": lambda: al.drift(study()).axes[0].causes[0],
-    "DriftSettings": lambda: al.DriftSettings(turn_on=("3 deg/h",)),
+    "DriftSettings": lambda: al.claims.DriftSettings(turn_on=("3 deg/h",)),
     "Explanation": lambda: Explanation("kalibr"),
-    "Claim": lambda: al.DATASHEETS["ADIS16470"].claims[0],
-    "DataSheet": lambda: al.DATASHEETS["BMI088"],
+    "Claim": lambda: al.planning.DATASHEETS["ADIS16470"].claims[0],
+    "DataSheet": lambda: al.planning.DATASHEETS["BMI088"],
     "Reproduction": lambda: compare(read_paper("000", PAPER), Path()),
-    "SheetComparison": lambda: al.compare_with_sheet(record(), "adis16470", al.Recipe(level=LEVEL)),
+    "SheetComparison": lambda: al.comparison.compare_with_sheet(record(), "adis16470", al.Recipe(level=LEVEL)),
     "Export": exported,
     "Export of matrices": lambda: al.export(WHITE_AND_WALK[0], "statespace", rate=100.0),
     "StatedNoise": lambda: exported().stated[0],
     "ClaimedNoise": lambda: claim_of("N 0.3 deg/sqrt(h); 100 ug/sqrt(Hz)"),
-    "Imported": lambda: noise_in(exported().text, al.EXPORTS["kalibr"], None),
+    "Imported": lambda: noise_in(exported().text, al.exporting.EXPORTS["kalibr"], None),
     "RateSettings": lambda: RateSettings(noise=MODEL, signal=MODEL.signal, horizontal=True, latitude=55.8),
     "RateStudy": rate_study,
     "Ratios": lambda: comparison().pairs[0].ratios,
@@ -363,7 +367,9 @@ MAKERS = {
     "RecordingPlans of a given model": lambda: run_model_job(None, PlanSettings(sensor="fog"), GIVEN),
     "Residuals": residuals,
     "Properties": lambda: properties("theo1", 200),
-    "Closeup": lambda: closeup(al.simulate_ring_laser(al.GL1, 12.0, 2000, 400.0, rng=np.random.default_rng(1))),
+    "Closeup": lambda: closeup(
+        al.simulation.simulate_ring_laser(al.simulation.GL1, 12.0, 2000, 400.0, rng=np.random.default_rng(1))
+    ),
     "Expectation": lambda: expectation(al.Model(WHITE), rate=10.0, size=200),
     "Expectations": lambda: Expectations((expectation(al.Model(WHITE), rate=10.0, size=200),) * 2),
     "Scan": lambda: al.angle.scan(plan_of_angles(), [7200.0, 9000.0]),
@@ -376,7 +382,7 @@ MAKERS = {
     "Solution": lambda: calibration().solution,
     "Simulation": lambda: Simulation.of(MODEL, 1, al.Recording((record(),))),
     "Spectrum": lambda: al.spectrum(record()),
-    "Stage": lambda: al.Stage("ADC", 12, 5.0, "V"),
+    "Stage": lambda: al.signals.Stage("ADC", 12, 5.0, "V"),
     "StageNoise": lambda: rounded()[0].budget.stages[0],
     "SquareRoot": lambda: calibration().solution.known,
     "StateSpace": lambda: al.state_space(MODEL, 100.0),

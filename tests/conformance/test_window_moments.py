@@ -19,7 +19,7 @@ from allanite.statistics.moments.compact import compact, products, ratios
 from allanite.statistics.moments.windowed import relative, response
 
 ROWS = ["theo1", "mtotdev", "ttotdev", "htotdev", "pdev", "totdev"]
-TERMS = [al.TERMS[s] for s in "QNBKR"]
+TERMS = [al.terms.TERMS[s] for s in "QNBKR"]
 PAIRS = np.array([[i, j] for i in range(5) for j in range(i + 1, 5)])
 HOUR = 3_600_000
 
@@ -47,7 +47,7 @@ FACTORS = [1, 2, 3, 8, 16, 17, 21, 22, 25, 33, 42, 64, 66, 70, 90, 99, 100, 128,
 
 def cases():
     for name in ROWS:
-        row = al.STATISTICS[name]
+        row = al.statistics.STATISTICS[name]
         for n, factors in ((128, FACTORS[::2]), (200, FACTORS[1::2])):
             largest = row.largest(n)
             for m in sorted({*factors, largest - row.step, largest}):
@@ -57,7 +57,7 @@ def cases():
 
 @rows("name, n, m", list(cases()))
 def test_moments_equal_the_full_matrix(name, n, m):
-    row = al.STATISTICS[name]
+    row = al.statistics.STATISTICS[name]
     E, r = moments(quadratic_form(row, m, n), TERMS)
     expected, ours = found(row, m, n)
     np.testing.assert_allclose(expected[:4], E[:4], rtol=1e-9 if m <= 64 else 1e-6)
@@ -72,7 +72,7 @@ LONGER = {"theo1": [74, 300], "mtotdev": [101], "htotdev": [151, 171], "pdev": [
 @pytest.mark.slow("seconds of analyses")
 @rows("name, m", [(name, m) for name, factors in LONGER.items() for m in factors])
 def test_longer_windows(name, m):
-    row = al.STATISTICS[name]
+    row = al.statistics.STATISTICS[name]
     E, r = moments(quadratic_form(row, m, 513), TERMS)
     expected, ours = found(row, m, 513)
     np.testing.assert_allclose(expected, E, rtol=3e-6)
@@ -88,7 +88,7 @@ SENSORS = {
 
 @rows("sensor, name", paired(list(SENSORS), ROWS))
 def test_sensors(name, sensor):
-    row, (rate, model) = al.STATISTICS[name], SENSORS[sensor]
+    row, (rate, model) = al.statistics.STATISTICS[name], SENSORS[sensor]
     terms = [t.row for t in model]
     power = np.array([t.value**2 * rate ** (2 * t.row.power - 2) for t in model])
     for m in (2, 24, 40, row.largest(160)):
@@ -101,7 +101,7 @@ def test_sensors(name, sensor):
 
 def markov(T):
     """Gauss-Markov noise of the rate: no row of the table, and no power of t."""
-    base = al.TERMS["N"]
+    base = al.terms.TERMS["N"]
     return dataclasses.replace(
         base,
         structure=lambda t: T**2 * (t - T * -np.expm1(-t / T)),
@@ -111,7 +111,7 @@ def markov(T):
 
 @rows("T, name", paired([3.0, 20.0, 200.0], ROWS))
 def test_any_structure_function_will_do(name, T):
-    row, terms = al.STATISTICS[name], [markov(T), al.TERMS["N"]]
+    row, terms = al.statistics.STATISTICS[name], [markov(T), al.terms.TERMS["N"]]
     for m, n in ((2, 100), (30, 180), (80, 250)):
         E, r = moments(quadratic_form(row, m, n), terms)
         expected, ours = found(row, m, n, terms)
@@ -141,7 +141,7 @@ WHITE_SPOTS = {("mtotdev", 1): 0.19711, ("mtotdev", 8): 0.06113, ("pdev", 1): 0.
 @rows("name, share", list(SPOTS))
 def test_ratios_of_infinitely_fine_windows(name, share):
     m = 10_000_000
-    row = al.STATISTICS[name]
+    row = al.statistics.STATISTICS[name]
     count = round(share * m)
     r = relative(row, TERMS[:4], m, count, count if name == "totdev" else 10 * m)
     np.testing.assert_allclose(r[1:, 1:][np.triu_indices(3)], SPOTS[name, share], rtol=2e-3)
@@ -151,7 +151,7 @@ def test_ratios_of_infinitely_fine_windows(name, share):
 
 @rows("m, name", paired([66, 96, 128], ["theo1", "mtotdev", "htotdev", "pdev"]))
 def test_an_hour_at_1_khz_against_windows_as_they_are(name, m):
-    row = al.STATISTICS[name]
+    row = al.statistics.STATISTICS[name]
     count = int(row.count(HOUR, np.array([m]))[0])
     direct = ratios(*products(compact(row.window, row.order, m), TERMS, row.order, 1.0, count), TERMS)
     ours = relative(row, TERMS, m, count, HOUR)
@@ -172,13 +172,13 @@ def test_white_angle_noise_in_the_total_deviation_is_a_whole_number(n):
     for m in range(1, n):
         if abs(2 * m - n) <= 2 or abs(3 * m - 2 * n) <= 6:
             continue
-        E, r = moments(quadratic_form(al.STATISTICS["totdev"], m, n), TERMS[:1])
+        E, r = moments(quadratic_form(al.statistics.STATISTICS["totdev"], m, n), TERMS[:1])
         assert folded.white_mean(m, n) == pytest.approx(E[0] * 2 * m**2 * (n - 1), rel=1e-12)
         assert folded.white_ratio(m, n) == pytest.approx(r[0, 0], rel=1e-12)
 
 
 def test_theo1_closed_forms():
-    row = al.STATISTICS["theo1"]
+    row = al.statistics.STATISTICS["theo1"]
     for m in (2, 10, 64, 1000, 1_000_000):
         M, tau = m / 2, 0.75 * m
         H = float(np.sum(1 / np.arange(1.0, M + 1)))
@@ -192,7 +192,7 @@ def test_theo1_closed_forms():
 
 def test_pdev_closed_forms():
     m = 1_000_000
-    E = response(al.STATISTICS["pdev"], TERMS, m, 10 * m) / np.array([1 / m**3, 1 / m, 1, m, m**2])
+    E = response(al.statistics.STATISTICS["pdev"], TERMS, m, 10 * m) / np.array([1 / m**3, 1 / m, 1, m, m**2])
     np.testing.assert_allclose(E, [12, 6 / 5, 2 * (7 - math.log(16)) / (5 * math.pi), 13 / 35, 1 / 2], rtol=3e-6)
 
 
@@ -200,11 +200,13 @@ def test_pdev_closed_forms():
 def test_bias_of_the_total_statistics(m):
     """Q, N, B, K: the exact factors of Greenhall's and Howe's tables; m >= 8 there."""
     mvar = np.array([3 / m**3, 1 / (2 * m), (27 / 16 * math.log(3) - math.log(4)) * 2 / math.pi, 11 / 40 * m])
-    factors = response(al.STATISTICS["mtotdev"], TERMS[:4], m, 10 * m) / mvar
+    factors = response(al.statistics.STATISTICS["mtotdev"], TERMS[:4], m, 10 * m) / mvar
     np.testing.assert_allclose(factors, [0.995, 0.771, 0.717, 0.679], atol=8e-4)
-    np.testing.assert_allclose(response(al.STATISTICS["ttotdev"], TERMS[:4], m, 10 * m), factors * mvar / 3, rtol=1e-12)
+    np.testing.assert_allclose(
+        response(al.statistics.STATISTICS["ttotdev"], TERMS[:4], m, 10 * m), factors * mvar / 3, rtol=1e-12
+    )
     hvar = np.array([1 / m, math.log(256 / 27) / (2 * math.pi), m / 6])
-    factors = response(al.STATISTICS["htotdev"], TERMS[1:4], m, 10 * m) / hvar
+    factors = response(al.statistics.STATISTICS["htotdev"], TERMS[1:4], m, 10 * m) / hvar
     np.testing.assert_allclose(factors, [0.995, 0.851, 0.771], atol=6e-4)
 
 
@@ -213,7 +215,7 @@ def test_bias_of_the_total_deviation(share):
     n = HOUR
     m = int(n * share)
     allan = np.array([3 / m**2, 1 / m, 2 * math.log(2) / math.pi, m / 3])
-    factors = response(al.STATISTICS["totdev"], TERMS[:4], m, n) / allan
+    factors = response(al.statistics.STATISTICS["totdev"], TERMS[:4], m, n) / allan
     slopes = np.array([-4 / 3, 0, 1 / (3 * math.log(2)), 3 / 4])
     np.testing.assert_allclose(factors, 1 - slopes * share, rtol=1e-5)
 
@@ -222,7 +224,7 @@ def test_bias_of_the_total_deviation(share):
 @given(data=st.data())
 @settings(max_examples=examples(60), deadline=None)
 def test_any_record_has_at_least_one_degree_of_freedom(name, data):
-    row = al.STATISTICS[name]
+    row = al.statistics.STATISTICS[name]
     n = int(10 ** data.draw(st.floats(1.1, 9)))
     m = max(row.step, int(row.largest(n) * 10 ** -data.draw(st.floats(0, 6))) // row.step * row.step)
     E, r = found(row, m, n)

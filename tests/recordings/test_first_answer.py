@@ -67,6 +67,6 @@ def test_a_swaying_gyroscope_has_no_result(recordings):
 def test_a_channel_beside_its_data_sheet_is_as_in_the_table(recordings, name):
     channel = "Gyro. X"
     rows = [row for row in read("data_sheets.md").rows() if (row["file"], row["channel"]) == (name, channel)]
-    found = al.compare_with_sheet(recordings / name, "adis16405", unit=data_sheets.UNIT, channels=(channel,))
+    found = al.comparison.compare_with_sheet(recordings / name, "adis16405", unit=data_sheets.UNIT, channels=(channel,))
     measured = {m.claim.printed: m.ratio[0] for m in found.measured(found[channel])}
     assert {row["quantity"]: pytest.approx(float(row["ratio"]), rel=0.01) for row in rows} == measured

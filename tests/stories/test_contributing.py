@@ -51,7 +51,7 @@ print(al.deviation(al.read("z.csv")["gz"], "fdev"))""", ("fourth-difference devi
         ("terms/__init__.py", "RATE_RANDOM_WALK, ramp_coefficients\n", "from .relaxation import RELAXED\n"),
         ("terms/__init__.py", "    OSCILLATION,\n", "    RELAXED,\n"),
         ("core/model.py", '("F", "GMA", "GM2", "GML", "W"))\n', 'RR = constructor("RR")\n'),
-        ("__init__.pyi", "from .core.constructors import R as R\n", "from .core.constructors import RR as RR\n")), """
+        ("__init__.pyi", "from .core.model import R as R\n", "from .core.model import RR as RR\n")), """
 assert al.RR(1, "rad/s^2.5").shape == (20.0,) and "RR" in dir(al)
 record = simulated(al.Model(str(al.N(0.1, "deg/sqrt(h)") + al.RR(2e-6, "rad/s^2.5"))), 8192)
 assert abs(al.identify(record, terms="N,RR")["RR"].value / 2e-6 - 1) < 0.3

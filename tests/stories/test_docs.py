@@ -37,7 +37,7 @@ def desk(tmp_path, monkeypatch):
 
 
 def test_every_term_is_put_into_words():
-    for symbol, row in al.TERMS.items():
+    for symbol, row in al.terms.TERMS.items():
         assert min(len(row.origin), len(row.advice)) > 80, symbol
         assert row.density or row.waveform is not None, symbol
 

@@ -25,9 +25,13 @@ def desk(tmp_path_factory):
     record = al.Record(x, rate=RATE, unit="deg/s", name="gx")
     timed = table.set_axis(pd.to_timedelta(np.arange(len(table)) / RATE, unit="s"))
     fit = al.identify(record)
+    study = al.analyze(table, rate=RATE)
+    imu = path.with_name("imu.csv")
+    pd.DataFrame({"gx [deg/s]": x, "ax [g]": y / 1000}).to_csv(imu, index_label="n")
     return {
         "al": al, "np": np, "pd": pd, "x": x, "y": y, "df": table, "timed": timed, "series": pd.Series(x, name="gx"),
         "path": str(path), "model": model, "record": record, "fit": fit, "curve": al.deviation(record),
+        "study": study, "timed_imu": al.read(imu, rate=RATE), "folder": path.parent, "channel": study["gx"],
     }  # fmt: skip
 
 
@@ -44,6 +48,12 @@ WORKS = (
     ("len(record)", lambda n: n == 2000),
     ("np.asarray(record)", lambda a: a.shape == (2000,)),
     ("np.std(record)", lambda s: s > 0),
+    ("al.Record(x, dt=0.01, unit='deg/s').rate", lambda rate: rate == RATE),
+    ("record[:1000]", lambda r: r.size == 1000 and r.name == "gx"),
+    ("record[1000:].time[0], record.time[1000]", lambda times: times == (10, 10)),
+    ("record.mean(), record.std()", lambda found: abs(found[0]) < found[1]),
+    ("record.to('rad/s').values[0] / record.values[0]", lambda ratio: ratio == pytest.approx(np.pi / 180)),
+    ("record.to_dataframe()", lambda t: list(t) == ["time [s]", "gx [deg/s]"] and len(t) == 2000),
     # tables
     ("al.read(df, fs=100)", lambda r: r.channels == ("gx", "gy")),
     ("al.read(timed)['gx']", lambda r: r.rate == pytest.approx(RATE)),
@@ -56,6 +66,14 @@ WORKS = (
     ("al.constant_rate.estimate(x, 'mean', fs=100, unit='deg/s')", lambda found: found.duration == 20),
     ("al.spectrum(x, fs=100)", lambda s: s.frequency.max() < RATE / 2),
     ("al.dynamic(x, fs=100, window=5)", lambda s: s.deviation.ndim == 2),
+    ("al.deviation(record, 'oadev', [0.1, 1])", lambda c: c.tau.tolist() == [0.1, 1]),
+    ("al.deviation(record, taus=np.logspace(-1, 1, 5))", lambda c: c.tau.tolist() == [0.1, 0.32, 1, 3.16, 10]),
+    ("al.deviation(record, taus=np.logspace(-1, 1, 5)).history", lambda lines: "rounded" in lines[-1]),
+    ("[len(column) for column in curve]", lambda sizes: len(sizes) == 2 and sizes[0] == sizes[1]),
+    ("curve.taus is curve.tau, curve['tau'] is curve.tau", lambda same: same == (True, True)),
+    ("curve.dev == curve.adev", lambda same: same.all()),
+    ("curve['dev'] == curve.deviation", lambda same: same.all()),
+    ("repr(al.minimum(curve))", lambda text: "deg/h" in text and "rad/s" in text),
     ("curve.to_dataframe()", lambda t: len(t) > 5 and "tau_s" in t),
     ("curve.plot()", lambda figure: len(figure.axes) > 0),
     ("al.plot(curve, fit)", lambda figure: len(figure.axes) > 0),
@@ -68,6 +86,10 @@ WORKS = (
     ("fit.N.value", lambda v: v == pytest.approx(TRUTH * np.pi / 180 / 60, rel=0.1)),
     ("fit.N.low, fit['N'].high", lambda limits: limits[0] < TRUTH * np.pi / 180 / 60 < limits[1]),
     ("fit.to_dataframe().set_index('term').loc['N', 'value']", is_n),
+    ("float(fit['N']) == fit.N.value", bool),
+    ("fit.coefficients['N'].to(SHOWN), fit.params['N'].to(SHOWN)", lambda found: all(map(is_n, found))),
+    ("repr(fit['N'])", lambda text: "deg/sqrt(h) = " in text and "rad/sqrt(s)" in text),
+    ("fit.plot(folder / 'a.png')", lambda figure: len(figure.axes) > 0),
     ("fit.summary()", lambda text: "angle random walk" in text),
     ("print(fit.summary())", lambda nothing: nothing is None),
     ("fit._repr_html_()", lambda html: "<table" in html and "<svg" in html),
@@ -77,7 +99,14 @@ WORKS = (
     # jobs
     ("al.analyze(df, rate=100)", lambda study: len(study.channels) == 2),
     ("al.analyze(path, fs=100, terms=['N', 'K'])['gx'].fit.N.to(SHOWN)", is_n),
-    ("al.analyze(x, rate=100, unit='deg/s').to_dataframe()", lambda t: len(t) > 5),
+    ("study.to_dataframe()", lambda t: "N" in set(t.iloc[:, 1])),
+    ("study.to_dataframe(coefficients=False)", lambda t: len(t) > 20),
+    ("study.curves['gx']", lambda c: len(c.tau) > 5),
+    ("channel.N.to(SHOWN), channel['N'].to(SHOWN), study.gx.N.to(SHOWN)", lambda found: all(map(is_n, found))),
+    ("study.fits['gy'].N.to(SHOWN)", is_n),
+    ("study.report(folder / 'page.html')", lambda nothing: nothing is None),
+    ("study.gx.fit.export(target='datasheet').text", lambda text: "gx" in text),
+    ("al.export(timed_imu, 'kalibr', unexplained=True)['gyroscope_noise_density']", lambda v: v > 0),
     ("al.analyze(np.stack([x, y], axis=1), rate=100, unit='deg/s').channels", lambda found: len(found) == 2),
     ("al.drift(fit)['heading'].to('deg')", lambda sigma: sigma.shape == (5,)),
     ("al.drift(record, times=60)['position'].sigma", lambda sigma: sigma[0] > 0),
@@ -86,6 +115,12 @@ WORKS = (
     ("al.Model('N 0.1 deg/sqrt(h), K 1 deg/h/sqrt(h)')['K'].value", lambda v: v > 0),
     ("al.simulate(model, rate=100, duration=60, rng=1)", lambda r: r.size == 6000),
     ("al.simulate(model, size=500, fs=100, rng=1)", lambda r: r.size == 500),
+    ("al.simulate(model, rate=100, duration='1 min', seed=1)", lambda r: r.size == 6000),
+    ("al.simulate(model, 500, 100).values.std()", lambda s: s > 0),
+    ("al.N('0.1 deg/sqrt(h)').to(SHOWN)", lambda v: v == pytest.approx(TRUTH)),
+    ("al.convert(0.1, 'deg/sqrt(h)', 'deg/s/sqrt(Hz)')", lambda v: v == pytest.approx(TRUTH / 60)),
+    ("al.W(1, 'deg/h', time_constant=5.0).shape", lambda shape: shape == (5,)),
+    ("al.pool, al.faults.gaps, al.budget", lambda found: all(map(callable, found))),
     ("al.selfcheck(model, size=500, rate=100, records=2, rng=1)", lambda check: check.size == 500),
 )  # fmt: skip
 """What is typed, and what is expected of it."""
@@ -108,6 +143,30 @@ REFUSED = (
     ("al.simulate(model, rate=100, rng=1)", "size, a number of samples, or duration"),
     ("al.simulate(model, size=100, rng=1)", "give rate"),
     ("al.simulate('N 0.1 deg/sqrt(h)', 100, 1, rng=1)", "Model(text)"),
+    ("al.avar(x)", "al.deviation(x, 'oadev', rate=100)"),
+    ("al.psd(x)", "al.spectrum(record)"),
+    ("al.welch(x)", "al.spectrum(record)"),
+    ("al.read_csv(path)", "al.read(file)"),
+    ("al.load(path)", "al.read(file)"),
+    ("al.fit(record)", "al.identify(record)"),
+    ("al.save(record, path)", "al.write(recording, path)"),
+    ("al.diff(x, y)", "al.compare(before, after)"),
+    ("al.identfy(record)", "did you mean identify?"),
+    ("al.spectrum(record, nperseg=1024)", "al.spectrum(record, al.Welch(segment=seconds))"),
+    ("al.spectrum(x, fs=100, nperseg=1024)", "al.spectrum(record, al.Welch(segment=seconds))"),
+    ("al.Record(x, time=x, unit='deg/s')", "al.read(table, time=column)"),
+    ("al.deviation(x, 100)", "al.deviation(x, rate=100)"),
+    ("al.deviation(record, taus=[0.001])", "the nearest is 0.01 s"),
+    ("al.N(0.1)", "N needs a number and its unit"),
+    ("curve.plot(ax=None)", "ax.loglog(*curve)"),
+    ("curve['time']", "known columns: tau"),
+    ("fit.aic", "fit.alternatives"),
+    ("record.psd()", "al.spectrum(record)"),
+    ("record.shape", "record.values"),
+    ("record[::10]", "al.prepare.decimate(record, 10)"),
+    ("study.save('a.html')", "al.report(study, path)"),
+    ("study.to_json()", "json.dumps(study.to_dict())"),
+    ("study.to_csv('a.csv')", "study.to_dataframe().to_csv(path)"),
     ("al.oadev(x, rate=100)", "al.deviation(x, 'oadev', rate=100)"),
 )
 """What cannot be done as it is typed, and the call that the refusal names."""

@@ -69,8 +69,8 @@ FIELDS |= {part for name in FIELDS for part in (name.split(".")[-1], f"{name.spl
 KNOWN = sorted(FIELDS | {*EXPORTS, *STATISTICS} | {row.name for row in TEMPERATURE.values()}, key=len, reverse=True)
 DATA.append(rf"(?<![\w.])({'|'.join(map(re.escape, KNOWN))})(?!\w)")
 
-QUOTED = {text for sheet in al.DATASHEETS.values() for text in (sheet.name, sheet.maker, sheet.document)}
-QUOTED |= {text for c in al.DATASHEETS["ADIS16470"].claims for text in (c.printed, c.conditions, c.place)}
+QUOTED = {text for sheet in al.planning.DATASHEETS.values() for text in (sheet.name, sheet.maker, sheet.document)}
+QUOTED |= {text for c in al.planning.DATASHEETS["ADIS16470"].claims for text in (c.printed, c.conditions, c.place)}
 DATA += sorted((rf"(?<!\w){re.escape(text)}(?!\w)" for text in QUOTED), key=len, reverse=True)
 
 UNITS = "deg rad arcsec sqrt Hz kHz min mGal ug mg ms degC ppm rms LSB bit nT mV uV mA uA Nm kg"

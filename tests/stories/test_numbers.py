@@ -66,4 +66,4 @@ def test_a_release_waits_for_tables_of_the_code_as_it_is(head, monkeypatch):
 
 def test_counts_of_statistics_are_those_of_the_program():
     assert "**Seventeen statistics**" in (figures.ROOT / "README.md").read_text("utf-8")
-    assert len(al.STATISTICS) == 17
+    assert len(al.statistics.STATISTICS) == 17

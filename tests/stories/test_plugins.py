@@ -217,8 +217,8 @@ ROW, VERB = replace(STATISTICS["adev"], order=1), replace(VERBS["info"], group="
     }
     install(tmp_path, "theirs", points)
     script = "from allanite.readers.formats.registry import added\nfrom allanite.reporting.views import VIEWS\n"
-    script += 'print(al.STATISTICS["adev"].order, len(added()), VERBS["info"].group, VIEWS["Fit"])\n'
-    out, err = run(script + "print(len(al.STATISTICS), len(VERBS), len(VIEWS) > 9)", tmp_path, cwd=tmp_path)
+    script += 'print(al.statistics.STATISTICS["adev"].order, len(added()), VERBS["info"].group, VIEWS["Fit"])\n'
+    out, err = run(script + "print(len(al.statistics.STATISTICS), len(VERBS), len(VIEWS) > 9)", tmp_path, cwd=tmp_path)
     assert out == "2 0 Analyze fit.fit_view\n17 25 True\n"
     for name in ("adev", "text", "info", "Fit"):
         assert f"(the name {name!r} exists already)" in err
@@ -273,8 +273,8 @@ def reader(**parts):
     return SimpleNamespace(**usual | parts)
 
 
-KALIBR, ADEV = al.EXPORTS["kalibr"], al.STATISTICS["adev"]
-SHEET = al.DATASHEETS["ADIS16470"]
+KALIBR, ADEV = al.exporting.EXPORTS["kalibr"], al.statistics.STATISTICS["adev"]
+SHEET = al.planning.DATASHEETS["ADIS16470"]
 TWICE = replace(SHEET, claims=SHEET.claims[:1] * 2)
 METERS = replace(KALIBR, fields=(replace(KALIBR.fields[0], unit="m"),))
 
@@ -313,20 +313,20 @@ def test_a_check_says_what_is_wrong(tmp_path, check, row, words):
 
 
 def test_a_row_that_is_tried_is_gone_afterwards_and_the_others_keep_their_places():
-    names = list(al.STATISTICS)
-    with al.STATISTICS.trying("adev", replace(ADEV, order=3)), al.STATISTICS.trying("new", ADEV):
-        assert al.STATISTICS["adev"].order == 3
-        assert "new" in al.STATISTICS
-    assert list(al.STATISTICS) == names
-    assert al.STATISTICS.get("adev") is ADEV
-    assert al.STATISTICS.get("new") is None
+    names = list(al.statistics.STATISTICS)
+    with al.statistics.STATISTICS.trying("adev", replace(ADEV, order=3)), al.statistics.STATISTICS.trying("new", ADEV):
+        assert al.statistics.STATISTICS["adev"].order == 3
+        assert "new" in al.statistics.STATISTICS
+    assert list(al.statistics.STATISTICS) == names
+    assert al.statistics.STATISTICS.get("adev") is ADEV
+    assert al.statistics.STATISTICS.get("new") is None
 
 
 # nothing is looked for before it is needed
 
 IDLE = """
 from allanite import plugins
-al.N(0.1, "deg/sqrt(h)"), al.STATISTICS["oadev"], VERBS["analyze"]
+al.N(0.1, "deg/sqrt(h)"), al.statistics.STATISTICS["oadev"], VERBS["analyze"]
 print(plugins._loaded)
 """
 

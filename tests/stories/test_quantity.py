@@ -59,7 +59,7 @@ def test_page_tables_and_figure_name_the_angle(study, folder):
 
 
 def test_a_study_of_values_is_read_again(study):
-    again = al.study.analysis.Study.from_dict(study)
+    again = al.Study.from_dict(study)
     assert again.to_dict()["channels"] == study["channels"]
 
 

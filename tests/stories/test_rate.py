@@ -22,7 +22,7 @@ NOISE = ("--noise", "N 0.000292 deg/sqrt(h), Q 0.2545 arcsec")
 
 def counts(path, turning, seconds, seed=1, gyro=GL1):
     n = int(400 * seconds)
-    record = al.simulate_ring_laser(gyro, turning, n, 400.0, rng=np.random.default_rng(seed))
+    record = al.simulation.simulate_ring_laser(gyro, turning, n, 400.0, rng=np.random.default_rng(seed))
     np.savetxt(path, record.values, fmt="%d", header="z", comments="")
     return str(path)
 
@@ -243,7 +243,7 @@ def test_a_noise_that_explains_nothing_is_not_used():
     values = np.random.default_rng(1).standard_normal(20_000)
     values[10_000:] *= 2
     record = al.Record(values, rate=10.0, unit="deg/h", name="z")
-    study = al.measure_rates(record)
+    study = al.constant_rate.measure_rates(record)
     (channel,) = study.channels
     assert channel.noise.validity == "unexplained"
     assert channel.experiment.ranking is None
@@ -257,14 +257,14 @@ def test_a_noise_that_explains_nothing_is_not_used():
 @pytest.mark.slow("takes more than half a second")
 @rows("width", [80, 120])
 def test_text_keeps_to_its_width(brief, width):
-    study = al.measure_rates(brief, al.Recipe(rate=400.0, unit="arcsec", kind="count", scale=0.32795))
+    study = al.constant_rate.measure_rates(brief, al.Recipe(rate=400.0, unit="arcsec", kind="count", scale=0.32795))
     assert max(map(len, table(study, width=width).splitlines())) <= width
 
 
 @pytest.mark.slow("takes more than half a second")
 def test_results_travel(brief):
     recipe = al.Recipe(rate=400.0, unit="arcsec", kind="count", scale=0.32795)
-    study = pickle.loads(pickle.dumps(al.measure_rates(brief, recipe)))
+    study = pickle.loads(pickle.dumps(al.constant_rate.measure_rates(brief, recipe)))
     (channel,) = study.channels
     found = channel.experiment
     again = al.from_dict(json.loads(json.dumps(found.to_dict())))

@@ -81,7 +81,7 @@ def test_the_figures_of_the_page_are_those_of_the_formula():
     rows = re.findall(r"^\| ±(\d+) \| ([\d.]+) \| ([\d.]+) % \|$", PAGE, re.MULTILINE)
     assert [float(row[0]) for row in rows] == [10, 100, 500]
     for scale, n, share in rows:
-        step = al.Stage("ADC", 12, float(scale), "deg/s").step
+        step = al.signals.Stage("ADC", 12, float(scale), "deg/s").step
         adds = 60 * step / 12**0.5 * 1e-3**0.5
         assert float(n) == pytest.approx(adds, rel=0.02)
         assert float(share) == pytest.approx(100 * (adds / 2.525648) ** 2, rel=0.2)

@@ -66,8 +66,6 @@ class ClaimedSetting(Value):
 def settings_in(text: str) -> tuple[tuple[ClaimedSetting, ...], str]:
     """The settings among the parts of a text, which commas and semicolons separate, and the text without them.
 
-    Examples
-    --------
     >>> settings_in("N 0.3 deg/sqrt(h), lowpass 42 Hz; 100 ug/sqrt(Hz)")
     ((<ClaimedSetting lowpass 42 Hz>,), 'N 0.3 deg/sqrt(h); 100 ug/sqrt(Hz)')
     """
@@ -112,7 +110,7 @@ class ClaimedNoise(Value):
     source : str
         The file, the name of the data sheet, or the text of the model.
     kind : str
-        What it is: "model", "data sheet", "limits", or the name of a target of `allanite.EXPORTS`.
+        What it is: "model", "data sheet", "limits", or the name of a target of `allanite.exporting.EXPORTS`.
     models : tuple of Model
         One for each kind of sensor, of limits as large as they are. Where the file of a target states a correlation
         time, the bias is GM.

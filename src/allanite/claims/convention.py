@@ -111,8 +111,6 @@ CONVENTIONS = (
 def explaining(low: float, high: float, place: Place) -> list[tuple[str, Convention]]:
     """The conventions whose factor lies within limits, the nearest to their middle first, each after its formula.
 
-    Examples
-    --------
     >>> [name for name, _ in explaining(1.40, 1.43, Place("N", 1e-4, 100.0))]
     ['sqrt(2)']
     >>> [name for name, _ in explaining(0.09, 0.11, Place("N", 1e-4, 100.0))]
@@ -143,8 +141,6 @@ def pooled(limits: Sequence[tuple[float, float]]) -> tuple[float, float]:
 
     Where the axes do not agree the limits are empty: low above high.
 
-    Examples
-    --------
     >>> low, high = pooled([(1.0, 4.0), (1.0, 4.0)])
     >>> round(low, 3), round(high, 3)
     (1.225, 3.265)

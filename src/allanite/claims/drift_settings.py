@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.core.choices import DURATIONS, demand_choices, described, seconds_of
+from allanite.core.choices import DURATIONS, demand_choices, described
 from allanite.core.errors import UnitError, UsageError, given
 from allanite.core.names import demand_name
 from allanite.core.plain import Value
 from allanite.core.syntax import split_quantities
-from allanite.core.units import Signal, convert, signal_named, unit_of
+from allanite.core.units import Signal, convert, seconds_of, signal_named, unit_of
 from allanite.exporting.target import ACCELEROMETER, GYRO
 from allanite.phrases.phrase import say, spelled
 from allanite.planning.drift import GRAVITY, Response, flat, schuler
@@ -83,8 +83,6 @@ class Requirement(NamedTuple):
     def of(cls, text: str) -> "Requirement":
         """Read ``1 deg in 10 min`` or ``attitude 1 deg in 10 min``.
 
-        Examples
-        --------
         >>> Requirement.of("100 m in 1 min")[1:]
         ('position', 100.0, 'm', 60.0)
         """

@@ -169,8 +169,6 @@ def _failure(error: AllaniteError, ctx: click.Context) -> Failure:
 def cured(words: list[str], cure: Cure) -> list[str]:
     """The words of a command with a part replaced where it occurs last, or with options added, instead of old ones.
 
-    Examples
-    --------
     >>> cured(["allanite", "deviation", "avar.csv", "--statistic=avar"], ("avar", "oadev"))
     ['allanite', 'deviation', 'avar.csv', '--statistic=oadev']
     """

@@ -66,8 +66,6 @@ PLACES = {
 def demand_filled(words: Sequence[str]) -> None:
     """Refuse a command in which a placeholder was left.
 
-    Examples
-    --------
     >>> demand_filled(["info", "a.csv", "--rate", "HZ"])
     Traceback (most recent call last):
         ...

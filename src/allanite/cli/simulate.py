@@ -186,15 +186,16 @@ def simulate(**choices: Any) -> None:
     path = choices["out"]
     out = outputs(choices, [], also=["out"])
     demand_recording(path)
+    from allanite.core.aliases import size_and_rate
     from allanite.core.errors import UsageError
-    from allanite.simulation.record import Simulation, readings
+    from allanite.simulation.record import Simulation
     from allanite.simulation.ring_laser import RING_LASERS
     from allanite.study.modelled import NoiseSettings, ways
 
     model = NoiseSettings(choices["model"], choices["sensor"], choices["datasheet"]).given()
     if model is None:
         raise UsageError(f"give the noise with {ways()}")
-    n = readings(choices["rate"], choices["duration"], choices["samples"])
+    n, _ = size_and_rate(choices["samples"], choices["rate"], choices["duration"])
     laser = RING_LASERS.get((choices["sensor"] or "").lower())
     with progress(out) as tell:
         recording = _recording(model, n, choices, tell) if laser is None else _counts(laser, n, choices)

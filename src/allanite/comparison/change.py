@@ -142,8 +142,6 @@ def alpha_of(level: float) -> float:
 def holm(p: list[float]) -> list[float]:
     """P-values adjusted for their number (S. Holm, Scandinavian J. Statistics 6 (1979) 65).
 
-    Examples
-    --------
     >>> holm([0.01, 0.04, 0.03])
     [0.03, 0.06, 0.06]
     """

@@ -3,58 +3,52 @@
 import math
 from collections.abc import Callable
 from functools import cache, wraps
-from inspect import signature
+from inspect import Parameter, signature
 from itertools import chain
+from numbers import Real
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from allanite.phrases.phrase import spelled
+
 from .errors import UsageError, WrongTypeError, given
+from .habits import demand_own, renamed
 
 if TYPE_CHECKING:
     import numpy as np
-
-ALIASES = {"fs": "rate"}  # names of arguments in other libraries: the name here
 
 F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
 
 
 def public(function: F) -> F:
-    """The function as users call it: arguments by their `ALIASES`, too, and each of the type that is declared.
+    """The function as users call it, arguments by other names, too (`ARGUMENTS`), each of the type that is declared.
 
-    Raises
-    ------
-    WrongTypeError
-        An argument is of another type.
-    UsageError
-        What comes of the arguments is beyond the range of numbers.
-
-    Examples
-    --------
     >>> public(lambda rate: 1 / rate)(fs=100.0)
     0.01
     """
 
     @cache
-    def declared() -> tuple[list[str], dict[str, Any], Callable[[Any, Any], str], Callable[[str, Any, Any], str]]:
+    def declared() -> tuple[bool, list[str], dict[str, Any], Callable[[Any, Any], str], Callable[[str, Any, Any], str]]:
         """Names and types, which may not be defined before the first call."""
         from .declared import excess, misfit, parameters  # with numpy, which help does without
 
-        return list(signature(function).parameters), parameters(function), misfit, excess
+        known = signature(function).parameters
+        open_ = any(parameter.kind is Parameter.VAR_KEYWORD for parameter in known.values())
+        return open_, list(known), parameters(function), misfit, excess
 
     @wraps(function)
     def entered(*args: Any, **options: Any) -> Any:
-        for alias in ALIASES.keys() & options.keys():
-            name = ALIASES[alias]
-            if name in options:
-                raise UsageError(f"{name} and {alias} are the same: give one of them")
-            options[name] = options.pop(alias)
-        names, types, misfit, excess = declared()
+        open_, names, types, misfit, excess = declared()
         called = function.__qualname__.removesuffix(".__init__")
+        options = renamed(options, names)
+        demand_own(called, () if open_ else options.keys() - names)
         for name, value in chain(zip(names, args, strict=False), options.items()):
             hint = types.get(name, Any)
             if expected := misfit(value, hint):
+                rated = isinstance(value, Real) and "sampling" in names  # as the second argument of other libraries
                 raise WrongTypeError(
                     f"{called}: {name} must be {expected}, not {given(value)} ({type(value).__name__})"
+                    + f"; a sampling rate has its name: type al.{called}(x, rate={value})" * rated
                 )
             if expected := excess(name, value, hint):
                 raise UsageError(f"{expected}, not {given(value)}")
@@ -72,27 +66,29 @@ def constructed(cls: type[T]) -> type[T]:
     return cls
 
 
-def generator(rng: "np.random.Generator | int") -> "np.random.Generator":
-    """The source of randomness, which may be given by its seed.
+def generator(rng: "np.random.Generator | int | None") -> "np.random.Generator":
+    """The source of randomness, which may be given by its seed; None for another one each time.
 
     >>> generator(1).integers(10)
     np.int64(4)
     """
     import numpy as np
 
-    if not isinstance(rng, np.random.Generator) and rng < 0:
+    if rng is not None and not isinstance(rng, np.random.Generator) and rng < 0:
         raise UsageError(f"a seed must not be negative, as {rng} is")
     return np.random.default_rng(rng)
 
 
-def size_and_rate(size: int | None, rate: float | None, duration: float | None) -> tuple[int, float]:
+def size_and_rate(size: int | None, rate: float | None, duration: float | str | None) -> tuple[int, float]:
     """Number of samples and sampling rate, Hz, of a record that is described by its size or its duration, s.
 
-    Examples
-    --------
-    >>> size_and_rate(None, 100.0, 60.0)
-    (6000, 100.0)
+    >>> size_and_rate(None, 100.0, 60.0), size_and_rate(None, 100.0, "1 min")
+    ((6000, 100.0), (6000, 100.0))
     """
+    if isinstance(duration, str):
+        from .units import seconds_of
+
+        duration = seconds_of(duration)
     if rate is None:
         raise UsageError("the sampling rate is missing: give rate, in Hz, e.g. rate=100")
     if not (math.isfinite(rate) and rate > 0):
@@ -100,5 +96,6 @@ def size_and_rate(size: int | None, rate: float | None, duration: float | None) 
     if duration is not None and not (math.isfinite(duration) and duration > 0):
         raise UsageError(f"the duration must be a positive number of s, not {given(duration)}")
     if (size is None) == (duration is None):
-        raise UsageError("give either size, a number of samples, or duration, in s, e.g. duration=3600")
+        how = spelled("--duration or --samples", "size, a number of samples, or duration, in s, e.g. duration=3600")
+        raise UsageError(f"give either {how}")
     return (size if size is not None else round((duration or 0.0) * rate)), rate

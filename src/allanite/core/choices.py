@@ -10,6 +10,7 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin
 
 from .errors import UsageError, given
 from .ranges import demand_pieces, demand_ranges
+from .units import A_DURATION, seconds_of
 
 Settings = TypeVar("Settings")
 
@@ -52,7 +53,7 @@ TYPED = ChoiceKind("value", lambda value: value)
 """The kind that the type of the field says."""
 
 
-A_NUMBER, AN_INTEGER, A_DURATION = "a number", "an integer", "a time in s such as 600, or '10 min' or 1h"
+A_NUMBER, AN_INTEGER = "a number", "an integer"
 
 
 SECONDS = " In s."
@@ -61,8 +62,6 @@ SECONDS = " In s."
 def written(value: Any) -> str:
     """A value as it is typed.
 
-    Examples
-    --------
     >>> written((100.0, 1e-3)), written(((1, 2.5),)), written({"N": (0.1, 10)}), written({"gyro": "deg/s"})
     ('100,0.001', '1..2.5', 'N=0.1:10', 'gyro=deg/s')
     """
@@ -171,23 +170,6 @@ def _model(text: Any) -> Any:
     from .model import Model
 
     return Model(str(text))
-
-
-def seconds_of(text: Any) -> float:
-    """Seconds of ``600``, ``10 min`` or ``1h``; days are ``d``."""
-    from .syntax import split_quantities
-    from .units import convert
-
-    if isinstance(text, (int, float)):
-        return float(text)
-    try:
-        ((value, unit),) = split_quantities(str(text).split())
-        seconds = 86400 * value if unit == "d" else convert(value, unit or "s", "s")
-    except ValueError:
-        seconds = 0.0
-    if not seconds > 0:
-        raise UsageError(f"expected {A_DURATION}, not {given(text)}")
-    return seconds
 
 
 def _instant(text: Any) -> float:
@@ -343,8 +325,6 @@ def choice(metavar: str = "", help: str = "", *, default: Any = None, **columns:
 def choices_of(kind: type[Any]) -> dict[str, ChoiceRow]:
     """The choices of a class by the name of their field.
 
-    Examples
-    --------
     >>> @dataclass
     ... class Smoothing:
     ...     window: float = choice("S", "Length of the mean.", default=60.0)
@@ -364,8 +344,6 @@ def choices_of(kind: type[Any]) -> dict[str, ChoiceRow]:
 def described(kind: type[Settings]) -> type[Settings]:
     """The class, whose docstring lists the choices that it does not describe itself by the help of their rows.
 
-    Examples
-    --------
     >>> @described
     ... @dataclass
     ... class Smoothing:

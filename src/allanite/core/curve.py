@@ -1,6 +1,6 @@
 """Curve: a statistic as a function of averaging time. Surface: of time and averaging time."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
@@ -13,6 +13,7 @@ from .encoding import plain
 from .errors import StoredError, UsageError
 from .limits import Stored, demand_level, demand_stored_rate
 from .model import Model
+from .names import demand_name
 from .plain import Portable, Value
 from .units import convert
 
@@ -63,6 +64,7 @@ class Curve(Value):
     """
 
     _keys: ClassVar = {"supposes": "supposed"}
+    _called: ClassVar = {"taus": "tau", "var": "variance", **dict.fromkeys(("dev", "devs", "adev", "ad"), "deviation")}
     _alike = ("m tau variance count factor alpha",)
     _checks: ClassVar = {"rate": demand_stored_rate}
 
@@ -98,6 +100,15 @@ class Curve(Value):
     def deviation(self) -> FloatArray:
         """Square root of the variance."""
         return np.sqrt(self.variance)
+
+    def __iter__(self) -> Iterator[FloatArray]:
+        """Averaging times and deviations: ``tau, deviation = curve``."""
+        return iter((self.tau, self.deviation))
+
+    def __getitem__(self, name: str) -> Any:
+        """A column by its name: ``curve["tau"]``."""
+        demand_name("column", name, ("tau", "deviation", "variance", "count", "m", "factor", "edf", *self._called))
+        return getattr(self, name)
 
     def _limits(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         demand_level(level)

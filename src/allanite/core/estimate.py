@@ -252,15 +252,17 @@ class Estimate(Value):
         """Upper limit of the 95 % interval, SI."""
         return self.interval()[1]
 
+    def __float__(self) -> float:
+        """The value, SI; NaN if there is none."""
+        return math.nan if self.value is None else self.value
+
     def to(self, unit: str) -> float:
         """The value in `unit`; NaN if there is none."""
-        return math.nan if self.value is None else self.value / coefficient_factor(self.symbol, unit, self.signal)
+        return float(self) / coefficient_factor(self.symbol, unit, self.signal)
 
     def words(self, unit: str | None = None, level: float = 0.95) -> str:
         """The estimate as text: ``0.31 (0.30 .. 0.32) deg/sqrt(h)`` or ``not identified, below 2.1 deg/h``.
 
-        Examples
-        --------
         >>> from .units import SIGNALS
         >>> Estimate("B", SIGNALS[0], None, None, "absent", 4.848e-6, "whittle").words("deg/h")
         'not identified, below 1 deg/h'
@@ -298,5 +300,6 @@ class Estimate(Value):
         return super().to_dict(level) | extra | {"shown": {**shown, "unit": self.sheet_unit}} | shape
 
     def _summary(self) -> str:
-        size = "" if self.value is None else f" {self.to(self.sheet_unit):.4g} {self.sheet_unit}"
+        size = f" {self.to(self.sheet_unit):.4g} {self.sheet_unit}"
+        size = "" if self.value is None else f"{size} = {self.value:.4g} {self.unit}"
         return f"{self.symbol}{size}, {self.status}"

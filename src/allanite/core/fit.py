@@ -203,6 +203,7 @@ class Fit(Value):
     """
 
     _keys: ClassVar = {"estimates": "terms", "rivals": "alternatives", "nodes": "averaged"}
+    _called: ClassVar = {"params": "coefficients"}
 
     estimates: tuple[Estimate, ...]
     method: str
@@ -226,6 +227,11 @@ class Fit(Value):
     Q, F, N, B, K, R, W, GM, GML, GMA, GM2, Sine = map(
         _estimate_of, ("Q", "F", "N", "B", "K", "R", "W", "GM", "GML", "GMA", "GM2", "Sine")
     )
+
+    @property
+    def coefficients(self) -> dict[str, Estimate]:
+        """The estimates by the symbols of their terms, of terms alike the first."""
+        return {e.symbol: self[e.symbol] for e in self}
 
     def __post_init__(self) -> None:
         doubt = self._doubt or ("" if self.goodness else self.model.doubt)

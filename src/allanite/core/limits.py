@@ -42,8 +42,6 @@ class Stored:
 
     `also` holds those for another level, if a verdict needs them.
 
-    Examples
-    --------
     >>> Stored((0.1, 0.3), 0.95)(0.95)
     (0.1, 0.3)
     """
@@ -91,8 +89,6 @@ class Normal:
 class Remembered(Generic[T]):
     """A function of numbers, or without arguments, that is called once for each argument, with one thread.
 
-    Examples
-    --------
     >>> Remembered(math.sqrt)(4.0)
     2.0
     """

@@ -119,13 +119,7 @@ class Term(Value):
 
 
 def coefficient_factor(symbol: str, unit: str, signal: Signal | None = None) -> float:
-    """Size of `unit` in SI, after checking that it is a unit of the coefficient `symbol`.
-
-    Raises
-    ------
-    UnitError
-        If `unit` is not a unit of this coefficient; the message names the usual ones.
-    """
+    """Size of `unit` in SI, if it is a unit of the coefficient `symbol`; a UnitError names the usual ones if not."""
     size = unit_of(unit)
     fits = signal_with(size.dimension, TERMS[symbol].power, values=True)
     if fits is None or (signal is not None and fits is not signal):
@@ -342,13 +336,7 @@ def nevertheless(why: str, remedy: str) -> Phrase:
 
 
 def usable_model(value: ModelLike) -> Model:
-    """The model from which a job may go on: given, or identified without a doubt; of a fit its valid coefficients.
-
-    Raises
-    ------
-    DataError
-        The model does not explain the record that it was identified from.
-    """
+    """The model from which a job may go on: given, or identified without a doubt; of a fit its valid coefficients."""
     usable = getattr(value, "usable", None)
     return usable() if usable is not None else model_of(value).usable()
 
@@ -375,29 +363,37 @@ def model_of(value: ModelLike) -> Model:
 class Constructor(Protocol):
     """A function that makes the term of one symbol from a coefficient, its unit, and the parameters by name."""
 
-    def __call__(self, value: float, unit: str, **shape: float) -> Term: ...  # noqa: D102
+    def __call__(self, value: float | str, unit: str = "", **shape: float) -> Term: ...  # noqa: D102
 
 
 def constructor(symbol: str) -> Constructor:
     """The function that makes a term of this symbol, from the term's row of `TERMS`.
 
-    >>> print(constructor("GM")(0.1, "deg/h", time_constant=20.0))
-    GM = 0.1 deg/h with time constant 20 s
+    >>> print(constructor("GM")(0.1, "deg/h", time_constant=20.0), constructor("N")("0.1 deg/sqrt(h)"), sep="; ")
+    GM = 0.1 deg/h with time constant 20 s; N = 0.1 deg/sqrt(h)
     """
     row, usual = TERMS[symbol], (Parameter.POSITIONAL_OR_KEYWORD, Parameter.KEYWORD_ONLY)
-    named = [Parameter(name, usual[0], annotation=kind) for name, kind in (("value", float), ("unit", str))]
+    named = [
+        Parameter("value", usual[0], annotation=float | str),
+        Parameter("unit", usual[0], annotation=str, default=""),
+    ]
     named += [
         Parameter(p.name, usual[1], annotation=float, default=Parameter.empty if p.default is None else p.default)
         for p in row.parameters
     ]
     signature = Signature(named, return_annotation=Term)
 
-    def build(value: float, unit: str, **shape: float) -> Term:
-        given = signature.bind(value, unit, **shape)
-        given.apply_defaults()
-        return term(symbol, value, unit, tuple(given.arguments[p.name] for p in row.parameters))
-
     sheet = SIGNALS[0].sheet[row.power]
+
+    def build(value: float | str, unit: str = "", **shape: float) -> Term:
+        if isinstance(value, str) and not unit and not shape:
+            return Model(f"{symbol} {value}")[symbol]
+        bound = signature.bind(value, unit, **shape)
+        bound.apply_defaults()
+        if isinstance(value, str) or not unit:
+            raise UsageError(f"{symbol} needs a number and its unit, e.g. al.{symbol}({given(value)}, {sheet!r})")
+        return term(symbol, value, unit, tuple(bound.arguments[p.name] for p in row.parameters))
+
     example = "".join(f", {p.name}={p.typical:g}" for p in row.parameters if p.default is None)
     units = "".join(f"; {p.name} in {p.unit}" for p in row.parameters if p.unit)
     build.__name__ = build.__qualname__ = symbol

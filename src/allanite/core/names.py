@@ -50,13 +50,7 @@ def unknown(
 
 
 def demand_name(what: str, name: object, known: Iterable[str], *, where: str = "", choice: str = "") -> None:
-    """Refuse a name that is not known.
-
-    Raises
-    ------
-    UsageError
-        See `unknown`.
-    """
+    """Refuse a name that is not known; see `unknown`."""
     inside = known if isinstance(known, Container) else list(known)
     if not isinstance(name, Hashable) or name not in inside:
         raise unknown(what, name, known, where=where, choice=choice)

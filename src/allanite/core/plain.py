@@ -1,15 +1,17 @@
 """Storable values: every result can be pickled, written as plain data and read again, and has a one-line form."""
 
 import importlib
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, fields
-from functools import cache
+from functools import cache, partial
 from operator import attrgetter
-from typing import Any, ClassVar, Self, cast, get_type_hints
+from typing import TYPE_CHECKING, Any, ClassVar, Self, cast, get_type_hints
 
 from .aliases import public
 from .encoding import plain, read_key, write_plain
 from .errors import StoredError, UsageError, given, unfit
+from .habits import REMEDIES, remedy
 from .limits import demand_stored_rate
 from .names import unknown
 from .units import Signal
@@ -38,11 +40,10 @@ class Value(Portable):
     """A frozen dataclass that can be stored and read again; declared with ``repr=False`` to keep the short `repr`.
 
     The form of the plain data follows from the types of the fields. `_keys` names fields stored under another key,
-    `_also` properties that are written for readers but not read again. Of data that are read, the fields of each text
+    `_also` properties that are written for readers but not read again, `_called` attributes by their names in other
+    libraries. Of data that are read, the fields of each text
     of `_alike` must have as many items, and `_checks` refuse what else a field cannot be.
 
-    Examples
-    --------
     >>> from dataclasses import dataclass
     >>> @dataclass(frozen=True, repr=False)
     ... class Offset(Value):
@@ -54,6 +55,7 @@ class Value(Portable):
 
     _keys: ClassVar[dict[str, str]] = {}
     _also: ClassVar[tuple[str, ...]] = ()
+    _called: ClassVar[Mapping[str, str]] = {}
     _alike: ClassVar[tuple[str, ...]] = ()
     _checks: ClassVar[Mapping[str, Callable[[Any], None]]] = {}
 
@@ -106,8 +108,32 @@ class Value(Portable):
         named = sorted(((n, short(item)) for n, item in shown if short(item)), key=lambda pair: pair[0] != "name")
         return " ".join(f"{name}={text}" for name, text in named)
 
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """What is called otherwise in other libraries; functions of `allanite` with this value."""
+            cls = type(self)
+            if hasattr(own := getattr(cls, name, None), "__get__"):  # a property that has raised the error
+                return own.__get__(self, cls)
+            if not name.startswith("_") and name not in {f.name for f in fields(self)}:
+                if name in cls._called:
+                    return getattr(self, cls._called[name])
+                if name in ("report", "export"):
+                    return partial(getattr(importlib.import_module("allanite"), name), self)
+                if (part := self._named(name)) is not None:
+                    return part
+            call = remedy(REMEDIES, name).format(value=cls.__name__.lower())
+            raise AttributeError(f"a {cls.__name__} has no {name}" + f": type {call}" * bool(call), name=name, obj=self)
+
+    def _named(self, name: str) -> Any:
+        """A part by its name, as of a study a channel; None if there is none of this name."""
+
     def plot(self, *args: Any, **options: Any) -> Any:
-        """Draw the value; arguments are those of `allanite.plot`."""
+        """Draw the value; arguments are those of `allanite.plot`, or the path alone."""
+        if "ax" in options:
+            raise UsageError("plot makes a figure of its own; in other axes draw a curve by ax.loglog(*curve)")
+        if args and isinstance(args[0], str | os.PathLike):
+            options["path"], args = args[0], args[1:]
         return importlib.import_module(RESULTS).plot(self, *args, **options)
 
     def summary(self, **options: Any) -> str:
@@ -117,9 +143,9 @@ class Value(Portable):
     def to_dataframe(self, **options: Any) -> Any:
         """The numbers as a DataFrame of pandas, with the columns of the CSV file; `level` is that of the limits.
 
-        With ``coefficients=True`` those of a study, whose curves are its numbers otherwise.
+        Of a study its coefficients, and with ``coefficients=False`` its curves.
         """
-        headings, rows = importlib.import_module(RESULTS).numbers(self, **options)
+        headings, rows = importlib.import_module(RESULTS).numbers(self, **{"coefficients": None, **options})
         return importlib.import_module("pandas").DataFrame(rows, columns=list(headings))
 
     def _repr_html_(self) -> str:

@@ -65,13 +65,7 @@ def demand_band(band: Any) -> Any:
 
 
 def demand_level(level: float) -> float:
-    """Check that a confidence level is valid.
-
-    Raises
-    ------
-    UsageError
-        The level is not between 0 and 1.
-    """
+    """The confidence level, which is refused if it is not between 0 and 1."""
     if not 0 < level < 1:
         meant = f"{level / 100:g}" if 1 < level < 100 else ""
         said = f"a confidence level must be between 0 and 1, not {given(level)}"

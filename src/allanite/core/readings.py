@@ -254,8 +254,6 @@ class DataSheetRow(NamedTuple):
 def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: float = 0.95) -> list[DataSheetRow]:
     """The quantities of a data sheet, each with its limits.
 
-    Examples
-    --------
     >>> from allanite import N, Model
     >>> white = N(0.12, "deg/sqrt(h)")
     >>> walk = Estimate("N", white.signal, white.value, None, "identified", None, "whittle")

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from functools import cached_property, partial
 from importlib import import_module
 from typing import Any, TypedDict
 
@@ -15,11 +15,15 @@ from allanite.phrases.phrase import join, say
 from .aliases import constructed
 from .arrays import LARGEST, FloatArray, complete, samples
 from .errors import DataError, UsageError, WrongTypeError, given
+from .habits import demand_own
 from .kinds import KINDS, explain_kinds, offered, signal_of_kind
 from .names import demand_name
 from .plain import Header, Value
-from .units import Signal, unit_of
+from .units import Signal, convert, unit_of
 from .validity import Finding
+
+MOMENTS = ("mean", "std", "var", "median", "min", "max")
+"""Functions of numpy that are methods of a record; they omit missing samples."""
 
 SHORTEST = 200
 """Number of samples below which no noise coefficient is reported."""
@@ -107,6 +111,34 @@ class Record(Value):
 
     def __len__(self) -> int:
         return len(self.values)
+
+    def __getitem__(self, which: int | slice) -> Any:
+        """A sample, or with ``record[first:last]`` the record of these samples."""
+        if not isinstance(which, slice):
+            return self.values[which]
+        first, last, step = which.indices(len(self.values))
+        if step != 1:
+            raise UsageError(f"a record has every sample: type al.prepare.decimate(record, {step})")
+        part = self.with_values(
+            self.values[first:last], say("samples {first} to {last}", first=first, last=last - 1),
+            start=(self.start or 0.0) + first / self.rate,
+        )  # fmt: skip
+        return replace(part, cut=self.cut + first / self.rate)
+
+    @property
+    def time(self) -> FloatArray:
+        """Time of each sample, s."""
+        return (self.start or 0.0) + np.arange(len(self.values)) / self.rate
+
+    def to(self, unit: str) -> "Record":
+        """The same record in another unit."""
+        factor = convert(1.0, self.unit, unit)
+        if self.scale is not None:
+            return replace(self, unit=unit, scale=self.scale * factor)
+        return replace(self, unit=unit, values=self.values * factor)
+
+    def _named(self, name: str) -> Any:
+        return partial(getattr(np, f"nan{name}"), self.values) if name in MOMENTS else None
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         return np.array(self.values, dtype=dtype, copy=copy)
@@ -314,6 +346,7 @@ class Sampling(TypedDict, total=False):
 def as_source(source: Any, call: str, sampling: Sampling, *, unit: str = "") -> Any:
     """The record of an array or column, the recording of a table or of a two-dimensional array; a result as it is."""
     if isinstance(source, Value):
+        demand_own(call, sampling)
         if sampling:
             raise UsageError(f"a {type(source).__name__} has its own {' and '.join(sampling)}: omit what was given")
         return source
@@ -326,6 +359,7 @@ def as_source(source: Any, call: str, sampling: Sampling, *, unit: str = "") -> 
         return import_module(READERS).read(source, **sampling)
     if not np.ndim(source):
         raise WrongTypeError(f"{call} takes a record or samples, not {given(source)} ({type(source).__name__})")
+    demand_own(call, sampling)
     known: dict[str, Any] = {**({"unit": unit} if unit else {}), **sampling}
     for key in known.keys() - Sampling.__annotations__:
         raise UsageError(f"{key} describes a file or a table, not an array")

@@ -174,8 +174,6 @@ NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")  # a numbe
 def split_quantities(words: list[str]) -> list[tuple[float, str]]:
     """Numbers with the units that follow them, with or without a space; the unit is empty if none follows.
 
-    Examples
-    --------
     >>> split_quantities(["0.1", "deg/h", "20s", "3"])
     [(0.1, 'deg/h'), (20.0, 's'), (3.0, '')]
     """
@@ -194,8 +192,6 @@ def split_quantities(words: list[str]) -> list[tuple[float, str]]:
 def written(model: "Model") -> str:
     """The text from which `Model` makes exactly the same model.
 
-    Examples
-    --------
     >>> from allanite import Model
     >>> model = Model("N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s")
     >>> Model(written(model)) == model

@@ -10,12 +10,14 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 from allanite.phrases.phrase import say
 
-from .errors import UnitError, given
+from .errors import UnitError, UsageError, given
 from .names import nearest, row_of
 from .ranges import Units
+from .syntax import split_quantities
 
 SPELLINGS: dict[str, str] = {
     "°": "deg", "º": "deg", "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad",
@@ -212,19 +214,10 @@ class _Parser:
 
 @lru_cache(maxsize=1024)
 def unit_of(text: str) -> Unit:
-    """Read a unit.
+    """Read a unit; a UnitError suggests one if a part of `text` is unknown.
 
-    Raises
-    ------
-    UnitError
-        If a part of `text` is unknown; the message suggests a unit.
-
-    Examples
-    --------
-    >>> round(unit_of("deg/h").factor, 12)
-    4.848137e-06
-    >>> unit_of("rad/sqrt(s)") == unit_of("rad/s/sqrt(Hz)")
-    True
+    >>> round(unit_of("deg/h").factor, 12), unit_of("rad/sqrt(s)") == unit_of("rad/s/sqrt(Hz)")
+    (4.848137e-06, True)
     """
     try:
         if len(text) > MAX_LETTERS:
@@ -244,8 +237,6 @@ def unit_of(text: str) -> Unit:
 def convert(value: float, unit: str, to: str) -> float:
     """`value` of `unit` in `to`.
 
-    Examples
-    --------
     >>> convert(1.0, "deg/sqrt(h)", "deg/h/sqrt(Hz)")
     60.0
     """
@@ -253,6 +244,23 @@ def convert(value: float, unit: str, to: str) -> float:
     if source.dimension != target.dimension:
         raise UnitError(f"{unit!r} cannot be converted to {to!r}: their dimensions differ")
     return value * (source.factor / target.factor)
+
+
+A_DURATION = "a time in s such as 600, or '10 min' or 1h"
+
+
+def seconds_of(text: Any) -> float:
+    """Seconds of ``600``, ``10 min`` or ``1h``; days are ``d``."""
+    if isinstance(text, (int, float)):
+        return float(text)
+    try:
+        ((value, unit),) = split_quantities(str(text).split())
+        seconds = 86400 * value if unit == "d" else convert(value, unit or "s", "s")
+    except ValueError:
+        seconds = 0.0
+    if not seconds > 0:
+        raise UsageError(f"expected {A_DURATION}, not {given(text)}")
+    return seconds
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,5 @@
 """From identified noise to the file of a filter or simulator, and back."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

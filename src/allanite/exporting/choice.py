@@ -158,8 +158,6 @@ def selected(axes: Sequence[Axis], policy: str) -> tuple[Axis, ...]:
 def placed(names: Sequence[str], axis: str) -> int | None:
     """Which channel is an axis: the one whose name ends in x, y or z, or of three that at its place.
 
-    Examples
-    --------
     >>> placed(["gyro_y", "gyro_x"], "x"), placed(["w[0]", "w[1]", "w[2]"], "y"), placed(["left", "right"], "z")
     (1, 1, None)
     """

@@ -102,8 +102,6 @@ class Content:
 def number(value: float) -> str:
     """A number with all its digits and a point, without which YAML reads 1e-05 as text and ROS an integer.
 
-    Examples
-    --------
     >>> number(1e-05), number(200), number(0.25)
     ('1.0e-05', '200.0', '0.25')
     """

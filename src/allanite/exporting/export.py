@@ -1,6 +1,7 @@
 """Export: the file that a target reads, from results or from a given model."""
 
 import base64
+import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain
@@ -13,9 +14,12 @@ from allanite.core.files import PathLike, encoded, write
 from allanite.core.fit import Fit
 from allanite.core.kinds import title_of
 from allanite.core.plain import Value
+from allanite.core.record import Record, Recording
 from allanite.core.validity import graded
 from allanite.core.version import __version__
 from allanite.phrases.phrase import say, spelled
+from allanite.study.analysis import analyze
+from allanite.study.recipe import Recipe
 from allanite.study.results import Study
 
 from .bounds import BOUND, READ, bounded
@@ -114,7 +118,7 @@ def _numbers(values: Sequence[float]) -> str:
 
 @public
 def export(  # noqa: PLR0913 - each has a default, and is a choice of its own
-    source: Source,
+    source: Source | Record | Recording | str | os.PathLike[str],
     target: str,
     *,
     axis: str = "worst",
@@ -130,8 +134,8 @@ def export(  # noqa: PLR0913 - each has a default, and is a choice of its own
 
     Parameters
     ----------
-    source : Study, Channel, Fit, Model, Term, or a sequence of these
-        Several are put together: a gyro's and an accelerometer's.
+    source : Study, Channel, Fit, Model, Term, or a sequence of these; Record, Recording or path
+        Several are put together: a gyro's and an accelerometer's. Recordings are analyzed.
     target : str
         A name in `EXPORTS`.
     axis : {"worst", "median", "x", "y", "z", "each"}
@@ -183,6 +187,8 @@ def export(  # noqa: PLR0913 - each has a default, and is a choice of its own
     """
     how = How(axis, inflate, rate, filter_rate, unexplained, SPAN.demand("cover", cover), from_curve)
     row, suffix = prepared(target, how, form)
+    if isinstance(source, Record | Recording | str | os.PathLike):
+        source = analyze(source, None if isinstance(source, Value) else Recipe(rate=rate))
     return exported(row, source, how, suffix)
 
 

@@ -28,14 +28,12 @@ EXPORTS = Registry({row.name: row for row in _OWN}, "allanite.targets", kind=Tar
 """Targets of `allanite.export` by name."""
 
 TEMPERATURE = {"px4": PX4_TC, "ardupilot": ARDUPILOT_TCAL}
-"""Autopilots that take temperature polynomials, of `allanite.temperature_parameters`."""
+"""Autopilots that take temperature polynomials, of `allanite.exporting.temperature_parameters`."""
 
 
 def target_named(name: str) -> Target:
     """The row of a target; upper case and underscores do not matter.
 
-    Examples
-    --------
     >>> target_named("LIO_SAM").name
     'lio-sam'
     """

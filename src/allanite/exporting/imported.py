@@ -32,8 +32,6 @@ COEFFICIENTS = "NKBQR"
 def models_of(texts: Iterable[str]) -> list[Model]:
     """The noise that texts describe, by sensor: models, names of data sheets, or single values whose unit says all.
 
-    Examples
-    --------
     >>> [str(model) for model in models_of(["0.66 deg/sqrt(h)", "K 3 deg/h/sqrt(h)", "100 ug/sqrt(Hz)"])]
     ['N = 0.66 deg/sqrt(h), K = 3 deg/h/sqrt(h)', 'N = 0.05884 m/s/sqrt(h)']
     >>> [str(model) for model in models_of(["adis16470 accelerometer"])]
@@ -244,8 +242,6 @@ def section_of(text: str, field: TargetField, target: Target) -> str:
 def numbers(text: str, name: str) -> list[float]:
     """The numbers of a field: one, or a list; empty if the field is not there.
 
-    Examples
-    --------
     >>> numbers("gyr_n: 1.0e-3", "gyr_n"), numbers('{"RandomWalk": [1, 2, 3]}', "RandomWalk")
     ([0.001], [1.0, 2.0, 3.0])
     """

@@ -64,8 +64,6 @@ class TargetField:
     def formula(self) -> str:
         """How the value follows from the coefficient: ``N sqrt(2 f)``.
 
-        Examples
-        --------
         >>> vins = TargetField("gyr_n", GYRO, "N", "rad/s", weight=2.0, rate=1)
         >>> vins.formula, TargetField("c", GYRO, "N", "rad^2/s", power=2).formula
         ('N sqrt(2 f)', 'N^2')

@@ -343,8 +343,6 @@ DEVICES: dict[str, Device] = {device.name: device for device in (STABILIZER, MSC
 def device(name: str) -> Device:
     """A device of the table.
 
-    Examples
-    --------
     >>> device("fog").terms["R"].sources[0]
     'slow monotonic change of the intensity of the light source'
     """

@@ -57,8 +57,6 @@ def height(estimate: Estimate, tau: float) -> float:
 def crossing(one: Estimate, other: Estimate) -> float:
     """Averaging time, s, at which the asymptotes of two terms of different slope are equal.
 
-    Examples
-    --------
     >>> from allanite import Estimate
     >>> from allanite.core.units import SIGNALS
     >>> N, K = (Estimate(s, SIGNALS[0], v, 0.0, "identified", None, "whittle") for s, v in (("N", 2.0), ("K", 0.1)))
@@ -144,8 +142,6 @@ def meaning(
 ) -> Meaning:
     """What the coefficients of a fit say, and what may cause them.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> from allanite import N, identify, simulate
     >>> record = simulate(N(0.1, "deg/sqrt(h)"), 6000, 10.0, rng=np.random.default_rng(1))
@@ -176,8 +172,6 @@ HUMP_PERIODS = 0.37
 def sentences(fit: Fit, readings: Readings | None = None, *, rate: float, length: float) -> tuple[str, ...]:
     """What the coefficients of a fit say, in sentences; none where its model does not explain the record.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> from allanite import N, R, identify, simulate
     >>> model = N(0.1, "deg/sqrt(h)") + R(3000.0, "deg/h^2")

@@ -77,8 +77,6 @@ def say(template: str, /, **fields: Any) -> Phrase:
 
     Templates are collected from calls of this function, so they are written out where it is called.
 
-    Examples
-    --------
     >>> say("{title} at {tau:.3g} s", title=say("minimum"), tau=12.3456)
     'minimum at 12.3 s'
     >>> say("{title} at {tau:.3g} s", title=say("minimum"), tau=1641.6)
@@ -90,8 +88,6 @@ def say(template: str, /, **fields: Any) -> Phrase:
 def say_count(count: int, one: str, many: str, /, **fields: Any) -> Phrase:
     """A phrase with a number, named `count` in both templates, that its nouns agree with.
 
-    Examples
-    --------
     >>> say_count(1, "{count} sample", "{count} samples"), say_count(7, "{count} sample", "{count} samples")
     ('1 sample', '7 samples')
     """
@@ -120,8 +116,6 @@ _BLANK = re.compile("(?<=[，；：。！？]) ")
 def join(separator: str, parts: Iterable[str]) -> Phrase:
     """Texts one after the other, each of which is translated by itself.
 
-    Examples
-    --------
     >>> join("; ", [say("no model"), "gx"])
     'no model; gx'
     """
@@ -145,8 +139,6 @@ MIN_PART_SHARE = 0.25
 def plural(count: int, noun: str, many: str = "") -> str:
     """A number and its noun, singular or plural.
 
-    Examples
-    --------
     >>> plural(1, "gap"), plural(7, "sample")
     ('1 gap', '7 samples')
     """
@@ -156,8 +148,6 @@ def plural(count: int, noun: str, many: str = "") -> str:
 def percent(share: float) -> str:
     """A share with two significant digits, and all digits before the point.
 
-    Examples
-    --------
     >>> percent(0.00123), percent(0.345), percent(1.0), percent(12.3)
     ('0.12 %', '34 %', '100 %', '1230 %')
     """
@@ -167,8 +157,6 @@ def percent(share: float) -> str:
 def duration(seconds: float) -> str:
     """A duration with its unit.
 
-    Examples
-    --------
     >>> duration(42), duration(5400), duration(200_000)
     ('42 s', '1.5 h', '2.31 d')
     """
@@ -181,8 +169,6 @@ def duration(seconds: float) -> str:
 def averaging(tau: float) -> str:
     """An averaging time: in seconds, as on the axis of a curve.
 
-    Examples
-    --------
     >>> averaging(5.119), averaging(927.4), averaging(16384.0)
     ('5.12 s', '927 s', '16400 s')
     """
@@ -205,8 +191,6 @@ def command_line() -> Iterator[None]:
 def spelled(option: str, argument: str) -> str:
     """The name of a choice in a message: an option at the command line, an argument in Python.
 
-    Examples
-    --------
     >>> spelled("--rate 100", "rate=100")
     'rate=100'
     """
@@ -221,8 +205,6 @@ def windowing() -> str:
 def longest_without(bad: Iterable[tuple[float, float]], span: tuple[float, float]) -> str:
     """How to select the longest part of a recording, s, that holds none of these, s, ascending, unless it is short.
 
-    Examples
-    --------
     >>> longest_without([(10.0, 12.0), (90.0, 91.0)], (0.0, 100.0))
     'prepare.trim(recording, 12, 90)'
     """

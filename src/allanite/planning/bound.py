@@ -79,7 +79,7 @@ def bound(
     size: int | None = None,
     rate: float | None = None,
     *,
-    duration: float | None = None,
+    duration: float | str | None = None,
     ramp: bool | None = None,
     terms: str = "known",
 ) -> Bound:
@@ -214,8 +214,6 @@ def _names(noise: list[Term], model: Model) -> list[str]:
 def name_of(t: Term, model: Model) -> str:
     """The symbol of a term; with its shape where the symbol stands several times in the model.
 
-    Examples
-    --------
     >>> from allanite import GM
     >>> model = GM(1.0, "deg/h", time_constant=10.0) + GM(1.0, "deg/h", time_constant=99.0)
     >>> [name_of(t, model) for t in model]

@@ -60,8 +60,6 @@ class Claim(Value):
     def term(self) -> Term | None:
         """The coefficient that it means; None for an rms value without its bandwidth.
 
-        Examples
-        --------
         >>> print(Claim("gyro", "noise density", "Rate Noise Density", 0.008, "deg/s/sqrt(Hz)").term)
         N = 0.3394 deg/sqrt(h)
         >>> print(Claim("gyro", "bias stability", "In-Run Bias Stability", 8, "deg/h").term)
@@ -174,8 +172,6 @@ def data_sheet_named(name: str) -> DataSheet:
 def claimed(text: str) -> tuple[Model, ...]:
     """The noise that a data sheet claims: that of its gyro first, or that of the sensor alone that follows its name.
 
-    Examples
-    --------
     >>> [str(model) for model in claimed("adis16470")]
     ['N = 0.34 deg/sqrt(h), B = 12.04 deg/h', 'N = 0.037 m/s/sqrt(h), B = 19.57 ug']
     >>> [str(model) for model in claimed("adis16470 accelerometer")]

@@ -82,8 +82,6 @@ def flat(order: int, gain: float = 1.0) -> Response:
 def schuler(order: int, gain: float = 1.0) -> Response:
     """The same of an axis that stays level on a round earth: integrals of cos(w s), w^2 = g/R, instead of 1.
 
-    Examples
-    --------
     >>> hour = np.array([3600.0])
     >>> (schuler(2, GRAVITY).bias(hour) / flat(2, GRAVITY).bias(hour)).round(3).tolist()
     [0.366]
@@ -129,8 +127,6 @@ def drift_variance(
 ) -> FloatArray:
     """Variance of a quantity from one noise term, `times` after the start, SI.
 
-    Examples
-    --------
     >>> from allanite import N
     >>> white, hour = N(0.3, "deg/sqrt(h)"), np.array([3600.0])
     >>> [round(float(np.degrees(drift_variance(white, flat(0), hour, calibration=T) ** 0.5)[0]), 3) for T in (0, 3600)]

@@ -192,8 +192,6 @@ SIZE = 7200
 class Properties(Value):
     """Expectation and scatter of a statistic for single noise terms.
 
-    Examples
-    --------
     >>> found = properties("theo1", m=[100, 1000])
     >>> [f"{x:.3f}" for x in found.ratio[:, found.symbols.index("B")]]
     ['1.837', '1.857']

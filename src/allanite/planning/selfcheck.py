@@ -260,9 +260,9 @@ def selfcheck(  # noqa: PLR0913 - the choices of the identification among its ow
     size: int | None = None,
     rate: float | None = None,
     *,
-    duration: float | None = None,
+    duration: float | str | None = None,
     records: int = 100,
-    rng: "np.random.Generator | int",
+    rng: "np.random.Generator | int | None" = None,
     terms: str | Sequence[str] = "auto",
     method: str | None = None,
     band: Band | None = None,
@@ -281,8 +281,8 @@ def selfcheck(  # noqa: PLR0913 - the choices of the identification among its ow
         Sampling rate, Hz.
     records : int
         Number of records to simulate, at least 2.
-    rng : numpy.random.Generator or int
-        The source of randomness, or its seed.
+    rng : numpy.random.Generator or int, optional
+        The source of randomness, or its seed; by default another one each time.
     terms, method, band
         As for `identify`. The bound is that of the whole record, whatever the method and the band.
     level : float

@@ -29,8 +29,6 @@ class PluginWarning(UserWarning):
 def plugins(group: str) -> "tuple[tuple[EntryPoint, Any], ...]":
     """The entry points of a group with their objects, by name, loaded once.
 
-    Examples
-    --------
     >>> plugins("allanite.nothing")
     ()
     """
@@ -69,8 +67,6 @@ class Registry(dict[str, Row]):
     A plug-in with a name that a row has already is left out, and so is one that is no row of this kind. The name is the
     attribute `key` of a row, otherwise that of its entry point.
 
-    Examples
-    --------
     >>> table = Registry({"one": 1}, "allanite.nothing", kind=int, key="real")
     >>> table["one"], "two" in table, list(table)
     (1, False, ['one'])

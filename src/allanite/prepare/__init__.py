@@ -1,5 +1,7 @@
 """Checks of a record before it is analyzed, and corrections of it."""
 
+from allanite.core.correction import Correction as Correction
+
 from .quality import inspect as inspect
 from .transform import block_means as block_means
 from .transform import decimate as decimate

@@ -63,8 +63,6 @@ class Rounding:
 def rounding(y: NDArray[Any], fast: float) -> Rounding:
     """The rounding of a series whose fast noise has the standard deviation `fast`.
 
-    Examples
-    --------
     >>> found = rounding(np.rint(np.random.default_rng(1).standard_normal(1000) * 0.1 + 2.0), 0.1)
     >>> found.step, found.undithered
     (0.0, False)

@@ -59,8 +59,6 @@ def mark_motion(records: Sequence[Record]) -> tuple[Record, ...]:
 
     The blocks are those of the finding "moving"; the search is repeated without them, since motion widens the scale.
 
-    Examples
-    --------
     >>> y = np.random.default_rng(1).standard_normal(64000)
     >>> y[32000:32320] += 500.0
     >>> left, = mark_motion([Record(y, rate=32.0, unit="deg/h")])

@@ -197,11 +197,12 @@ def html_of(value: Any) -> str:
     return fragment(view.face(value, level), drawn)
 
 
-def numbers(value: Any, *, level: float | None = None, coefficients: bool = False) -> "Rows":
-    """Headings and rows of a result, unrounded; of a study its curves, or its coefficients and readings."""
+def numbers(value: Any, *, level: float | None = None, coefficients: bool | None = False) -> "Rows":
+    """Headings and rows of a result, unrounded; of a study its curves, or its coefficients (None: if it has any)."""
     from allanite.core.errors import UsageError
 
     view = view_of(value)
+    coefficients = view.coefficients is not None if coefficients is None else coefficients
     rows_of = view.coefficients if coefficients else view.rows
     if rows_of is None:
         raise UsageError(f"a {type(value).__name__} has no table of numbers; to_dict() gives its content")

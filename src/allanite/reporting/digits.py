@@ -43,8 +43,6 @@ def digits(
 ) -> Digits:
     """Round a value and its limits alike, to two significant digits of the half width.
 
-    Examples
-    --------
     >>> digits(0.310213, 0.30217, 0.318712)
     Digits(value='0.3102', low='0.3022', high='0.3187', exponent=0)
     >>> digits(9.0241e-5, 8.79e-5, 9.251e-5).plain()
@@ -124,8 +122,6 @@ def printable(text: str) -> str:
 def printed_unit(text: str) -> str:
     """A unit as it is shown, which `unit_of` reads as well, or a sentence with all of its units so.
 
-    Examples
-    --------
     >>> printed_unit("deg/h/sqrt(h)"), printed_unit("ug"), printed_unit("rad/s^2.5"), printed_unit("(deg/h)^2/Hz")
     ('°/h/√h', 'µg', 'rad/s²·⁵', '(°/h)²/Hz')
     >>> printed_unit("below 0.1 deg at 3 deg/h; to change it, --unit deg/s")
@@ -144,8 +140,6 @@ def _with_signs(found: re.Match[str]) -> str:
 def in_ascii(text: str) -> str:
     """A text for a terminal that has no signs: the signs of its units and numbers in ASCII.
 
-    Examples
-    --------
     >>> in_ascii("±0.3° at 3 °/√h"), in_ascii("≤ 1.2 µg")
     ('+-0.3 deg at 3 deg/sqrt(h)', '<= 1.2 ug')
     """
@@ -155,8 +149,6 @@ def in_ascii(text: str) -> str:
 def printed_number(cell: str) -> str:
     """A number or interval as it is printed.
 
-    Examples
-    --------
     >>> printed_number("-9.02e-5"), printed_number("-1 .. 2"), printed_number("+-5 V")
     ('−9.02 × 10⁻⁵', '−1 … 2', '±5 V')
     """

@@ -259,8 +259,6 @@ def listed(names: Sequence[str]) -> str:
 def plus_minus(value: float, low: float, high: float, *, signed: bool = False) -> str:
     """A value and the half width of its interval as a share of it: ``0.119 ± 1 %``.
 
-    Examples
-    --------
     >>> plus_minus(0.1192, 0.1178, 0.1202), plus_minus(1.0, float("nan"), float("nan"))
     ('0.1192 ± 1 %', '1.000')
     """

@@ -46,8 +46,6 @@ def pad(text: str, width: int) -> str:
 def wrapped(text: str, width: int, first: str, rest: str) -> list[str]:
     """Lines of at most `width` cells, which begin with `first` and `rest`; words longer than that are not torn.
 
-    Examples
-    --------
     >>> wrapped("零偏不稳定性 0.3 deg/h", 12, "", "  ")
     ['零偏不稳定性', '  0.3 deg/h']
     """

@@ -56,8 +56,6 @@ class Capital(Phrase):
 def capital(text: str) -> Capital:
     """A text that begins with a capital letter.
 
-    Examples
-    --------
     >>> capital(say("deviation")), capital(say("{channel}: the body moved", channel="gx"))
     ('Deviation', 'gx: the body moved')
     """
@@ -170,8 +168,6 @@ def interval(level: float) -> str:
 def probability(p: float, least: float = 1e-12) -> str:
     """A p value as a cell of a table.
 
-    Examples
-    --------
     >>> probability(0.0213), probability(1e-9, 1e-4)
     ('0.021', '< 0.0001')
     """

@@ -12,7 +12,7 @@ from allanite.core.errors import UnitError, UsageError
 from allanite.core.model import Model, ModelLike, Term, usable_model
 from allanite.core.plain import Header, Value
 from allanite.core.record import Record, Recording
-from allanite.phrases.phrase import say, spelled
+from allanite.phrases.phrase import say
 
 MAX_SAMPLES = 10_000_000_000  # most samples of a simulated record, which would take 80 GB
 LONGER = (1, 2, 4, 8, 16)  # lengths of embeddings that are tried, over that of the record
@@ -24,8 +24,8 @@ def simulate(
     size: int | None = None,
     rate: float | None = None,
     *,
-    duration: float | None = None,
-    rng: "np.random.Generator | int",
+    duration: float | str | None = None,
+    rng: "np.random.Generator | int | None" = None,
     name: str = "",
     unit: str | None = None,
     rounding: bool = False,
@@ -40,11 +40,12 @@ def simulate(
     ----------
     model : Model, Term or Fit
     size : int
-        Number of samples, at least 2; or `duration`, s.
+        Number of samples, at least 2; or `duration`, in s or as a text such as ``"1 min"``.
     rate : float
         Sampling rate, Hz.
-    rng : numpy.random.Generator or int
-        The source of randomness, for example ``numpy.random.default_rng(1)``, or its seed.
+    rng : numpy.random.Generator or int, optional
+        The source of randomness, for example ``numpy.random.default_rng(1)``, or its seed; by default another one each
+        time.
     name : str, optional
         Name of the channel.
     unit : str, optional
@@ -59,7 +60,7 @@ def simulate(
     Returns
     -------
     Record
-        Mean rate over each interval. `allanite.faults` adds other faults.
+        Mean rate over each interval. `allanite.simulation.faults` adds other faults.
 
     Raises
     ------
@@ -142,25 +143,8 @@ def _embedded(covariance: Callable[[FloatArray], FloatArray], n: int) -> tuple[i
 
 
 def readout_noise(size: int, *, sigma: float, walk: float = 0.0, rng: "np.random.Generator") -> FloatArray:
-    """White noise and a random walk of a readout.
+    """White noise of a readout, and a random walk that begins at 0 and whose steps have the standard deviation `walk`.
 
-    Parameters
-    ----------
-    size : int
-        Number of samples.
-    sigma : float
-        Standard deviation of the white noise, in any unit.
-    walk : float, optional
-        Standard deviation of the random walk's step from sample to sample; the walk begins at 0.
-    rng : numpy.random.Generator
-        The source of randomness, for example ``numpy.random.default_rng(1)``.
-
-    Returns
-    -------
-    array, shape (size,)
-
-    Examples
-    --------
     >>> noise = readout_noise(10_000, sigma=2.0, rng=np.random.default_rng(1))
     >>> bool(1.95 < noise.std() < 2.05)
     True
@@ -193,18 +177,3 @@ class Simulation(Value):
         """The truth of this recording."""
         first = recording[0]
         return cls(model, seed, first.rate, first.size, tuple(record.header for record in recording))
-
-
-def readings(rate: float, duration: float | None, samples: int | None) -> int:
-    """Number of samples for a length given either in s or as a number.
-
-    Examples
-    --------
-    >>> readings(100.0, 60.0, None)
-    6000
-    """
-    if (duration is None) == (samples is None):
-        raise UsageError("give the length either by " + spelled("--duration or by --samples", "duration or by samples"))
-    if not 0 < rate < float("inf"):
-        raise UsageError(f"the sampling rate must be a positive number of Hz, not {rate!r}")
-    return samples if samples is not None else round((duration or 0.0) * rate)

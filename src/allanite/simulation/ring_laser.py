@@ -118,8 +118,8 @@ def simulate_ring_laser(
     size: int | None = None,
     rate: float | None = None,
     *,
-    duration: float | None = None,
-    rng: "np.random.Generator | int",
+    duration: float | str | None = None,
+    rng: "np.random.Generator | int | None" = None,
     name: str = "",
 ) -> Record:
     """Counts of a ring laser gyro that turns at a constant rate.
@@ -133,8 +133,8 @@ def simulate_ring_laser(
         Number of samples; or `duration`, s.
     rate : float
         Sampling rate, Hz.
-    rng : numpy.random.Generator or int
-        The source of randomness, or its seed.
+    rng : numpy.random.Generator or int, optional
+        The source of randomness, or its seed; by default another one each time.
     name : str, optional
 
     Returns

@@ -45,8 +45,6 @@ def flicker_sum(tau: tuple[float, float], *, ripple: float = 0.02, order: int | 
     non-negative least squares of the logarithm of the Allan variance, and scaled so that the sum errs as far upwards as
     downwards.
 
-    Examples
-    --------
     >>> found = flicker_sum((1.0, 1000.0), ripple=0.05)
     >>> found.time_constants.size, found.ripple < 0.05
     (3, True)

@@ -9,7 +9,9 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.curve import Curve, Law
-from allanite.core.errors import DataError, LongJobWarning, UsageError
+from allanite.core.curve import Surface as Surface
+from allanite.core.errors import DataError, UsageError
+from allanite.core.errors import LongJobWarning as LongJobWarning
 from allanite.core.estimate import Averaged
 from allanite.core.limits import Remembered
 from allanite.core.model import Model
@@ -32,7 +34,7 @@ from allanite.terms import WHITE
 from .estimator import AngleRecord, estimate, with_means
 from .estimator import integrated as integrated
 from .grids import GRIDS as GRIDS
-from .grids import checked, factors_of, times
+from .grids import agree, checked, factors_of, times
 from .row import Statistic, seconds
 from .table import STATISTICS as STATISTICS
 from .table import CurvePoints
@@ -86,7 +88,13 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         if not demanded:
             raise UsageError(reason)
     row = row.joined(join)
-    factors = checked(factors_of(taus, row, record.size, record.rate) if m is None else m, row, record.size)
+    asked, history = factors_of(taus, row, record.size, record.rate, nearest=True) if m is None else m, record.history
+    factors = checked(asked, row, record.size)
+    if m is None and not isinstance(taus, str) and not agree(taus, times(row, factors, record.size) / record.rate):
+        history = (
+            *history,
+            say("averaging times rounded to those of {statistic} at {rate:g} Hz", statistic=row.name, rate=record.rate),
+        )
     _warn_of_long(row, record.size, factors, threads)
     angle = integrated(record, row.order)
     places: Sequence[tuple[int, int]] = ()
@@ -107,7 +115,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         statistic=row.name, m=curve.points.m, tau=times(row, curve.points.m, record.size) / record.rate,
         variance=curve.variance * (angle.scale / record.interval ** (1 - row.power)) ** 2, count=curve.number,
         factor=curve.factor, unit=record.signal.si[row.power], rate=record.rate, size=record.size, name=record.name,
-        history=record.history, noise=assumed.model, law=law, supposes=law.words if law else None,
+        history=history, noise=assumed.model, law=law, supposes=law.words if law else None,
         alpha=_alphas(curve.points, angle) if power_law else None,
     )  # fmt: skip
 

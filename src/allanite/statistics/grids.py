@@ -18,8 +18,15 @@ def times(row: Statistic, m: IntArray, size: int) -> FloatArray:
     return np.asarray(m * np.array([part.tau_factor for part in parts])[row.part_of(m, size)])
 
 
-def factors_of(taus: str | Sequence[float], row: Statistic, size: int, rate: float) -> IntArray:
-    """Averaging factors of a named grid or of times in seconds, which are never rounded to a multiple."""
+def agree(asked: Sequence[float], taus: FloatArray) -> bool:
+    """Whether averaging times are those that were asked for."""
+    return len(taus) == np.size(asked) and np.allclose(taus, np.ravel(asked), rtol=1e-6, atol=0)
+
+
+def factors_of(
+    taus: str | Sequence[float], row: Statistic, size: int, rate: float, *, nearest: bool = False
+) -> IntArray:
+    """Averaging factors of a named grid, or of times in seconds; those that are no multiples become the `nearest`."""
     parts = row.parts or (row,)
     if not isinstance(taus, str):
         asked = np.atleast_1d(np.asarray(taus, dtype=np.float64))
@@ -28,6 +35,9 @@ def factors_of(taus: str | Sequence[float], row: Statistic, size: int, rate: flo
         wanted = asked * rate / factor
         m = np.rint(wanted / step) * step
         off = ~(np.abs(m - wanted) <= 1e-6 * np.maximum(np.abs(wanted), 1))
+        if nearest and off.any() and (m >= step).all():
+            _demand_times(asked, row, size, rate)
+            return np.unique(m).astype(np.int64)
         if off.any():
             i = int(off.argmax())
             unit, near = step[i] * factor[i] / rate, m[i] * factor[i] / rate

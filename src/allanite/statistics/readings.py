@@ -11,11 +11,13 @@ import numpy as np
 from allanite.core.aliases import public
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.curve import Curve
+from allanite.core.display_units import readable_unit
 from allanite.core.errors import DataError, UsageError
 from allanite.core.limits import Remembered
 from allanite.core.model import ModelLike, model_of
 from allanite.core.readings import Means, Reading, Readings, Slope
 from allanite.core.record import Record
+from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.statistics import deviation
 
@@ -44,14 +46,21 @@ class Stability(NamedTuple):
 class Minimum(NamedTuple):
     """The minimum of a curve, and the bias instability if all of it were flicker, which is an upper limit.
 
-    `value` is ``deviation / 0.66428``, in the curve's unit. `inside` says whether the curve rises again beyond `tau`;
-    otherwise the minimum is the last point and only an upper limit.
+    `value` is ``deviation / 0.66428``, in `unit`, that of the curve. `inside` says whether the curve rises again beyond
+    `tau`; otherwise the minimum is the last point and only an upper limit.
     """
 
     value: float
     deviation: float
     tau: float
     inside: bool
+    unit: str
+
+    def __repr__(self) -> str:
+        shown = readable_unit(self.unit)
+        value, least = (f"{convert(number, self.unit, shown):.4g} {shown}" for number in self[:2])
+        where = "rises beyond" if self.inside else "its last point"
+        return f"<Minimum {value} = {self.value:.4g} {self.unit}, from {least} at {self.tau:.4g} s ({where})>"
 
 
 @public
@@ -135,7 +144,7 @@ def minimum(curve: Curve) -> Minimum:
     lowest = int(np.where(known, curve.deviation, np.inf).argmin())
     last = int(np.flatnonzero(known)[-1])
     value = float(curve.deviation[lowest])
-    return Minimum(value / FLOOR, value, float(curve.tau[lowest]), lowest < last)
+    return Minimum(value / FLOOR, value, float(curve.tau[lowest]), lowest < last, curve.unit)
 
 
 USUAL_TIME = 1.0  # averaging time, s, at which the angle random walk is read

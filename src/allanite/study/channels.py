@@ -46,21 +46,8 @@ def open_recording(
 ) -> Recording:
     """The part of a recording selected by the recipe.
 
-    Parameters
-    ----------
-    source : Recording, Record, array, or path or table, which are read with the recipe's options
-    along : sequence of str
-        Other columns of the file to read as the last channels; their outliers are not marked.
-    progress : callable, optional, as for `each_channel`
-    fits : bool
-        Whether it is known that memory suffices.
-
-    Raises
-    ------
-    DataError
-        The file cannot be read, or its clock is unusable.
-    UsageError
-        An option is wrong, or a required one is missing.
+    Paths and tables are read with the options of the recipe, with the columns `along` as the last channels, whose
+    outliers are not marked; `fits` says that memory suffices.
     """
     whole = whole_recording(source, recipe, along=along, progress=progress, fits=fits)
     if recipe.average is not None:
@@ -110,32 +97,12 @@ def each_channel(  # noqa: PLR0913 - each has a default but those that make the 
     demand: bool = False,
     progress: Progress | None = None,
 ) -> tuple[Result, ...]:
-    """Inspect every channel, and process those that can support the job.
+    """Inspect every channel, a name with its records, and process those that can support the job.
 
-    Parameters
-    ----------
-    channels : sequence of (name, records)
-    work : Inspected -> result
-        May raise DataError, which becomes a refusal.
-    refused : (Inspected, reason) -> result
-        Makes the result of a refused channel.
-    findings : sequence of Finding
-        Findings about the files as a whole; a fatal one refuses every channel.
-    look : Record -> Quality
-        Function that checks a record, instead of `inspect`.
-    begin : Inspected -> Started, optional
-        Begins the identification of a channel, which is finished when that of all was begun: `begun_in`.
-    doing : str
-        Progress message, placed before the name.
-    demand : bool
-        Whether it is an error if no channel can be processed.
-    progress : callable, optional
-        Called with a description of the current step and the fraction completed.
-
-    Raises
-    ------
-    DataError
-        No channel can be processed; its code is the name of the finding that refuses the first one.
+    `work` may raise DataError, from which `refused` makes the result of the channel; a fatal one of the `findings`
+    about the files refuses every channel. `look` checks a record, `begin` begins an identification that ends when that
+    of all was begun (`begun_in`), `doing` stands before the name in messages of `progress`. With `demand` it is a
+    DataError if no channel can be processed; its code is the name of the finding that refuses the first one.
     """
     tell = progress or (lambda what, fraction: None)
     fatal = Quality(tuple(findings)).refusal
@@ -230,31 +197,10 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
     demand: bool = True,
     progress: Progress | None = None,
 ) -> Result:
-    """Open a source and process each of its channels.
+    """Open a source as `open_recording`, and process its channels as `each_channel`; `kind` makes the result.
 
-    A file that does not fit into memory is read in parts, if the job can work with what is kept of them.
-
-    Parameters
-    ----------
-    kind : callable
-        Makes the result of the job from the fields of `Job`.
-    source, recipe
-        As for `open_recording`.
-    work, refused, begin, doing, progress
-        As for `each_channel`.
-    keeping : callable, optional
-        Makes the keeper of a channel that is read in parts; None if the job needs all samples.
-    in_parts_too : tuple of str
-        Notes about a record that is read in parts.
-    demand : bool
-        Whether it is an error if no channel can be processed.
-
-    Raises
-    ------
-    DataError
-        The file cannot be read, or no channel can be processed.
-    UsageError
-        An option is wrong, or a required one is missing.
+    A file that does not fit into memory is read in parts, if the job has a `keeping`, which makes the keeper of a
+    channel; notes of its record are then `in_parts_too`.
     """
     reader = None if keeping is None else in_parts(source, recipe)
     if reader is not None and keeping is not None:
@@ -296,22 +242,8 @@ def run_together(  # noqa: PLR0913 - each has a default but those that make the 
 ) -> Result:
     """Process the channels of recordings that are open, as `run` those of one source.
 
-    Parameters
-    ----------
-    kind, work, refused, look, begin, doing, demand, progress
-        As for `run` and `each_channel`.
-    recordings : sequence of Recording
-    channels : sequence of (name, records), optional
-        By default those of the first recording, with the records of the same name of the others.
-    findings : sequence of Finding, optional
-        By default those of all recordings.
-    notes : sequence of str
-        What was assumed beside the notes of the recordings.
-
-    Raises
-    ------
-    DataError
-        No channel can be processed.
+    By default the `channels` are those of the first recording, with the records of the same name of the others, and the
+    `findings` those of all; `notes` are assumptions beside those of the recordings.
     """
     first, *others = recordings
     if channels is None:

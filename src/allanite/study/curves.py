@@ -63,8 +63,8 @@ REPEATED = 0.5
 def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     record: Samples,
     statistic: str = "oadev",
-    *,
     taus: str | Sequence[float] = "octave",
+    *,
     m: Sequence[int] | None = None,
     noise: ModelLike | Literal["identified", "auto"] | None = "identified",
     bias: Literal["exact", "published", "model", "plain"] | None = None,
@@ -86,7 +86,8 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         A name in `STATISTICS`.
     taus : {"octave", "decade", "log", "all"} or sequence of float
         Averaging times: 1, 2, 4, 8 ... samples; 1, 2, 4, 10, 20, 40 ...; about 100, logarithmically spaced; all; or
-        seconds. The named grids extend to the largest averaging factor of the statistic.
+        seconds, rounded to multiples of the sample interval. The named grids extend to the largest averaging factor of
+        the statistic.
     m : sequence of int, optional
         Averaging factors instead of times; for theoh, those of oadev up to the joint and of Theo1 beyond.
     noise : {"identified", "auto"}, Model, Term or Fit, optional
@@ -142,7 +143,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     DataError
         No window is complete, or the record is too short.
     UsageError
-        The statistic or grid is unknown; an averaging time is too long or not a multiple of what the statistic needs.
+        The statistic or grid is unknown; an averaging time is too long.
 
     Notes
     -----

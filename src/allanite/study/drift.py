@@ -37,8 +37,6 @@ def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -
 def compensation(source: str, recipe: Recipe, column: str) -> str:
     """The command that removes the dependence on a column.
 
-    Examples
-    --------
     >>> compensation("my day.csv", Recipe(unit="deg/s", start=10.0, channels=("gx", "gy")), "temp")
     "allanite compensate 'my day.csv' --unit deg/s --channels gx,gy --from 10.0 --regressors temp"
     """

@@ -70,6 +70,9 @@ class Job(Value, Generic[Result]):
     def __iter__(self) -> Iterator[Result]:
         return iter(self.channels)
 
+    def _named(self, name: str) -> Any:
+        return self[name] if name in self._names else None
+
     @property
     def _names(self) -> list[str]:
         """Names of the channels: their own, or those of their records."""

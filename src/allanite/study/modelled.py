@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from allanite.core.aliases import size_and_rate
 from allanite.core.choices import described
 from allanite.core.curve import Curve
 from allanite.core.encoding import read_key, read_plain
@@ -24,7 +25,6 @@ from allanite.planning.datasheets import claimed
 from allanite.planning.datasheets import sensor as typical
 from allanite.planning.plan import DURATIONS, RecordingPlan, plan
 from allanite.planning.selfcheck import SelfCheck, selfcheck
-from allanite.simulation.record import readings
 from allanite.statespace import StateSpace, state_space
 from allanite.statistics import deviation
 
@@ -242,7 +242,7 @@ def _plan(settings: PlanSettings, _: Random, noise: Supposed, __: Recipe, ___: P
 def _check(settings: SelfCheckSettings, rng: Random, noise: Supposed, recipe: Recipe, tell: Progress) -> SelfCheck:
     n = noise.size
     if n is None or settings.duration is not None or settings.samples is not None:
-        n = readings(noise.rate, settings.duration, settings.samples)
+        n, _ = size_and_rate(settings.samples, noise.rate, settings.duration)
     return selfcheck(
         noise.model, n, noise.rate, records=settings.records, rng=rng, terms=recipe.terms, method=recipe.method,
         band=recipe.band, level=recipe.level, progress=tell,

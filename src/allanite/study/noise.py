@@ -83,27 +83,11 @@ def noise_of(
     lines: bool = True,
     moved: bool = False,
 ) -> Noise:
-    """Identify the noise of a channel with the choices of the recipe.
+    """Identify the noise of a channel with the choices of the recipe, or with these `terms` and this `band`.
 
-    A method that fits a curve uses the recipe's statistic; if it cannot, the notes of the fit say so.
-
-    Parameters
-    ----------
-    record : Record
-    recipe : Recipe
-    terms : str, optional
-        Instead of those of the recipe.
-    band : {"auto", "all"} or (low, high), optional
-        Instead of that of the recipe.
-    lines : bool
-        Whether sinusoids are detected and removed first.
-    moved : bool
-        Whether the sensor moved; then no further terms are tried, since what the automatic ones leave is motion.
-
-    Raises
-    ------
-    DataError
-        The record cannot support the identification.
+    A method that fits a curve uses the recipe's statistic; if it cannot, the notes of the fit say so. `lines` says
+    whether sinusoids are removed first. If the sensor `moved`, no further terms are tried: what the automatic ones
+    leave is motion.
     """
     recipe = replace(recipe, terms=terms or recipe.terms, band=band or recipe.band)
     return _judged(begun(record, recipe, lines=lines).fit(), record, recipe, moved=moved)

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, Self
 
 from allanite.core.curve import Curve
 from allanite.core.encoding import plain, read_key, write_plain
-from allanite.core.errors import DataError
+from allanite.core.errors import DataError, UsageError
+from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.limits import Stored
 from allanite.core.model import Model, nevertheless
@@ -158,6 +159,17 @@ class ChannelResult(RecordResult):
         """The identified noise, if it was requested and could be identified."""
         return None if self.noise is None else self.noise.fit
 
+    def __getitem__(self, symbol: str) -> Estimate:
+        """The coefficient of a term: ``study["gx"]["N"]``."""
+        if self.fit is None:
+            raise UsageError(
+                f"{self.record.name!r} has no coefficients: {self.refusal or 'its noise was not identified'}"
+            )
+        return self.fit[symbol]
+
+    def _named(self, name: str) -> Any:
+        return self.fit.coefficients.get(name) if self.fit else None
+
     @classmethod
     def refused(cls, seen: "Inspected", why: str) -> Self:
         """The result of a refused channel."""
@@ -264,6 +276,16 @@ class Study(Job[Channel]):
             return self.common
         threads = how_many(len(records), max(record.size for record in records))
         return shared(Recording(records), fits, outliers=self.recipe.outliers or "mark", threads=threads)
+
+    @property
+    def fits(self) -> dict[str, Fit]:
+        """The identified noise of the channels that have any, by their names."""
+        return {channel.record.name: channel.fit for channel in self.channels if channel.fit}
+
+    @property
+    def curves(self) -> dict[str, Curve]:
+        """The curves of the channels that have any, by their names."""
+        return {channel.record.name: channel.curve for channel in self.channels if channel.curve}
 
     def choices(self) -> dict[str, Any]:
         """The recipe that was actually used, as plain data."""

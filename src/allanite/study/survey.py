@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, ClassVar
 
+from allanite.core.aliases import size_and_rate
 from allanite.core.choices import described
 from allanite.core.curve import Curve, Surface
 from allanite.core.display_units import readable_unit
@@ -17,7 +18,6 @@ from allanite.core.record import Record
 from allanite.core.spectrum import Spectrum, side_factor
 from allanite.parallel.processors import how_many
 from allanite.phrases.phrase import join, say, spelled
-from allanite.simulation.record import readings
 from allanite.statistics import Expectation, Expectations, deviation, expectation, statistic_named
 from allanite.statistics.confidence.bias import demand_bias
 from allanite.statistics.confidence.supposed import Supposing
@@ -287,7 +287,7 @@ def expected_curves(
     if settings.duration is not None or settings.samples is not None:
         if recipe.rate is None:
             raise UsageError(f"the length of a record needs its sampling rate: {spelled('--rate HZ', 'rate=...')}")
-        size = readings(recipe.rate, settings.duration, settings.samples)
+        size, _ = size_and_rate(settings.samples, recipe.rate, settings.duration)
     tau = "log" if wanted.taus == Deviations.taus else wanted.taus
     return expectation(model, wanted.statistic, tau=tau, rate=recipe.rate, size=size, name=settings.name)
 

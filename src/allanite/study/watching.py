@@ -56,8 +56,6 @@ class Watch:
 
     `events` are sentences about what happens, when it happens: motion, a device that is gone or back, a report.
 
-    Examples
-    --------
     >>> import tempfile
     >>> import numpy as np
     >>> rng = np.random.default_rng(1)

@@ -71,8 +71,6 @@ class Request:
     def line(self, files: Sequence[str], lang: str = ENGLISH) -> str:
         """The command line as it can be typed.
 
-        Examples
-        --------
         >>> Request.of("dynamic", {"rate": 100, "exclude": [[40, 60]], "window": 50.0}).line(["my gyro.csv"])
         "allanite dynamic --rate 100 --exclude 40..60 --window 50 'my gyro.csv'"
         """

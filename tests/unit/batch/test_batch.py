@@ -94,7 +94,7 @@ def test_a_wrong_limits_file_is_refused_before_anything_is_read(tmp_path, text, 
 
 def test_limits_of_one_channel_replace_those_of_all(tmp_path):
     text = N_ONLY + '[channels.gx]\nN = { max = "0.3 deg/sqrt(h)", judge = "upper" }\n'
-    found = al.Specification.load(spec(tmp_path, text))
+    found = al.batch.Specification.load(spec(tmp_path, text))
     gyro = found.limits[0].signal
     assert [limit.words() for limit in found.of("gz", gyro)] == ["0.15 deg/sqrt(h)"]
     assert [(limit.words(), limit.judge) for limit in found.of("gx", gyro)] == [("0.3 deg/sqrt(h)", "upper")]
@@ -111,11 +111,11 @@ def test_a_limit_of_another_kind_of_sensor_is_named(folder, tmp_path):
 def test_limits_of_two_kinds_of_sensors_stand_beside_each_other(tmp_path):
     text = '[limits]\nN = [{ max = "0.15 deg/sqrt(h)" }, { max = "0.01 m/s/sqrt(h)" }]\n'
     files = [unit(tmp_path / "g.csv", 0.1, 0), unit(tmp_path / "a.csv", 0.1, 0, "ax")]
-    batch = al.analyze_files(files, limits=spec(tmp_path, text))
+    batch = al.batch.analyze_files(files, limits=spec(tmp_path, text))
     assert [u.outcome for u in batch] == ["pass", "fail"]
 
 
-LIMIT = al.Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).limits[0]
+LIMIT = al.batch.Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).limits[0]
 
 
 @rows(("seen", "value", "upper"), [
@@ -146,12 +146,12 @@ def test_the_size_of_a_ramp_is_judged(tmp_path):
         al.write(one, tmp_path / f"u{i}.csv")
     for most, outcome in (("1500", "fail"), ("2500", "pass")):
         limits = spec(tmp_path, f'judge = "upper"\n[limits]\nR = {{ max = "{most} deg/h^2" }}\n')
-        assert [u.outcome for u in al.analyze_files(tmp_path, limits=limits)] == [outcome] * 2
+        assert [u.outcome for u in al.batch.analyze_files(tmp_path, limits=limits)] == [outcome] * 2
 
 
 def test_a_channel_that_is_missing_and_a_term_that_was_not_asked_for_are_not_shown(folder, tmp_path):
     text = '[limits]\nK = { max = "1 deg/h/sqrt(h)" }\n[channels.gx]\nN = { max = "0.15 deg/sqrt(h)" }\n'
-    batch = al.analyze_files(folder / "u0.csv", al.Recipe(terms="N"), limits=spec(tmp_path, text))
+    batch = al.batch.analyze_files(folder / "u0.csv", al.Recipe(terms="N"), limits=spec(tmp_path, text))
     assert [(j.outcome, j.reason) for j in batch[0].judgements] == [
         ("not shown", "'K' is not a term of this fit; its terms: N"),
         ("not shown", "there is no channel 'gx'"),
@@ -236,7 +236,7 @@ def test_outputs_in_the_folder_are_no_units(folder, tmp_path):
 
 @pytest.mark.slow("takes more than half a second")
 def test_mean_spread_and_worst_are_over_the_values(folder):
-    batch = al.analyze_files(folder)
+    batch = al.batch.analyze_files(folder)
     found = {one.symbol: one for one in batch.across}
     values = [u.study["gz"].fit["N"].value for u in batch]
     assert found["N"].mean == pytest.approx(np.mean(values))
@@ -255,7 +255,7 @@ def test_the_device_is_said_once_for_all_units(folder):
 
 @pytest.mark.slow("takes more than half a second")
 def test_a_batch_holds_no_samples(folder):
-    batch = al.analyze_files(folder)
+    batch = al.batch.analyze_files(folder)
     record = batch[0].study["gz"].record
     assert not isinstance(record, al.Record)
     assert (record.size, record.rate, record.name) == (3000, 10.0, "gz")

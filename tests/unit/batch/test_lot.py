@@ -24,7 +24,7 @@ from allanite.reporting import table, to_csv
 from allanite.reporting.views.batch import across_table
 from allanite.study.results import Study
 
-LIMITS = al.Specification.from_toml({"limits": {"N": {"max": "0.15 deg/sqrt(h)"}}})
+LIMITS = al.batch.Specification.from_toml({"limits": {"N": {"max": "0.15 deg/sqrt(h)"}}})
 SIZES = [0.1, 0.11, 0.12, 0.13, 0.14, 0.16, 0.17]
 WARM = [20, 25, 30, 35, 40, 50, 55]
 """Temperatures: N grows by 0.002 deg/sqrt(h) for each kelvin."""
@@ -50,7 +50,7 @@ def folder(tmp_path_factory):
 @pytest.mark.slow("takes more than half a second")
 def test_a_lot_is_what_the_analysis_of_the_files_gives(folder):
     files = [folder / name for name in ("bad.csv", "u0.csv", "u1.csv")]
-    batch, lot = al.analyze_files(files, al.Recipe(terms="N"), limits=LIMITS), read_lot(folder / "few", LIMITS)
+    batch, lot = al.batch.analyze_files(files, al.Recipe(terms="N"), limits=LIMITS), read_lot(folder / "few", LIMITS)
     assert lot.batch.across == batch.across
     assert [(u.file, u.error, u.outcome) for u in lot.batch] == [(u.file, u.error, u.outcome) for u in batch]
     assert [u.judgements for u in lot.batch] == [u.judgements for u in batch]
@@ -170,7 +170,7 @@ def test_examples_of_the_parts_of_a_batch():
     assert len(Spool().put(Study((), al.Recipe(), (), (), {}))().channels) == 0
     names = (["gyro.csv"], ["-"], ["a.csv", "b.csv"], ["units/*.csv"])
     assert list(map(several, names)) == [False, False, True, True]
-    limit = al.Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).limits[0]
+    limit = al.batch.Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).limits[0]
     unit = limit.factor
     words = "<Judgement 'gz': B pass, 1.9 deg/h (1.7 .. 2.1), the interval contains the limit>"
     assert repr(judge("gz", limit, Seen(1.9 * unit, 1.7 * unit, 2.1 * unit))) == words

@@ -169,7 +169,7 @@ def test_a_lot_of_a_foreign_table_is_refused(serial, tmp_path, name):
     table = parquet.read_table(serial[1] / "files.parquet")
     parquet.write_table(FOREIGN[name](table), tmp_path / "files.parquet")
     with pytest.raises(al.DataError, match=r"files.parquet' cannot be read .it is not the table of a batch"):
-        al.read_lot(tmp_path)
+        al.batch.read_lot(tmp_path)
 
 
 def test_a_failure_that_another_run_may_not_have_is_not_kept(units, tmp_path, monkeypatch):

@@ -102,7 +102,7 @@ def test_constant_errors(choices, quantity, expected):
 
 @rows("text", ["1 deg in 10 min", "attitude 0.5 deg in 1 min", "3 m/s in 60 s", "100 m in 1 h"])
 def test_what_is_allowed_just_keeps_the_requirement(text):
-    (need,) = al.DriftSettings(require=(text,)).requirements
+    (need,) = al.claims.DriftSettings(require=(text,)).requirements
     terms = list(al.drift(require=(text,)).allowing(need))
     shared = {}
     for term in terms:
@@ -162,7 +162,7 @@ def test_sources_that_are_refused():
     with pytest.raises(UsageError, match="there is no attitude to require"):
         list(
             al.drift(GYRO, platform="level").allowing(
-                al.DriftSettings(require=("attitude 1 deg in 1 s",)).requirements[0]
+                al.claims.DriftSettings(require=("attitude 1 deg in 1 s",)).requirements[0]
             )
         )
 

@@ -214,7 +214,7 @@ def test_regressors_of_another_file(days, tmp_path):
 def test_progress_of_a_correction_of_another_file_ends_once(days):
     told = []
     settings = CompensationSettings(("temp",), fit=FitSettings(terms="N"))
-    al.compensate_file(
+    al.compensation.compensate_file(
         days[0], al.Recipe(channels=("gx",)), settings, apply_to=days[1],
         progress=lambda what, fraction: told.append(fraction),
     )  # fmt: skip
@@ -264,7 +264,9 @@ def test_a_budget_takes_the_unit_of_the_header(current, tmp_path):
     assert by_header == by_option
     rows = np.random.default_rng(1).standard_normal((4000, 3))
     path = write(tmp_path / "beside.csv", rows, "ix [mA],battery [V],humidity [%]")
-    found = al.budget_file(path, al.Recipe(rate=100.0), PathSettings((al.Stage("ADC", 12, 10.0, "mA"),), 0.2))
+    found = al.signals.budget_file(
+        path, al.Recipe(rate=100.0), PathSettings((al.signals.Stage("ADC", 12, 10.0, "mA"),), 0.2)
+    )
     assert [channel.record.name for channel in found] == ["ix"]
     refused = run("analyze", path, "--rate", 100)
     assert refused.exit_code == 2
@@ -286,7 +288,7 @@ def test_a_model_that_does_not_explain_the_record_is_said_in_its_budget(tmp_path
     t = np.arange(20_000) / 100
     values = rng.standard_normal(t.size) + 3 * np.sin(2 * np.pi * t * (1 + 0.01 * t))
     record = al.Record(values, 100.0, "deg/h", name="z")
-    found = al.budget_file(record, None, PathSettings((al.Stage("output", 16, 100.0, "deg/s"),)))
+    found = al.signals.budget_file(record, None, PathSettings((al.signals.Stage("output", 16, 100.0, "deg/s"),)))
     assert not found["z"].budget.noise.explained
     assert found["z"].alerts[0].startswith("not explained")
     assert found.to_dict()["channels"][0]["budget"]["explained"] is False

@@ -111,8 +111,8 @@ USUAL = ("--sensor", "rlg", "--rate", "100")
 
 
 @rows("arguments, words", [
-    (("out.npz", *USUAL), "by --duration or by --samples"),
-    (("out.npz", *USUAL, "--samples", "99", "--duration", "9"), "by --duration or by --samples"),
+    (("out.npz", *USUAL), "give either --duration or --samples"),
+    (("out.npz", *USUAL, "--samples", "99", "--duration", "9"), "give either --duration or --samples"),
     (("out.npz", "--rate", "100", "--samples", "99"), "--model, --sensor or --datasheet"),
     (("out.npz", *USUAL, "--model", "N 1 deg/sqrt(h)", "--samples", "99"), "given twice"),
     (("out.txt", *USUAL, "--samples", "99"), "no format can be written to files with suffix '.txt'"),

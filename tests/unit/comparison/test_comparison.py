@@ -240,10 +240,10 @@ def test_terms_with_shapes_of_any_kind_are_compared(first, second):
 def test_a_damped_oscillation_is_pooled_and_held_against_its_beginning():
     model = al.N(0.3, "deg/sqrt(h)") + SHAPED["GM2"]
     runs = [simulated(model, seed, n=8000) for seed in range(3)]
-    pooled = al.pool(runs, terms="N,GM,GM2").channels[0]
+    pooled = al.comparison.pool(runs, terms="N,GM,GM2").channels[0]
     low, high = next(term for term in pooled.terms if term.symbol == "GM2").limits(0.95)
     assert low < model["GM2"].value < high
-    part = al.truncation(runs[0], 40.0, al.Recipe(terms="N,GM2")).pairs[0]
+    part = al.comparison.truncation(runs[0], 40.0, al.Recipe(terms="N,GM2")).pairs[0]
     assert part["GM2"].limits(0.95)[0] < 1 < part["GM2"].limits(0.95)[1]
 
 

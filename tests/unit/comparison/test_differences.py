@@ -216,7 +216,7 @@ def run(seed, n=4096, factor=1.0, rate=100.0):
 
 @pytest.fixture(scope="module")
 def equal():
-    return al.pool([run(seed) for seed in range(1, 6)])
+    return al.comparison.pool([run(seed) for seed in range(1, 6)])
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -235,7 +235,7 @@ def test_equal_runs_have_one_noise(equal):
 @rows(("factor", "alike"), [(1.0, True), (1.2, False)])
 def test_two_runs_have_common_coefficients_and_a_test_but_hardly_a_scatter(factor, alike):
     pair = [run(1), run(2, n=8192, factor=factor)]
-    channel = al.pool(pair)["z"]
+    channel = al.comparison.pool(pair)["z"]
     assert channel.alike is alike
     assert not channel.apart
     n = channel["N"]
@@ -264,7 +264,7 @@ def test_degrees_of_freedom_add_up(equal):
 
 @pytest.mark.slow("takes more than half a second")
 def test_the_run_that_lies_apart_is_named():
-    found = al.pool([run(1), run(2), run(3, factor=1.3), run(4)])
+    found = al.comparison.pool([run(1), run(2), run(3, factor=1.3), run(4)])
     channel = found["z"]
     assert list(channel.apart) == ["run 3"]
     assert channel.rest > 0.05
@@ -282,7 +282,7 @@ def test_ramps_that_differ_are_named():
     runs = [
         al.simulate(MODEL + ramp, 4096, 100.0, rng=np.random.default_rng(seed)) for seed, ramp in enumerate(ramps, 1)
     ]
-    found = al.pool(runs)
+    found = al.comparison.pool(runs)
     (channel,) = found.channels
     assert channel.test.p > 0.05
     assert not channel.alike
@@ -292,7 +292,7 @@ def test_ramps_that_differ_are_named():
     assert [np.sign(e.value) for e in ramp.runs] == [1, -1, 1]
     assert re.search(r"^ +R  +rate ramp ", table(found), re.MULTILINE)
     assert al.from_dict(found.to_dict()).verdict == found.verdict
-    alike = al.pool([runs[0], runs[2], replace(runs[0], values=runs[2].values[::-1] * -1.0)]).terms[-1]
+    alike = al.comparison.pool([runs[0], runs[2], replace(runs[0], values=runs[2].values[::-1] * -1.0)]).terms[-1]
     low, high = alike.interval()
     assert alike.adjusted > 0.05
     assert low < ramps[0].value < high
@@ -300,13 +300,13 @@ def test_ramps_that_differ_are_named():
 
 @pytest.mark.slow("takes more than half a second")
 def test_two_that_lie_apart_do_not_hide_each_other():
-    found = al.pool([run(1), run(2, factor=1.5), run(3), run(4, factor=0.7), run(5)])["z"]
+    found = al.comparison.pool([run(1), run(2, factor=1.5), run(3), run(4, factor=0.7), run(5)])["z"]
     assert set(found.apart) == {"run 2", "run 4"}
 
 
 @pytest.mark.slow("takes more than half a second")
 def test_runs_of_unlike_lengths_and_rates():
-    found = al.pool([run(1), run(2, n=9000), run(3, n=8192, rate=200.0)])["z"]
+    found = al.comparison.pool([run(1), run(2, n=9000), run(3, n=8192, rate=200.0)])["z"]
     assert found.band[1] == 50.0
     assert found.alike
 
@@ -320,24 +320,24 @@ def test_bartlett_is_scipys():
 
 @pytest.mark.slow("takes more than half a second")
 def test_the_beginning_of_a_record_agrees_with_the_whole():
-    found = al.truncation(run(7, n=12_000), 60.0)
+    found = al.comparison.truncation(run(7, n=12_000), 60.0)
     (pair,) = found.pairs
     assert not pair.changed
     assert pair.whole["N"].interval()[0] < MODEL["N"].value < pair.whole["N"].interval()[1]
     assert found.names == ("first 60 s", "rest")
     louder = run(7, n=12_000)
     louder.values[6000:] *= 1.4
-    assert al.truncation(louder, 60.0)["N"].outcome == "larger"
-    refused(al.UsageError, "500", lambda: al.truncation(run(1), 500.0))
+    assert al.comparison.truncation(louder, 60.0)["N"].outcome == "larger"
+    refused(al.UsageError, "500", lambda: al.comparison.truncation(run(1), 500.0))
 
 
 @pytest.mark.slow("takes more than half a second")
 def test_what_cannot_be_pooled():
-    refused(al.UsageError, "at least two runs, not 1", lambda: al.pool([run(1)]))
-    refused(al.DataError, "identical samples", lambda: al.pool([run(1), run(2), run(1)]))
+    refused(al.UsageError, "at least two runs, not 1", lambda: al.comparison.pool([run(1)]))
+    refused(al.DataError, "identical samples", lambda: al.comparison.pool([run(1), run(2), run(1)]))
     other = al.Record(np.random.default_rng(1).standard_normal(4096), 100.0, "m/s^2", name="z")
-    refused(al.DataError, "one type", lambda: al.pool([run(1), run(2), other]))
+    refused(al.DataError, "one type", lambda: al.comparison.pool([run(1), run(2), other]))
     x, y = (replace(run(seed), name=name) for seed, name in ((1, "x"), (2, "y")))
     with pytest.raises(al.UsageError, match="no channel in common"):
-        al.pool([al.Recording((x, y)), al.Recording((replace(x, name="u"), replace(y, name="v"))), run(3)])
-    refused(al.UsageError, "unknown channel 'q'", lambda: al.pool([run(1), run(2), run(3)])["q"])
+        al.comparison.pool([al.Recording((x, y)), al.Recording((replace(x, name="u"), replace(y, name="v"))), run(3)])
+    refused(al.UsageError, "unknown channel 'q'", lambda: al.comparison.pool([run(1), run(2), run(3)])["q"])

@@ -28,7 +28,7 @@ def test_what_is_printed_is_understood():
 
 @rows("text, words", [
     ("", "there is no term in ''"),
-    ("X 3 deg/h", rf"unknown term 'X' in 'X 3 deg/h'; known terms: {', '.join(al.TERMS)}; a model has the form"),
+    ("X 3 deg/h", rf"unknown term 'X' in 'X 3 deg/h'; known terms: {', '.join(al.terms.TERMS)}; a model has the form"),
     ("N 3", "N must be followed by a number and a unit"), ("N three deg", "expected a number instead of 'three'"),
     ("N 1 deg/h", "is not a unit of N"), ("GM 0.1 deg/h", "GM has time_constant in s"),
     ("N 1 deg/sqrt(h) 3 s", "is not a noise term"), ("GM 0.1 deg/h 3 deg", "cannot be converted"),
@@ -40,7 +40,7 @@ def test_what_is_refused(text, words):
 
 
 def test_typical_sensors():
-    for name in al.SENSORS:
+    for name in al.planning.SENSORS:
         assert al.sensor(name.upper()).signal.name == "gyro"
     with pytest.raises(al.UsageError, match="known sensors: mems, fog, rlg"):
         al.sensor("hrg")

@@ -99,7 +99,7 @@ def test_the_first_screen_has_the_values_of_the_file(study):
     assert line == f"kalibr, bounds: {gyro}; {accelerometer} (allanite export FILE --to kalibr --from-curve)"
 
 
-@rows("target", sorted(set(al.EXPORTS) - {"kalibr"}))
+@rows("target", sorted(set(al.exporting.EXPORTS) - {"kalibr"}))
 def test_every_target_says_so(target, file):
     row, _ = prepared(target, How(), "")
     found = run("export", file, "--to", target, "--from-curve", "--json", "-")

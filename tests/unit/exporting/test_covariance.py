@@ -26,7 +26,7 @@ def noise():
 
 
 def with_fields():
-    return [name for name, row in al.EXPORTS.items() if row.fields]
+    return [name for name, row in al.exporting.EXPORTS.items() if row.fields]
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def test_every_target_has_a_parser():
 
 @rows("name, rate, sensor", paired(list(PARSERS), RATES, list(COEFFICIENTS)))
 def test_the_angle_grows_as_that_of_the_sensor(name, rate, sensor, ensembles):
-    row = al.EXPORTS[name]
+    row = al.exporting.EXPORTS[name]
     step = PARSERS[name](al.export(noise(), name, rate=rate).text)[sensor]
     dt = row.step or 1 / rate
     has_bias = step(dt)[2] is not None
@@ -77,7 +77,7 @@ def test_a_filter_at_another_rate(rate):
     assert propagated(step, 1 / rate, DURATION) == pytest.approx(expected, rel=1e-3)
 
 
-@rows("name", [name for name in PARSERS if al.EXPORTS[name].markov])
+@rows("name", [name for name in PARSERS if al.exporting.EXPORTS[name].markov])
 def test_a_gauss_markov_process_keeps_its_size_and_time(name):
     markov = [al.N(1e-4, "rad/s/sqrt(Hz)") + al.GM(2e-5, "rad/s", time_constant=500.0),
               al.N(1e-3, "m/s^2/sqrt(Hz)") + al.GM(3e-4, "m/s^2", time_constant=900.0)]  # fmt: skip
@@ -121,7 +121,7 @@ def truth():
 
 def judged(name, cover, truth):
     """Predicted and actual standard deviations of the angle with the file of a target, as its filter reads it."""
-    row = al.EXPORTS[name]
+    row = al.exporting.EXPORTS[name]
     text = al.export(BOTH, name, rate=RATE, cover=cover).text
     model = noise_in(text, row, RATE).gyro
     if any(t.symbol == "B" for t in model):

@@ -24,7 +24,7 @@ NOISES = {
     "a ramp": al.Model("N 0.3 deg/sqrt(h), B 2 deg/h, R 20 deg/h^2"),
     "quantization": al.Model("Q 2 arcsec, N 0.03 deg/sqrt(h), B 0.7 deg/h"),
 }
-DRIFTING = sorted(name for name, row in al.EXPORTS.items() if row.drifts)
+DRIFTING = sorted(name for name, row in al.exporting.EXPORTS.items() if row.drifts)
 
 
 def run(*arguments):
@@ -124,7 +124,7 @@ def test_a_filter_is_given_a_cover_where_it_has_no_field_and_a_simulator_what_wa
         assert "gx: covers the noise from 1 to 2000 s" in made.text
     elif target != "matlab":  # which has a field for flicker
         assert "gx: the Allan deviation of this file is 0." in made.text
-        assert any("a filter errs" in alert for alert in made.alerts) is not al.EXPORTS[target].simulates
+        assert any("a filter errs" in alert for alert in made.alerts) is not al.exporting.EXPORTS[target].simulates
 
 
 def test_the_bias_instability_of_a_data_sheet_is_covered_by_convert():

@@ -150,7 +150,7 @@ def test_wrong_choices():
     for wrong in ({"inflate": 0.0}, {"inflate": float("nan")}, {"rate": -1.0}, {"filter_rate": 0.0}):
         with pytest.raises(al.UsageError):
             al.export(six(), "kalibr", **wrong)
-    refused(al.UsageError, "source must be a Study, a Channel, a Fit", lambda: al.export("gyro.csv", "kalibr"))
+    refused(al.UsageError, "source must be a Study, a Channel, a Fit", lambda: al.export(1.0, "kalibr"))
     with pytest.raises(al.UsageError, match=r"statespace is written as .npz, .m, .h, not as '.txt'"):
         al.export(six(), "statespace", form=".txt", rate=1.0)
     refused(al.UsageError, "no axis z", lambda: al.export([*six()[:2], *six()[3:]], "kalibr", axis="z", rate=100.0))
@@ -164,15 +164,15 @@ def test_a_process_replaces_a_walk_only_where_a_correlation_time_is_written():
 
 
 @pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")
-@rows("name", list(al.EXPORTS))
+@rows("name", list(al.exporting.EXPORTS))
 def test_the_same_input_gives_the_same_bytes_and_every_form(name):
-    for form in al.EXPORTS[name].forms:
+    for form in al.exporting.EXPORTS[name].forms:
         made = [al.export(noise(), name, rate=100.0, form=form) for _ in range(2)]
         assert made[0].data == made[1].data
         assert not re.search(r"20\d\d-\d\d", made[0].text)
     assert from_dict(json.loads(json.dumps(made[0].to_dict()))).data == made[0].data
     assert pickle.loads(pickle.dumps(made[0])).text == made[0].text
-    assert al.EXPORTS[name].title in unescape(page(made[0]))
+    assert al.exporting.EXPORTS[name].title in unescape(page(made[0]))
     shown = table(made[0])
     assert all(entry.full in shown for entry in made[0].entries)
 
@@ -316,11 +316,11 @@ def test_from_one_target_to_another(tmp_path):
             assert one.value == pytest.approx(other.value, rel=1e-12)
 
 
-@rows("name", list(al.EXPORTS))
+@rows("name", list(al.exporting.EXPORTS))
 def test_every_target_is_explained(name):
     done = run("explain", name)
     assert done.exit_code == 0, done.output
-    row, said = al.EXPORTS[name], " ".join(done.stdout.split())
+    row, said = al.exporting.EXPORTS[name], " ".join(done.stdout.split())
     assert all(field.name in said for field in row.fields)
     assert " ".join(row.source.split())[:40] in said
     assert json.loads(run("explain", name, "--json", "-").stdout)["targets"][0]["name"] == name

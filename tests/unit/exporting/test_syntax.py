@@ -26,7 +26,7 @@ from allanite.exporting.content import Content, Entry
 from allanite.exporting.exports import TEMPERATURE
 from allanite.exporting.imported import noise_in
 
-FORMS = [(name, suffix) for name, row in al.EXPORTS.items() for suffix in row.forms]
+FORMS = [(name, suffix) for name, row in al.exporting.EXPORTS.items() for suffix in row.forms]
 FIRST, SECOND = "ZZ ONE", "ZZ TWO"
 
 PIECES = [
@@ -53,11 +53,11 @@ def contents():
     gyros = [replace(one, name=name) for one, name in zip(six(), (FIRST, SECOND), strict=False)]
     source = [*gyros, *six()[3:]]
     for name, suffix in FORMS:
-        row = al.EXPORTS[name]
+        row = al.exporting.EXPORTS[name]
         caught = []
         spy = replace(row, forms={suffix: lambda content, caught=caught: caught.append(content) or ""})
         with pytest.MonkeyPatch.context() as patch:
-            patch.setitem(al.EXPORTS, name, spy)
+            patch.setitem(al.exporting.EXPORTS, name, spy)
             al.export(source, name, rate=100.0, axis="worst" if row.fields else "each", form=suffix)
         (content,) = caught
         found[name, suffix] = replace(content, header=(*content.header, f"source: {FIRST}, sha256"))
@@ -82,7 +82,7 @@ def called(content, first, second):
 
 
 def written(content, target, suffix):
-    made = al.EXPORTS[target].forms[suffix](content)
+    made = al.exporting.EXPORTS[target].forms[suffix](content)
     return made if isinstance(made, bytes) else encoded(made)
 
 
@@ -137,14 +137,14 @@ def tactical():
     return al.analyze(ROOT / "examples" / "tactical_gyro.csv")
 
 
-@rows("target", [name for name, row in al.EXPORTS.items() if row.fields])
+@rows("target", [name for name, row in al.exporting.EXPORTS.items() if row.fields])
 def test_nothing_of_a_name_is_read_back(tactical, target):
     """A comment once held the value of a field that the file lacks, and the rest of a long one was a parameter."""
-    evil = [f"{field.name}: 9 {field.section}" for field in al.EXPORTS[target].fields]
+    evil = [f"{field.name}: 9 {field.section}" for field in al.exporting.EXPORTS[target].fields]
     name = f"{'x' * 97}{' '.join(evil)}\nEK3_GYRO_P_NSE,9 {' '.join(evil)} ".replace("-", "")
     plain = al.export(six(), target, rate=100.0)
     hostile = al.export([replace(six()[0], name=name), *six()[1:]], target, rate=100.0)
-    parse, row = PARSERS[hostile.suffix], al.EXPORTS[target]
+    parse, row = PARSERS[hostile.suffix], al.exporting.EXPORTS[target]
     assert parse(hostile.data)[0] == parse(plain.data)[0]
     assert noise_in(hostile.text, row, 100.0).models == noise_in(plain.text, row, 100.0).models
 
@@ -159,7 +159,7 @@ def test_a_line_break_in_a_member_is_no_key_of_kalibr(tmp_path):
     assert done.exit_code == 0, done.output
     held = yaml.safe_load(done.stdout)
     assert "gx\\nevil: x" in done.stdout
-    assert set(held) == {"rostopic", "update_rate", *(field.name for field in al.EXPORTS["kalibr"].fields)}
+    assert set(held) == {"rostopic", "update_rate", *(field.name for field in al.exporting.EXPORTS["kalibr"].fields)}
 
 
 @rows("path", ["x\nimport os\n.npz", "a\u2028import os", "coding=utf-7 +AAo-import os+AAo-", "\x0cimport os\x0c"])

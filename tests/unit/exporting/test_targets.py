@@ -17,16 +17,16 @@ from allanite.exporting.target import LONG
 from allanite.testing import check_target
 
 
-@rows("name", list(al.EXPORTS))
+@rows("name", list(al.exporting.EXPORTS))
 def test_fields_and_the_way_back(name):
-    row = al.EXPORTS[name]
+    row = al.exporting.EXPORTS[name]
     assert row.name == name
     check_target(row)
 
 
 def test_flicker_is_read_back_too():
     models = [one + al.B(size, unit) for one, size, unit in zip(noise(), (1e-5, 2e-4), ("rad/s", "m/s^2"), strict=True)]
-    found = noise_in(al.export(models, "matlab").text, al.EXPORTS["matlab"], None)
+    found = noise_in(al.export(models, "matlab").text, al.exporting.EXPORTS["matlab"], None)
     assert found.gyro["B"].value == pytest.approx(1e-5, rel=1e-12)
 
 
@@ -50,7 +50,7 @@ EXAMPLES = {
 @rows("name", list(EXAMPLES))
 def test_files_of_others_are_read(name):
     text, n, k = EXAMPLES[name]
-    found = noise_in(text, al.EXPORTS[name], 200.0)
+    found = noise_in(text, al.exporting.EXPORTS[name], 200.0)
     assert found.gyro["N"].value == pytest.approx(n, rel=1e-9)
     assert found.accelerometer["K"].value == pytest.approx(k, rel=1e-9)
 
@@ -62,7 +62,7 @@ def test_numbers_keep_a_point():
 
 
 def test_the_long_time_is_that_of_every_file():
-    assert f"{LONG / 3600:g}" in " ".join(al.EXPORTS["kf-gins"].notes)
+    assert f"{LONG / 3600:g}" in " ".join(al.exporting.EXPORTS["kf-gins"].notes)
     text = al.export(noise(), "gazebo", rate=100.0).text
     assert f"<dynamic_bias_correlation_time>{number(LONG)}<" in text
 
@@ -107,7 +107,7 @@ REQUESTS = {
     "kalibr, VINS-Mono, uzh_fpv_open: continuous or discrete time":
         lambda m: "discrete time, f = 20 Hz" in al.export([m.study, m.acc], "vins-mono").text,
     "imu_utils, kalibr_allan: bias instability was exported as random walk":
-        lambda m: all(f.term == "K" for row in al.EXPORTS.values() for f in row.fields
+        lambda m: all(f.term == "K" for row in al.exporting.EXPORTS.values() for f in row.fields
                       if re.search(r"walk|_w$|Walk|BiasN|B_NOISE|BIAS_P|psd", f.name)),
     "LIO-SAM, LINS: which value of a data sheet goes into which field":
         lambda m: "imuGyrBiasN density steady-state sigma sqrt(T/2) rad/s²/√Hz K gyro" in said("explain", "lio-sam"),
@@ -125,7 +125,7 @@ REQUESTS = {
     "ORB_SLAM3, OpenImuCameraCalibrator: what do IMU.* mean, how to fill them in":
         lambda m: "IMU.GyroWalk" in al.export([m.study, m.acc], "orb-slam3").text,
     "kalibr: the readme does not say what to do with the parameters next":
-        lambda m: len(al.EXPORTS) >= 20,
+        lambda m: len(al.exporting.EXPORTS) >= 20,
     "MATLAB: noise density, angle random walk or random walk; one- or two-sided":
         lambda m: '"NoiseType": "single-sided"' in al.export([m.study, m.acc], "matlab").text,
     "imu_utils, allan_variance_ros: published numbers cannot be reproduced":
@@ -148,7 +148,7 @@ REQUESTS = {
         lambda m: al.export([m.study, m.acc], "kalibr").entries[2].channels == ("gx",)
         and "axis: worst" in al.export([m.study, m.acc], "kalibr").text,
     "IMUSensorModels: the accelerometer too, without a toolbox":
-        lambda m: "accelerometer" in al.EXPORTS["kalibr"].sensors,
+        lambda m: "accelerometer" in al.exporting.EXPORTS["kalibr"].sensors,
     "PX4-SITL_gazebo-classic: densities of the simulator are unrealistic":
         lambda m: "<gyroscopeNoiseDensity>" in al.export([m.study, m.acc], "gazebo-classic").text,
 }  # fmt: skip

@@ -53,7 +53,7 @@ def values(text, separator):
 def test_the_correction_is_that_of_the_regression(sensor, centre, powers):
     made = [regression(SENSORS[sensor], f"w{axis}", powers, centre) for axis in "xyz"]
     made[1] = dataclasses.replace(made[1], mixture=made[1].mixture.scaled(-np.ones(len(powers) + 1), np.zeros(1)))
-    px4, ardupilot = (al.temperature_parameters(study(*made), target) for target in ("px4", "ardupilot"))
+    px4, ardupilot = (al.exporting.temperature_parameters(study(*made), target) for target in ("px4", "ardupilot"))
     v, w = values(px4.text, "\t"), values(ardupilot.text, ",")
     temp = al.Recording((al.Record(SEEN, 1.0, "degC", name="temp"),))
     for axis, one in enumerate(made):
@@ -80,21 +80,21 @@ def test_the_standard_errors_are_those_of_the_shifted_powers(reference):
 
 def test_the_names_are_those_of_the_autopilots():
     both = study(regression(), regression(SIGNALS[1], "az"))
-    text = al.temperature_parameters(both, "px4", instance=2).text
+    text = al.exporting.temperature_parameters(both, "px4", instance=2).text
     parts = ["TMIN", "TMAX", "TREF", *(f"X{k}_{axis}" for k in range(4) for axis in range(3))]
     wanted = [f"TC_{s}2_{part}" for s in "GA" for part in parts]
     assert list(values(text, "\t")) == ["TC_G_ENABLE", "TC_A_ENABLE", *wanted]
     assert "\n1\t1\tTC_G_ENABLE\t1\t6\n" in text
     coefficients = [f"{s}{k}_{axis}" for s in ("GYR", "ACC") for k in (1, 2, 3) for axis in "XYZ"]
     for instance, prefix in {None: "INS_TCAL1_", 3: "INS_TCAL3_", 4: "INS4_TCAL_"}.items():
-        found = values(al.temperature_parameters(both, "ardupilot", instance=instance).text, ",")
+        found = values(al.exporting.temperature_parameters(both, "ardupilot", instance=instance).text, ",")
         assert list(found) == [prefix + part for part in ("ENABLE", "TMIN", "TMAX", *coefficients)]
         assert max(map(len, found)) <= 16  # what MAVLink takes
 
 
 def test_what_shows_no_effect_is_zero_and_said():
     some = study(regression(), regression(name="gy", share=0), refused=["gz"])
-    found = al.temperature_parameters(some, "px4")
+    found = al.exporting.temperature_parameters(some, "px4")
     v = values(found.text, "\t")
     assert v["TC_G0_X1_0"] != 0
     assert {v[f"TC_G0_X{k}_{axis}"] for k in range(4) for axis in (1, 2)} == {0.0}
@@ -103,14 +103,14 @@ def test_what_shows_no_effect_is_zero_and_said():
     assert [str(alert) for alert in found.alerts] == ["gz is left out: it moves"]
     assert "# warning: gz is left out: it moves" in found.text
     # of ArduPilot both sensors share the range: without a record the other one is not corrected
-    w = values(al.temperature_parameters(some, "ardupilot").text, ",")
+    w = values(al.exporting.temperature_parameters(some, "ardupilot").text, ",")
     assert {value for name, value in w.items() if "_ACC" in name} == {0.0}
 
 
 def test_axes_are_found_by_name_or_place():
     for names in (("w_z", "w_x", "w_y"), ("rate[2]", "rate[0]", "rate[1]")):
         made = [regression(name=name, centre=30.0 + i) for i, name in enumerate(names)]
-        found = al.temperature_parameters(study(*made), "ardupilot")
+        found = al.exporting.temperature_parameters(study(*made), "ardupilot")
         channels = {e.name[-1]: e.channels for e in found.entries if "GYR1" in e.name}
         wanted = dict(zip("ZXY" if names[0] == "w_z" else "XYZ", names, strict=True))
         assert channels == {axis: (name,) for axis, name in wanted.items()}
@@ -132,24 +132,24 @@ REFUSED = {
 def test_what_an_autopilot_does_not_take_is_refused(case, target):
     one, error, words = REFUSED[case]
     with pytest.raises(error, match=words):
-        al.temperature_parameters(study(one), target)
+        al.exporting.temperature_parameters(study(one), target)
 
 
 def test_what_is_asked_for_in_vain():
     with pytest.raises(UsageError, match="from 0 to 3; there is no instance=4"):
-        al.temperature_parameters(study(regression()), "px4", instance=4)
+        al.exporting.temperature_parameters(study(regression()), "px4", instance=4)
     with pytest.raises(UsageError, match="unknown autopilot 'betaflight'; known autopilots: px4, ardupilot"):
-        al.temperature_parameters(study(regression()), "betaflight")
+        al.exporting.temperature_parameters(study(regression()), "betaflight")
     with pytest.raises(UsageError, match="which axes"):
-        al.temperature_parameters(study(*(regression(name=f"imu{i}_x") for i in range(2))), "px4")
+        al.exporting.temperature_parameters(study(*(regression(name=f"imu{i}_x") for i in range(2))), "px4")
 
 
 def test_a_name_does_not_become_a_parameter():
-    found = al.temperature_parameters(study(regression(name="a\n1\t1\tTC_G_ENABLE\t0\t6\nx")), "px4")
+    found = al.exporting.temperature_parameters(study(regression(name="a\n1\t1\tTC_G_ENABLE\t0\t6\nx")), "px4")
     assert values(found.text, "\t")["TC_G_ENABLE"] == 1
     assert re.search(r"^# a\\n1", found.text, re.MULTILINE)
 
 
 def test_a_narrow_range_is_said():
-    found = al.temperature_parameters(study(regression(span=(39.0, 42.5))), "px4")
+    found = al.exporting.temperature_parameters(study(regression(span=(39.0, 42.5))), "px4")
     assert "changes by 3.5 degC only" in found.alerts[0]

@@ -34,18 +34,18 @@ def exact(statistic, model=None, taus="octave"):
     """A curve without scatter: the expectation of the model."""
     model = model or model_of(**TRUTH)
     curve = al.deviation(record_of(model), statistic, taus=taus, noise=None)
-    ratio = expected_ratio(al.STATISTICS["theo1"], model, SIZE, RATE, 30)
+    ratio = expected_ratio(al.statistics.STATISTICS["theo1"], model, SIZE, RATE, 30)
     factor = np.where(curve.factor != 1, ratio, 1.0)
     points = zip(rows_of(curve), curve.tau, strict=True)
     plain = [float(al.expected(model, row.name, [tau], rate=RATE, size=SIZE)[0]) for row, tau in points]
     return replace(curve, variance=plain * factor, factor=factor)
 
 
-READING = [(name, statistic) for name, row in al.METHODS.items() for statistic in row.allowed]
+READING = [(name, statistic) for name, row in al.identification.METHODS.items() for statistic in row.allowed]
 
 
 def test_the_table_is_complete():
-    for name, row in al.METHODS.items():
+    for name, row in al.identification.METHODS.items():
         assert row.title, name
         assert row.efficiency, name
         assert (row.takes is al.Curve) == bool(row.allowed)
@@ -58,7 +58,7 @@ def test_an_exact_curve_gives_its_coefficients(method, statistic):
     curve = exact(statistic)
     fit = al.identify(curve, method, terms="QNBKR")
     seen = {t.symbol: t.value for t in fit.model}
-    wanted = {s: v for s, v in TRUTH.items() if s != "R" or al.STATISTICS[statistic].order < 3}
+    wanted = {s: v for s, v in TRUTH.items() if s != "R" or al.statistics.STATISTICS[statistic].order < 3}
     for symbol, value in wanted.items():
         assert seen[symbol] == pytest.approx(value, rel=2e-3)
     if len(wanted) < len(TRUTH):
@@ -210,7 +210,7 @@ def test_a_corrected_bias_is_taken_back():
 @pytest.mark.slow("takes more than half a second")
 def test_statistics_may_be_chosen():
     record = record_of(model_of(N=1.0, B=0.5))
-    for statistic in al.METHODS["gls"].allowed:
+    for statistic in al.identification.METHODS["gls"].allowed:
         fit = al.identify(record, "gls", terms="NB", statistic=statistic)
         assert (fit.curve.statistic, fit["N"].value) == (statistic, pytest.approx(1.0, rel=0.1))
         assert fit["B"].value == pytest.approx(0.5, rel=0.3)
@@ -238,7 +238,7 @@ def test_what_a_method_does_not_have_is_said(options, words):
     refused(al.UsageError, words, lambda: al.identify(record_of(model_of(N=1.0)), **options))
 
 
-@rows("method", [name for name, row in al.METHODS.items() if not row.shapes])
+@rows("method", [name for name, row in al.identification.METHODS.items() if not row.shapes])
 @rows("symbol", ["GM", "GMA", "Sine"])
 def test_terms_with_a_shape_are_refused(method, symbol):
     with pytest.raises(al.UsageError, match=f"{symbol} .* has shape parameters as well: use method 'whittle'"):

@@ -25,8 +25,8 @@ FIVE = {"Q", "N", "B", "K", "R"}
 
 def estimate(symbol, value=None, unit=None, *, upper=None, shape=()):
     """A term that was found, or one that was not, below `upper`."""
-    size = None if value is None else value * convert(1.0, unit, GYRO.si[al.TERMS[symbol].power])
-    most = None if upper is None else upper * convert(1.0, unit, GYRO.si[al.TERMS[symbol].power])
+    size = None if value is None else value * convert(1.0, unit, GYRO.si[al.terms.TERMS[symbol].power])
+    most = None if upper is None else upper * convert(1.0, unit, GYRO.si[al.terms.TERMS[symbol].power])
     status = "absent" if value is None else "identified"
     return Estimate(symbol, GYRO, size, None, status, most, "whittle", shape=shape)
 
@@ -53,9 +53,9 @@ def said(*estimates, readings=None, length=3600.0, **more):
     return " ".join(sentences(fit(*estimates, **more), readings, rate=100.0, length=length))
 
 
-@rows("name", al.DEVICES)
+@rows("name", al.interpretation.DEVICES)
 def test_every_term_of_every_device_has_its_name_sources_remedies_and_reference(name):
-    device = al.DEVICES[name]
+    device = al.interpretation.DEVICES[name]
     assert device.name == name
     assert set(device.terms) >= FIVE
     assert set(device.signals) - {"angle"} <= {"gyro", "accelerometer", "dimensionless"}
@@ -71,10 +71,10 @@ def test_every_term_of_every_device_has_its_name_sources_remedies_and_reference(
 
 
 def test_the_tables_of_causes_follow_the_papers_and_cite_all():
-    text = " ".join(cause.reference for device in al.DEVICES.values() for cause in device.terms.values())
+    text = " ".join(cause.reference for device in al.interpretation.DEVICES.values() for cause in device.terms.values())
     assert [key for key in REFERENCES if key not in text] == []
     # the tables of the papers follow them
-    stabilizer, mscsg = al.DEVICES["stabilizer"].terms, al.DEVICES["mscsg"].terms
+    stabilizer, mscsg = al.interpretation.DEVICES["stabilizer"].terms, al.interpretation.DEVICES["mscsg"].terms
     assert stabilizer["B"].name == "instability of the zero position of the platform"
     assert "p. 148" in stabilizer["R"].reference
     assert "force unloading" in stabilizer["GM"].sources[0]

@@ -30,18 +30,18 @@ FORMULAS = {
     "bias instability": lambda value, _: ("B", value),
 }
 
-CLAIMS = [(sheet, claim) for sheet in al.DATASHEETS.values() for claim in sheet.claims]
+CLAIMS = [(sheet, claim) for sheet in al.planning.DATASHEETS.values() for claim in sheet.claims]
 
 
-@rows("name", al.DATASHEETS)
+@rows("name", al.planning.DATASHEETS)
 def test_a_sheet_of_the_table_keeps_what_every_sheet_must(name):
-    check_data_sheet(al.DATASHEETS[name])
+    check_data_sheet(al.planning.DATASHEETS[name])
 
 
 def test_the_table_has_many_sensors_of_many_makers():
-    assert len(al.DATASHEETS) >= 25
-    assert len({sheet.document for sheet in al.DATASHEETS.values()}) >= 25
-    assert len({sheet.maker for sheet in al.DATASHEETS.values()}) >= 8
+    assert len(al.planning.DATASHEETS) >= 25
+    assert len({sheet.document for sheet in al.planning.DATASHEETS.values()}) >= 25
+    assert len({sheet.maker for sheet in al.planning.DATASHEETS.values()}) >= 8
     _, *lines = csv.reader((ROOT / "src/allanite/planning/datasheets.csv").read_text("utf-8").splitlines())
     assert (len(lines), [line[0] for line in lines]) == (len(CLAIMS), sorted(line[0] for line in lines))
 
@@ -96,7 +96,7 @@ def largest(sheet, sensor):
 def test_lines_of_a_sheet_agree_on_N_except_where_the_sheet_contradicts_itself():
     """That densities are one-sided, and rms noise their root mean square, is what the sheets themselves show."""
     ratios = {}
-    for sheet in al.DATASHEETS.values():
+    for sheet in al.planning.DATASHEETS.values():
         for sensor in SENSOR_TYPES:
             if (sheet.model(sensor) is None) or len(found := largest(sheet, sensor)) < 2:
                 continue
@@ -140,7 +140,7 @@ def test_noise_without_a_bandwidth_makes_no_coefficient():
 
 @rows("name", ["ADIS16470", "adis16470", "ADIS-16470", "adis 16470", "Adis_16470"])
 def test_a_name_is_found_as_it_is_typed(name):
-    assert al.data_sheet_named(name).name == "ADIS16470"
+    assert al.planning.data_sheet_named(name).name == "ADIS16470"
 
 
 @rows("text, said", [
@@ -155,7 +155,7 @@ def test_what_is_not_there_is_refused(text, said):
 
 
 def test_texts_of_a_conversion_may_be_names_of_data_sheets():
-    sheet = al.DATASHEETS["ADIS16470"]
+    sheet = al.planning.DATASHEETS["ADIS16470"]
     assert models_of(["adis16470"]) == list(sheet.models)
     assert models_of(["adis16470 accelerometer", "0.5 deg/sqrt(h)"]) == [
         sheet.accelerometer,
@@ -166,9 +166,9 @@ def test_texts_of_a_conversion_may_be_names_of_data_sheets():
 @rows("sensor", SENSOR_TYPES)
 def test_what_was_measured_is_given_as_the_sheet_would_say_it(sensor):
     """A record of exactly the random walk of a sheet: its density is what the sheet should have printed."""
-    sheet = al.data_sheet_named("adis16470")
+    sheet = al.planning.data_sheet_named("adis16470")
     record = al.simulate(al.Model((sheet.model(sensor)["N"],)), 60_000, 100.0, rng=2, name="x")
-    found = al.compare_with_sheet(record, sheet)
+    found = al.comparison.compare_with_sheet(record, sheet)
     ratios = {m.claim.quantity: m.ratio for m in found.measured(found[0])}
     sizes = largest(sheet, sensor)
     assert ratios.keys() == {"random walk", "noise density", "bias stability"}
@@ -183,5 +183,5 @@ def test_what_was_measured_is_given_as_the_sheet_would_say_it(sensor):
 
 def test_a_channel_of_a_sensor_that_the_sheet_has_not_is_left_alone():
     record = al.simulate(al.N(60, "ug/sqrt(Hz)"), 8192, 100.0, rng=2, name="ax")
-    found = al.compare_with_sheet(record, "itg-3200")
+    found = al.comparison.compare_with_sheet(record, "itg-3200")
     assert list(found.measured(found[0])) == []

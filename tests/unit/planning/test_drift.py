@@ -88,7 +88,7 @@ def test_closed_forms(symbol, order, calibration, expected):
 
 def test_flicker_after_as_long_a_calibration_is_twice_its_allan_variance():
     found = drift_variance(TERMS["B"], flat(0), np.array([T]), calibration=T)[0]
-    assert found / T**2 == pytest.approx(2 * al.TERMS["B"].level)
+    assert found / T**2 == pytest.approx(2 * al.terms.TERMS["B"].level)
 
 
 @rows("symbol", TERMS)

@@ -68,9 +68,9 @@ def test_decimation_keeps_what_is_slow_and_stops_what_would_fold():
         decimate(al.Record(np.arange(1000.0), 1.0, "deg", kind="angle"), 2)
 
 
-@rows("statistic", list(al.STATISTICS))
+@rows("statistic", list(al.statistics.STATISTICS))
 def test_a_ramp_is_not_removed_for_a_statistic_that_sees_it(statistic):
-    if al.STATISTICS[statistic].order < 3:
+    if al.statistics.STATISTICS[statistic].order < 3:
         with pytest.raises(al.UsageError, match="is sensitive to a ramp"):
             detrend(record(), statistic)
 

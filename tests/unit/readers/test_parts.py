@@ -70,7 +70,7 @@ def epoch(folder):
 def written(suffix):
     def make(folder):
         records = (al.Record(column, RATE, "deg/s", name=name) for name, column in zip("xyz", noise().T, strict=True))
-        al.readers.write(al.Recording(tuple(records)), folder / f"w{suffix}")
+        al.write(al.Recording(tuple(records)), folder / f"w{suffix}")
         return folder / f"w{suffix}"
 
     return make

@@ -73,7 +73,7 @@ def test_columns_without_a_unit_are_asked_for(tmp_path):
 @rows("suffix", [".csv", ".npz", ".parquet"])
 def test_a_value_is_read_as_it_was_written(tmp_path, suffix):
     record = al.Record(np.random.default_rng(1).standard_normal(500), 10.0, "arcsec", "value", name="az")
-    al.readers.write(record, tmp_path / f"a{suffix}")
+    al.write(record, tmp_path / f"a{suffix}")
     again = al.read(tmp_path / f"a{suffix}")["az"]
     assert (again.kind, again.unit, again.signal.name) == ("value", "arcsec", "angle")
     assert np.array_equal(again.values, record.values)

@@ -176,7 +176,7 @@ def test_limits_of_every_averaging_time_are_those_at_the_points():
 
 @rows(("statistic", "m"), [("oadev", 30), ("totdev", 60), ("theo1", 60), ("mtotdev", 40), ("pdev", 40)])
 def test_the_leading_eigenvalues_are_those_of_a_dense_solver(statistic, m):
-    row = al.STATISTICS[statistic]
+    row = al.statistics.STATISTICS[statistic]
     count = int(row.count(1024, np.array([m]))[0])
     forms = matrices(row, [term.sampled(1.0) for term in MODELS[1]], m, count, 1024)
     size = np.trace(forms, axis1=1, axis2=2)

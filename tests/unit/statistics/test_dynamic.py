@@ -27,7 +27,7 @@ def alone(record, start, samples, surface):
     return al.deviation(part, surface.statistic, m=surface.m.tolist())
 
 
-@pytest.mark.parametrize("name", list(al.STATISTICS))
+@pytest.mark.parametrize("name", list(al.statistics.STATISTICS))
 @given(data=st.data())
 @settings(max_examples=examples(15), deadline=None)
 def test_every_window_equals_its_own_deviation(name, data):
@@ -47,7 +47,7 @@ def test_every_window_equals_its_own_deviation(name, data):
     np.testing.assert_allclose(surface.tau, curve.tau)
 
 
-@rows("name", [name for name, row in al.STATISTICS.items() if row.sliding])
+@rows("name", [name for name, row in al.statistics.STATISTICS.items() if row.sliding])
 def test_long_records(name):
     record = record_of(noise(30_000) + 1e6)
     for samples, stride in ((5000, 700), (1000, 3000), (300, 1)):
@@ -79,7 +79,7 @@ def test_a_shock_leaves_nothing_behind():
     np.testing.assert_allclose(shaken.variance[before], calm.variance[before], rtol=1e-12)
 
 
-@rows("name", list(al.STATISTICS))
+@rows("name", list(al.statistics.STATISTICS))
 def test_windows_that_have_lost_samples(name):
     y = noise(3000)
     y[1000:1400] = np.nan
@@ -127,7 +127,7 @@ def test_the_value_as_rows_and_plain_data():
     assert headings == ["time [s]", "m", "tau [s]", "oadev [deg/h]", "count"]
     assert len(rows) == surface.variance.size
     assert rows[-1][3] == surface.deviation[-1, -1]
-    again = al.Surface.from_dict(json.loads(json.dumps(surface.to_dict(), allow_nan=False)))
+    again = al.statistics.Surface.from_dict(json.loads(json.dumps(surface.to_dict(), allow_nan=False)))
     np.testing.assert_allclose(again.variance, surface.variance, rtol=1e-14)
     assert again.to_dict() == surface.to_dict()
 

@@ -132,14 +132,14 @@ def test_a_curve_of_every_tau_has_its_limits_and_a_figure_of_few_points():
 
 
 def test_what_takes_minutes_is_warned_of():
-    row = al.STATISTICS["mtotdev"]
+    row = al.statistics.STATISTICS["mtotdev"]
     m = np.arange(1, row.largest(200_000) + 1)
     assert 30 < seconds(row, 200_000, m) < 600
     assert seconds(row, 200_000, m[:100]) < 1
-    assert seconds(al.STATISTICS["oadev"], 3_600_000, np.arange(1, 1_800_001)) == 0
-    assert seconds(al.STATISTICS["theoh"], 3_600_000, np.array([1, 2, 1_000_000])) > 30
+    assert seconds(al.statistics.STATISTICS["oadev"], 3_600_000, np.arange(1, 1_800_001)) == 0
+    assert seconds(al.statistics.STATISTICS["theoh"], 3_600_000, np.array([1, 2, 1_000_000])) > 30
     words = r"mtotdev at 66667 averaging times of 200000 samples takes about \d+ min"
-    with pytest.warns(al.LongJobWarning, match=words):
+    with pytest.warns(al.statistics.LongJobWarning, match=words):
         _warn_of_long(row, 200_000, m, 1)
 
 

@@ -29,7 +29,7 @@ def lossy():
 
 def literal(name, m):
     """The quadratic form of the variance in the readings, by its definition, and the number of windows."""
-    row, record = al.STATISTICS[name], lossy()
+    row, record = al.statistics.STATISTICS[name], lossy()
     places = integrated(record, 2).places
     there = np.zeros(SIZE, dtype=bool)
     for start, n in places:
@@ -60,7 +60,7 @@ def test_the_variance_is_that_of_its_definition(name, m):
 @rows(("name", "m"), CASES)
 def test_moments_are_those_of_dense_matrices(name, m):
     A, _, places = literal(name, m)
-    row, terms = al.STATISTICS[name], [TERMS[s] for s in SYMBOLS]
+    row, terms = al.statistics.STATISTICS[name], [TERMS[s] for s in SYMBOLS]
     assert takes_means(row, m, places, SIZE)
     products = [A @ toeplitz(second_difference(term, SIZE) / 2) for term in terms]
     E = np.array([np.trace(one) for one in products])
@@ -160,7 +160,7 @@ def test_a_model_without_noise_of_the_joints_hides_nothing():
 
 @rows("name", ["adev", "oadev", "ohdev"])
 def test_complete_windows_are_counted_run_by_run(name):
-    row, rng = al.STATISTICS[name], np.random.default_rng(4)
+    row, rng = al.statistics.STATISTICS[name], np.random.default_rng(4)
     lengths = rng.integers(1, 200, 30)
     places = [(0, int(n)) for n in lengths]
     m = np.arange(1, 120)

@@ -16,7 +16,7 @@ from allanite.statistics import integrated
 from allanite.statistics.confidence import powerlaw
 from allanite.statistics.confidence.powerlaw import identify_power_law
 
-OADEV, OHDEV = al.STATISTICS["oadev"], al.STATISTICS["ohdev"]
+OADEV, OHDEV = al.statistics.STATISTICS["oadev"], al.statistics.STATISTICS["ohdev"]
 NOISE = {2: al.Q(1.0, "rad"), 0: al.N(1.0, "rad/sqrt(s)"), -1: al.B(1.0, "rad/s"), -2: al.K(1.0, "rad/s^1.5")}
 
 
@@ -58,7 +58,7 @@ def test_every_law_has_a_term_that_is_not_too_hopeful():
 
     for m in (1, 8, 64):
         assert greenhall_riley(0, 2, m, 257) <= 1.25 * greenhall_riley(1, 2, m, 257)
-    assert {powerlaw.symbol_of(alpha) for alpha in STRUCTURES} <= set(al.TERMS)
+    assert {powerlaw.symbol_of(alpha) for alpha in STRUCTURES} <= set(al.terms.TERMS)
 
 
 @rows("K", [5, 12, 29])
@@ -139,7 +139,7 @@ def test_long_times_take_the_law_of_the_longest_with_enough_means_and_times_are_
     assert [law.m for law in laws] == [100] * 4
     assert len(set(laws)) == 1
     assert laws[0].method in ("b1", "rn")
-    row = al.STATISTICS["theo1"]
+    row = al.statistics.STATISTICS["theo1"]
     assert [law.m for law in found(simulated(0, 4000, 1), [7.5, 15.0, 75.0], row)] == [8, 15, 75]
 
 
@@ -148,7 +148,7 @@ def test_long_times_take_the_law_of_the_longest_with_enough_means_and_times_are_
 def test_the_shortest_records_have_an_answer(n, row):
     law = found(np.random.default_rng(1).standard_normal(n), 1, row)[0]
     assert (law.method, law.m) == ("b1", 1)
-    assert law.symbol in al.TERMS
+    assert law.symbol in al.terms.TERMS
 
 
 @rows("n", [10, 100])

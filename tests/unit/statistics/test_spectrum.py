@@ -67,7 +67,7 @@ def test_long_tapers_are_the_short_ones_stretched():
 @rows("method, symbol", paired(ALL, ["Q", "N", "B", "K"]))
 def test_the_level_is_that_of_the_model(method, symbol):
     """Mean of 40 records within 5 standard errors at every tenth of a decade, where the resolution is fine enough."""
-    unit = SIGNALS[0].si[al.TERMS[symbol].power]
+    unit = SIGNALS[0].si[al.terms.TERMS[symbol].power]
     model = al.Model((term(symbol, 1.0, unit),))
     spectra = [
         al.spectrum(al.simulate(model, 4096, 10.0, rng=np.random.default_rng(seed)), method, bins=10)

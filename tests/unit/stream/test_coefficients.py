@@ -99,7 +99,7 @@ def test_the_variance_of_coefficients_under_angle_noise_is_that_of_its_matrix():
     ladder = Ladder(n - 1, width, gaps_between(np.arange(n)), none, none, np.ones(n - 1))
     change = dct(np.diff(np.eye(n + 1), axis=0) / np.sqrt(width), axis=0, norm="ortho")
     wanted = np.sum(change**2, axis=1)[1:]
-    np.testing.assert_allclose(ladder.row(al.TERMS["Q"], ladder.cells, np.arange(1.0, n)), wanted, rtol=1e-10)
+    np.testing.assert_allclose(ladder.row(al.terms.TERMS["Q"], ladder.cells, np.arange(1.0, n)), wanted, rtol=1e-10)
 
 
 def test_the_basis_is_orthogonal_but_for_its_means_and_folding_is_the_same():

@@ -22,7 +22,7 @@ def test_limits_are_those_of_the_identified_noise():
     curve, same = al.deviation(record), al.deviation(record, noise=fit)
     np.testing.assert_array_equal(curve.interval(0.9), same.interval(0.9))
     assert curve.supposed == same.supposed
-    symbols = ", ".join(s for s in al.TERMS if s in {term.symbol for term in fit.averaged.terms})
+    symbols = ", ".join(s for s in al.terms.TERMS if s in {term.symbol for term in fit.averaged.terms})
     assert (
         curve.supposed == f"intervals averaged over {len(fit.averaged)} models of {symbols} identified from the record"
     )

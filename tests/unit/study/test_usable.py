@@ -49,7 +49,7 @@ def test_what_goes_on_from_a_noise_refuses_one_that_explains_nothing(use):
 
 @pytest.mark.slow("seconds of analyses")
 def test_pulses_of_a_dithered_ring_laser_have_no_model_from_the_samples():
-    record = al.simulate_ring_laser(al.GL1, 12.4392, 24_000, 400.0, rng=3)
+    record = al.simulation.simulate_ring_laser(al.simulation.GL1, 12.4392, 24_000, 400.0, rng=3)
     with pytest.raises(DataError, match="does not explain the record"):
         al.constant_rate.estimate(record, "optimal", model=al.identify(record))
 

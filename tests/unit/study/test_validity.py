@@ -105,7 +105,7 @@ def test_no_model_is_drawn_that_explains_nothing(study):
 
 def test_a_filter_is_said_and_drawn():
     record = al.simulate(al.N(0.1, "deg/sqrt(h)"), 20_000, 100.0, rng=np.random.default_rng(1), name="z")
-    record = al.faults.low_pass(record, 12.0)
+    record = al.simulation.faults.low_pass(record, 12.0)
     study = al.analyze(record, Recipe(terms="QNB"))
     scope = study[0].fit.scope
     assert scope.filter is not None
@@ -180,7 +180,7 @@ def test_a_band_that_is_none_is_refused(file):
 
 
 def test_a_filter_that_was_not_looked_for_is_found_as_the_message_says():
-    record = al.faults.low_pass(record_of(white(1), "z"), 5.0)
+    record = al.simulation.faults.low_pass(record_of(white(1), "z"), 5.0)
     before = noise_of(record, Recipe(terms="QNB", band="all"))
     assert "band='auto'" in before.verdict
     assert "rolls off" in before.verdict

@@ -34,9 +34,12 @@ SHAPED = {"GM": al.GM(2.0, "rad/s", time_constant=1.5), "slow GM": al.GM(2.0, "r
           "aperiodic GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=1.5)}  # fmt: skip
 
 
-@rows("name, kind", paired([n for n, row in al.STATISTICS.items() if not row.parts and not row.extreme], list(SHAPED)))
+@rows(
+    "name, kind",
+    paired([n for n, row in al.statistics.STATISTICS.items() if not row.parts and not row.extreme], list(SHAPED)),
+)
 def test_expected_curves_equal_the_dense_form(name, kind):
-    row, term, n = al.STATISTICS[name], SHAPED[kind], 200
+    row, term, n = al.statistics.STATISTICS[name], SHAPED[kind], 200
     model = al.Model((term,))
     for m in sorted({row.step, 6 * row.step, row.largest(n) // (2 * row.step) * row.step, row.largest(n)}):
         if row.order < 2:
@@ -50,9 +53,9 @@ def test_expected_curves_equal_the_dense_form(name, kind):
         assert found == pytest.approx(exact, rel=1e-3 if kind == "F" else 2e-4, abs=1e-9)
 
 
-@rows("name", [n for n, row in al.STATISTICS.items() if not row.parts and not row.extreme])
+@rows("name", [n for n, row in al.statistics.STATISTICS.items() if not row.parts and not row.extreme])
 def test_the_expected_curve_of_a_warm_up_is_that_of_its_waveform(name):
-    row, term, n = al.STATISTICS[name], al.W(-2.0, "rad/s", time_constant=9.0), 200
+    row, term, n = al.statistics.STATISTICS[name], al.W(-2.0, "rad/s", time_constant=9.0), 200
     # the referee's windows begin at every sample
     for m in sorted({row.step, 6 * row.step, row.largest(n)} if row.order > 1 and row.overlapped else ()):
         flat = dataclasses.replace(term.sampled(RATE), structure=np.zeros_like)
@@ -85,7 +88,7 @@ MIXED = {"GM 1.5": al.GM(2.0, "rad/s", time_constant=1.5), "GM 80": al.GM(2.0, "
 
 @rows("kind, name", paired(list(MIXED), ["oadev", "mdev", "ohdev"]))
 def test_degrees_of_freedom_equal_the_dense_ones(name, kind):
-    row, n = al.STATISTICS[name], 160
+    row, n = al.statistics.STATISTICS[name], 160
     model = al.N(1.0, "rad/sqrt(s)") + MIXED[kind]
     for m in (1, 5, 30):
         E, r = moments(quadratic_form(row, m, n), [t.sampled(RATE) for t in model])

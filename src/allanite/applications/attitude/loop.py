@@ -213,12 +213,7 @@ class Loop(Value):
         return gain, (1 - alpha + bias) / loop
 
     def demand_sampled(self, interval: float) -> None:
-        """Refuse a time constant that is not above the sample interval.
-
-        Raises
-        ------
-        UsageError
-        """
+        """Refuse a time constant that is not above the sample interval."""
         if self.time_constant <= interval:
             raise UsageError(
                 f"the time constant must be above the sample interval of {interval:g} s, not {self.time_constant:g} s: "

@@ -92,13 +92,7 @@ class VerticalSettings(VerticalChoices, Value):
         return Setting(loop, gate=gate, samples=self.samples)
 
     def loop(self, noises: Sequence[SensorNoise], reasons: Iterable[str]) -> Loop:
-        """The filter, as given or the best for the noise; if that is not known, an error gives the reasons.
-
-        Raises
-        ------
-        DataError
-            Neither is a time constant given nor the noise known.
-        """
+        """The filter, as given or the best for the noise; if that is not known, an error gives the reasons."""
         if self.time_constant is not None:
             slow = self.bias_time or (SLOWER * self.time_constant if self.row.estimates else None)
             return Loop(1 / self.time_constant, 0.0 if slow is None else slow**-2)

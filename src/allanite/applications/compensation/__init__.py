@@ -1,5 +1,6 @@
 """Compensation: estimates and removes the part of a rate that follows a temperature or another channel."""
 
+from .compensating import compensate_file as compensate_file
 from .fit import compensate as compensate
 from .mixture import Gain as Gain
 from .mixture import Mixture as Mixture
@@ -10,4 +11,5 @@ from .regression import save as save
 from .regressor import Effect as Effect
 from .regressor import Regressor as Regressor
 from .regressor import aligned as aligned
+from .settings import CompensationSettings as CompensationSettings
 from .settings import FitSettings as FitSettings

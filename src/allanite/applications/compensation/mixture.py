@@ -278,8 +278,6 @@ class Gain(Value):
 def about_line(values: FloatArray, trend: FloatArray) -> FloatArray:
     """Centred values, shape (n,) or (n, p), less their projection on the columns of `trend`, if there are any.
 
-    Examples
-    --------
     >>> about_line(np.array([-1.0, -0.5, 1.5]), np.array([[-1.0], [0.0], [1.0]])).round(9).tolist()
     [0.25, -0.5, 0.25]
     """

@@ -1,5 +1,6 @@
 """A constant rate measured in a short time: estimators, their accuracy, the experiment that compares them, north."""
 
+from .campaign import measure_rates as measure_rates
 from .earth import North as North
 from .earth import earth_rate as earth_rate
 from .earth import north as north

@@ -5,19 +5,6 @@ from functools import partial
 from typing import Any
 
 from allanite.applications.choices import RateChoices
-from allanite.applications.constant_rate import (
-    Experiment,
-    ExperimentSettings,
-    North,
-    RateEstimate,
-    by_duration,
-    earth_rate,
-    estimate,
-    experiment,
-    north,
-    reversal,
-    subtract_bias,
-)
 from allanite.extending import (
     ChannelResult,
     DataError,
@@ -41,8 +28,11 @@ from allanite.extending import (
     written,
 )
 
+from .earth import North, earth_rate, north
+from .estimates import RateEstimate, reversal, subtract_bias
+from .experiments import Experiment
 from .noise import noise_of_rates
-from .run import fits
+from .run import ExperimentSettings, by_duration, estimate, experiment, fits
 
 DURATIONS = (1.0, 3.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)  # measuring times that are compared, s
 MIN_INTERVALS = 20  # intervals of a measuring time below which its scatter says little

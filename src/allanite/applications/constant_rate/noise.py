@@ -3,7 +3,6 @@
 from dataclasses import replace
 from typing import NamedTuple
 
-from allanite.applications.constant_rate import rank
 from allanite.extending import (
     SHORTEST,
     TERMS,
@@ -23,6 +22,8 @@ from allanite.extending import (
     spelled,
     unit_of,
 )
+
+from .predict import rank
 
 BLOCKS = (1.0, 0.4, 0.2, 0.1)
 """Lengths of blocks for which the noise is identified if no model explains the full rate, s; the first success is

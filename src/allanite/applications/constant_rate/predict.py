@@ -79,7 +79,7 @@ def predicted_standard_error(
     *,
     size: int | None = None,
     rate: float | None = None,
-    duration: float | None = None,
+    duration: float | str | None = None,
     target: str = "mean",
     dither: tuple[float, ...] = (),
     options: EstimatorSettings | None = None,
@@ -193,7 +193,7 @@ def rank(
     *,
     size: int | None = None,
     rate: float | None = None,
-    duration: float | None = None,
+    duration: float | str | None = None,
     target: str = "mean",
     options: EstimatorSettings | None = None,
 ) -> Ranking:

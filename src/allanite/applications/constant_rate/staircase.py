@@ -130,8 +130,6 @@ def _excess(task: Task) -> float:
 
     Not known where the angle noise does not blur the steps.
 
-    References
-    ----------
     J. Kim, D. Pollard, Ann. Statist. 18 (1990) 191, for the power of n; the factor is simulated (benchmarks/rate.py).
     """
     noise = next((t.value for t in task.settled if t.row.alpha == 2), 0.0) / task.pulse

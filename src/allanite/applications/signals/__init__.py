@@ -1,5 +1,7 @@
 """From raw signals to a rate, and the noise that quantization adds to it."""
 
+from .budgeting import PathSettings as PathSettings
+from .budgeting import budget_file as budget_file
 from .budgeting import mixed as mixed
 from .rounding_noise import Budget as Budget
 from .rounding_noise import StageNoise as StageNoise

@@ -61,8 +61,6 @@ UNEVEN = 16
 def cosine_transform(y: FloatArray, slope: float = 0.0) -> FloatArray:
     """The orthonormal DCT-II of y less a ramp that is zero in its middle, shape of y, which is overwritten.
 
-    Examples
-    --------
     >>> cosine_transform(np.array([1.0, 1.0, 1.0, 1.0])).round(3).tolist()
     [2.0, 0.0, 0.0, 0.0]
     """
@@ -88,8 +86,6 @@ def easy_size(n: int) -> int:
 
     A prime size takes more than ten times as long, and as much more memory.
 
-    Examples
-    --------
     >>> easy_size(65_521), easy_size(1_000_000), easy_size(999_983), easy_size(3_599_999)
     (65521, 1000000, 999975, 3599996)
     """

@@ -119,8 +119,6 @@ def in_bins(spectrum: BinnedSpectrum, lowest: FloatArray) -> tuple[FloatArray, F
 def decay_coefficients(k: FloatArray, n: int, tau: float) -> FloatArray:
     """DCT-II coefficients (orthonormal) of exp(-j / tau), j = 0..n-1, except for a factor 1 - (-1)^k exp(-n / tau).
 
-    Examples
-    --------
     >>> from scipy.fft import dct
     >>> literal = dct(np.exp(-np.arange(50) / 8), norm="ortho")
     >>> k = np.arange(1.0, 50)

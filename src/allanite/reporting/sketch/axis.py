@@ -22,8 +22,6 @@ class Unsketched(NotImplementedError):  # noqa: N818 - no error, but the way to 
 def demanding(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function, whose arguments that it does not have raise `Unsketched`.
 
-    Examples
-    --------
     >>> demanding(round)(1.25, digits=1)
     Traceback (most recent call last):
     allanite.reporting.sketch.axis.Unsketched: round: got an unexpected keyword argument 'digits'
@@ -200,8 +198,6 @@ def _demand(given: Any, known: tuple[type, ...]) -> None:
 def plain(places: Sequence[float]) -> tuple[list[str], str]:
     """Labels of evenly spaced ticks, and what stands at the end of the axis.
 
-    Examples
-    --------
     >>> plain([0.0, 0.25, 0.5])
     (['0.00', '0.25', '0.50'], '')
     >>> plain([0.0, 2e-7, 4e-7])

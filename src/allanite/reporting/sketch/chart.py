@@ -90,8 +90,6 @@ class Look(NamedTuple):
 class Chart:
     """The part of matplotlib's `Figure` that figures of a page use.
 
-    Examples
-    --------
     >>> chart = Chart(4.0, 3.0, Look("#1a1a1a", "#555b63"))
     >>> panel = chart.subplots()
     >>> panel.plot([1, 2, 3], [1.0, 4.0, 9.0], color="#2e5c94", label="squares")

@@ -28,8 +28,6 @@ FULL_WIDTH = 1.0
 def wide(text: str, *, bold: bool = False) -> float:
     """Width of a line of text, in sizes of its letters.
 
-    Examples
-    --------
     >>> 0.5 < wide("0") < 0.7, wide("00") == 2 * wide("0"), wide("0", bold=True) > wide("0")
     (True, True, True)
     """
@@ -78,8 +76,6 @@ def number(value: float) -> str:
 def path(x: FloatArray, y: FloatArray, *, closed: bool = False) -> str:
     """Lines through points; a point that is not finite ends one.
 
-    Examples
-    --------
     >>> path(np.array([0.0, 1.0, np.nan, 2.0, 3.0]), np.array([0.0, 1.5, 0.0, 2.0, 0.0]))
     'M0 0L1 1.5M2 2L3 0'
     """

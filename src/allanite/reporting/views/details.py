@@ -16,7 +16,7 @@ from allanite.statistics import statistic_named
 from allanite.statistics.spectra.spectrum import spectrum
 from allanite.study.results import Channel
 
-from . import view
+from . import Rows, view
 from .fit import goodness_parts
 from .jobs import mean_and_spread
 from .values import numbers_table
@@ -30,7 +30,15 @@ def _plot_records(values: Sequence[Record | Recording], _: Fit | None, __: float
     return figures.plot_records([record for value in values for record in _records(value)])
 
 
-@view(_plot_records)
+def _samples(value: Record | Recording, _: float) -> Rows:
+    """Time and samples."""
+    records = _records(value)
+    columns = (records[0].time.tolist(), *(record.values.tolist() for record in records))
+    heads = ["time [s]", *(f"{record.name} [{record.unit}]".lstrip() for record in records)]
+    return heads, [list(row) for row in zip(*columns, strict=False)]
+
+
+@view(_plot_records, _samples)
 def record_view(value: Record | Recording, _: float) -> Face:
     """What each record is, and its samples."""
     sheets = [

@@ -98,8 +98,6 @@ def identify_power_law(angle: AngleRecord, row: Statistic, times: FloatArray) ->
 
     Each tau costs n/m; where m > 3 and alpha > 0 also two passes over n.
 
-    References
-    ----------
     W. J. Riley & C. A. Greenhall, Power law noise identification using the lag 1 autocorrelation, EFTF 2004;
     NIST SP 1065 section 5.5; J. A. Barnes, NBS Technical Note 375, 1969 (B1).
 

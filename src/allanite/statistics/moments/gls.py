@@ -44,8 +44,6 @@ def autocovariance(terms: Iterable[Term], n: int, rate: float) -> FloatArray:
 class Covariance:
     """Covariance of `size` mean rates under the noise `terms` at `rate` Hz; see the module.
 
-    Examples
-    --------
     >>> from allanite import K, N
     >>> covariance = Covariance((N(1.0, "rad/sqrt(s)"), K(0.1, "rad/s^1.5")), 5, 1.0)
     >>> v = covariance.solve(np.array([0.0, 0.0, 1.0, 0.0, 0.0]))
@@ -103,8 +101,6 @@ class Covariance:
     def solve(self, b: FloatArray) -> FloatArray:
         """The contrast v with C v = b up to a constant, by preconditioned conjugate gradients; shape (size,).
 
-        References
-        ----------
         R. H. Chan, M. K. Ng, SIAM Review 38 (1996) 427.
         """
         # scipy's cg stops by the plain norm of the residual, in which a random walk hides the rest: it does not arrive

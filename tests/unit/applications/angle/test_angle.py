@@ -375,7 +375,7 @@ def test_harmonics_are_sines_that_keep_gaps_and_correct_a_record_in_its_own_unit
     reading = np.degrees(known.read(np.radians(true)))
     record = al.Record(reading, rate=10.0, unit="deg", kind="angle", name="encoder")
     corrected = known.apply(record)
-    assert isinstance(known, al.Correction)
+    assert isinstance(known, al.prepare.Correction)
     assert np.abs(reading - true).max() > 12 / 3600
     np.testing.assert_allclose(corrected.values, true, atol=1e-12)
     assert corrected.history == ("corrected: harmonics 128, 256 of the angle",)

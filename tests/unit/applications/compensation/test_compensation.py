@@ -107,7 +107,7 @@ def test_an_effect_is_found_taken_off_and_written_down():
     assert (found.significant, effect.significant, effect.chosen) == (True, True, False)
     assert effect.t == pytest.approx(slope / effect.standard_error, abs=4)
     after = found.apply(record, al.Recording((TEMP,)))
-    assert isinstance(found, al.Correction)
+    assert isinstance(found, al.prepare.Correction)
     assert after.history == ("corrected: regression on temp",)
     # what is taken off is zero at the mean temperature: the bias stays
     assert after.values.mean() == pytest.approx(record.values.mean(), abs=1e-9)
@@ -155,7 +155,7 @@ def test_what_was_saved_corrects_in_the_same_way(tmp_path):
     found = compensate(record, TEMP, ["temp"], derivative_of=["temp"], degree=2, lags=(60.0,), trend=True)
     path = tmp_path / "regression.json"
     found.save(path)
-    again = al.Regression.load(path)
+    again = al.compensation.Regression.load(path)
     along = al.Recording((TEMP,))
     np.testing.assert_array_equal(again.error(record, along), found.error(record, along))
     assert again.to_dict() == found.to_dict()
@@ -182,7 +182,7 @@ def test_a_changed_regression_is_refused():
     data = compensate(gyro(7), TEMP, ["temp"]).to_dict()
     data["mixture"]["spreads"][0][0] = -1.0
     with pytest.raises(al.DataError, match="changed"):
-        al.Regression.from_dict(data)
+        al.compensation.Regression.from_dict(data)
 
 
 def test_powers_enter_where_held_back_blocks_gain_and_lags_as_they_are_asked_for():
@@ -422,7 +422,7 @@ def test_a_channel_of_another_kind_goes_along():
 def study(tmp_path_factory):
     path = tmp_path_factory.mktemp("study") / "hour.npz"
     al.write(al.Recording((gyro(5, 1e-5 * TEMP.values), TEMP)), path)
-    return al.compensate_file(path, settings=al.CompensationSettings(regressors=("temp",)))
+    return al.compensation.compensate_file(path, settings=al.compensation.CompensationSettings(regressors=("temp",)))
 
 
 def test_a_study_is_stored_and_drawn(study):

@@ -114,7 +114,9 @@ def gl1():
     seeds = (1, 2, 3)
     return [
         experiment(
-            al.simulate_ring_laser(gyro, 12.4392, 94 * 48_000, 400.0, rng=np.random.default_rng(seed)), GL1.model, how
+            al.simulation.simulate_ring_laser(gyro, 12.4392, 94 * 48_000, 400.0, rng=np.random.default_rng(seed)),
+            GL1.model,
+            how,
         )
         for (gyro, how), seed in zip(gyros, seeds, strict=True)
     ]
@@ -178,7 +180,7 @@ def test_the_warm_up_and_the_limits_of_ratios_and_scatter(gl1):
 
 
 def test_accuracy_against_measuring_time():
-    record = al.simulate_ring_laser(GL1, 12.4392, 40_000, 400.0, rng=np.random.default_rng(1))
+    record = al.simulation.simulate_ring_laser(GL1, 12.4392, 40_000, 400.0, rng=np.random.default_rng(1))
     series = by_duration(record, (1.0, 10.0, 1000.0), GL1.model, ExperimentSettings(methods=("mean", "optimal")))
     assert [e.duration for e in series] == [1.0, 10.0]
     assert series[0].predicted[0] / series[1].predicted[0] == pytest.approx(10.0, rel=0.1)

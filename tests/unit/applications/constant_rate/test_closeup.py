@@ -15,7 +15,9 @@ from allanite.cli import main
 
 @pytest.fixture(scope="module")
 def record():
-    return al.simulate_ring_laser(al.GL1, 12.4392, 24_000, 400.0, rng=np.random.default_rng(1), name="gz")
+    return al.simulation.simulate_ring_laser(
+        al.simulation.GL1, 12.4392, 24_000, 400.0, rng=np.random.default_rng(1), name="gz"
+    )
 
 
 SETTINGS = ExperimentSettings(interval=20.0)
@@ -92,7 +94,7 @@ def test_what_wanders_is_drawn_beside_the_prediction(record):
     from allanite.applications.constant_rate.campaign import RateSettings
 
     model = al.N(0.0003, "deg/sqrt(h)") + al.Q(0.3, "arcsec") + al.B(0.003, "deg/h")
-    study = al.measure_rates(record, None, RateSettings(SETTINGS, model, durations=(1.0, 3.0)))
+    study = al.constant_rate.measure_rates(record, None, RateSettings(SETTINGS, model, durations=(1.0, 3.0)))
     lower = al.plot(study).axes[1]
     line = next(line for line in lower.lines if "from interval to interval (B)" in str(line.get_label()))
     expected = np.sqrt(al.expected(al.B(0.003, "deg/h"), "adev", [1.0, 3.0])) / np.radians(1 / 3600)

@@ -209,7 +209,7 @@ def test_the_model_of_the_gl1_is_that_of_its_counts():
     """20 records of 4 min, seeds 1 to 20: the spread of the counts over 30 s is that of the model to 4 %."""
     ends = []
     for seed in range(1, 21):
-        record = al.simulate_ring_laser(GL1, 12.4392, 96_000, 400.0, rng=np.random.default_rng(seed))
+        record = al.simulation.simulate_ring_laser(GL1, 12.4392, 96_000, 400.0, rng=np.random.default_rng(seed))
         angle = np.r_[0, np.cumsum(record.values)][::12_000] * GL1.pulse
         ends.append(np.diff(angle))
     spread = np.std(ends)
@@ -236,14 +236,14 @@ def test_lock_in_makes_the_random_walk_that_is_claimed():
 
 def test_the_bias_of_a_ring_laser_warms_up_and_wanders_as_told():
     quiet = RingLaser(pulse=0.001, lock_in=0.0, warm_up=-5.0, settling=10.0)
-    record = al.simulate_ring_laser(quiet, 100.0, 10_000, 200.0, rng=np.random.default_rng(1))
+    record = al.simulation.simulate_ring_laser(quiet, 100.0, 10_000, 200.0, rng=np.random.default_rng(1))
     angle = np.r_[0, np.cumsum(record.values)] * 0.001
     t = np.arange(10_001) / 200
     np.testing.assert_allclose(angle, 100 * t - 50 * (1 - np.exp(-t / 10)), atol=0.002)
     walk = al.Model((al.K(100.0, "deg/h/sqrt(h)"),))
     gyro = RingLaser(pulse=0.001, lock_in=0.0, wander=walk)
     assert [t.symbol for t in gyro.model] == ["Q", "K"]
-    record = al.simulate_ring_laser(gyro, 0.0, 20_000, 200.0, rng=np.random.default_rng(1))
+    record = al.simulation.simulate_ring_laser(gyro, 0.0, 20_000, 200.0, rng=np.random.default_rng(1))
     fit = al.identify(record, terms="QNK")
     assert fit["K"].to("deg/h/sqrt(h)") == pytest.approx(100.0, rel=0.5)
 
@@ -259,9 +259,9 @@ def test_impossible_ring_lasers_are_refused(choice, words):
 
 def test_a_ring_laser_is_sampled_faster_than_its_residual():
     with pytest.raises(al.UsageError, match="needs more than 50 Hz"):
-        al.simulate_ring_laser(GL1, 1.0, 100, 50.0, rng=np.random.default_rng(1))
+        al.simulation.simulate_ring_laser(GL1, 1.0, 100, 50.0, rng=np.random.default_rng(1))
     with pytest.raises(al.UsageError, match="at least 2"):
-        al.simulate_ring_laser(GL1, 1.0, 1, 400.0, rng=np.random.default_rng(1))
+        al.simulation.simulate_ring_laser(GL1, 1.0, 1, 400.0, rng=np.random.default_rng(1))
 
 
 # ---- all of it
@@ -269,7 +269,7 @@ def test_a_ring_laser_is_sampled_faster_than_its_residual():
 
 @pytest.mark.slow("takes more than half a second")
 def test_the_study_identifies_the_noise_where_dither_hides_it():
-    record = al.simulate_ring_laser(GL1, 12.4392, 600_000, 400.0, rng=np.random.default_rng(2))
+    record = al.simulation.simulate_ring_laser(GL1, 12.4392, 600_000, 400.0, rng=np.random.default_rng(2))
     settings = RateSettings(
         experiment=ExperimentSettings(interval=120.0, bias=-0.0948 * DEG_H, methods=("mean", "optimal")),
         latitude=55.7936,
@@ -286,7 +286,7 @@ def test_the_study_identifies_the_noise_where_dither_hides_it():
 
 @pytest.mark.slow("takes more than half a second")
 def test_a_record_too_short_for_its_noise_is_measured_with_care():
-    record = al.simulate_ring_laser(GL1, 12.4392, 48_000, 400.0, rng=np.random.default_rng(1))
+    record = al.simulation.simulate_ring_laser(GL1, 12.4392, 48_000, 400.0, rng=np.random.default_rng(1))
     (channel,) = measure_rates(record).channels
     assert any("assumed at their upper limits" in alert for alert in channel.alerts)
     best = channel.estimates[-1]

@@ -14,7 +14,7 @@ from allanite.cli import main
 from allanite.core.record import Recording
 from allanite.core.syntax import toml
 
-STAGE = al.Stage("ADC", 14, 5.0, "V")
+STAGE = al.signals.Stage("ADC", 14, 5.0, "V")
 AXES = (0.03, -1.1, 0.9, -0.02)
 
 
@@ -30,7 +30,7 @@ def run(*arguments):
 
 
 def test_rates_are_the_matrix_times_the_currents(currents):
-    found = al.budget_file(currents, al.Recipe(terms="QN"), PathSettings((STAGE,), 0.2, 5.0, AXES))
+    found = al.signals.budget_file(currents, al.Recipe(terms="QN"), PathSettings((STAGE,), 0.2, 5.0, AXES))
     i = np.array([record.rate_values for record in currents])
     rates = np.array([record.rate_values for record in found.rates])
     np.testing.assert_allclose(rates, 0.2 * np.array(AXES).reshape(2, 2) @ i, rtol=1e-12, atol=1e-15)
@@ -42,7 +42,7 @@ def test_rounding_of_both_converters_adds(currents):
     rng = np.random.default_rng(2)
     exact = rng.standard_normal((2, 200_000)) * 20
     error = np.array(AXES).reshape(2, 2) @ (np.rint(exact) - exact)  # steps
-    found = al.budget_file(currents, al.Recipe(terms="QN"), PathSettings((STAGE,), 0.2, 5.0, AXES))
+    found = al.signals.budget_file(currents, al.Recipe(terms="QN"), PathSettings((STAGE,), 0.2, 5.0, AXES))
     for channel, deviation in zip(found, error.std(axis=1), strict=True):
         stage = channel.budget.stages[0]
         rate = stage.coefficient / np.sqrt(0.01)
@@ -83,7 +83,7 @@ def test_what_is_no_pair_of_currents_is_refused(currents):
     with pytest.raises(al.DataError, match="two currents of one kind"):
         mixed(Recording((currents.records[0], rate)), AXES)
     clipped = al.Record(np.clip(currents.records[0].values, -10, 10), 100.0, "mA", name="ix")
-    stage = al.Stage("ADC", 12, 10.0, "mA")
+    stage = al.signals.Stage("ADC", 12, 10.0, "mA")
     with pytest.raises(al.DataError, match=r"'ix'.*clipped"):
         mixed(Recording((clipped, currents.records[1])), AXES, (stage,))
 
@@ -94,27 +94,29 @@ def test_the_sum_of_two_currents_may_exceed_the_range_of_each():
     y = x + np.random.default_rng(2).uniform(-0.05, 0.05, 5000)
     x[10], y[20] = 2.5, -2.5
     both = Recording(tuple(al.Record(v, 100.0, "V", name=name) for v, name in ((x, "ix"), (y, "iy"))))
-    found = al.budget_file(
-        both, al.Recipe(terms="QN"), PathSettings((al.Stage("ADC", 12, 2.5, "V"),), 0.2, 5.0, (1, 1, -1, 1))
+    found = al.signals.budget_file(
+        both, al.Recipe(terms="QN"), PathSettings((al.signals.Stage("ADC", 12, 2.5, "V"),), 0.2, 5.0, (1, 1, -1, 1))
     )
     assert [channel.refusal for channel in found] == ["", ""]
     assert [channel.budget.stages[0].clipped for channel in found] == [2, 2]
 
 
 def test_a_gain_before_the_converter_makes_steps_and_range_smaller(currents):
-    plain, gained = al.Stage.parse("ADC 14 5V"), al.Stage.parse("ADC 14 5V gain=8")
+    plain, gained = al.signals.Stage.parse("ADC 14 5V"), al.signals.Stage.parse("ADC 14 5V gain=8")
     assert gained.step == plain.step / 8
-    assert al.Stage.parse(gained.text) == gained
+    assert al.signals.Stage.parse(gained.text) == gained
     assert "gain of 8" in str(gained)
     found = [
-        al.budget(currents.records[0], [stage], scale=0.2, sense=5.0, recipe=al.Recipe(terms="QN")).stages[0]
+        al.signals.budget(currents.records[0], [stage], scale=0.2, sense=5.0, recipe=al.Recipe(terms="QN")).stages[0]
         for stage in (plain, gained)
     ]
     assert found[1].coefficient == pytest.approx(found[0].coefficient / 8)
     for wrong in ("gain=0", "gain=-1", "gain=x"):
         with pytest.raises(al.UsageError, match="gain"):
-            al.Stage.parse(f"ADC 12 5V {wrong}")
+            al.signals.Stage.parse(f"ADC 12 5V {wrong}")
     record = al.Record(np.linspace(-1, 1, 4001), 100.0, "V", name="ux")
-    al.budget(record, [al.Stage.parse("ADC 14 5V gain=4")], scale=0.2, sense=5.0, recipe=al.Recipe(terms="QN"))
+    al.signals.budget(
+        record, [al.signals.Stage.parse("ADC 14 5V gain=4")], scale=0.2, sense=5.0, recipe=al.Recipe(terms="QN")
+    )
     with pytest.raises(al.DataError, match="clipped"):
-        al.budget(record, [al.Stage.parse("ADC 14 5V gain=8")], scale=0.2, sense=5.0)
+        al.signals.budget(record, [al.signals.Stage.parse("ADC 14 5V gain=8")], scale=0.2, sense=5.0)

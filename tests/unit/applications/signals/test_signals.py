@@ -55,8 +55,8 @@ def test_constants_are_positive(name, value):
 SAME = [(al.Record([1.0, -2.0], 1000.0, "A"), {}), (al.Record([1e3, -2e3], 1000.0, "mA"), {}),
         (al.Record([0.5, -1.0], 1000.0, "V"), {"sense": 0.5}),
         (al.Record([500.0, -1000.0], 1000.0, "mV"), {"sense": 0.5}),
-        (al.Record([1024, -2048], 1000.0, "1"), {"sense": 0.5, "stage": al.Stage("ADC", 14, 4.0, "V")}),
-        (al.Record([512, -1024], 1000.0, "1"), {"stage": al.Stage("ADC", 12, 4.0, "A")})]  # fmt: skip
+        (al.Record([1024, -2048], 1000.0, "1"), {"sense": 0.5, "stage": al.signals.Stage("ADC", 14, 4.0, "V")}),
+        (al.Record([512, -1024], 1000.0, "1"), {"stage": al.signals.Stage("ADC", 12, 4.0, "A")})]  # fmt: skip
 
 
 @rows(("record", "options"), SAME, ids=lambda v: str(getattr(v, "unit", "")))
@@ -73,7 +73,11 @@ WRONG = [
     (al.Record([1.0, 2.0], 1.0, "A"), {"scale": -0.2}, "scale must be a positive number of rad/s per A"),
     (al.Record([1.0, 2.0], 1.0, "deg/s"), {"scale": 0.2}, "is in 'deg/s': a rate is computed from a current"),
     (al.Record([1, 2], 1.0, "1"), {"scale": 0.2}, "computed from a current"),
-    (al.Record([1, 2], 1.0, "1"), {"scale": 0.2, "stage": al.Stage("ADC", 8, 1.0, "deg/s")}, "full scale in A or V"),
+    (
+        al.Record([1, 2], 1.0, "1"),
+        {"scale": 0.2, "stage": al.signals.Stage("ADC", 8, 1.0, "deg/s")},
+        "full scale in A or V",
+    ),
 ]
 
 
@@ -86,13 +90,13 @@ def test_what_gives_no_rate_is_said(record, options, words):
 
 @rows(("bits", "millivolts"), [(8, 39.06), (12, 2.44), (14, 0.610), (16, 0.153)])  # the paper prints the first two
 def test_steps_of_converters_over_5_volts(bits, millivolts):
-    assert 1e3 * al.Stage("ADC", bits, 5.0, "V").step == pytest.approx(millivolts, rel=3e-3)
+    assert 1e3 * al.signals.Stage("ADC", bits, 5.0, "V").step == pytest.approx(millivolts, rel=3e-3)
 
 
 @rows(("scale", "wanted"), [(10.0, 0.0027), (100.0, 0.027), (500.0, 0.134)])
 def test_twelve_bits_were_not_the_limit(scale, wanted):
-    stage = al.Stage("ADC", 12, scale, "deg/s")
-    found = al.budget(rates(), [stage]).stages[0]
+    stage = al.signals.Stage("ADC", 12, scale, "deg/s")
+    found = al.signals.budget(rates(), [stage]).stages[0]
     assert found.to(found.coefficient) == pytest.approx(wanted, rel=0.02)
     assert found.to(found.measured) == pytest.approx(N, rel=0.02)
     assert found.share == pytest.approx((wanted / N) ** 2, rel=0.08)
@@ -102,20 +106,21 @@ def test_twelve_bits_were_not_the_limit(scale, wanted):
 @pytest.mark.slow("takes more than half a second")
 def test_bits_enough_are_the_fewest_below_one_percent():
     for bits in (4, 8, 12, 16):
-        found = al.budget(rates(), [al.Stage("ADC", bits, 500.0, "deg/s")]).stages[0]
+        found = al.signals.budget(rates(), [al.signals.Stage("ADC", bits, 500.0, "deg/s")]).stages[0]
         shares = [
-            (coefficient(al.Stage("ADC", b, 500.0, "deg/s")) / found.to(found.measured)) ** 2 for b in range(1, 30)
+            (coefficient(al.signals.Stage("ADC", b, 500.0, "deg/s")) / found.to(found.measured)) ** 2
+            for b in range(1, 30)
         ]
         assert found.enough == 1 + next(i for i, share in enumerate(shares) if share < 0.01)
 
 
 def test_rounding_a_rate_adds_to_n_what_the_budget_says_and_nothing_to_q():
     """The square of N rises by a quarter, where its precision from 50000 readings is about 1 %."""
-    stage = al.Stage("ADC", 6, 16 * math.sqrt(12) * N / 60 / math.sqrt(INTERVAL), "deg/s")
+    stage = al.signals.Stage("ADC", 6, 16 * math.sqrt(12) * N / 60 / math.sqrt(INTERVAL), "deg/s")
     clean = rates(2)
     step = math.radians(stage.step)
     rounded = al.Record(np.round(clean.values / step) * step, clean.rate, "rad/s", name="x")
-    found = al.budget(rounded, [stage])
+    found = al.signals.budget(rounded, [stage])
     assert found.stages[0].to(found.stages[0].coefficient) == pytest.approx(N / 2, rel=1e-9)
     assert found.stages[0].to(found.stages[0].measured) == pytest.approx(math.sqrt(1.25) * N, rel=0.03)
     assert found.fit["Q"].value is None
@@ -124,11 +129,11 @@ def test_rounding_a_rate_adds_to_n_what_the_budget_says_and_nothing_to_q():
 
 
 def test_rounding_an_angle_is_quantization():
-    stage = al.Stage("counter", 16, 32768.0, "arcsec")
+    stage = al.signals.Stage("counter", 16, 32768.0, "arcsec")
     clean = rates(3, model=al.Model((al.N(0.5, "deg/sqrt(h)"),)))
     angle = np.round(np.degrees(clean.angle) * 3600)
     counts = al.Record(np.diff(angle), clean.rate, "arcsec", kind="count", scale=1.0, name="x")
-    found = al.budget(counts, [stage]).stages[0]
+    found = al.signals.budget(counts, [stage]).stages[0]
     assert (found.symbol, found.sheet_unit) == ("Q", "arcsec")
     assert found.coefficient == pytest.approx(math.radians(1 / 3600) / math.sqrt(12))
     assert found.to(found.measured) == pytest.approx(1 / math.sqrt(12), rel=0.1)
@@ -136,10 +141,10 @@ def test_rounding_an_angle_is_quantization():
 
 
 def test_a_path_of_several_stages_from_the_current_on():
-    stages = [al.Stage("ADC", 12, 5.0, "V"), al.Stage("output", 16, 500.0, "deg/s")]
+    stages = [al.signals.Stage("ADC", 12, 5.0, "V"), al.signals.Stage("output", 16, 500.0, "deg/s")]
     volts = 5.0 * rates(4).values / SCALE.factor
     recorded = al.Record(np.round(volts / stages[0].step) * stages[0].step, 1000.0, "V", name="ux")
-    found = al.budget(recorded, stages, scale=SCALE, sense=5.0)
+    found = al.signals.budget(recorded, stages, scale=SCALE, sense=5.0)
     first, second = found.stages
     assert first.step == pytest.approx(stages[0].step / 5.0 * SCALE.factor)
     assert second.to(second.coefficient) == pytest.approx(coefficient(stages[1]), rel=1e-9)
@@ -149,38 +154,38 @@ def test_a_path_of_several_stages_from_the_current_on():
     assert [len(row) for row in rows] == 2 * [len(headings)]
     assert [s["symbol"] for s in found.to_dict()["stages"]] == ["N", "N"]
     with pytest.raises(al.UsageError, match="give its relation to a rate"):
-        al.budget(recorded, stages)
+        al.signals.budget(recorded, stages)
     with pytest.raises(al.UsageError, match="at least one stage"):
-        al.budget(rates(), [])
+        al.signals.budget(rates(), [])
 
 
 def test_codes_are_read_by_the_first_stage():
-    stage = al.Stage("ADC", 12, 5.0, "V")
+    stage = al.signals.Stage("ADC", 12, 5.0, "V")
     read = np.round(5.0 * rates(5).values / SCALE.factor / stage.step).astype(np.int64)
-    found = al.budget(al.Record(read, 1000.0, "1", name="ux"), [stage], scale=SCALE, sense=5.0).stages[0]
+    found = al.signals.budget(al.Record(read, 1000.0, "1", name="ux"), [stage], scale=SCALE, sense=5.0).stages[0]
     assert found.to(found.measured) == pytest.approx(N, rel=0.02)
     assert found.codes == Codes(np.unique(read).size, int(np.ptp(read)) + 1, 0)
 
 
 @rows(("full_scale", "count"), [(4.0, 20), (3.0, 200)])
 def test_clipped_readings_are_counted_and_refused_above_a_thousandth(full_scale, count):
-    stage = al.Stage("ADC", 12, full_scale, "deg/s")
+    stage = al.signals.Stage("ADC", 12, full_scale, "deg/s")
     values = np.degrees(rates(6).values)
     limit = np.sort(np.abs(values))[-count]
     values = np.clip(values * full_scale / limit, -full_scale, full_scale - stage.step)
     record = al.Record(values, 1000.0, "deg/s", name="x")
     if count > 50:
         with pytest.raises(al.DataError, match=r"samples of 'x' \(0.\d+ %\) are clipped at the ends of ADC, 12 bits"):
-            al.budget(record, [stage])
+            al.signals.budget(record, [stage])
         return
-    found = al.budget(record, [stage])
+    found = al.signals.budget(record, [stage])
     assert found.stages[0].clipped == count
     assert "clipped" in {f.name for f in found.findings}
 
 
 @rows("unit", ["V", "1"], ids=["volts", "codes"])
 def test_both_ends_of_a_converter_count_as_clipped(unit):
-    stage = al.Stage("ADC", 3, 4.0, "V")
+    stage = al.signals.Stage("ADC", 3, 4.0, "V")
     ends = al.Record([-4, -3, -2, -1, 0, 1, 2, 3] * 2, 1.0, unit)
     with pytest.raises(al.DataError, match="4 of 16 samples"):
         rate_from_current(ends, 1.0, sense=1.0, stage=stage)
@@ -190,19 +195,19 @@ def test_both_ends_of_a_converter_count_as_clipped(unit):
 
 @pytest.mark.slow("takes more than half a second")
 def test_no_dither_is_said():
-    stage = al.Stage("output", 8, 1280.0, "deg/s")  # steps of 10 deg/s, noise of 1.3
+    stage = al.signals.Stage("output", 8, 1280.0, "deg/s")  # steps of 10 deg/s, noise of 1.3
     values = stage.step * np.round(np.degrees(rates(7).values) / stage.step + 0.45)
-    found = al.budget(al.Record(values, 1000.0, "deg/s", name="x"), [stage])
+    found = al.signals.budget(al.Record(values, 1000.0, "deg/s", name="x"), [stage])
     assert "no dither" in {f.name for f in found.findings}
-    fine = al.budget(rates(7), [al.Stage("output", 16, 500.0, "deg/s")])
+    fine = al.signals.budget(rates(7), [al.signals.Stage("output", 16, 500.0, "deg/s")])
     assert not fine.findings
 
 
 def test_missing_codes_are_counted():
-    stage = al.Stage("ADC", 12, 100.0, "deg/s")
+    stage = al.signals.Stage("ADC", 12, 100.0, "deg/s")
     k = np.round(np.degrees(rates(8).values) / stage.step)
     k[k == 3] = 4  # a converter that skips a code
-    found = al.budget(al.Record(k * stage.step, 1000.0, "deg/s", name="x"), [stage])
+    found = al.signals.budget(al.Record(k * stage.step, 1000.0, "deg/s", name="x"), [stage])
     assert found.stages[0].codes.missing == 1
     assert "missing codes" in {f.name for f in found.findings}
 
@@ -220,8 +225,8 @@ STAGES = [("ADC 12 5V", ("ADC", 12, 5.0, "V")), ("output 16 +-100 deg/s", ("outp
 
 @rows(("text", "wanted"), STAGES)
 def test_stages_are_read_from_text(text, wanted):
-    assert al.Stage.parse(text) == al.Stage(*wanted)
-    assert al.Stage.parse(al.Stage(*wanted).text) == al.Stage(*wanted)
+    assert al.signals.Stage.parse(text) == al.signals.Stage(*wanted)
+    assert al.signals.Stage.parse(al.signals.Stage(*wanted).text) == al.signals.Stage(*wanted)
 
 
 @rows("text, error", [
@@ -230,4 +235,4 @@ def test_stages_are_read_from_text(text, wanted):
 ])  # fmt: skip
 def test_a_wrong_stage_is_named(text, error):
     with pytest.raises(error):
-        al.Stage.parse(text)
+        al.signals.Stage.parse(text)

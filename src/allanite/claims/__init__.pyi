@@ -1,0 +1,4 @@
+from .claim import ClaimedNoise as ClaimedNoise
+from .claim import claim_of as claim_of
+from .drift_settings import DriftSettings as DriftSettings
+from .result import ClaimCheck as ClaimCheck

@@ -1,0 +1,2 @@
+from .devices import DEVICES as DEVICES
+from .sentences import Meaning as Meaning
