@@ -158,8 +158,9 @@ ROWS = {
                  "convert adis16470": r"^0\.34 °/√h = 0\.005667 °/s/√Hz"},
     ),
     "explain": Row(
-        ("", *EXPORTS, "px4-tc", "theo1", "hdev --samples 100", "theo1 --taus 9,75", "adis16470"),
-        screens={"explain": r"targets: kalibr, openvins", "explain oadev": r"degrees of freedom",
+        ("", *EXPORTS, "px4-tc", "theo1", "hdev --samples 100", "theo1 --taus 9,75", "adis16470", "N", "weak"),
+        screens={"explain": r"targets: kalibr, openvins", "explain oadev": r"How much means of the rate",
+                 "explain ARW": r"N / √τ", "explain not-valid": r"does not explain the record",
                  "explain kalibr": r"gyroscope_noise_density",
                  "explain sch16t-k01": r"gyroscope: N = 0\.025 °/√h, B = 0\.3 °/h"},
     ),

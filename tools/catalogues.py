@@ -8,6 +8,7 @@ With --check nothing is written, and how many sentences of a language are shown 
 import io
 import re
 import sys
+import tomllib
 from pathlib import Path
 
 from babel.messages.catalog import Catalog, Message
@@ -19,6 +20,7 @@ from allanite.reporting.language import ENGLISH, LANGUAGES
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src" / "allanite"
 LOCALE = PACKAGE / "reporting" / "locale"
+WORDS = PACKAGE / "interpretation" / "words.toml"
 
 METHODS = [("**.py", "python"), ("**.j2", "jinja2")]
 KEYWORDS = {"say": None, "say_count": (2, 3)}
@@ -39,6 +41,8 @@ def templates() -> Catalog:
     for name, line, message, comments, _ in said:
         path = Path(name).as_posix()
         found.add(message, None, [(path, line)], auto_comments=comments)
+    for row in tomllib.loads(WORDS.read_text("utf-8")).values():
+        found.add(row["is"], None, [(WORDS.relative_to(PACKAGE).as_posix(), 1)])
     return found
 
 

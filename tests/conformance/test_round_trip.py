@@ -36,6 +36,7 @@ from allanite.core.fit import Alternative
 from allanite.core.plain import TYPES, Portable, Value
 from allanite.core.validity import Finding
 from allanite.exporting.imported import Explanation, noise_in
+from allanite.interpretation.glossary import words
 from allanite.interpretation.sentences import meaning
 from allanite.papers.paper import compare, read_paper
 from allanite.planning.plan import properties
@@ -341,6 +342,7 @@ MAKERS = {
     "DriftCause": lambda: al.drift(study()).axes[0].causes[0],
     "DriftSettings": lambda: al.DriftSettings(turn_on=("3 deg/h",)),
     "Explanation": lambda: Explanation("kalibr"),
+    "Word": lambda: words()["bias instability"],
     "Claim": lambda: al.DATASHEETS["ADIS16470"].claims[0],
     "DataSheet": lambda: al.DATASHEETS["BMI088"],
     "Reproduction": lambda: compare(read_paper("000", PAPER), Path()),

@@ -96,6 +96,7 @@ ROWS = [
     sentence("spectrum gyro.csv --window han", "did you mean hann?", cure="spectrum gyro.csv --window hann"),
     sentence("export gyro.csv --to openvin", "unknown target 'openvin'", "did you mean openvins?"),
     sentence("explain openvin", "did you mean openvins?", cure="explain openvins"),
+    sentence("explain xyzzy", "unknown name 'xyzzy'; 'allanite explain' lists them"),
     sentence("explain vins", "did you mean vins-mono?", cure="explain vins-mono"),
     sentence("convert '0.1 deg/rt-hrr'", "did you mean deg/sqrt(h)?", cure="convert '0.1 deg/sqrt(h)'"),
     sentence("convert 0.1", "has the form '0.66 deg/sqrt(h)'"),

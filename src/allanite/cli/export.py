@@ -96,16 +96,17 @@ def _suffix(paths: Mapping[str, str]) -> str:
     "samples", "taus", "csv", "json", *SHOWN, settings=(LengthChoices,),
 )  # fmt: skip
 def explain(name: str, samples: int | None, taus: Any, **choices: Any) -> None:
-    """Explain a target, statistic or data sheet.
+    """Explain a word, target, statistic or data sheet.
 
-    Of a target of export, prints the fields with their units, formulas and sources; of a statistic, its ratio to the
-    Allan variance and its degrees of freedom for each noise, in a record of 7200 samples or of --samples, at averaging
-    times in sampling intervals; of the data sheet of a gyro, an accelerometer or an IMU, what it says of noise, and
-    where. Without NAME, lists them, and the noise terms.
+    Of a noise term, a status, an abbreviation or another word, prints what it means, with a formula and an example; of
+    a target of export, the fields with their units, formulas and sources; of a statistic, also its ratio to the Allan
+    variance and its degrees of freedom for each noise, in a record of 7200 samples or of --samples, at averaging times
+    in sampling intervals; of a data sheet, what it says of noise, and where. Without NAME, lists them.
     """
     from allanite.core.names import row_alike
     from allanite.exporting.exports import EXPORTS, TEMPERATURE
     from allanite.exporting.imported import Explanation
+    from allanite.interpretation.glossary import Word, named_words
     from allanite.planning.datasheets import DATASHEETS, DataSheet
     from allanite.planning.plan import SIZE, properties
     from allanite.statistics import STATISTICS
@@ -113,10 +114,13 @@ def explain(name: str, samples: int | None, taus: Any, **choices: Any) -> None:
 
     out = outputs(choices, [])
     thermal = {row.name: row for row in TEMPERATURE.values()}
-    row: Any = row_alike("name", name, {**STATISTICS, **EXPORTS, **thermal, **DATASHEETS}) if name else None
-    if isinstance(row, Statistic):
+    told = named_words()
+    tables = {**told, **STATISTICS, **EXPORTS, **thermal, **DATASHEETS}
+    row: Any = row_alike("name", name, tables, lister="allanite explain") if name else None
+    if isinstance(row, Statistic) and (row.name not in told or not (row.extreme or row.power)):
         carry_out(lambda _: properties(row.name, samples or SIZE, taus=taus), out)
         return
     if samples is not None or taus is not None:
         raise UsageError("--samples and --taus apply to a statistic; omit them, or name one: " + ", ".join(STATISTICS))
-    carry_out(lambda _: row if isinstance(row, DataSheet) else Explanation(row.name if row else ""), out)
+    shown = told[row.name] if isinstance(row, Statistic) else row
+    carry_out(lambda _: shown if isinstance(shown, (DataSheet, Word)) else Explanation(row.name if row else ""), out)
