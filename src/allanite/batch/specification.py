@@ -117,6 +117,8 @@ class Specification(Value):
         (<Limit N <= 0.15 deg/sqrt(h), by the value>,)
         """
         try:
+            if astray := [key for key in data if key in LIMITED]:
+                raise UsageError(f"{astray[0]} stands below no heading; write [limits] in the line above it")
             _demand_keys(data, ("judge", "limits", "channels"), "the limits file")
             judge = _judge(data.get("judge", "value"))
             common = tuple(_limits(data.get("limits", {}), judge, "limits"))

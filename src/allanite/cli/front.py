@@ -11,16 +11,17 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
+from itertools import pairwise
 from typing import Any
 
 import click
 
-from allanite.core.errors import AllaniteError, Cure
+from allanite.core.errors import AllaniteError, Cure, UnitError, UsageError
 from allanite.core.names import row_of, unknown
 from allanite.phrases.phrase import command_line
 from allanite.plugins import PluginWarning
 
-from .options import demand_filled
+from .options import demand_filled, with_commas
 from .signals import ended, ended_by
 from .streams import begin, complain, lost, while_read
 
@@ -100,14 +101,23 @@ class Front(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run the verb; any exception becomes a `Failure`."""
         _demand_addresses()
+        words = shlex.split(ctx.meta[LINE])
         try:
-            demand_filled(shlex.split(ctx.meta[LINE]))
+            demand_filled(words)
+            verb = next((word for word in words if word in self.verbs), "")
+            better = with_commas(words, self.verbs[verb].imported()) if verb else words
+            if better != words:
+                raise Failure("a list is written with commas", UsageError.exit_code, f"try: {shlex.join(better)}")
             with while_read():
                 super().invoke(ctx)
         except click.NoSuchOption as error:
             inner = error.ctx or ctx
             options = {word: param for param in inner.command.params for word in reversed(param.opts)}
-            failure = _failure(unknown("option", error.option_name, options, listed=False), ctx)
+            refused = unknown("option", error.option_name, options, listed=False)
+            meant = options.get(refused.cure[1])
+            if error.option_name.lstrip("-") in getattr(meant, "unlike", ()):
+                refused.cure = "", ""
+            failure = _failure(refused, ctx)
             failure.more = failure.more or f"try: {inner.command_path} --help"
             raise failure from None
         except (click.ClickException, click.exceptions.Exit, click.Abort):
@@ -117,7 +127,7 @@ class Front(click.Group):
             if signal is not None:
                 raise signal from None
             if isinstance(error, AllaniteError):
-                raise _failure(error, ctx) from None
+                raise _failure(_elsewhere(error, words), ctx) from None
             if isinstance(error, MemoryError):
                 advice = "read fewer channels (--channels) or a part of the record (--from, --until)"
                 raise Failure(f"not enough memory; {advice}", DATA) from None
@@ -164,6 +174,18 @@ def _failure(error: AllaniteError, ctx: click.Context) -> Failure:
     words = shlex.split(ctx.meta[LINE])
     better = cured(words, error.cure)
     return Failure(str(error), error.exit_code, f"try: {shlex.join(better)}" if better != words else "")
+
+
+def _elsewhere(error: AllaniteError, words: list[str]) -> AllaniteError:
+    """The error of a unit that is a target of export: it was asked of a verb that does not write it."""
+    target = dict(pairwise(words)).get("--to")
+    if not isinstance(error, UnitError) or target is None:
+        return error
+    from allanite.exporting.exports import EXPORTS
+
+    verb = words[1]
+    meant = UsageError(f"{target} is not a unit: {verb} does not write its file, export does", cure=(verb, "export"))
+    return meant if target in EXPORTS else error
 
 
 def cured(words: list[str], cure: Cure) -> list[str]:

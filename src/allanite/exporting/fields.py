@@ -38,7 +38,10 @@ def usable(axes: Sequence[Axis], how: How, needed: Sequence[str] = ()) -> tuple[
     lost = set(() if how.partial else needed) - {axis.sensor for axis in kept}
     doubted = [axis for axis in axes if axis.sensor in lost] if kept else axes
     if doubted or not kept:
-        reasons = "; ".join(f"{axis.name or 'the record'}: {axis.doubt.partition(';')[0]}" for axis in doubted)
+        why: dict[str, list[str]] = {}
+        for axis in doubted:
+            why.setdefault(axis.doubt.partition(";")[0], []).append(axis.name or "the record")
+        reasons = "; ".join(f"{', '.join(names)}: {doubt}" for doubt, names in why.items())
         raise DataError(join("; ", (rejected(reasons or "no channel has a result"), remedy())))
     return kept
 

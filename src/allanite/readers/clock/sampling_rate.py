@@ -230,14 +230,8 @@ def _ask() -> str:
 
 def _rows() -> str:
     return spelled(
-        say(
-            "pass --rate to treat the rows as evenly spaced in the order of the file, with --from and --until to "
-            "exclude the place"
-        ),
-        say(
-            "pass rate=... to treat the rows as evenly spaced in the order of the file, and trim the recording to "
-            "exclude the place"
-        ),
+        say("pass --rate HZ if the rows are evenly spaced, exclude the place with --from and --until"),
+        say("pass rate=... if the rows are evenly spaced, exclude the place with start and end"),
     )
 
 
