@@ -165,10 +165,10 @@ ROWS = {
                  "explain sch16t-k01": r"gyroscope: N = 0\.025 °/√h, B = 0\.3 °/h"},
     ),
     "example": Row(screens={"example": r"^000  angle error"}),  # runs the others
-    "budget": Row(
+    "quantization": Row(
         (f"current.csv --unit V --stage 'ADC 12 5V' --torquer {TORQUER} --sense 5", ),
         "--stage 'output 16 300deg/s'",
-        {f"budget {TWO} --stage 'ADC 16 400deg/s'": r"ADC adds N = 0\.06686 .* 31 % of the measured variance"},
+        {f"quantization {TWO} --stage 'ADC 16 400deg/s'": r"ADC adds N = 0\.06686 .* 31 % of the measured variance"},
     ),
     "compensate": Row(
         ("a.csv --regressors temp --channels gx", "a.csv --regressors temp --to px4 -o a.params --force"),

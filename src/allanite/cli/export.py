@@ -11,6 +11,7 @@ from allanite.core.errors import UsageError
 from allanite.study.settings import ExportChoices, LengthChoices, NoiseChoices
 
 from .deliver import Extra, carry_out, outputs, recipe_of, settings_of
+from .helping import command
 from .options import IDENTIFYING, RECORDING, SHOWN, options
 
 FILE = ("written file", "plot", "json", *SHOWN)
@@ -20,7 +21,7 @@ USUAL = "datasheet"
 """The target where none is named."""
 
 
-@click.command()
+@command()
 @options(
     "some files", "target", "axis", "inflate", "cover", "filter_rate", "models", "datasheet", "unexplained",
     "from_curve", *RECORDING, *IDENTIFYING, *FILE, settings=(NoiseChoices, ExportChoices),
@@ -49,7 +50,7 @@ def export(
     carry_out(lambda tell: exported(row, load(files, recipe, models, tell), how, suffix), out, _EXTRA)
 
 
-@click.command()
+@command()
 @options(
     click.argument("values", nargs=-1, required=True, metavar="VALUE..."), "target", "origin", "rate", "axis",
     "inflate", "cover", *FILE, settings=(ExportChoices,),
@@ -90,13 +91,13 @@ def _suffix(paths: Mapping[str, str]) -> str:
     return os.path.splitext(paths.get("output", ""))[1]
 
 
-@click.command()
+@command()
 @options(
     click.argument("name", required=False, default=""),
     "samples", "taus", "csv", "json", *SHOWN, settings=(LengthChoices,),
 )  # fmt: skip
 def explain(name: str, samples: int | None, taus: Any, **choices: Any) -> None:
-    """Explain a word, target, statistic or data sheet.
+    """Explain a word, target or data sheet.
 
     Of a noise term, a status, an abbreviation or another word, prints what it means, with a formula and an example; of
     a target of export, the fields with their units, formulas and sources; of a statistic, also its ratio to the Allan

@@ -8,11 +8,12 @@ import shlex
 import sys
 import traceback
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import click
 
@@ -21,6 +22,7 @@ from allanite.core.names import row_of, unknown
 from allanite.phrases.phrase import command_line
 from allanite.plugins import PluginWarning
 
+from .helping import with_examples
 from .options import demand_filled, with_commas
 from .signals import ended, ended_by
 from .streams import begin, complain, lost, while_read
@@ -59,6 +61,7 @@ class Verb:
     command: str | click.Command
     task: Any = ""  # likewise the `VerbTask` that the page runs; empty if it does not
     synonyms: tuple[str, ...] = ()  # other names by which it is asked for; they are suggested, not taken
+    old: tuple[str, ...] = ()  # names that it had, which are taken and not listed
 
     def imported(self, part: str = "command") -> Any:
         """The command, or the task."""
@@ -67,6 +70,27 @@ class Verb:
             return row
         module, _, name = row.partition(".")
         return getattr(import_module(f"allanite.cli.{module}"), name)
+
+
+def _given(option: str, words: Sequence[str]) -> bool:
+    return any(word.partition("=")[0] == option for word in words)
+
+
+class Spelling(NamedTuple):
+    """Another way to call a verb: `verb` with words by which `other` is meant; the option `dropped` is not its own."""
+
+    verb: str
+    other: str
+    means: Callable[[Sequence[str]], bool]
+    dropped: str = ""
+
+
+SPELLINGS = (
+    Spelling("analyze", "batch", lambda words: _given("--out", words) and any(map(os.path.isdir, words))),
+    Spelling("analyze", "lot", lambda words: any(os.path.isfile(os.path.join(w, "files.parquet")) for w in words)),
+    Spelling("deviation", "dynamic", partial(_given, "--window")),
+    Spelling("plan", "selfcheck", partial(_given, "--verify"), "--verify"),
+)
 
 
 class Front(click.Group):
@@ -82,8 +106,13 @@ class Front(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """The command of a verb, whose module is imported now; an unknown one is refused."""
-        command: click.Command = row_of("command", cmd_name, self.verbs).imported()
+        now = {old: name for name, verb in self.verbs.items() for old in verb.old}.get(cmd_name, cmd_name)
+        command: click.Command = row_of("command", now, self.verbs).imported()
         return command
+
+    def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """What it does, and three examples."""
+        with_examples(self, formatter)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the verbs below the headings of their groups."""
@@ -96,6 +125,11 @@ class Front(click.Group):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse the arguments, and keep them as they were typed."""
         ctx.meta[LINE] = shlex.join(["allanite", *args])
+        at = next((i for i, word in enumerate(args) if word in self.verbs), len(args))
+        for spelling in SPELLINGS:
+            if args[at : at + 1] == [spelling.verb] and spelling.means(args[at + 1 :]):
+                rest = (word for word in args[at + 1 :] if word != spelling.dropped)
+                return super().parse_args(ctx, [*args[:at], spelling.other, *rest])
         return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:

@@ -83,15 +83,13 @@ def demand_filled(words: Sequence[str]) -> None:
 
 def with_commas(words: list[str], command: click.Command) -> list[str]:
     """The words of a command in which names that stand behind a list belong to it: they are no files."""
-    params = command.params if any(isinstance(param.type, click.Path) for param in command.params) else []
+    files = (isinstance(param, click.Argument) and isinstance(param.type, click.Path) for param in command.params)
+    params = command.params if any(files) else []
     lists = {word for p in params if getattr(getattr(p.type, "kind", None), "control", "") == "list" for word in p.opts}
     at = next((i + 1 for i, word in enumerate(words[:-2]) if word in lists), len(words))
     more = list(takewhile(lambda word: re.fullmatch(r"\w+", word) and not os.path.exists(word), words[at + 1 :]))
-    return [
-        *words[:at],
-        *([",".join((words[at], *more))] if more else words[at : at + 1]),
-        *words[at + 1 + len(more) :],
-    ]
+    end = at + 1 + len(more)
+    return [*words[:at], *filter(None, [",".join(words[at:end])]), *words[end:]]
 
 
 Decorator = Callable[[Any], Any]

@@ -203,10 +203,10 @@ FOREIGN = {
 
 def reader_for(head: bytes, suffix: str) -> FormatReader:
     """The first reader that recognizes the first bytes or the suffix of the file."""
-    for candidate in candidates():
+    what = next((words for start, words in FOREIGN.items() if head.startswith(start)), "")
+    for candidate in () if what else candidates():
         if candidate.sniff(head, suffix):
             return candidate.reader(head)
-    what = next((words for start, words in FOREIGN.items() if head.startswith(start)), "")
     first = f"{what}, not a recording" if what else f"unknown file format (the file begins with {head[:8]!r})"
     raise DataError(f"{first}; readable are text or CSV with a column for each channel, .npy, .mat, .h5, .parquet, "
                     ".bag, .mcap, .ulg, .bin and others (see docs/files.md)")  # fmt: skip
