@@ -63,7 +63,7 @@ ROWS = [
     sentence("info unit.csv", "unit is unknown", "gx [deg/s]", "try: allanite info unit.csv --unit"),
     sentence("info bare.csv", "rate is not in the file", "unit", "try: allanite info bare.csv --rate HZ --unit UNIT"),
     sentence("info bare.csv --rate HZ", "put the sampling rate in Hz in the place of HZ"),
-    sentence("info rest.csv --rate 10", "unit is unknown", cure="info rest.csv --rate 10 --unit 'm/s^2'"),
+    sentence("info rest.csv --rate 10", "mean std looks like", "9.753 0.214 gravity in m/s^2", cure="info rest.csv --rate 10 --unit 'm/s^2'"),
     sentence("info accel.csv", "unit is unknown", cure="info accel.csv --unit g"),
     sentence("info six.csv", "unit is unknown", "try: allanite info six.csv --unit gyro=UNIT,accel=UNIT"),
     sentence("info unit.csv --unit deg/sec2", "'deg/sec2'", "did you mean deg/s?", cure="info unit.csv --unit deg/s"),
