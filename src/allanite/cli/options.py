@@ -217,7 +217,8 @@ OPTIONS: dict[str, Decorator] = {
     "coefficients": click.option("--coefficients", "--table", "coefficients", metavar="PATH", type=click.Path(),
         help="Write coefficients and values read off the curve as CSV; - is standard output."),
     "limits file": click.option("--limits", metavar="TOML", type=click.Path(),
-        help="Check the coefficients against the limits in this file; exit code 4 if one is exceeded."),
+        help="Check the coefficients against the limits in this file, or 'N < 0.15 deg/sqrt(h), B < 3 deg/h'; "
+        "exit code 4 if one is exceeded."),
     "strict": click.option("--strict", is_flag=True,
         help="Exit with code 3 if a channel has no result, or no model explains its noise."),
     "lang": click.option("--lang", metavar="LANG", default=ENGLISH,

@@ -86,7 +86,7 @@ METHODS: dict[str, Method] = {
     "slopes": Method(
         say("lines of the textbook slopes on the Allan deviation (for comparison)"), Curve, slopes,
         efficiency=say("1.85 to 65100 times the Cramer-Rao bound"),
-        statistic="oadev", taus="octave", reads=lambda row: row.allan,
+        statistic="oadev", taus="octave", reads=lambda row: row.allan, synonyms=("allan", "avar", "lines"),
     ),
 }  # fmt: skip
 

@@ -223,8 +223,8 @@ def _notes(
 
 def _ask() -> str:
     return spelled(
-        say("give it in Hz with --rate HZ, or name the column of time stamps: --time 'stamp[us]'"),
-        say("give it in Hz with rate=100, or name the column of time stamps: time='stamp[us]'"),
+        say("pass --rate HZ, or --time COLUMN"),
+        say("pass rate=100 (in Hz), or time='stamp[us]'"),
     )
 
 

@@ -177,7 +177,7 @@ def _reversed(stamps: Stamps) -> SampleGrid:
         return SampleGrid(stamps.mean, findings=(finding("reversed time stamps", what),))
     why = say("{what}: a clock that was set, two recordings in one file, or rows out of order", what=what)
     if back.mean() > UNORDERED:
-        why = say("{column} is a signal, not time: its numbers rise and fall", column=stamps.label)
+        why = say("{column} is a signal, not time", column=stamps.label)
     return SampleGrid(findings=(finding("reversed time stamps", why),), trouble=why)
 
 

@@ -12,7 +12,7 @@ from allanite.phrases.phrase import say, spelled
 from allanite.readers.clock.clocks import ClockSources, addressed, likely_unit, readings
 
 from . import headers
-from .column import FileColumn, some
+from .column import FileColumn
 
 RATES: tuple[str, ...] = ("g", "m/s^2", "mg", "mm/s^2")
 INCREMENTS: tuple[str, ...] = ("g*s", "m/s")
@@ -144,6 +144,4 @@ def _weighed(columns: Sequence[FileColumn], known: Sequence[str], rate: float, s
     unit = min(off, key=lambda unit: off[unit])
     if off[unit] > math.log1p(share) or (whole and any(abs(length / count - 1) < UNNAMED for count in COUNTS)):
         return "", ""
-    names = some([repr(column.header or column.name) for column in columns])
-    what = say("the mean of {columns} has the length of gravity in {unit}", columns=names, unit=unit)
-    return unit, say("{what} ({length:.4g})", what=what, length=length * rate)
+    return unit, say("the mean has the length of gravity in {unit} ({length:.4g})", unit=unit, length=length * rate)
