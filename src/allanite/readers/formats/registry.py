@@ -208,8 +208,9 @@ def reader_for(head: bytes, suffix: str) -> FormatReader:
         if candidate.sniff(head, suffix):
             return candidate.reader(head)
     first = f"{what}, not a recording" if what else f"unknown file format (the file begins with {head[:8]!r})"
-    raise DataError(f"{first}; readable are text or CSV with a column for each channel, .npy, .mat, .h5, .parquet, "
-                    ".bag, .mcap, .ulg, .bin and others (see docs/files.md)")  # fmt: skip
+    others = "".join(f"{candidate.TITLE}, " for candidate in added())
+    raise DataError(f"{first}; readable are text or CSV with a column for each channel, {others}.npy, .mat, .h5, "
+                    ".parquet, .bag, .mcap, .ulg, .bin and others (see docs/files.md)")  # fmt: skip
 
 
 def readable(head: bytes, suffix: str) -> bool:
