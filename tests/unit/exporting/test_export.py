@@ -106,10 +106,10 @@ def test_an_axis_without_a_coefficient_is_named():
 def test_models_that_explain_nothing_are_refused_unless_asked_for():
     goodness = al.identify(al.simulate(al.N(1.0, "rad/sqrt(s)"), 4000, 10.0, rng=np.random.default_rng(1))).goodness
     bad = [replace(one, goodness=replace(goodness, p=1e-20)) for one in six()[:3]]
-    with pytest.raises(al.DataError, match=r"gx: the model does not explain the record.*unexplained=True"):
+    with pytest.raises(al.DataError, match=r"gx, gy, gz: the model does not explain the record.*unexplained=True"):
         al.export(bad, "datasheet")
     doubted = [replace(one, goodness=replace(goodness, p=1e-20)) for one in six()[3:]]
-    with pytest.raises(al.DataError, match=r"^ax: the model does not explain the record.*unexplained=True"):
+    with pytest.raises(al.DataError, match=r"^ax, ay, az: the model does not explain the record.*unexplained=True"):
         al.export([*six()[:3], *doubted], "kalibr", rate=100.0)
     mixed = [bad[1], six()[0], *six()[3:]]
     found = al.export(mixed, "kalibr", rate=100.0)
@@ -276,7 +276,7 @@ def test_the_other_sensor_as_a_model_and_json(files):
     (("export", "absent.json", "--to", "kalibr"), 3, "absent.json: No such file or directory"),
     (("convert", "0.66 parsec", "--to", "kalibr"), 2, "unknown unit 'parsec'"),
     (("convert", "0.66 m", "--to", "kalibr"), 2, "'m' is not a unit of a noise coefficient"),
-    (("convert", "0.66", "--to", "kalibr"), 2, "a value has the form '0.66 deg/sqrt(h)'"),
+    (("convert", "0.66", "--to", "kalibr"), 2, "one pair of quotes, as in '0.66 deg/sqrt(h)'"),
     (("convert", "0.66 deg/sqrt(h)", "--to", "vins-mono"), 2, "needs the sampling rate: --rate HZ"),
     (("convert", "--from", "kalibr", "{gyro}"), 3, "has none of the fields of kalibr: gyroscope_noise_density"),
     (("convert", "--from", "datasheet", "{gyro}"), 2, "datasheet cannot be read back"),
