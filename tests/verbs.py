@@ -158,16 +158,17 @@ ROWS = {
                  "convert adis16470": r"^0\.34 °/√h = 0\.005667 °/s/√Hz"},
     ),
     "explain": Row(
-        ("", *EXPORTS, "px4-tc", "theo1", "hdev --samples 100", "theo1 --taus 9,75", "adis16470"),
-        screens={"explain": r"targets: kalibr, openvins", "explain oadev": r"degrees of freedom",
+        ("", *EXPORTS, "px4-tc", "theo1", "hdev --samples 100", "theo1 --taus 9,75", "adis16470", "N", "weak"),
+        screens={"explain": r"targets: kalibr, openvins", "explain oadev": r"How much means of the rate",
+                 "explain ARW": r"N / √τ", "explain not-valid": r"does not explain the record",
                  "explain kalibr": r"gyroscope_noise_density",
                  "explain sch16t-k01": r"gyroscope: N = 0\.025 °/√h, B = 0\.3 °/h"},
     ),
     "example": Row(screens={"example": r"^000  angle error"}),  # runs the others
-    "budget": Row(
+    "quantization": Row(
         (f"current.csv --unit V --stage 'ADC 12 5V' --torquer {TORQUER} --sense 5", ),
         "--stage 'output 16 300deg/s'",
-        {f"budget {TWO} --stage 'ADC 16 400deg/s'": r"ADC adds N = 0\.06686 .* 31 % of the measured variance"},
+        {f"quantization {TWO} --stage 'ADC 16 400deg/s'": r"ADC adds N = 0\.06686 .* 31 % of the measured variance"},
     ),
     "compensate": Row(
         ("a.csv --regressors temp --channels gx", "a.csv --regressors temp --to px4 -o a.params --force"),

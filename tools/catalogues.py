@@ -8,7 +8,10 @@ With --check nothing is written, and how many sentences of a language are shown 
 import io
 import re
 import sys
+import tomllib
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from babel.messages.catalog import Catalog, Message
 from babel.messages.extract import extract_from_dir
@@ -19,6 +22,8 @@ from allanite.reporting.language import ENGLISH, LANGUAGES
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src" / "allanite"
 LOCALE = PACKAGE / "reporting" / "locale"
+TABLES = {"interpretation/words.toml": "is", "interpretation/devices.toml": ""}
+"""Tables with texts, and the key of those that are translated; empty if all are."""
 
 METHODS = [("**.py", "python"), ("**.j2", "jinja2")]
 KEYWORDS = {"say": None, "say_count": (2, 3)}
@@ -39,7 +44,20 @@ def templates() -> Catalog:
     for name, line, message, comments, _ in said:
         path = Path(name).as_posix()
         found.add(message, None, [(path, line)], auto_comments=comments)
+    for file, key in TABLES.items():
+        for text in _texts(tomllib.loads((PACKAGE / file).read_text("utf-8")), key):
+            found.add(text, None, [(file, 1)])
     return found
+
+
+def _texts(table: Any, key: str, *, taken: bool = False) -> Iterator[str]:
+    """The texts of a table that are translated: those of a key, or all."""
+    if isinstance(table, str):
+        yield from [table] if taken or not key else []
+    for part in table if isinstance(table, list) else ():
+        yield from _texts(part, key)
+    for name, part in table.items() if isinstance(table, dict) else ():
+        yield from _texts(part, key, taken=name == key)
 
 
 def stored(lang: str) -> Catalog:

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from allanite.core.readings import IN_RUN
-from allanite.interpretation.device import GRADES, GRADES_SOURCE, REFERENCES, bounds_of
-from allanite.interpretation.devices import DEVICES
+from allanite.interpretation.device import GRADES, GRADES_SOURCE, bounds_of
+from allanite.interpretation.devices import DEVICES, REFERENCES
 from generate.markdown import table
 
 

@@ -36,6 +36,7 @@ from allanite.core.fit import Alternative
 from allanite.core.plain import TYPES, Portable, Value
 from allanite.core.validity import Finding
 from allanite.exporting.imported import Explanation, noise_in
+from allanite.interpretation.glossary import words
 from allanite.interpretation.sentences import meaning
 from allanite.papers.paper import compare, read_paper
 from allanite.planning.plan import properties
@@ -347,6 +348,7 @@ MAKERS = {
     "Explanation": lambda: Explanation("kalibr"),
     "Claim": lambda: al.planning.DATASHEETS["ADIS16470"].claims[0],
     "DataSheet": lambda: al.planning.DATASHEETS["BMI088"],
+    "Word": lambda: words()["bias instability"],
     "Reproduction": lambda: compare(read_paper("000", PAPER), Path()),
     "SheetComparison": lambda: al.comparison.compare_with_sheet(record(), "adis16470", al.Recipe(level=LEVEL)),
     "Export": exported,

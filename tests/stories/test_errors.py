@@ -15,8 +15,13 @@ from tests.rows import rows
 import allanite as al
 from allanite.cli import main
 
-MOST = 440
-"""Characters of a message with the command to copy: three to four lines."""
+MOST, SENTENCE = 440, 255
+"""Characters of a message with its table and the command to copy, and of its sentence.
+
+A message is good if it says in one sentence what came, what was expected and what to do; the aim are 200 characters,
+beyond which are only words of other libraries. A command that it shows works, and holds no unit or rate that nobody
+stated.
+"""
 
 PYTHON = r"Traceback|\w+Error\b|Errno|[Ee]xception|\bNone\b|iterable|internal error|object has no|float\(\)|dict\b"
 """What no message says."""
@@ -52,12 +57,19 @@ ROWS = [
     sentence("info gyro.csv --begin 10", "did you mean --from?", cure="info gyro.csv --from 10"),
     sentence("info gyro.csv --axis gx", "did you mean --channels?", cure="info gyro.csv --channels gx"),
     sentence("info gyro.csv --xyzzy", "unknown option '--xyzzy'", cure="info --help"),
+    sentence("analyze gyro.csv -o x.html", "unknown option '-o'; did you mean --report?"),
+    sentence("analyze gyro.csv --to kalibr", "kalibr is not a unit", "export does"),
+    sentence("deviation gyro.csv --statistic adev oadev", "written with commas",
+             cure="deviation gyro.csv --statistic adev,oadev"),
+    sentence("info gyro.csv --channels gx gy", "written with commas", cure="info gyro.csv --channels gx,gy"),
+    sentence("spectrum gyro.csv --nperseg 64", "did you mean --segment?", cure="spectrum --help"),
     sentence("info", "Missing argument 'FILE'", cure="info --help"),
     # units and rates
     sentence("info unit.csv", "unit is unknown", "gx [deg/s]", "try: allanite info unit.csv --unit"),
     sentence("info bare.csv", "rate is not in the file", "unit", "try: allanite info bare.csv --rate HZ --unit UNIT"),
     sentence("info bare.csv --rate HZ", "put the sampling rate in Hz in the place of HZ"),
-    sentence("info rest.csv --rate 10", "unit is unknown", cure="info rest.csv --rate 10 --unit 'm/s^2'"),
+    sentence("info rest.csv --rate 10", "looks like", "9.753 0.214 gravity in m/s^2",
+             cure="info rest.csv --rate 10 --unit 'm/s^2'"),
     sentence("info accel.csv", "unit is unknown", cure="info accel.csv --unit g"),
     sentence("info six.csv", "unit is unknown", "try: allanite info six.csv --unit gyro=UNIT,accel=UNIT"),
     sentence("info unit.csv --unit deg/sec2", "'deg/sec2'", "did you mean deg/s?", cure="info unit.csv --unit deg/s"),
@@ -90,15 +102,19 @@ ROWS = [
     sentence(f"{SHORT} --taus octaves", "did you mean octave?", "seconds", cure=f"{SHORT} --taus octave"),
     sentence(f"{SHORT} --m 1.5", "expected integers", "'1.5'"),
     sentence(f"{ANALYZE} --terms ARW", "did you mean N?", cure=f"{ANALYZE} --terms N"),
+    sentence(f"{ANALYZE} --terms ARW,VRW,BI", "did you mean N?"),
+    sentence(f"{ANALYZE} --terms ARW,BI", "did you mean N?", cure=f"{ANALYZE} --terms N,B"),
     sentence(f"{ANALYZE} --method mle", "did you mean whittle?", cure=f"{ANALYZE} --method whittle"),
     sentence(f"{ANALYZE} --device fogg", "did you mean fog?", cure=f"{ANALYZE} --device fog"),
     sentence("analyze gyro.csv --lang fr", "unknown language 'fr'", "en, ru, zh"),
     sentence("spectrum gyro.csv --window han", "did you mean hann?", cure="spectrum gyro.csv --window hann"),
     sentence("export gyro.csv --to openvin", "unknown target 'openvin'", "did you mean openvins?"),
     sentence("explain openvin", "did you mean openvins?", cure="explain openvins"),
+    sentence("explain xyzzy", "unknown name 'xyzzy'; 'allanite explain' lists them"),
     sentence("explain vins", "did you mean vins-mono?", cure="explain vins-mono"),
     sentence("convert '0.1 deg/rt-hrr'", "did you mean deg/sqrt(h)?", cure="convert '0.1 deg/sqrt(h)'"),
-    sentence("convert 0.1", "has the form '0.66 deg/sqrt(h)'"),
+    sentence("convert 0.1 'deg/sqrt(h)'", "one pair of quotes, as in '0.66 deg/sqrt(h)'"),
+    sentence("convert '0.1 deg/h' --to kalibr --rate 9 --cover 300,1", "the shorter averaging time first"),
     sentence(f"{PLAN} --sensor memss", "did you mean mems?", cure=f"{PLAN} --sensor mems"),
     sentence(f"{PLAN} --model 'ARW 0.1 deg/sqrt(h)'", "did you mean N?", cure=f"{PLAN} --model {MODEL}"),
     sentence(PLAN, "or the noise with --model, --sensor or --datasheet", cure=f"{PLAN} --model {MODEL}"),
@@ -140,7 +156,13 @@ ROWS = [
     sentence("analyze gyro.csv --limits absent.toml", "the limits file 'absent.toml'", "No such file"),
     sentence("analyze gyro.csv --limits symbol.toml", "unknown term 'ARW' in [limits]", "did you mean N?"),
     sentence("analyze gyro.csv --limits wrong.toml", "0.15 deg/sqrt(h)", "with the unit"),
+    sentence("analyze gyro.csv --limits 'N < 0.15'", "the limit of N", "with a unit"),
+    sentence("analyze gyro.csv --limits bare.toml", "N stands below no heading; write [limits]"),
     # files
+    sentence("info x.pdf", "a PDF, not a recording", code=3),
+    sentence("info https://example.com/x.csv", "an address: download it first", code=3),
+    sentence("info gyro.csv --time gx", "is a signal, not time", code=3),
+    sentence("compare gyro.csv still.csv", "gx / ax, gy / ay, gz / az: only sensors of one type", code=3),
     sentence("info absent.csv", "absent.csv: no such file", "check the name", code=3),
     sentence("info folder", "this is a directory", code=3),
     sentence("info empty.csv", "the file is empty", code=3),
@@ -188,6 +210,7 @@ def files(tmp_path_factory):
         "millis.csv": table("stamp,gx [deg/s]", 1000 * t, x[0]),
         "stuck.csv": table("time [s],gx [deg/s]", 0 * t + 5, x[0]),
         "word.csv": table("time [s],gx [deg/s]", t[:49], x[0][:49]) + "4.9,oops\n" + "5.0,0.1\n",
+        "still.csv": table("time [s],ax [g],ay [g],az [g]", t, *x), "x.pdf": "%PDF-1.4", "bare.toml": "N = '1 deg/h'\n",
         "empty.csv": "", "cut.json": "{", "part.json": '{"type": "Study"}', "list.json": "[1]", "taken.json": "mine",
         "broken.toml": "rate =\n", "limits.toml": "[limits]\nN = 1\n", "rate.toml": "rate = [1, 2]\n",
         "taus.toml": "taus = {a = 1}\n", "about.toml": "about = 5\n", "terms.toml": "terms = ['N']\n",
@@ -227,6 +250,7 @@ def test_what_is_wrong_is_said_in_a_few_words_with_what_to_type(row, files, monk
         assert re.search(word, said) if "|" in word else word in said, said
     assert not re.search(PYTHON, said), said
     assert len(said) <= MOST, said
+    assert len(result.stderr.splitlines()[0]) <= SENTENCE, said
     typed = re.search(r"try: allanite (.*)", result.stderr)
     if typed and row.cure:
         assert typed[1] == row.cure

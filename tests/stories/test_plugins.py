@@ -129,7 +129,7 @@ def test_a_verb_from_outside_stands_below_its_heading(used):
 
 
 OUTSIDE = {
-    "info": ["rate 50.0 Hz from its first line"], "unknown": ["; tones of a recorder; "],
+    "info": ["rate 50.0 Hz from its first line"], "unknown": [", tones of a recorder, "],
     "list": ["pilot settings of Pilot", "fdev fourth-difference deviation", "RR driven relaxation",
              "SG-1 SG-1 data sheet, Rev. A"],
     "statistic": ["fourth-difference deviation"], "target": ["manual of Pilot, section 3"],

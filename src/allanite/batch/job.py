@@ -234,8 +234,8 @@ def reason_of(error: AllaniteError, file: str) -> str:
     """The message of an error without the name of the file, which is shown beside it."""
     message, before = str(error), f"{file}: "
     if isinstance(message, Phrase) and message.startswith(before) and message.fields.get("_0") == file:
-        return str(message.fields["_1"])
-    return message.removeprefix(before) if message.startswith(before) else message
+        message = str(message.fields["_1"])
+    return message.removeprefix(before).partition("\n")[0]
 
 
 def _unfit(done: Done) -> str:

@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -117,6 +118,8 @@ class Specification(Value):
         (<Limit N <= 0.15 deg/sqrt(h), by the value>,)
         """
         try:
+            if astray := [key for key in data if key in LIMITED]:
+                raise UsageError(f"{astray[0]} stands below no heading; write [limits] in the line above it")
             _demand_keys(data, ("judge", "limits", "channels"), "the limits file")
             judge = _judge(data.get("judge", "value"))
             common = tuple(_limits(data.get("limits", {}), judge, "limits"))
@@ -140,6 +143,10 @@ class Specification(Value):
 
 def limits_of(given: "Specification | str | os.PathLike[str] | None") -> Specification | None:
     """Limits, given or in a file."""
+    if isinstance(given, str) and "<" in given:  # 'N < 0.15 deg/sqrt(h), B < 3 deg/h'
+        pairs = (re.split("<=?", part, maxsplit=1) for part in given.split(","))
+        rows = {symbol.strip(): {"max": "".join(size).strip()} for symbol, *size in pairs}
+        return Specification.from_toml({"limits": rows}, "the limits")
     return given if given is None or isinstance(given, Specification) else Specification.load(given)
 
 

@@ -35,7 +35,7 @@ _OWN = (
     Verb("example", "Learn", "simulate.example"),
     Verb("rate", "Special jobs", "special.rate"),
     Verb("angle", "Special jobs", "angle.angle"),
-    Verb("budget", "Special jobs", "special.budget"),
+    Verb("quantization", "Special jobs", "special.quantization", old=("budget",)),
     Verb("compensate", "Special jobs", "special.compensate", synonyms=("calibrate",)),
     Verb("vertical", "Special jobs", "special.vertical"),
 )

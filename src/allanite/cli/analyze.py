@@ -20,6 +20,7 @@ from allanite.study.settings import (
 
 from .deliver import Progress, carry_out, deliver, outputs, progress, recipe_of, settings_of
 from .front import DATA, PARTLY
+from .helping import command
 from .options import IDENTIFYING, RECORDING, RESULTS, SHOWN, options
 from .streams import complain, show
 from .tasks import ANALYZE, DEVIATION, DYNAMIC, INFO, SPECTRUM, WATCH, Reports, ends_of_units, perform
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from allanite.batch.batch import Batch
 
 
-@click.command()
+@command()
 @options("file", *RECORDING, "report", "plot", "json", *SHOWN)
 def info(file: str, **choices: Any) -> None:
     """Summarize FILE and check its quality.
@@ -40,7 +41,7 @@ def info(file: str, **choices: Any) -> None:
         raise click.exceptions.Exit(DATA)
 
 
-@click.command()
+@command()
 @options(
     "files", *RECORDING, "statistic", "taus", *IDENTIFYING, "device", "limits file", "to", "about",
     "coefficients", *RESULTS,
@@ -51,7 +52,8 @@ def analyze(files: tuple[str, ...], limits: str | None, **choices: Any) -> None:
     Prints a table for each channel, with confidence intervals; --report writes a page with the figures. FILE is a
     recording, or - for standard input. Several files, a folder, or a pattern in quotes ('units/*.csv') are many units:
     one table with a row for each channel of each unit, mean, spread and worst over the units, one figure and one page.
-    A file that cannot be analyzed is named, and the others are analyzed all the same.
+    A file that cannot be analyzed is named, and the others are analyzed all the same. A folder with --out RESULTS is
+    analyzed by batch, and RESULTS are shown by lot.
 
     --limits FILE.toml holds lines such as N = { max = "0.15 deg/sqrt(h)" } below [limits], or below [channels.gz] for
     one channel; B, K, Q, R, GM and minimum (of the Allan deviation) are limited likewise. A term passes if its value
@@ -87,7 +89,7 @@ def end_of_units(batch: "Batch", *, strict: bool) -> None:
         raise click.exceptions.Exit(ends[0][0])
 
 
-@click.command()
+@command()
 @options(
     click.argument("source", type=click.Path(), metavar="FOLDER_OR_MANIFEST"),
     click.option("--out", "results", required=True, metavar="RESULTS", type=click.Path(),
@@ -138,7 +140,7 @@ def batch(source: str, results: str, workers: int | None, scheduler: str | None,
         raise click.exceptions.Exit(DATA)
 
 
-@click.command()
+@command()
 @options(click.argument("results", type=click.Path()), "limits file", "coefficients", *RESULTS, "strict")
 def lot(results: str, limits: str | None, **choices: Any) -> None:
     """Show the stored results of a batch.
@@ -158,7 +160,7 @@ BINARY = ("dtype", "columns", "offset")
 """Choices of a file that has no lines."""
 
 
-@click.command()
+@command()
 @options(
     click.argument("target", metavar="FILE|PORT|udp://127.0.0.1:9000"),
     *(name for name in READING if name not in BINARY), *SELECTING, "recipe", "statistic", "taus", *IDENTIFIES,
@@ -185,7 +187,7 @@ def watch(target: str, **choices: Any) -> None:
     deliver(WATCH.run([target], recipe, settings, reports), out)
 
 
-@click.command()
+@command()
 @options(
     "some files", "models", "sensor", "datasheet", "duration", "samples", *RECORDING, "statistic", "taus", "m", "to",
     "intervals", "bias", "join", "divisor", "edf", "power_law", *IDENTIFYING, *RESULTS,
@@ -196,7 +198,7 @@ def deviation(files: tuple[str, ...], models: tuple[str, ...], **choices: Any) -
 
     Tabulates statistics of FILES over averaging time; or without data, what is expected of them and of each term under
     the noise of --model, --sensor or --datasheet, for a record of --duration or --samples at --rate. Channels of
-    several files, and several models, are in one figure.
+    several files, and several models, are in one figure. With --window, the deviation in sliding windows (dynamic).
     """
     from allanite.study.survey import Deviations, TheorySettings, expected_of_models
 
@@ -209,7 +211,7 @@ def deviation(files: tuple[str, ...], models: tuple[str, ...], **choices: Any) -
     deliver(expected_of_models(next(iter(files), None), models, theory, wanted, recipe), out)
 
 
-@click.command()
+@command()
 @options(
     "files", *RECORDING, "estimator", "sides", "bins", "segment", "window", "bandwidth", "tapers", "weights", "fit",
     "deviation", "to", *IDENTIFYING, *RESULTS, settings=(DensityChoices,),
@@ -223,7 +225,7 @@ def spectrum(files: tuple[str, ...], **choices: Any) -> None:
     perform(SPECTRUM, files, choices)
 
 
-@click.command()
+@command()
 @options(
     "file", *RECORDING, "statistic", "window", "step", "taus", "m", "to", "level", *RESULTS, settings=(WindowChoices,)
 )

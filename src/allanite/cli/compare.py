@@ -17,6 +17,7 @@ from allanite.study.settings import (
 
 from .deliver import carry_out, outputs, recipe_of, settings_of
 from .front import EXCEEDED
+from .helping import command
 from .options import IDENTIFYING, RECORDING, RESULTS, options
 from .streams import complain
 from .tasks import COMPARE, perform
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from allanite.study.modelled import Use
 
 
-@click.command()
+@command()
 @options(
     "files",
     *RECORDING,
@@ -49,7 +50,7 @@ def compare(files: tuple[str, ...], **choices: Any) -> None:
     perform(COMPARE, files, choices)
 
 
-@click.command()
+@command()
 @options(
     "file",
     "claims",
@@ -89,7 +90,7 @@ def check(file: str, **choices: Any) -> None:
         raise click.exceptions.Exit(EXCEEDED)
 
 
-@click.command()
+@command()
 @options(
     "some files", "models", "sensor", "datasheet", "claimed",
     "times", "calibration", "turn_on", "scale_factor", "maneuver", "platform", "schuler", "require",
@@ -125,20 +126,20 @@ NOISE = ("optional file", "model", "sensor", "datasheet", "unexplained", *RECORD
 """A recording, or a model of its noise."""
 
 
-@click.command()
+@command()
 @options(*NOISE, "durations", "accuracy", "ramp", *RESULTS, settings=(NoiseChoices, PlanChoices))
 def plan(file: str | None, **choices: Any) -> None:
     """Predict accuracy against record length.
 
     Uses the Cramer-Rao bound; nothing is simulated. The noise is that of --model, --sensor or --datasheet, or is
-    identified from a recording FILE.
+    identified from a recording FILE. With --verify, the identification is tested by simulation (selfcheck).
     """
     from allanite.study.modelled import PlanSettings
 
     _run(PlanSettings, file, choices)
 
 
-@click.command()
+@command()
 @options(
     *NOISE, "duration", "samples", "records", "seed", "max_bias", "min_coverage", "max_false", "max_missed",
     *(option for option in RESULTS if option != "plot"), settings=(NoiseChoices, CheckChoices),
@@ -163,7 +164,7 @@ def demand_kept(result: Any) -> None:
         raise click.exceptions.Exit(EXCEEDED)
 
 
-@click.command()
+@command()
 @options(
     *NOISE, "tau", "ripple", "order", "turn_on", "measurement", *RESULTS, settings=(NoiseChoices, StateSpaceChoices),
 )  # fmt: skip

@@ -11,6 +11,7 @@ from allanite.core.errors import UsageError
 from allanite.study.settings import ExportChoices, LengthChoices, NoiseChoices
 
 from .deliver import Extra, carry_out, outputs, recipe_of, settings_of
+from .helping import command
 from .options import IDENTIFYING, RECORDING, SHOWN, options
 
 FILE = ("written file", "plot", "json", *SHOWN)
@@ -20,7 +21,7 @@ USUAL = "datasheet"
 """The target where none is named."""
 
 
-@click.command()
+@command()
 @options(
     "some files", "target", "axis", "inflate", "cover", "filter_rate", "models", "datasheet", "unexplained",
     "from_curve", *RECORDING, *IDENTIFYING, *FILE, settings=(NoiseChoices, ExportChoices),
@@ -49,7 +50,7 @@ def export(
     carry_out(lambda tell: exported(row, load(files, recipe, models, tell), how, suffix), out, _EXTRA)
 
 
-@click.command()
+@command()
 @options(
     click.argument("values", nargs=-1, required=True, metavar="VALUE..."), "target", "origin", "rate", "axis",
     "inflate", "cover", *FILE, settings=(ExportChoices,),
@@ -90,22 +91,23 @@ def _suffix(paths: Mapping[str, str]) -> str:
     return os.path.splitext(paths.get("output", ""))[1]
 
 
-@click.command()
+@command()
 @options(
     click.argument("name", required=False, default=""),
     "samples", "taus", "csv", "json", *SHOWN, settings=(LengthChoices,),
 )  # fmt: skip
 def explain(name: str, samples: int | None, taus: Any, **choices: Any) -> None:
-    """Explain a target, statistic or data sheet.
+    """Explain a word, target or data sheet.
 
-    Of a target of export, prints the fields with their units, formulas and sources; of a statistic, its ratio to the
-    Allan variance and its degrees of freedom for each noise, in a record of 7200 samples or of --samples, at averaging
-    times in sampling intervals; of the data sheet of a gyro, an accelerometer or an IMU, what it says of noise, and
-    where. Without NAME, lists them, and the noise terms.
+    Of a noise term, a status, an abbreviation or another word, prints what it means, with a formula and an example; of
+    a target of export, the fields with their units, formulas and sources; of a statistic, also its ratio to the Allan
+    variance and its degrees of freedom for each noise, in a record of 7200 samples or of --samples, at averaging times
+    in sampling intervals; of a data sheet, what it says of noise, and where. Without NAME, lists them.
     """
     from allanite.core.names import row_alike
     from allanite.exporting.exports import EXPORTS, TEMPERATURE
     from allanite.exporting.imported import Explanation
+    from allanite.interpretation.glossary import Word, named_words
     from allanite.planning.datasheets import DATASHEETS, DataSheet
     from allanite.planning.plan import SIZE, properties
     from allanite.statistics import STATISTICS
@@ -113,10 +115,13 @@ def explain(name: str, samples: int | None, taus: Any, **choices: Any) -> None:
 
     out = outputs(choices, [])
     thermal = {row.name: row for row in TEMPERATURE.values()}
-    row: Any = row_alike("name", name, {**STATISTICS, **EXPORTS, **thermal, **DATASHEETS}) if name else None
-    if isinstance(row, Statistic):
+    told = named_words()
+    tables = {**told, **STATISTICS, **EXPORTS, **thermal, **DATASHEETS}
+    row: Any = row_alike("name", name, tables, lister="allanite explain") if name else None
+    if isinstance(row, Statistic) and (row.name not in told or not (row.extreme or row.power)):
         carry_out(lambda _: properties(row.name, samples or SIZE, taus=taus), out)
         return
     if samples is not None or taus is not None:
         raise UsageError("--samples and --taus apply to a statistic; omit them, or name one: " + ", ".join(STATISTICS))
-    carry_out(lambda _: row if isinstance(row, DataSheet) else Explanation(row.name if row else ""), out)
+    shown = told[row.name] if isinstance(row, Statistic) else row
+    carry_out(lambda _: shown if isinstance(shown, (DataSheet, Word)) else Explanation(row.name if row else ""), out)

@@ -8,19 +8,22 @@ import shlex
 import sys
 import traceback
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
-from typing import Any
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import click
 
-from allanite.core.errors import AllaniteError, Cure
+from allanite.core.errors import AllaniteError, Cure, UnitError, UsageError
 from allanite.core.names import row_of, unknown
 from allanite.phrases.phrase import command_line
 from allanite.plugins import PluginWarning
 
-from .options import demand_filled
+from .helping import with_examples
+from .options import demand_filled, with_commas
 from .signals import ended, ended_by
 from .streams import begin, complain, lost, while_read
 
@@ -58,6 +61,7 @@ class Verb:
     command: str | click.Command
     task: Any = ""  # likewise the `VerbTask` that the page runs; empty if it does not
     synonyms: tuple[str, ...] = ()  # other names by which it is asked for; they are suggested, not taken
+    old: tuple[str, ...] = ()  # names that it had, which are taken and not listed
 
     def imported(self, part: str = "command") -> Any:
         """The command, or the task."""
@@ -66,6 +70,27 @@ class Verb:
             return row
         module, _, name = row.partition(".")
         return getattr(import_module(f"allanite.cli.{module}"), name)
+
+
+def _given(option: str, words: Sequence[str]) -> bool:
+    return any(word.partition("=")[0] == option for word in words)
+
+
+class Spelling(NamedTuple):
+    """Another way to call a verb: `verb` with words by which `other` is meant; the option `dropped` is not its own."""
+
+    verb: str
+    other: str
+    means: Callable[[Sequence[str]], bool]
+    dropped: str = ""
+
+
+SPELLINGS = (
+    Spelling("analyze", "batch", lambda words: _given("--out", words) and any(map(os.path.isdir, words))),
+    Spelling("analyze", "lot", lambda words: any(os.path.isfile(os.path.join(w, "files.parquet")) for w in words)),
+    Spelling("deviation", "dynamic", partial(_given, "--window")),
+    Spelling("plan", "selfcheck", partial(_given, "--verify"), "--verify"),
+)
 
 
 class Front(click.Group):
@@ -81,8 +106,13 @@ class Front(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """The command of a verb, whose module is imported now; an unknown one is refused."""
-        command: click.Command = row_of("command", cmd_name, self.verbs).imported()
+        now = {old: name for name, verb in self.verbs.items() for old in verb.old}.get(cmd_name, cmd_name)
+        command: click.Command = row_of("command", now, self.verbs).imported()
         return command
+
+    def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """What it does, and three examples."""
+        with_examples(self, formatter)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the verbs below the headings of their groups."""
@@ -95,19 +125,33 @@ class Front(click.Group):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse the arguments, and keep them as they were typed."""
         ctx.meta[LINE] = shlex.join(["allanite", *args])
+        at = next((i for i, word in enumerate(args) if word in self.verbs), len(args))
+        for spelling in SPELLINGS:
+            if args[at : at + 1] == [spelling.verb] and spelling.means(args[at + 1 :]):
+                rest = (word for word in args[at + 1 :] if word != spelling.dropped)
+                return super().parse_args(ctx, [*args[:at], spelling.other, *rest])
         return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the verb; any exception becomes a `Failure`."""
         _demand_addresses()
+        words = shlex.split(ctx.meta[LINE])
         try:
-            demand_filled(shlex.split(ctx.meta[LINE]))
+            demand_filled(words)
+            verb = next((word for word in words if word in self.verbs), "")
+            better = with_commas(words, self.verbs[verb].imported()) if verb else words
+            if better != words:
+                raise Failure("a list is written with commas", UsageError.exit_code, f"try: {shlex.join(better)}")
             with while_read():
                 super().invoke(ctx)
         except click.NoSuchOption as error:
             inner = error.ctx or ctx
             options = {word: param for param in inner.command.params for word in reversed(param.opts)}
-            failure = _failure(unknown("option", error.option_name, options, listed=False), ctx)
+            refused = unknown("option", error.option_name, options, listed=False)
+            meant = options.get(refused.cure[1])
+            if error.option_name.lstrip("-") in getattr(meant, "unlike", ()):
+                refused.cure = "", ""
+            failure = _failure(refused, ctx)
             failure.more = failure.more or f"try: {inner.command_path} --help"
             raise failure from None
         except (click.ClickException, click.exceptions.Exit, click.Abort):
@@ -117,7 +161,7 @@ class Front(click.Group):
             if signal is not None:
                 raise signal from None
             if isinstance(error, AllaniteError):
-                raise _failure(error, ctx) from None
+                raise _failure(_elsewhere(error, words), ctx) from None
             if isinstance(error, MemoryError):
                 advice = "read fewer channels (--channels) or a part of the record (--from, --until)"
                 raise Failure(f"not enough memory; {advice}", DATA) from None
@@ -164,6 +208,18 @@ def _failure(error: AllaniteError, ctx: click.Context) -> Failure:
     words = shlex.split(ctx.meta[LINE])
     better = cured(words, error.cure)
     return Failure(str(error), error.exit_code, f"try: {shlex.join(better)}" if better != words else "")
+
+
+def _elsewhere(error: AllaniteError, words: list[str]) -> AllaniteError:
+    """The error of a unit that is a target of export: it was asked of a verb that does not write it."""
+    target = dict(pairwise(words)).get("--to")
+    if not isinstance(error, UnitError) or target is None or repr(target) not in str(error):
+        return error
+    from allanite.exporting.exports import EXPORTS
+
+    verb = words[1]
+    meant = UsageError(f"{target} is not a unit: {verb} does not write its file, export does", cure=(verb, "export"))
+    return meant if target in EXPORTS else error
 
 
 def cured(words: list[str], cure: Cure) -> list[str]:

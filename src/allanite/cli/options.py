@@ -1,8 +1,9 @@
 """The options of the command line, each declared once, and the types of their values."""
 
+import os
 import re
 from collections.abc import Callable, Sequence
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -78,6 +79,17 @@ def demand_filled(words: Sequence[str]) -> None:
             raise UsageError(f"{option} {value}: put {MEANINGS[match[1]]} in the place of {match[1]}")
 
 
+def with_commas(words: list[str], command: click.Command) -> list[str]:
+    """The words of a command in which names that stand behind a list belong to it: they are no files."""
+    files = (isinstance(param, click.Argument) and isinstance(param.type, click.Path) for param in command.params)
+    params = command.params if any(files) else []
+    lists = {word for p in params if getattr(getattr(p.type, "kind", None), "control", "") == "list" for word in p.opts}
+    at = next((i + 1 for i, word in enumerate(words[:-2]) if word in lists), len(words))
+    more = list(takewhile(lambda word: re.fullmatch(r"\w+", word) and not os.path.exists(word), words[at + 1 :]))
+    end = at + 1 + len(more)
+    return [*words[:at], *filter(None, [",".join(words[at:end])]), *words[end:]]
+
+
 Decorator = Callable[[Any], Any]
 
 
@@ -122,9 +134,9 @@ def _kept(option: click.Option, value: Any) -> Any:
 class Option(click.Option):
     """An option with other names by which it is asked for; they are suggested, not taken."""
 
-    def __init__(self, *args: Any, synonyms: tuple[str, ...] = (), **form: Any) -> None:
+    def __init__(self, *args: Any, synonyms: tuple[str, ...] = (), unlike: tuple[str, ...] = (), **form: Any) -> None:
         super().__init__(*args, **form)
-        self.synonyms = synonyms
+        self.synonyms, self.unlike = synonyms, unlike
 
 
 class Alone(Option):
@@ -168,7 +180,13 @@ def option_of(choice: ChoiceRow) -> Decorator:
     form: dict[str, Any] = {"type": Converted(choice.kind)}
     if choice.kind.many:
         form = {"multiple": True, "callback": lambda _, __, values: values or None}
-    form |= {"metavar": choice.metavar or None, "help": choice.text, "cls": Option, "synonyms": choice.synonyms}
+    form |= {
+        "metavar": choice.metavar or None,
+        "help": choice.text,
+        "cls": Option,
+        "synonyms": choice.synonyms,
+        "unlike": choice.unlike,
+    }
     if choice.kind.alone:
         form |= {"cls": Alone, "is_flag": False, "flag_value": choice.kind.alone}
     return click.option(*choice.options, choice.name, **form)
@@ -189,7 +207,7 @@ OPTIONS: dict[str, Decorator] = {
     "orders": click.option("--orders", type=INTEGERS, metavar="K,K,...", default="128,256", show_default=True,
         help="Harmonics of the angle to estimate."),
     "report": _path("report", "Write a report: HTML, or PDF if PATH ends in .pdf.",
-        "out", "output", "html", "pdf", "save"),
+        "out", "output", "o", "html", "pdf", "save"),
     "plot": _path("plot", "Write the figure: .png, .svg or .pdf; with {channel} in PATH one file a channel.",
         "figure", "png", "svg"),
     "json": _path("json", "Write all results as JSON; - is standard output."),
@@ -197,7 +215,8 @@ OPTIONS: dict[str, Decorator] = {
     "coefficients": click.option("--coefficients", "--table", "coefficients", metavar="PATH", type=click.Path(),
         help="Write coefficients and values read off the curve as CSV; - is standard output."),
     "limits file": click.option("--limits", metavar="TOML", type=click.Path(),
-        help="Check the coefficients against the limits in this file; exit code 4 if one is exceeded."),
+        help="Check the coefficients against the limits in this file, or 'N < 0.15 deg/sqrt(h), B < 3 deg/h'; "
+        "exit code 4 if one is exceeded."),
     "strict": click.option("--strict", is_flag=True,
         help="Exit with code 3 if a channel has no result, or no model explains its noise."),
     "lang": click.option("--lang", metavar="LANG", default=ENGLISH,

@@ -4,10 +4,11 @@ from typing import Any
 
 import click
 
+from .helping import command
 from .options import options
 
 
-@click.command()
+@command()
 @options(
     click.argument("files", nargs=-1, type=click.Path(), metavar="[FILE]..."),
     click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N",

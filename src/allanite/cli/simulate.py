@@ -14,6 +14,7 @@ from allanite.study.settings import LengthChoices, NoiseChoices
 
 from .deliver import Extra, deliver, demand_recording, outputs, progress
 from .front import DATA
+from .helping import command
 from .options import SHOWN, options
 from .streams import show
 
@@ -157,7 +158,7 @@ CHANNEL_NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
 """First letters of the channels' names."""
 
 
-@click.command()
+@command()
 @options(
     click.argument("out", type=click.Path()),
     "model", "sensor", "datasheet", "simulated rate", "duration", "samples", "simulated channels", "seed",
@@ -257,7 +258,7 @@ WRITTEN = {"report": "page.html", "json": "paper.json"}
 """Files of the comparison: option -> name."""
 
 
-@click.command()
+@command()
 @options(
     click.argument("paper", required=False),
     click.argument("folder", required=False, default=".", type=click.Path(file_okay=False)),

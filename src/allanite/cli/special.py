@@ -16,6 +16,7 @@ from allanite.applications.choices import (
 from allanite.core.errors import UnitError, UsageError
 
 from .deliver import Extra, Outputs, carry_out, demand_recording, given, outputs, recipe_of, rendered, settings_of
+from .helping import command
 from .options import IDENTIFYING, NUMBERS, RECORDING, RESULTS, options
 from .streams import complain
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from allanite.exporting.thermal import ThermalTarget
 
 
-@click.command()
+@command()
 @options(
     "file",
     *RECORDING,
@@ -48,7 +49,7 @@ if TYPE_CHECKING:
     click.option("--rates", metavar="PATH", type=click.Path(), help="Write the rates as a recording: .csv, .npz, ..."),
     *RESULTS,
 )  # fmt: skip
-def budget(file: str, **choices: Any) -> None:
+def quantization(file: str, **choices: Any) -> None:
     """Estimate the noise added by quantization.
 
     Compares each stage of the signal path of FILE with the recorded noise. A current (--unit A), a voltage or codes
@@ -70,7 +71,7 @@ def budget(file: str, **choices: Any) -> None:
     carry_out(lambda tell: budget_file(file, recipe_of(choices), settings, progress=tell), out, extra)
 
 
-@click.command()
+@command()
 @options(
     "file", *RECORDING, "regressors", "derivative_of", "degree", "lags", "trend", "every", "smooth", "blocks", "least",
     "split_gaps", "beside", "interpolate", "use",
@@ -144,7 +145,7 @@ USUAL_DURATION_S = 3600.0
 """Horizon without a recording, s."""
 
 
-@click.command()
+@command()
 @options(
     "optional file",
     *RECORDING,
@@ -212,7 +213,7 @@ def _design(choices: dict[str, Any]) -> "VerticalDesign":
     return design(optimum, bias=biases(*bias)[0], scenarios=choices["scenarios"], rate=rate, seed=seed)
 
 
-@click.command()
+@command()
 @options(
     "file", *RECORDING, "interval", "methods", "target",
     "noise", "latitude", "reference rate", "known bias", "horizontal",

@@ -219,11 +219,8 @@ def common_band(
 
 def demand_one_kind(records: Sequence[Record]) -> None:
     """Make sure that records are of one kind of sensor."""
-    signals = {record.signal.name: record.name for record in records}
-    if len(signals) > 1:
-        kinds = (
-            say("{sensor} ({name})", sensor=sensor, name=name) if name else sensor for sensor, name in signals.items()
-        )
+    kinds = dict.fromkeys(record.signal.name for record in records)
+    if len(kinds) > 1:
         raise DataError(
             say(
                 "only sensors of one type can be compared, not {kinds}; select channels of one type with {option}",

@@ -181,6 +181,10 @@ def _instant(text: Any) -> float:
 
 
 NUMBER = ChoiceKind("float", _parsed(float), _demand_number, control="number", form=A_NUMBER)
+HERTZ = ChoiceKind(
+    "float", lambda v: NUMBER.read(re.sub(r"\s*Hz$", "", v, flags=re.I) if isinstance(v, str) else v), _demand_number,
+    control="number", form=A_NUMBER,
+)  # fmt: skip
 INTEGER = ChoiceKind("integer", _parsed(int), _demand_number, control="number", form=AN_INTEGER)
 PERCENT = ChoiceKind(
     "float", lambda v: NUMBER.read(v) / (100 if isinstance(v, str) else 1), write=lambda v: f"{100 * v:.12g}",
@@ -234,7 +238,8 @@ def _span(value: Any) -> Any:
     except (UsageError, TypeError, ValueError):
         low, high = 0.0, 0.0
     if not 0 < low < high < math.inf:
-        raise UsageError(f"expected {_SPAN}, not {given(value)}")
+        form = "the shorter averaging time first, as in 1,1000" if 0 < high < low else _SPAN
+        raise UsageError(f"expected {form}, not {given(value)}")
     return low, high
 
 
@@ -276,6 +281,7 @@ class ChoiceRow:
     parts: tuple[Any, ...] | None = None
     # other names of the option by which it is asked for; they are suggested, not taken
     synonyms: tuple[str, ...] = ()
+    unlike: tuple[str, ...] = ()  # those of them whose values are of another unit: they are not put in its place
     # what a value must be beyond its kind: returns the value as it is kept, or raises UsageError
     demand: Callable[[Any], Any] | None = None
     # name, default: those of the field

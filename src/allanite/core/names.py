@@ -35,34 +35,48 @@ def _plain(name: str) -> str:
 
 
 def unknown(
-    what: str, name: object, known: Iterable[str], *, where: str = "", choice: str = "", listed: bool = True
+    what: str,
+    name: object,
+    known: Iterable[str],
+    *,
+    where: str = "",
+    choice: str = "",
+    lister: str = "",
+    listed: bool = True,
 ) -> UsageError:
     """The error of an unknown name of `what`, such as a statistic: the name that may be meant, and the known ones.
 
+    Of many names a `lister`, a command, is named instead, or the first are.
+
     >>> str(unknown("statistic", "oadv", ["adev", "oadev"]))
     "unknown statistic 'oadv'; did you mean oadev? Known statistics: adev, oadev"
+    >>> str(unknown("target", "xyz", ["px4"], lister="allanite explain"))
+    "unknown target 'xyz'; 'allanite explain' lists them"
     """
     meant, names = nearest(name, known), list(known)
     words = f"unknown {what} {given(name)}{where}" + (f"; did you mean {meant}?" if meant else "")
-    if listed and (not meant or len(names) <= LISTED):
-        words += f"{' Known' if meant else '; known'} {what}s: " + ", ".join(names)
+    if lister:
+        words += "" if meant else f"; '{lister}' lists them"
+    elif listed and (not meant or len(names) <= LISTED):
+        words += f"{' Known' if meant else '; known'} {what}s: " + ", ".join(names[:LISTED])
+        words += f" and {len(names) - LISTED} more" if len(names) > LISTED else ""
     return UsageError(words, choice=choice, cure=(str(name), meant) if meant else ("", ""))
 
 
-def demand_name(what: str, name: object, known: Iterable[str], *, where: str = "", choice: str = "") -> None:
-    """Refuse a name that is not known; see `unknown`."""
+def demand_name(what: str, name: object, known: Iterable[str], **form: Any) -> None:
+    """Refuse a name that is not known; `form` is that of `unknown`."""
     inside = known if isinstance(known, Container) else list(known)
     if not isinstance(name, Hashable) or name not in inside:
-        raise unknown(what, name, known, where=where, choice=choice)
+        raise unknown(what, name, known, **form)
 
 
-def row_of(what: str, name: Any, table: Mapping[str, Row], *, where: str = "", choice: str = "") -> Row:
+def row_of(what: str, name: Any, table: Mapping[str, Row], **form: Any) -> Row:
     """The row of a name; an unknown one is refused as by `demand_name`."""
-    demand_name(what, name, table, where=where, choice=choice)
+    demand_name(what, name, table, **form)
     return table[name]
 
 
-def row_alike(what: str, name: Any, table: Mapping[str, Row]) -> Row:
+def row_alike(what: str, name: Any, table: Mapping[str, Row], **form: Any) -> Row:
     """The row of a name in which upper case, hyphens, underscores and spaces do not matter; or refused as by `row_of`.
 
     >>> row_alike("target", "LIO_SAM", {"lio-sam": 1})
@@ -70,7 +84,7 @@ def row_alike(what: str, name: Any, table: Mapping[str, Row]) -> Row:
     """
     if isinstance(name, str) and name not in table:
         name = next((known for known in table if _plain(known) == _plain(name)), name)
-    return row_of(what, name, table)
+    return row_of(what, name, table, **form)
 
 
 def told_apart(paths: Sequence[str]) -> tuple[str, ...]:

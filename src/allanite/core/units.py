@@ -228,8 +228,9 @@ def unit_of(text: str) -> Unit:
             raise ValueError(text)
     except (ValueError, ZeroDivisionError, OverflowError, RecursionError):
         rooted = bool(re.search("rt|root|√", text))  # a density is never meant by a rate, nor the other way round
-        meant = nearest(text[:MAX_LETTERS], [unit for unit in USUAL if ("sqrt" in unit) == rooted])
-        words = f"did you mean {meant}?" if meant else f"units are written as {', '.join(USUAL)}"
+        alike = [unit for unit in USUAL if ("sqrt" in unit) == rooted]
+        meant = nearest(text[:MAX_LETTERS], alike)
+        words = f"did you mean {meant}?" if meant else f"units are written as {', '.join(alike)}"
         raise UnitError(f"unknown unit {given(text)}; {words}", cure=(text, meant) if meant else ("", "")) from None
     return unit
 

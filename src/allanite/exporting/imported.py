@@ -52,6 +52,8 @@ def _described(text: str) -> tuple[Model, ...]:
 
 def _single(text: str) -> Model:
     quantities = split_quantities(text.split())
+    if len(quantities) == 1 and not quantities[0][1]:
+        raise UsageError(f"{text!r} has no unit: put both into one pair of quotes, as in '0.66 deg/sqrt(h)'")
     if len(quantities) != 1 or not quantities[0][1]:
         raise UsageError(f"a value has the form '0.66 deg/sqrt(h)', a model 'N 0.66 deg/sqrt(h), K ...', not {text!r}")
     (value, unit), factor = quantities[0], unit_of(quantities[0][1])

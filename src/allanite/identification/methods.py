@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
-from allanite.core.names import unknown
+from allanite.core.names import nearest, unknown
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.statistics.row import Statistic
@@ -86,7 +86,7 @@ METHODS: dict[str, Method] = {
     "slopes": Method(
         say("lines of the textbook slopes on the Allan deviation (for comparison)"), Curve, slopes,
         efficiency=say("1.85 to 65100 times the Cramer-Rao bound"),
-        statistic="oadev", taus="octave", reads=lambda row: row.allan,
+        statistic="oadev", taus="octave", reads=lambda row: row.allan, synonyms=("allan", "avar", "lines"),
     ),
 }  # fmt: skip
 
@@ -107,7 +107,11 @@ def symbols_of(terms: str | Sequence[str]) -> tuple[str, ...]:
     while rest := rest.lstrip(", "):
         symbol = next(filter(rest.startswith, known), None)
         if symbol is None:
-            raise unknown("term", rest.split(",")[0].strip(), TERMS, choice="terms")
+            names = [name.strip() for name in rest.split(",")]
+            error = unknown("term", names[0], TERMS, choice="terms")
+            if error.cure[1]:  # with the others that follow it
+                error.cure = ",".join(names), ",".join(n if n in TERMS else nearest(n, TERMS) or n for n in names)
+            raise error
         again = symbol in symbols and TERMS[symbol].second
         symbols, rest = (*symbols, again or symbol), rest[len(symbol) :]
     if len(set(symbols)) < len(symbols) or all(TERMS[s].waveform is not None for s in symbols):

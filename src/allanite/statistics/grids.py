@@ -63,8 +63,7 @@ def _demand_times(asked: FloatArray, row: Statistic, size: int, rate: float) -> 
     if longest and outside.size:
         raise UsageError(
             f"averaging times of {row.name} are above 0 s and up to {longest:g} s for a record of {size / rate:g} s, "
-            f"not {', '.join(f'{tau:g} s' for tau in outside[:3])}; give numbers of samples with "
-            f"{spelled('--m', 'm=...')}",
+            f"not {', '.join(f'{tau:g} s' for tau in outside[:3])}; {spelled('--m', 'm')} takes numbers of samples",
             choice="taus",
         )
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from allanite.core.choices import (
     BAND,
+    HERTZ,
     INSTANT,
     LINES,
     RANGES,
@@ -118,7 +119,7 @@ class Recipe:
     rate: float | None = choice(
         "HZ", "Sampling rate; overrides the file.", group="reading",
         synonyms=("samplerate", "sampling rate", "sampling frequency", "frequency", "hz", "odr"),
-        flags=("--rate", "--fs"), demand=_stated("rate"))
+        flags=("--rate", "--fs"), kind=HERTZ, demand=_stated("rate"))
     unit: str | Mapping[str, str] | None = choice(
         "UNIT", "Unit of the samples: deg/s, rad/s, arcsec, g, m/s^2, ...; by sensor or column: gyro=deg/s,accel=g.",
         kind=ChoiceKind("unit", _unit, lambda name, value: _unit(

@@ -67,7 +67,8 @@ class DensityChoices:
     estimator: str = choice("NAME", "Estimator: welch or multitaper.", default="welch")
     sides: str = choice("NAME", "One- or two-sided power spectral density.", default="one")
     bins: int | None = choice("", "Values per decade; 0 keeps all frequencies.", default=20)
-    segment: float | None = choice("TIME", "Length of Welch's segments.", kind=INSTANT, told="an eighth of the record")
+    segment: float | None = choice("TIME", "Length of Welch's segments.", kind=INSTANT, told="an eighth of the record",
+                                   synonyms=("nperseg", "nfft"), unlike=("nperseg", "nfft"))
     window: str | None = choice("NAME", "Window of the Welch estimator.", told="hann")
     bandwidth: float | None = choice("NW", "Time-half-bandwidth product NW of the tapers.", told="4")
     tapers: int | None = choice("K", "Number of tapers.", told="2 NW - 3")

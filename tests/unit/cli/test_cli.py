@@ -5,8 +5,11 @@ import io
 import json
 import os
 import re
+import shlex
+import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import click
@@ -172,6 +175,20 @@ def test_help_and_its_summaries():
         summary = command.help.partition("\n")[0]
         assert len(summary) <= 58, words
         assert command.get_short_help_str(60) == summary, words
+    # of many options twelve are shown, all on demand; the examples have options that there are
+    examples = tomllib.loads((ROOT / "src" / "allanite" / "cli" / "examples.toml").read_text("utf-8"))
+    for (verb,), command in (row for row in commands() if len(row[0]) == 1 and row[0] != ("angle",)):
+        every = {name for param in command.params for name in param.opts} | {"--help"}
+        first, whole = (set(re.findall(r"^  (?:-\w, )?(--[a-z-]+)", run(verb, "--help", *more).stdout, re.MULTILINE))
+                        for more in ((), ("all",)))  # fmt: skip
+        first, whole = first & every, whole & every
+        assert len(first) <= 15, verb
+        assert whole > first or whole == first, verb
+        assert len(examples[verb]) == 3, verb
+        for line in examples[verb]:
+            words = shlex.split(line)
+            assert words[0] == verb
+            assert {w for w in words if re.match("--?[a-z]", w)} <= every, line
     # each option is declared in one file
     declared = {}
     for path in sorted((ROOT / "src" / "allanite" / "cli").glob("*.py")):
@@ -280,3 +297,21 @@ def test_a_negative_square_is_explained():
     assert re.search(r" R +rate ramp +-46\.46 +°/h² +negative", result.stdout)
     assert "negative: the estimated square of the coefficient is negative" in result.stdout
     assert "negative:" not in run("analyze", sample, "--channels", "gy").stdout
+
+
+@pytest.mark.slow("runs a batch")
+def test_other_spellings_of_verbs(file, tmp_path):
+    """A verb called by an old name, or by an option of another one."""
+    folder = tmp_path / "units"
+    folder.mkdir()
+    shutil.copy(file, folder)
+    for ways in (
+        (("deviation", file, "--channels", "x", "--window", 30), ("dynamic", file, "--channels", "x", "--window", 30)),
+        (("budget", "--help"), ("quantization", "--help")),
+        (("plan", "--verify", "--help"), ("selfcheck", "--help")),
+        (("analyze", folder, "--out", "r", "--help"), ("batch", folder, "--out", "r", "--help")),
+    ):
+        one, other = (run(*words).stdout.split("\n")[1:-2] for words in ways)
+        assert one == other != []
+    assert run("analyze", folder, "--out", tmp_path / "r", "--channels", "x", "--workers", 1).exit_code == 0
+    assert run("analyze", tmp_path / "r").stdout == run("lot", tmp_path / "r").stdout != ""

@@ -153,7 +153,7 @@ def test_the_span_may_be_omitted(words, span):
 
 @rows(
     ("target", "cover", "wrong"),
-    [("kalibr", "5,1", "expected two averaging times in s"), ("kalibr", (0, 3), "two averaging times"),
+    [("kalibr", "5,1", "the shorter averaging time first"), ("kalibr", (0, 3), "two averaging times"),
      ("kalibr", "always", "two averaging times"), ("statespace", True, "takes the whole model"),
      ("ros-imu", (1, 10), "only white noise")],
 )  # fmt: skip

@@ -276,7 +276,7 @@ def test_the_other_sensor_as_a_model_and_json(files):
     (("export", "absent.json", "--to", "kalibr"), 3, "absent.json: No such file or directory"),
     (("convert", "0.66 parsec", "--to", "kalibr"), 2, "unknown unit 'parsec'"),
     (("convert", "0.66 m", "--to", "kalibr"), 2, "'m' is not a unit of a noise coefficient"),
-    (("convert", "0.66", "--to", "kalibr"), 2, "a value has the form '0.66 deg/sqrt(h)'"),
+    (("convert", "0.66", "--to", "kalibr"), 2, "one pair of quotes, as in '0.66 deg/sqrt(h)'"),
     (("convert", "0.66 deg/sqrt(h)", "--to", "vins-mono"), 2, "needs the sampling rate: --rate HZ"),
     (("convert", "--from", "kalibr", "{gyro}"), 3, "has none of the fields of kalibr: gyroscope_noise_density"),
     (("convert", "--from", "datasheet", "{gyro}"), 2, "datasheet cannot be read back"),

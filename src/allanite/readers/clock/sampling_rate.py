@@ -223,21 +223,15 @@ def _notes(
 
 def _ask() -> str:
     return spelled(
-        say("give it in Hz with --rate HZ, or name the column of time stamps: --time 'stamp[us]'"),
-        say("give it in Hz with rate=100, or name the column of time stamps: time='stamp[us]'"),
+        say("pass --rate HZ, or --time COLUMN"),
+        say("pass rate=100 (in Hz), or time='stamp[us]'"),
     )
 
 
 def _rows() -> str:
     return spelled(
-        say(
-            "pass --rate to treat the rows as evenly spaced in the order of the file, with --from and --until to "
-            "exclude the place"
-        ),
-        say(
-            "pass rate=... to treat the rows as evenly spaced in the order of the file, and trim the recording to "
-            "exclude the place"
-        ),
+        say("pass --rate HZ if the rows are evenly spaced, exclude the place with --from and --until"),
+        say("pass rate=... if the rows are evenly spaced, exclude the place with start and end"),
     )
 
 

@@ -26,6 +26,10 @@ FEWEST_STAMPS = 10
 """Rows from which on it is known what the usual interval is."""
 
 
+UNORDERED = 0.3
+"""Share of steps that are negative, above which a column is no clock."""
+
+
 @np.errstate(all="ignore")  # of stamps that no clock counts
 def mended(stamps: NDArray[Any], known: int = 0) -> tuple[NDArray[Any], Places]:
     """The stamps with damaged ones set by their neighbours, and the rows of these; the `known` first are sound."""
@@ -158,6 +162,8 @@ def _reversed(stamps: Stamps) -> SampleGrid:
         "{step}",
         column=stamps.label, row=first + 2, step=duration(-float(stamps.steps[first])),
     )  # fmt: skip
+    if back.all():
+        what = say("the rows are in reverse order by the time stamps of {column}", column=stamps.label)
     order = np.argsort(stamps.elapsed, kind="stable")
     ordered = Stamps(stamps.elapsed[order] - stamps.elapsed[order[0]], stamps.label)
     grid = None if ordered.steps.min() < 0.3 * float(np.median(ordered.steps)) else _forward(ordered)
@@ -170,6 +176,8 @@ def _reversed(stamps: Stamps) -> SampleGrid:
     if stamps.mean > 0 and -stamps.steps.min() < 10 * stamps.mean and np.abs(stamps.departure).max() < 20:
         return SampleGrid(stamps.mean, findings=(finding("reversed time stamps", what),))
     why = say("{what}: a clock that was set, two recordings in one file, or rows out of order", what=what)
+    if back.mean() > UNORDERED:
+        why = say("{column} is a signal, not time", column=stamps.label)
     return SampleGrid(findings=(finding("reversed time stamps", why),), trouble=why)
 
 

@@ -12,7 +12,7 @@ from allanite.phrases.phrase import say, spelled
 from allanite.readers.clock.clocks import ClockSources, addressed, likely_unit, readings
 
 from . import headers
-from .column import FileColumn, some
+from .column import FileColumn
 
 RATES: tuple[str, ...] = ("g", "m/s^2", "mg", "mm/s^2")
 INCREMENTS: tuple[str, ...] = ("g*s", "m/s")
@@ -26,6 +26,13 @@ NAMED = 0.25
 
 UNNAMED = 0.05
 """The same for columns that nothing but their length makes accelerometers."""
+
+
+SHOWN = 16
+"""Columns of an overview."""
+
+SLOW = 0.1
+"""Share of the standard deviation below which steps are those of a slow quantity."""
 
 
 class Proposal(NamedTuple):
@@ -96,6 +103,30 @@ def _unnamed(columns: Sequence[FileColumn]) -> Proposal:
     return _stated(",".join([*(f"{column.position}={unit}" for column in three), *others]), why)
 
 
+def overview(columns: Sequence[FileColumn], unsaid: Sequence[FileColumn], rising: Sequence[FileColumn]) -> str:
+    """A line for each column: its mean, its standard deviation, and what its numbers look like."""
+    likely = {column.position: _paced(column) for column in rising}
+    for three in (unsaid[i : i + 3] for i in range(0, len(unsaid), 3)):
+        unit = _weighed(three, RATES, 1.0, UNNAMED)[0]
+        likely |= {c.position: f"gravity in {unit}" for c in three if unit}
+    head = "column", "mean", "std", "looks like"
+    lines = [("", *head), *(("", c.name, *_sized(c, likely.get(c.position, ""))) for c in columns[:SHOWN])]
+    return "".join("\n{:2}{:<16}{:>11}  {:>10}  {}".format(*line).rstrip() for line in lines)
+
+
+def _paced(column: FileColumn) -> str:
+    rate = dict(readings(column.values)).get(unit := likely_unit(column))
+    return f"a clock of {rate:.6g} Hz in {unit}" if rate else "a clock or a counter"
+
+
+def _sized(column: FileColumn, likely: str) -> tuple[str, str, str]:
+    with np.errstate(all="ignore"):
+        values = np.asarray(column.values, dtype=np.float64)
+        mean, spread, step = float(np.mean(values)), float(np.std(values)), float(np.std(np.diff(values)))
+    slow = "slow, such as a temperature" if step < SLOW * spread else ""
+    return f"{mean:.4g}", f"{spread:.3g}", likely or (slow if spread else "constant")
+
+
 def _stated(unit: str, why: str = "", *, kind: str = "") -> Proposal:
     words = spelled("--unit ", "unit=") + f"'{unit}'"
     return Proposal(words + (spelled(f" --kind {kind}", f", kind={kind!r}") if kind else ""), (why,) if why else ())
@@ -113,6 +144,4 @@ def _weighed(columns: Sequence[FileColumn], known: Sequence[str], rate: float, s
     unit = min(off, key=lambda unit: off[unit])
     if off[unit] > math.log1p(share) or (whole and any(abs(length / count - 1) < UNNAMED for count in COUNTS)):
         return "", ""
-    names = some([repr(column.header or column.name) for column in columns])
-    what = say("the mean of {columns} has the length of gravity in {unit}", columns=names, unit=unit)
-    return unit, say("{what} ({length:.4g})", what=what, length=length * rate)
+    return unit, say("the mean has the length of gravity in {unit} ({length:.4g})", unit=unit, length=length * rate)

@@ -22,7 +22,7 @@ from allanite.readers.clock import clocks
 from allanite.readers.clock import sampling_rate as clock
 from allanite.readers.options import Options
 
-from . import channels, conventions, proposal, resolver, sensors, shapes, stated
+from . import channels, conventions, headers, proposal, resolver, sensors, shapes, stated
 from .arrays import RATE_NAMES
 from .column import FileColumn, unique
 
@@ -122,18 +122,30 @@ class Sense:
         if questions:
             asked, why = self._proposed(beat)
             omitted = self.choice.omitted if beat.questions or not self.choice.unsaid else ()
-            raise UsageError(
-                "; ".join((*questions, *why, *omitted)), choice="rate" if beat.questions else "unit", cure=asked
+            table, unsaid = "", self.choice.unsaid
+            told = any(
+                headers.is_raw(c.header) or (not beat.questions and headers.sensor_by_name(c.name)) for c in unsaid
             )
+            if unsaid and not told:
+                why, omitted = (), ()
+                numbers = [c for c in self.columns if not c.text and c is not self.sources.stamps]
+                table = proposal.overview(numbers, unsaid, self._rising)
+            raise UsageError(
+                "; ".join((*questions, *why, *omitted)) + table, choice="rate" if beat.questions else "unit", cure=asked
+            )
+
+    @property
+    def _rising(self) -> list[FileColumn]:
+        """Columns that rise as time stamps do, and are not used."""
+        free = [column for column in self.columns if column not in [signal.column for signal in self.signals]]
+        return [c for c in free if self.options.time is None and channels.climbs(c, self.options, self.columns)]
 
     def _proposed(self, beat: clock.Beat) -> tuple[Cure, tuple[str, ...]]:
         """What to type about the clock and the columns without a unit, and why."""
         given, unsaid = self.options.unit, self.choice.unsaid
         if given and unsaid:
             return (given, channels.unit_meant(given) or UNIT), ()
-        free = [column for column in self.columns if column not in [signal.column for signal in self.signals]]
-        rising = [c for c in free if self.options.time is None and channels.climbs(c, self.options, self.columns)]
-        proposals = [proposal.clock(rising, self.sources)] if beat.questions else []
+        proposals = [proposal.clock(self._rising, self.sources)] if beat.questions else []
         proposals += [proposal.units(unsaid, proposals[0].rate if proposals else beat.rate)] if unsaid else []
         return ("", " ".join(proposed.words for proposed in proposals)), tuple(
             why for proposed in proposals for why in proposed.why

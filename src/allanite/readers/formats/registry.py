@@ -194,14 +194,23 @@ def candidates() -> Iterator[Format | ReaderPlugin]:
     yield READERS["text"]
 
 
+FOREIGN = {
+    b"%PDF": "a PDF", b"\x89PNG": "a picture", b"\xff\xd8\xff": "a picture", b"GIF8": "a picture",
+    b"<!DOCTYPE": "a web page", b"<html": "a web page", b"\x7fELF": "a program",
+}  # fmt: skip
+"""Files that are given by mistake, by how they begin."""
+
+
 def reader_for(head: bytes, suffix: str) -> FormatReader:
     """The first reader that recognizes the first bytes or the suffix of the file."""
-    for candidate in candidates():
+    what = next((words for start, words in FOREIGN.items() if head.startswith(start)), "")
+    for candidate in () if what else candidates():
         if candidate.sniff(head, suffix):
             return candidate.reader(head)
-    titles = "; ".join(candidate.TITLE for candidate in candidates())
-    raise DataError(f"unknown file format (the file begins with {head[:8]!r}); readable formats: {titles}; and any of "
-                    "these in a .zip, .gz, .bz2 or .xz")  # fmt: skip
+    first = f"{what}, not a recording" if what else f"unknown file format (the file begins with {head[:8]!r})"
+    others = "".join(f"{candidate.TITLE}, " for candidate in added())
+    raise DataError(f"{first}; readable are text or CSV with a column for each channel, {others}.npy, .mat, .h5, "
+                    ".parquet, .bag, .mcap, .ulg, .bin and others (see docs/files.md)")  # fmt: skip
 
 
 def readable(head: bytes, suffix: str) -> bool:

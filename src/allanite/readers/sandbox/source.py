@@ -53,7 +53,9 @@ def checked(path: Any) -> tuple[str, str]:
     try:
         mode = os.stat(name)
     except FileNotFoundError:
-        raise DataError(f"{name}: no such file; check the name and the folder") from None
+        remote = re.match(r"\w+://", name)
+        advice = "this is an address: download it first" if remote else "no such file; check the name and the folder"
+        raise DataError(f"{name}: {advice}") from None
     except (OSError, ValueError) as error:
         raise DataError(
             f"{given(name)}: the file cannot be accessed ({reason(error)}); check the name and your permissions"

@@ -91,6 +91,7 @@ _OWN = {
     "Export": "export.export_view",
     "Imported": "export.imported_view",
     "Explanation": "export.explanation_view",
+    "Word": "export.word_view",
     "DataSheet": "datasheet.sheet_view",
     "SheetComparison": "datasheet.comparison_view",
     "Simulation": "expectation.simulation_view",

@@ -9,8 +9,7 @@ from allanite.core.fit import Fit
 from allanite.core.model import model_of
 from allanite.core.syntax import toml
 from allanite.core.units import convert
-from allanite.interpretation.device import REFERENCES
-from allanite.interpretation.devices import DEVICES
+from allanite.interpretation.devices import DEVICES, REFERENCES
 from allanite.interpretation.sentences import Meaning, meaning
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words

@@ -14,6 +14,7 @@ from allanite.exporting.exports import EXPORTS, TEMPERATURE, row_of_file
 from allanite.exporting.fields import How
 from allanite.exporting.imported import Explanation, Imported
 from allanite.exporting.target import ACCELEROMETER, GYRO, Target
+from allanite.interpretation.glossary import Word, words
 from allanite.phrases.phrase import Phrase, join, say
 from allanite.planning.datasheets import DATASHEETS
 from allanite.reporting import figures
@@ -176,11 +177,13 @@ def imported_view(value: Imported, _: float) -> Face:
 
 def _tables() -> dict[str, dict[str, str]]:
     """The names of every table, those of plug-ins among them, and what they are."""
+    rest = {*TERMS, *STATISTICS}
     return {
         say("targets"): {name: row.title for name, row in EXPORTS.items()},
         say("temperature parameters"): {row.name: row.title for row in TEMPERATURE.values()},
         say("statistics"): {name: row.title for name, row in STATISTICS.items()},
         say("noise terms"): {symbol: row.title for symbol, row in TERMS.items()},
+        say("words"): {name: row.meaning for name, row in words().items() if rest.isdisjoint(row.synonyms)},
         say("data sheets"): {name: row.document for name, row in DATASHEETS.items()},
     }
 
@@ -192,7 +195,7 @@ def first_of_explanation(value: Explanation, level: float) -> First:
         return replace(condensed(explanation_view.face(value, level)), remarks=notes)
     lines = [say("{table}: {names}", table=title, names=", ".join(rows)) for title, rows in _tables().items()]
     after = (
-        ("allanite explain NAME", say("fields of a target, degrees of freedom of a statistic, or a data sheet")),
+        ("allanite explain NAME", say("what one of them means; abbreviations too")),
         DETAILS,
     )
     return First(say("targets, statistics, noise terms and data sheets"), "", lines, after=after)
@@ -222,3 +225,23 @@ def explanation_view(value: Explanation, _: float) -> Face:
         )
     parts += [*_noted(row, row.notes), Note(say("source: {source}", source=row.source), "quiet")]
     return one_sheet(row.title, BRAND, row.title, parts)
+
+
+def _worded(value: Word) -> Table:
+    """The formula, the example and the related words."""
+    rows = [(say("formula"), value.formula), (say("example"), value.example), (say("see also"), ", ".join(value.see))]
+    return Table((Column("", "name"), Column("", "text")), [row for row in rows if row[1]])
+
+
+def first_of_word(value: Word, _: float) -> First:
+    """What a word means, a formula and an example."""
+    return First(value.name, ", ".join(value.synonyms[:4]), [value.meaning, _worded(value)], after=())
+
+
+@view(first=first_of_word)
+def word_view(value: Word, _: float) -> Face:
+    """The same as a page."""
+    about = (", ".join(value.synonyms),) if value.synonyms else ()
+    return one_sheet(
+        value.name, say("words of the field"), value.name, (Note(value.meaning), _worded(value)), about=about
+    )

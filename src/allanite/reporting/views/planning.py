@@ -9,6 +9,7 @@ import numpy as np
 from allanite.core.curve import Curve
 from allanite.core.fit import Fit
 from allanite.core.model import Model
+from allanite.interpretation.glossary import named_words
 from allanite.phrases.phrase import join, say, say_count
 from allanite.planning.bound import Bound, name_of, parameter_title
 from allanite.planning.plan import Properties, RecordingPlan
@@ -229,7 +230,7 @@ FREEDOM = say("equivalent degrees of freedom")
 EXACT = say("exact for each noise alone; the relative standard deviation of the variance is sqrt(2 / edf)")
 
 
-MAX_TIMES = 10
+MAX_TIMES = 8
 """Averaging times of a first screen."""
 
 
@@ -241,9 +242,10 @@ def first_of_properties(value: Properties, _: float) -> First:
     heads = (Column("tau", form=".6g"), *(Column(symbol, form=".4g") for symbol in value.symbols))
     kept = [rows[i] for i in spread(len(rows), MAX_TIMES)]
     table = Table(heads, [[row[1], *row[2 + terms :]] for row in kept])
-    title = say("{statistic}: a record of {n} samples", statistic=statistic_named(value.statistic).title, n=value.size)
-    answer: list[Answer] = [say("{what}, by tau in sampling intervals:", what=FREEDOM), table, span]
-    return First(title, "", answer, after=[DETAILS])
+    word = named_words().get(value.statistic)
+    sample = say("{what}, {n} samples, by tau in sampling intervals:", what=FREEDOM, n=value.size)
+    answer: list[Answer] = [*([word.meaning, word.formula] if word else ()), sample, table, span]
+    return First(statistic_named(value.statistic).title, "", answer, after=[DETAILS])
 
 
 def _ratio(value: Properties) -> str:
