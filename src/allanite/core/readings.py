@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any, NamedTuple
 
-from allanite.phrases.phrase import Phrase, say
+from allanite.phrases.phrase import Phrase, averaging, join, say
 from allanite.terms import TERMS, WHITE
 
+from .digits import Digits, digits
 from .display_units import shown_unit
 from .encoding import finite, plain
 from .estimate import Estimate
@@ -92,6 +93,9 @@ MINIMUM = "minimum"
 IN_RUN = say("in-run bias stability")
 """What data sheets of inertial sensors call it."""
 
+FALLING, FALLING_SIGN = say("still falling"), "↓"
+"""Stand beside a minimum that is the last point of its curve: a longer record may have a lower one."""
+
 
 def minimum_title(signal: Signal) -> str:
     """What the minimum of the Allan deviation is called: data sheets of inertial sensors have a name for it."""
@@ -127,6 +131,27 @@ class Readings(Value):
         """The unit in which signal x time^power is shown."""
         return shown_unit(self.signal, power, self.wanted)
 
+    def lowest(self, level: float = 0.95) -> Digits | None:
+        """The minimum, rounded with its interval, in the unit that is shown; None where there is none."""
+        if self.minimum is None:
+            return None
+        factor = convert(1.0, self.unit, self.shown_unit(0))
+        return digits(self.minimum.deviation * factor, *(limit * factor for limit in self.minimum.interval(level)))
+
+    def lowest_cell(self, level: float = 0.95) -> str:
+        """The same as the cell of a table: ``1.23 (0.87 .. 2.10) ↓``."""
+        lowest = self.lowest(level)
+        return "" if lowest is None else lowest.words() + (f" {FALLING_SIGN}" if not self.inside else "")
+
+    def lowest_words(self, level: float = 0.95, *, pretty: bool = False) -> str:
+        """The same in a sentence: ``1.23 (0.87 .. 2.10) deg/h at 5.7 min, still falling``."""
+        lowest = self.lowest(level)
+        if lowest is None or self.minimum is None:
+            return ""
+        size = f"{lowest.pretty() if pretty else lowest.words()} {self.shown_unit(0)}"
+        text = say("{value} at {tau}", value=size, tau=averaging(self.minimum.tau))
+        return text if self.inside else join(", ", (text, FALLING))
+
     @property
     def white(self) -> bool:
         """Whether the slope is that of white rate noise where the angle random walk is read."""
@@ -154,7 +179,7 @@ class Readings(Value):
             tau = self.minimum.tau
             inside, last = (
                 say("at {tau:.4g} s", tau=tau),
-                say("at {tau:.4g} s, the last point: an upper limit", tau=tau),
+                join(", ", (say("at {tau:.4g} s", tau=tau), FALLING)),
             )
             found.append(
                 _quantity(
@@ -319,7 +344,7 @@ def _minimum(readings: Readings | None, level: float) -> Iterator[DataSheetRow]:
     factor = convert(1.0, readings.unit, unit)
     low, high = point.interval(level)
     lowest, inertial = say("minimum of the Allan deviation"), readings.signal.inertial
-    remark = lowest if readings.inside else say("upper limit: still falling")
+    remark = lowest if readings.inside else FALLING
     name = IN_RUN if inertial else lowest
     yield DataSheetRow(
         name, point.deviation * factor, low * factor, high * factor, unit, point.tau,

@@ -254,10 +254,11 @@ def _minimum(fit: Fit, readings: Readings | None, rate: float, length: float) ->
     flicker = next((e for e in fit if TERMS[e.symbol].slope == 0 and not TERMS[e.symbol].parameters), None)
     if flicker is None:
         return
-    tau, level = readings.minimum.tau, readings.minimum.deviation
+    tau, level, lowest = readings.minimum.tau, readings.minimum.deviation, readings.lowest()
+    assert lowest is not None  # noqa: S101 - there is a minimum
     stated = say(
         "The minimum of the Allan deviation is {minimum} at {tau}; divided by 0.664 it would be a B of {flicker}",
-        minimum=_size(level, flicker, 0),
+        minimum=f"{lowest.plain()[0]} {readings.shown_unit(0)}",
         tau=averaging(tau),
         flicker=_size(level * FLICKER, flicker, 0),
     )
@@ -269,9 +270,9 @@ def _minimum(fit: Fit, readings: Readings | None, rate: float, length: float) ->
         below = _size(flicker.upper, flicker, 0)
         missing = say("flicker was not identified, B is below {limit}", limit=below)
         parts = [stated, missing]
-        lowest = least(fit.estimates, 1 / rate, length / 2)
-        if lowest is not None:  # the minimum that the other terms have together, if they have one within the record
-            size, at = _size(lowest[1], fit.estimates[0], 0), averaging(lowest[0])
+        bottom = least(fit.estimates, 1 / rate, length / 2)
+        if bottom is not None:  # the minimum that the other terms have together, if they have one within the record
+            size, at = _size(bottom[1], fit.estimates[0], 0), averaging(bottom[0])
             parts.append(say("the other terms alone make a minimum of {minimum} at {tau}", minimum=size, tau=at))
         yield _ended(join("; ", parts))
 
@@ -342,11 +343,10 @@ def _grade(readings: Readings | None) -> Iterator[str]:
     if readings is None or readings.minimum is None or readings.signal.name != "gyro":
         return
     level = readings.minimum.deviation if readings.inside else readings.minimum.interval(0.95)[1]
-    size = convert(level, readings.unit, "deg/h")
-    grade = grade_of(size)
-    facts = {"grade": grade, "scale": IN_RUN, "span": bounds_of(grade), "size": size}
+    grade = grade_of(convert(level, readings.unit, "deg/h"))
+    facts = {"grade": grade, "scale": IN_RUN, "span": bounds_of(grade), "size": readings.lowest_words()}
     if readings.inside:
-        text = say("{grade} by its {scale} ({span}: {size:.3g})", **facts)
+        text = say("{grade} by its {scale}, {size} ({span})", **facts)
     else:
-        text = say("{grade} or better by its {scale} ({span}: below {size:.3g})", **facts)
+        text = say("{grade} or better by its {scale}, {size} ({span})", **facts)
     yield join("; ", (text, say("grades are conventions, and a data sheet needs more than noise.")))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from allanite.core.choices import described
 from allanite.core.errors import AllaniteError, DataError, UsageError
+from allanite.core.readings import minimum_title
 from allanite.core.record import Record, Recording
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import join, percent, say, spelled
@@ -162,15 +163,15 @@ class Watch:
             return str(error)
         lines = []
         for channel in study:
-            record, fit, curve = channel.record, channel.fit, channel.curve
+            record, fit, read = channel.record, channel.fit, channel.readings
             words: list[str] = [say("{channel}: {duration:.4g} s", channel=record.name, duration=record.duration)]
-            if fit is None or curve is None:
+            if fit is None:
                 lines.append(join("; ", (*words, channel.refusal)))
                 continue
-            lowest, unit = int(curve.variance.argmin()), record.signal.sheet[0]
-            words.append(say("{title} {value:.3g} {unit} at {tau:.3g} s", title=curve.statistic,
-                             value=curve.to(unit).deviation[lowest], unit=unit, tau=curve.tau[lowest]))  # fmt: skip
-            words += [say("{symbol} = {value}", symbol=e.symbol, value=e.words()) for e in fit if e.claimed]
+            if read is not None and read.minimum is not None:
+                words.append(join(" ", (minimum_title(record.signal), read.lowest_words(study.recipe.level))))
+            values = [(e.symbol, e.words(level=study.recipe.level)) for e in fit if e.claimed]
+            words += [say("{symbol} = {value}", symbol=symbol, value=value) for symbol, value in values]
             why = channel.noise.rejection if channel.noise is not None else ""
             words += [why] if why else [finding.what for finding in fit.findings]
             needs = plan(fit.usable(unexplained=True), record.rate, durations=(), accuracy=self.settings.accuracy)

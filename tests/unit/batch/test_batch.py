@@ -119,11 +119,11 @@ LIMIT = al.Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).limits
 
 
 @rows(("seen", "value", "upper"), [
-    (Seen(1.0, 0.8, 1.2), "pass", "pass"), (Seen(1.9, 1.7, 2.1), "pass", "not shown"),
+    (Seen(1.0, 0.8, 1.2), "pass", "pass"), (Seen(1.9, 1.7, 2.1), "pass", "not decided"),
     (Seen(2.1, 1.9, 2.3), "fail", "fail"),
-    (Seen(1.0), "pass", "not shown"),  # a method without intervals
-    (Seen(upper=1.5), "pass", "pass"), (Seen(upper=2.5), "not shown", "not shown"),
-    (Seen(reason="not valid"), "not shown", "not shown"),
+    (Seen(1.0), "pass", "not decided"),  # a method without intervals
+    (Seen(upper=1.5), "pass", "pass"), (Seen(upper=2.5), "not decided", "not decided"),
+    (Seen(reason="not valid"), "not decided", "not decided"),
 ])  # fmt: skip
 def test_the_rule(seen, value, upper):
     sized = Seen(*(v if v is None else v * LIMIT.factor for v in seen[:4]), seen.reason)
@@ -153,10 +153,10 @@ def test_a_channel_that_is_missing_and_a_term_that_was_not_asked_for_are_not_sho
     text = '[limits]\nK = { max = "1 deg/h/sqrt(h)" }\n[channels.gx]\nN = { max = "0.15 deg/sqrt(h)" }\n'
     batch = al.analyze_files(folder / "u0.csv", al.Recipe(terms="N"), limits=spec(tmp_path, text))
     assert [(j.outcome, j.reason) for j in batch[0].judgements] == [
-        ("not shown", "'K' is not a term of this fit; its terms: N"),
-        ("not shown", "there is no channel 'gx'"),
+        ("not decided", "'K' is not a term of this fit; its terms: N"),
+        ("not decided", "there is no channel 'gx'"),
     ]
-    assert batch[0].outcome == "not shown"
+    assert batch[0].outcome == "not decided"
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -164,7 +164,7 @@ def test_a_specification_that_fits_no_channel_passes_nothing(folder, tmp_path):
     limits = spec(tmp_path, '[limits]\nN = { max = "1 m/s/sqrt(h)" }\n')
     result = run(folder / "u0.csv", "--limits", limits)
     assert result.exit_code == 0
-    assert "1 unit: 1 not shown" in result.stdout
+    assert "1 unit: 1 not decided" in result.stdout
     assert run(folder / "u0.csv", "--limits", limits, "--strict").exit_code == 3
 
 

@@ -170,10 +170,10 @@ def test_sentences():
     )
     # the grade of a gyro
     text = said(N, readings=read(1.5, 50.0))
-    assert "Tactical grade by its in-run bias stability (0.01 to 5 deg/h: 1.5); grades are conventions" in text
+    assert "in-run bias stability, 1.5 (0.0 .. 2.2) deg/h at 50 s (0.01 to 5 deg/h); grades are conventions" in text
     assert "by its angle random walk" not in text
     better = said(N, readings=read(4.0, 1800.0, inside=False))  # the upper limit counts
-    assert "Industrial grade or better by its in-run bias stability (5 to 360 deg/h: below 6)" in better
+    assert "Industrial grade or better by its in-run bias stability, 4.0 (0.0 .. 6.0) deg/h at 1800 s, still" in better
     # what is not valid says nothing
     assert said(N, K, p=1e-6) == ""
     assert "Drift" not in said(N, replace(K, status="not valid"))

@@ -26,7 +26,7 @@ def rows(content: Content) -> Iterator[tuple[str, ...]]:
         for entry in data_sheet(axis.fit, axis.readings, axis.rate or 0.0, axis.level):
             numbers = (entry.value, entry.low, entry.high)
             tau = "" if entry.tau is None else f"{entry.tau:.4g}"
-            cells = ("" if v is None else f"{v:.6g}" for v in numbers)
+            cells = ("" if v is None else f"{v:.8g}" for v in numbers)  # far more than what is shown of them
             yield (axis.label, entry.quantity, *cells, entry.unit, tau, entry.remark)
 
 

@@ -5,30 +5,31 @@ from dataclasses import replace
 from typing import Any
 
 from allanite.batch.batch import Batch, BatchUnit
-from allanite.batch.specification import FAIL, NOT_SHOWN, OUTCOMES, PASS, worst_of
+from allanite.batch.specification import OUTCOMES, worst_of
 from allanite.batch.tables import Across, power_of
 from allanite.core.fit import Fit
+from allanite.core.limits import FAIL, NOT_DECIDED
 from allanite.core.readings import MINIMUM
 from allanite.core.syntax import toml
-from allanite.core.units import Signal, convert
+from allanite.core.units import Signal
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.digits import digits, printed_unit, rounded
+from allanite.reporting.digits import printed_unit, rounded
 from allanite.reporting.first import DETAILS, FIGURES, Answer, First, Remark
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Table
 from allanite.study.results import Channel
 
 from . import Rows, view
 from .analysis import study_view
-from .channels import IN_RUN_SHORT, fit_words, names_in_order
+from .channels import IN_RUN_SHORT, first_of, fit_words, lowest_cell, names_in_order
 from .expectation import causes_of
 from .fit import definitions, terms_table
+from .jobs import OUTCOME_WORDS
 
 ALL_ROWS = 1_000_000
 """Rows of a table that has all of them in a terminal, too."""
 
-OUTCOME_WORDS = {PASS: say("pass"), FAIL: say("fail"), NOT_SHOWN: say("not shown"), "": ""}
 LOWEST = say("minimum")
 
 SPREAD = say(
@@ -48,7 +49,7 @@ def first_of_batch(batch: Batch, level: float) -> First:
     """The units side by side if they are few, else their means, spreads and worst."""
     told: Note = summary(batch)
     remarks = [Remark.of(batch.label(unit), unit.error, grave=True) for unit in batch if unit.error]
-    for outcome in (FAIL, NOT_SHOWN):
+    for outcome in (FAIL, NOT_DECIDED):
         judged = [(unit, j) for unit in batch for j in unit.judgements if j.outcome == outcome]
         remarks += [
             Remark.of(
@@ -57,6 +58,11 @@ def first_of_batch(batch: Batch, level: float) -> First:
             )
             for unit, j in judged
         ]  # fmt: skip
+    if len(batch) == 1 and batch[0].study is not None:
+        own = first_of(batch[0].study, level)
+        return replace(
+            own, verdict=join("; ", filter(None, (told.text, own.verdict))), remarks=[*remarks, *own.remarks]
+        )
     signals = {c.record.signal.name: c.record.signal for unit in batch for c in unit.channels}
     count = sum(len(unit.channels) for unit in batch)
     answer: list[Answer] = [_table(batch, signal, level) for signal in signals.values()]
@@ -86,7 +92,7 @@ def _cells(channel: Channel, symbols: Sequence[str], level: float) -> list[str]:
     """The usable coefficients of a channel, and the minimum of its curve."""
     usable = {e.symbol: e for e in channel.fit or () if e.row.usable}
     terms = [words.brief(usable[symbol], level) if symbol in usable else "-" for symbol in symbols]
-    return [*terms, lowest(channel, level)]
+    return [*terms, lowest_cell(channel, level) or "-"]
 
 
 def summary(batch: Batch) -> Note:
@@ -100,9 +106,9 @@ def summary(batch: Batch) -> Note:
     counts = {outcome: sum(unit.outcome == outcome for unit in done) for outcome in reversed(OUTCOMES)}
     parts = [join(" ", (str(count), OUTCOME_WORDS[outcome])) for outcome, count in counts.items() if count]
     parts += [say("{files} not analyzed", files=len(batch.failed))] if batch.failed else []
-    level: Any = "alert" if counts[FAIL] or batch.failed else "fair" if counts[NOT_SHOWN] else "good"
+    level: Any = "alert" if counts[FAIL] or batch.failed else "fair" if counts[NOT_DECIDED] else "good"
     named = []
-    for outcome in (outcome for outcome in (FAIL, NOT_SHOWN) if counts[outcome]):
+    for outcome in (outcome for outcome in (FAIL, NOT_DECIDED) if counts[outcome]):
         labels = ", ".join(batch.label(unit) for unit in done if unit.outcome == outcome)
         named.append(join(": ", (OUTCOME_WORDS[outcome], labels)))
     units = say_count(len(batch), "{count} unit", "{count} units")
@@ -137,27 +143,15 @@ def rows_of_units(batch: Batch, signal: Signal) -> Iterator[tuple[BatchUnit, Cha
     return ((unit, c) for unit in batch for c in unit.channels if c.record.signal is signal)
 
 
-def lowest(channel: Channel, level: float) -> str:
-    """The minimum of the curve; its upper limit where the record does not reach it."""
-    readings = channel.readings
-    if readings is None or readings.minimum is None:
-        return "-"
-    scale = convert(1.0, readings.unit, readings.signal.sheet[0])
-    low, high = (limit * scale for limit in readings.minimum.interval(level))
-    if not readings.inside:
-        return f"< {digits(high, figures=2).plain()[0]}"
-    return digits(readings.minimum.deviation * scale, low, high).plain()[0]
-
-
-MARKS: dict[str, Any] = {FAIL: "alarm", NOT_SHOWN: "weak", "": ""}
+MARKS: dict[str, Any] = {FAIL: "alarm", NOT_DECIDED: "weak", "": ""}
 """Mark of a row by its outcome."""
 
 GRADE_WORDS = {EXPLAINED: say("explained"), APPROXIMATE: say("approximate"), UNEXPLAINED: say("unexplained"), "": ""}
 
 RULE = say(
-    "A term passes if its value does not exceed the limit, or, with judge = 'upper', if the upper end of its interval "
-    "does not. A term that was not identified passes if its 95 % upper limit does not exceed the limit. Not shown: "
-    "the record cannot decide whether the limit is kept."
+    "A term passes if its interval lies below the limit and fails if it lies above. A term that was not identified "
+    "passes if its 95 % upper limit does not exceed the limit. Not decided: the interval contains the limit, or nothing "
+    "is known of the term."
 )
 MAIN_KEY = say("'< 2' is the 95 % upper limit of a term that was not identified, '-' a term without a valid result.")
 CAPTION = say("The Allan deviation of all units; those that exceed a limit are in color.")
@@ -186,8 +180,8 @@ def _judged(batch: Batch) -> Iterator[Part]:
 
 
 def _limits_table(batch: Batch) -> Iterator[Part]:
-    """What fails, is not shown, or lies so near that its interval holds the limit."""
-    judged = [(unit, j) for unit in batch for j in unit.judgements if j.outcome in (FAIL, NOT_SHOWN) or j.near]
+    """What fails or is not decided."""
+    judged = [(unit, j) for unit in batch for j in unit.judgements if j.outcome in (FAIL, NOT_DECIDED)]
     if not judged:
         return
     judged.sort(key=lambda pair: OUTCOMES.index(pair[1].outcome))
@@ -198,13 +192,12 @@ def _limits_table(batch: Batch) -> Iterator[Part]:
     rows = [
         [
             batch.label(unit), j.channel, symbol_of(j.limit.symbol), j.reason,
-            say("{limit} (upper)", limit=j.limit.words()) if j.limit.judge == "upper" else j.limit.words(),
-            OUTCOME_WORDS[j.outcome],
+            j.limit.words(), OUTCOME_WORDS[j.outcome],
         ]
         for unit, j in judged
     ]  # fmt: skip
     marks = [MARKS.get(j.outcome, "") for _, j in judged]
-    yield Table(heads, rows, say("limits exceeded, not shown, or within the interval"), marks, most=ALL_ROWS)
+    yield Table(heads, rows, say("limits that are exceeded or not decided"), marks, most=ALL_ROWS)
 
 
 def _main(batch: Batch, signal: Signal, level: float) -> Table:

@@ -8,6 +8,7 @@ from allanite.core.errors import UndrawnError
 from allanite.core.fit import Fit
 from allanite.core.kinds import title_of
 from allanite.core.model import Model, Term
+from allanite.core.readings import FALLING, FALLING_SIGN
 from allanite.core.units import signal_named
 from allanite.exporting.export import Export
 from allanite.exporting.exports import EXPORTS, TEMPERATURE, row_of_file
@@ -72,9 +73,12 @@ def first_of_export(value: Export, level: float) -> First:
         return replace(first, remarks=[*first.remarks, *missing], after=after)
     rows = [line.strip("| ").split(" | ") for line in value.text.splitlines() if line.startswith("| ")][2:]
     cells = []
-    for channel, quantity, size, low, high, unit, *_ in (row for row in rows if any(row[2:5])):
+    for channel, quantity, size, low, high, unit, tau, remark in (row for row in rows if any(row[2:5])):
         limits = [float(v) if v.strip() else math.nan for v in (low, high)]
         shown = plus_minus(float(size), *limits) if size.strip() else f"< {digits(float(high), figures=2).plain()[0]}"
+        if tau.strip():  # read off a curve
+            falling = f" {FALLING_SIGN}" if remark.strip() == FALLING else ""
+            shown = digits(float(size), *limits).words() + falling
         cells.append((channel, quantity, unit, shown))
     channels = Channels.of(list(dict.fromkeys(row[0] for row in rows)), cells)
     alerts = [Remark.of("", alert, grave=True) for alert in value.alerts]
