@@ -16,7 +16,7 @@ pytestmark = pytest.mark.slow("a lot of many files")
 LIMITS = """
 [limits]
 N = { max = "0.13 deg/sqrt(h)" }
-K = { max = "500 deg/h/sqrt(h)", judge = "upper" }
+K = { max = "500 deg/h/sqrt(h)" }
 """
 NOISY, CUT_OFF = ("unit07.csv", "unit23.csv"), "unit31.csv"
 

@@ -79,7 +79,7 @@ class SheetComparison(Job[Channel]):
             "outcome",
         ]
         pairs = ((channel.record.name, m, m.claim) for channel in self for m in self.measured(channel, level))
-        return heads, [
+        return [*heads, "outcome"], [
             [name, c.quantity, c.printed, c.limit, c.value, m.value, m.low, m.high, c.unit, m.ratio[0], m.outcome]
             for name, m, c in pairs
         ]

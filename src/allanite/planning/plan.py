@@ -53,9 +53,11 @@ class RecordingPlan(Value):
         Record length needed for it, s; infinite if no practical length is sufficient.
     searched, searched_needed : arrays, shapes as for `errors` and `needed`
         The same if it is unknown which of the five terms are present, as for `identify`.
+    absent, limits : tuple of str, array of shape (absent terms, durations)
+        The terms that the model lacks, and their expected 95 % upper limits, SI; NaN as for `errors`.
     """
 
-    _alike = ("names errors needed searched searched_needed",)
+    _alike = ("names errors needed searched searched_needed", "absent limits")
 
     model: Model
     rate: float
@@ -67,6 +69,8 @@ class RecordingPlan(Value):
     needed: FloatArray
     searched: FloatArray
     searched_needed: FloatArray
+    absent: tuple[str, ...]
+    limits: FloatArray
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows, with the terms known and then not; errors in percent, lengths in s."""
@@ -161,7 +165,14 @@ def plan(
         return columns, np.array([_least(error, i, accuracy) for i in range(len(names))]) / rate
 
     (errors, needed), (searched, least) = planned("known"), planned("auto")
-    return RecordingPlan(model, rate, unknown, names, tuple(durations), errors, accuracy, needed, searched, least)
+    sizes = [round(d * rate) for d in durations]
+    expected = [bound(model, n, rate, terms="auto").limits if n >= SHORTEST else {} for n in sizes]
+    absent = tuple(next(filter(None, expected), {}))
+    limits = np.array([[of.get(symbol, math.nan) for of in expected] for symbol in absent])
+    return RecordingPlan(
+        model, rate, unknown, names, tuple(durations), errors, accuracy, needed, searched, least, absent,
+        limits.reshape(len(absent), len(sizes)),
+    )  # fmt: skip
 
 
 def _least(errors: Callable[[int], FloatArray], which: int, wanted: float) -> float:

@@ -150,8 +150,7 @@ GRADE_WORDS = {EXPLAINED: say("explained"), APPROXIMATE: say("approximate"), UNE
 
 RULE = say(
     "A term passes if its interval lies below the limit and fails if it lies above. A term that was not identified "
-    "passes if its 95 % upper limit does not exceed the limit. Not decided: the interval contains the limit, or nothing "
-    "is known of the term."
+    "passes if its 95 % upper limit does not exceed the limit. Everything else is not decided."
 )
 MAIN_KEY = say("'< 2' is the 95 % upper limit of a term that was not identified, '-' a term without a valid result.")
 CAPTION = say("The Allan deviation of all units; those that exceed a limit are in color.")
