@@ -2,12 +2,14 @@
 
 import csv
 import io
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from allanite.core.arrays import FloatArray
+from allanite.core.digits import Digits, digits
 from allanite.core.errors import DataError
 from allanite.core.model import Model
 from allanite.core.readings import data_sheet
@@ -24,10 +26,30 @@ def rows(content: Content) -> Iterator[tuple[str, ...]]:
     """The cells of the table; of a term that was not identified only the upper limit."""
     for axis in content.axes:
         for entry in data_sheet(axis.fit, axis.readings, axis.rate or 0.0, axis.level):
-            numbers = (entry.value, entry.low, entry.high)
             tau = "" if entry.tau is None else f"{entry.tau:.4g}"
-            cells = ("" if v is None else f"{v:.8g}" for v in numbers)  # far more than what is shown of them
-            yield (axis.label, entry.quantity, *cells, entry.unit, tau, entry.remark)
+            yield (
+                axis.label,
+                entry.quantity,
+                *_numbers(entry.value, entry.low, entry.high),
+                entry.unit,
+                tau,
+                entry.remark,
+            )
+
+
+def _numbers(*numbers: float | None) -> list[str]:
+    """A value and its limits with six digits, or as many more as leave them the same when they are rounded again."""
+    shown = _rounded(*(math.nan if v is None else v for v in numbers))
+    for figures in range(6, 18):
+        cells = ["" if v is None else f"{v:.{figures}g}" for v in numbers]
+        if _rounded(*(float(cell or "nan") for cell in cells)) == shown:
+            break
+    return cells
+
+
+def _rounded(value: float, low: float, high: float) -> tuple[Digits, Digits]:
+    """As it is shown: the value with its interval, and the upper limit alone."""
+    return digits(value, low, high), digits(high, figures=2)
 
 
 def markdown(content: Content) -> str:

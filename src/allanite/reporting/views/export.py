@@ -71,7 +71,7 @@ def first_of_export(value: Export, level: float) -> First:
         first = condensed(export_view.face(value, level))
         missing = [Remark.of("", note) for note in value.notes]
         return replace(first, remarks=[*first.remarks, *missing], after=after)
-    rows = [line.strip("| ").split(" | ") for line in value.text.splitlines() if line.startswith("| ")][2:]
+    rows = [line[2:-2].split(" | ") for line in value.text.splitlines() if line.startswith("| ")][2:]
     cells = []
     for channel, quantity, size, low, high, unit, tau, remark in (row for row in rows if any(row[2:5])):
         limits = [float(v) if v.strip() else math.nan for v in (low, high)]
