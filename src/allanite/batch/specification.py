@@ -193,7 +193,6 @@ class Judgement(Value):
     channel: str
     limit: Limit
     outcome: str  # One of "pass", "fail", "not decided"
-    size: float | None  # the value, SI, or the upper limit of a term that was not identified; None if nothing is known
     reason: str  # the value with its interval, in the unit of the limit
 
     def _summary(self) -> str:
@@ -241,14 +240,13 @@ def judge_study(study: Study, specification: Specification) -> tuple[Judgement, 
     for name, limits in specification.channels.items():
         if name not in known:
             reason = say("there is no channel {name!r}", name=name)
-            judgements += [Judgement(name, limit, NOT_DECIDED, None, reason) for limit in limits]
+            judgements += [Judgement(name, limit, NOT_DECIDED, reason) for limit in limits]
     return tuple(judgements)
 
 
 def judge(channel: str, limit: Limit, seen: Seen) -> Judgement:
     """Hold what is known of a coefficient against its limit; see `Specification` for the rule."""
-    size = seen.upper if seen.value is None else seen.value
-    return Judgement(channel, limit, held(*seen.limits, limit.maximum), size, seen.words(limit))
+    return Judgement(channel, limit, held(*seen.limits, limit.maximum), seen.words(limit))
 
 
 def seen_of(channel: Channel, symbol: str, level: float) -> Seen:

@@ -73,7 +73,7 @@ class Means(Value):
 class Quantity(NamedTuple):
     """One line of a table of readings: `value`, `low` and `high` in SI units of the signal times time to the `power`.
 
-    `power` is None for a slope, which has no unit. `quoted`: whether data sheets have it.
+    `power` is None for a slope, which has no unit.
     """
 
     title: str
@@ -83,7 +83,6 @@ class Quantity(NamedTuple):
     high: float
     power: float | None
     remark: str = ""
-    quoted: bool = False
 
 
 MINIMUM = "minimum"
@@ -181,26 +180,10 @@ class Readings(Value):
                 say("at {tau:.4g} s", tau=tau),
                 join(", ", (say("at {tau:.4g} s", tau=tau), FALLING)),
             )
-            found.append(
-                _quantity(
-                    minimum_title(self.signal), self.minimum, level, 1.0, inside if self.inside else last
-                )._replace(quoted=True)
-            )
+            remark = inside if self.inside else last
+            found.append(_quantity(minimum_title(self.signal), self.minimum, level, 1.0, remark))
             most = say("{term} at most", term=title_of("B", self.signal))
             found.append(_quantity(say("minimum / 0.664"), self.minimum, level, FLICKER, most))
-        found += [
-            Quantity(
-                stability_over(m.seconds),
-                m.seconds,
-                m.value,
-                math.nan,
-                math.nan,
-                0,
-                say("of {count} means", count=m.count),
-                quoted=True,
-            )
-            for m in self.means
-        ]
         return found + [
             Quantity(
                 say("slope, {start:.4g} to {end:.4g} s", start=s.start, end=s.end), s.start, s.value,

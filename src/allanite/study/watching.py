@@ -11,7 +11,7 @@ from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.readings import minimum_title
 from allanite.core.record import Record, Recording
 from allanite.core.validity import Finding
-from allanite.phrases.phrase import join, percent, say, spelled
+from allanite.phrases.phrase import duration, join, percent, say, spelled
 from allanite.planning.plan import plan
 from allanite.prepare.quality import inspect
 from allanite.prepare.transform import mark_motion, motion, motion_found
@@ -175,11 +175,11 @@ class Watch:
             why = channel.noise.rejection if channel.noise is not None else ""
             words += [why] if why else [finding.what for finding in fit.findings]
             needs = plan(fit.usable(unexplained=True), record.rate, durations=(), accuracy=self.settings.accuracy)
-            for name, needed in zip(needs.names, needs.needed, strict=True):
+            for name, needed in zip(needs.names, needs.searched_needed, strict=True):
                 rest = float(needed) - record.size / record.rate
                 if 0 < rest < math.inf:
-                    words.append(say("about {time} more until {symbol} is known to {share}", time=lasting(rest),
-                                     symbol=name, share=percent(self.settings.accuracy)))  # fmt: skip
+                    facts = {"time": duration(float(f"{rest:.2g}")), "share": percent(self.settings.accuracy)}
+                    words.append(say("about {time} more until {symbol} is known to {share}", symbol=name, **facts))
             lines.append(join("; ", words))
         return "\n".join(lines)
 
@@ -271,11 +271,3 @@ class Watch:
             yield say("{target!r} is back; {lost} samples are missing", target=self.target, lost=lost)
             return feed
         return None
-
-
-def lasting(seconds: float) -> str:
-    """A length of time with its unit, to two digits."""
-    for size, unit in ((3600.0, "h"), (60.0, "min")):
-        if seconds >= 2 * size:
-            return f"{float(f'{seconds / size:.2g}'):g} {unit}"
-    return f"{seconds:.2g} s"

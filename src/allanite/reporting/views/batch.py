@@ -69,9 +69,6 @@ def first_of_batch(batch: Batch, level: float) -> First:
     if count > MAX_UNIT_ROWS:
         whole = across_table(batch, (term for term in batch.across if term.row()[3]))
         answer = [whole.only([i for i in range(len(whole.columns)) if i != LIMITS_COLUMN])]
-    alerts = sum(any(channel.alerts for channel in unit.channels) for unit in batch)
-    if alerts:
-        remarks.append(Remark("", [say("warnings in {warned} of {count} units", warned=alerts, count=len(batch))]))
     return First(told.text, "", answer, remarks, (), batch.notes, [FIGURES, ("--csv FILE", say("all values")), DETAILS])
 
 
@@ -224,15 +221,6 @@ def _outcome(unit: BatchUnit, channel: Channel) -> str:
 
 def _details(batch: Batch, level: float) -> Iterator[Part]:
     """What was found in each unit, folded away on the page."""
-    warned = [unit for unit in batch if any(channel.alerts for channel in unit.channels)]
-    if warned:
-        text = say_count(
-            len(batch),
-            "warnings in {warned} of {count} unit: the page (--report) and the JSON have them",
-            "warnings in {warned} of {count} units: the page (--report) and the JSON have them",
-            warned=len(warned),
-        )
-        yield Note(text, "quiet", where="text")
     yield from causes_of((c for unit in batch for c in unit.channels), batch.choices.get("device"))
     for unit in batch:
         for channel in unit.channels:
