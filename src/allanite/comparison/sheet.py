@@ -65,19 +65,7 @@ class SheetComparison(Job[Channel]):
 
     def rows(self, level: float = 0.95) -> tuple[list[str], list[list[object]]]:
         """Headings and rows for any table."""
-        heads = [
-            "channel",
-            "quantity",
-            "printed",
-            "limit",
-            "sheet",
-            "measured",
-            "low",
-            "high",
-            "unit",
-            "ratio",
-            "outcome",
-        ]
+        heads = ["channel", "quantity", "printed", "limit", "sheet", "measured", "low", "high", "unit", "ratio"]
         pairs = ((channel.record.name, m, m.claim) for channel in self for m in self.measured(channel, level))
         return [*heads, "outcome"], [
             [name, c.quantity, c.printed, c.limit, c.value, m.value, m.low, m.high, c.unit, m.ratio[0], m.outcome]

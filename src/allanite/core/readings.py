@@ -175,12 +175,8 @@ class Readings(Value):
             _quantity(say("as {walk}", walk=walk), self.usual, level, root, self._slope_there())._replace(power=0.5),
         ]
         if self.minimum is not None:
-            tau = self.minimum.tau
-            inside, last = (
-                say("at {tau:.4g} s", tau=tau),
-                join(", ", (say("at {tau:.4g} s", tau=tau), FALLING)),
-            )
-            remark = inside if self.inside else last
+            where = say("at {tau:.4g} s", tau=self.minimum.tau)
+            remark = where if self.inside else join(", ", (where, FALLING))
             found.append(_quantity(minimum_title(self.signal), self.minimum, level, 1.0, remark))
             most = say("{term} at most", term=title_of("B", self.signal))
             found.append(_quantity(say("minimum / 0.664"), self.minimum, level, FLICKER, most))
@@ -220,11 +216,6 @@ class Readings(Value):
     def _summary(self) -> str:
         unit = self.shown_unit(0)
         return f"{convert(self.usual.deviation, self.unit, unit):.4g} {unit} at {self.usual.tau:.4g} s"
-
-
-def stability_over(seconds: float) -> Phrase:
-    """The name of N-second stability."""
-    return say("{seconds:.4g} s stability", seconds=seconds)
 
 
 def _quantity(title: str, point: Reading, level: float, factor: float = 1.0, remark: str = "") -> Quantity:
@@ -289,13 +280,14 @@ def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: f
             found.append(_entry(e, say("flicker floor, {floor:.3f} B", floor=floor), e.sheet_unit, level, floor))
     if readings is not None:
         unit = readings.shown_unit(0)
+        per = convert(1.0, readings.unit, unit)
         for means in readings.means:
-            value = convert(means.value, readings.unit, unit)
+            name, value = say("{seconds:.4g} s stability", seconds=means.seconds), means.value * per
             remark = say("{count} means", count=means.count)
             if any(_spread_of(e, means) > MOSTLY * means.value for e in estimates):
                 remark = say("{means}; mostly the ramp: R x {length:.6g} s / sqrt(12)", means=remark,
                              length=means.count * means.seconds)  # fmt: skip
-            found.append(DataSheetRow(stability_over(means.seconds), value, None, None, unit, means.seconds, remark))
+            found.append(DataSheetRow(name, value, None, None, unit, means.seconds, remark))
     return found if fit is None else [*found, _bandwidth(fit, rate)]
 
 

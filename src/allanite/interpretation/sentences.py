@@ -254,14 +254,10 @@ def _minimum(fit: Fit, readings: Readings | None, rate: float, length: float) ->
     flicker = next((e for e in fit if TERMS[e.symbol].slope == 0 and not TERMS[e.symbol].parameters), None)
     if flicker is None:
         return
-    tau, level, lowest = readings.minimum.tau, readings.minimum.deviation, readings.lowest()
-    assert lowest is not None  # noqa: S101 - there is a minimum
     stated = say(
-        "The minimum of the Allan deviation is {minimum} at {tau}; divided by 0.664 it would be a B of {flicker}",
-        minimum=f"{lowest.plain()[0]} {readings.shown_unit(0)}",
-        tau=averaging(tau),
-        flicker=_size(level * FLICKER, flicker, 0),
-    )
+        "The minimum of the Allan deviation is {minimum}; divided by 0.664 it would be a B of {flicker}",
+        minimum=readings.lowest_words(), flicker=_size(readings.minimum.deviation * FLICKER, flicker, 0),
+    )  # fmt: skip
     if flicker.claimed and flicker.value:
         own = _size(flicker.value, flicker, 0)
         because = say("the identified B is {value}, because the minimum contains the other terms too.", value=own)
@@ -270,9 +266,9 @@ def _minimum(fit: Fit, readings: Readings | None, rate: float, length: float) ->
         below = _size(flicker.upper, flicker, 0)
         missing = say("flicker was not identified, B is below {limit}", limit=below)
         parts = [stated, missing]
-        bottom = least(fit.estimates, 1 / rate, length / 2)
-        if bottom is not None:  # the minimum that the other terms have together, if they have one within the record
-            size, at = _size(bottom[1], fit.estimates[0], 0), averaging(bottom[0])
+        lowest = least(fit.estimates, 1 / rate, length / 2)
+        if lowest is not None:  # the minimum that the other terms have together, if they have one within the record
+            size, at = _size(lowest[1], fit.estimates[0], 0), averaging(lowest[0])
             parts.append(say("the other terms alone make a minimum of {minimum} at {tau}", minimum=size, tau=at))
         yield _ended(join("; ", parts))
 

@@ -170,9 +170,8 @@ def plan(
     absent = tuple(next(filter(None, expected), {}))
     limits = np.array([[of.get(symbol, math.nan) for of in expected] for symbol in absent])
     return RecordingPlan(
-        model, rate, unknown, names, tuple(durations), errors, accuracy, needed, searched, least, absent,
-        limits.reshape(len(absent), len(sizes)),
-    )  # fmt: skip
+        model, rate, unknown, names, tuple(durations), errors, accuracy, needed, searched, least, absent, limits
+    )
 
 
 def _least(errors: Callable[[int], FloatArray], which: int, wanted: float) -> float:

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from allanite.core.arrays import FloatArray
-from allanite.core.digits import Digits, digits
+from allanite.core.digits import digits
 from allanite.core.errors import DataError
 from allanite.core.model import Model
 from allanite.core.readings import data_sheet
@@ -27,29 +27,18 @@ def rows(content: Content) -> Iterator[tuple[str, ...]]:
     for axis in content.axes:
         for entry in data_sheet(axis.fit, axis.readings, axis.rate or 0.0, axis.level):
             tau = "" if entry.tau is None else f"{entry.tau:.4g}"
-            yield (
-                axis.label,
-                entry.quantity,
-                *_numbers(entry.value, entry.low, entry.high),
-                entry.unit,
-                tau,
-                entry.remark,
-            )
+            cells = _numbers(entry.value, entry.low, entry.high)
+            yield (axis.label, entry.quantity, *cells, entry.unit, tau, entry.remark)
 
 
 def _numbers(*numbers: float | None) -> list[str]:
     """A value and its limits with six digits, or as many more as leave them the same when they are rounded again."""
-    shown = _rounded(*(math.nan if v is None else v for v in numbers))
+    exact = digits(*(math.nan if v is None else v for v in numbers))
     for figures in range(6, 18):
         cells = ["" if v is None else f"{v:.{figures}g}" for v in numbers]
-        if _rounded(*(float(cell or "nan") for cell in cells)) == shown:
+        if digits(*(float(cell or "nan") for cell in cells)) == exact:
             break
     return cells
-
-
-def _rounded(value: float, low: float, high: float) -> tuple[Digits, Digits]:
-    """As it is shown: the value with its interval, and the upper limit alone."""
-    return digits(value, low, high), digits(high, figures=2)
 
 
 def markdown(content: Content) -> str:

@@ -38,9 +38,6 @@ SPREAD = say(
     "the errors of the values."
 )
 
-LIMITS_COLUMN = 7
-"""Column of that table with the limits of the units in which the term was not identified."""
-
 MAX_UNIT_ROWS = 12
 """Rows up to which every channel of every unit has one."""
 
@@ -60,15 +57,13 @@ def first_of_batch(batch: Batch, level: float) -> First:
         ]  # fmt: skip
     if len(batch) == 1 and batch[0].study is not None:
         own = first_of(batch[0].study, level)
-        return replace(
-            own, verdict=join("; ", filter(None, (told.text, own.verdict))), remarks=[*remarks, *own.remarks]
-        )
+        limits = say("limits: {outcome}", outcome=OUTCOME_WORDS[batch[0].outcome]) if batch[0].outcome else ""
+        return replace(own, verdict=join("; ", filter(None, (limits, own.verdict))), remarks=[*remarks, *own.remarks])
     signals = {c.record.signal.name: c.record.signal for unit in batch for c in unit.channels}
     count = sum(len(unit.channels) for unit in batch)
     answer: list[Answer] = [_table(batch, signal, level) for signal in signals.values()]
     if count > MAX_UNIT_ROWS:
-        whole = across_table(batch, (term for term in batch.across if term.row()[3]))
-        answer = [whole.only([i for i in range(len(whole.columns)) if i != LIMITS_COLUMN])]
+        answer = [across_table(batch, (term for term in batch.across if term.row()[3]))]
     return First(told.text, "", answer, remarks, (), batch.notes, [FIGURES, ("--csv FILE", say("all values")), DETAILS])
 
 
@@ -117,7 +112,7 @@ def across_table(batch: Batch, across: Iterable[Across]) -> Table:
     heads = (
         Column(say("channel"), "name"), Column(say("term"), "symbol"), Column(say("identified"), "name"),
         Column(say("mean")), Column(say("standard deviation")), Column(say("worst"), form=rounded),
-        Column(say("file"), "name"), Column(say("others below"), form=rounded), Column("", "unit"),
+        Column(say("file"), "name"), Column(say("others below"), form=rounded, aside=True), Column("", "unit"),
     )  # fmt: skip
     rows = []
     for channel, symbol, units, count, *spread, worst, file, below, unit in (term.row() for term in across):

@@ -89,11 +89,9 @@ def _without_value(estimate: Estimate, level: float) -> str:
     return join(" ", filter(None, (lead, cell, printed_unit(estimate.sheet_unit) if limited else "")))
 
 
-def _minimum(channel: Channel, level: float) -> Iterator[tuple[str, str]]:
-    readings = channel.readings
-    if readings is None or readings.minimum is None:
-        return
-    yield IN_RUN, readings.lowest_words(level, pretty=True)
+def _minimum(channel: Channel, level: float) -> list[tuple[str, str]]:
+    lowest = "" if channel.readings is None else channel.readings.lowest_words(level, pretty=True)
+    return [(IN_RUN, lowest)] if lowest else []
 
 
 def alternative(channel: Channel, curve: Curve, level: float) -> str:
