@@ -137,13 +137,8 @@ class Readings(Value):
         factor = convert(1.0, self.unit, self.shown_unit(0))
         return digits(self.minimum.deviation * factor, *(limit * factor for limit in self.minimum.interval(level)))
 
-    def lowest_cell(self, level: float = 0.95) -> str:
-        """The same as the cell of a table: ``1.23 (0.87 .. 2.10) ↓``."""
-        lowest = self.lowest(level)
-        return "" if lowest is None else lowest.words() + (f" {FALLING_SIGN}" if not self.inside else "")
-
     def lowest_words(self, level: float = 0.95, *, pretty: bool = False) -> str:
-        """The same in a sentence: ``1.23 (0.87 .. 2.10) deg/h at 5.7 min, still falling``."""
+        """The same as text: ``1.23 (0.87 .. 2.10) deg/h at 5.7 min, still falling``."""
         lowest = self.lowest(level)
         if lowest is None or self.minimum is None:
             return ""

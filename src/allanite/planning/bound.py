@@ -144,8 +144,7 @@ def bound(
     slope = None if ramp_size is None else ramp_size * rate
     # the square of an absent coefficient of unit size has twice the relative error of the coefficient
     absent = [t.symbol for t in beside if t.row.waveform is None]
-    squares = np.sqrt(2 * quantile(0.95) * errors[len(errors) - len(absent) :])
-    limits = dict(zip(absent, squares.tolist(), strict=True))
+    limits = dict(zip(absent, np.sqrt(2 * quantile(0.95) * errors[errors.size - len(absent) :]).tolist(), strict=True))
     if slope is not None:
         limits |= {t.symbol: quantile(0.95) * slope for t in beside if t.row.waveform is not None}
     return Bound(model, n, rate, tuple(relative), np.array(list(relative.values())), slope, limits)

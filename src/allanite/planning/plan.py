@@ -10,7 +10,6 @@ import numpy as np
 
 from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray, IntArray
-from allanite.core.encoding import finite, plain
 from allanite.core.errors import UsageError, given
 from allanite.core.model import Model, ModelLike, usable_model
 from allanite.core.plain import Value
@@ -82,13 +81,6 @@ class RecordingPlan(Value):
             for name, row, least in zip(self.names, (100 * errors).tolist(), needed.tolist(), strict=True)
         ]
         return headings, rows
-
-    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data; a plan has no limits, so that `level` changes nothing."""
-        errors, needed = plain(self.errors), map(finite, self.needed.tolist())
-        rows = zip(self.names, errors, needed, strict=True)
-        parameters = [{"name": name, "errors": row, "needed": least} for name, row, least in rows]
-        return super().to_dict(level) | {"parameters": parameters}
 
     def _summary(self) -> str:
         needed = (f"{name} {least:.3g} s" for name, least in zip(self.names, self.needed, strict=True))

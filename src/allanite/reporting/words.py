@@ -18,7 +18,7 @@ from allanite.phrases.phrase import averaging as averaging  # noqa: PLC0414 - of
 from allanite.phrases.phrase import duration as duration  # noqa: PLC0414
 from allanite.terms import TERMS
 
-from .digits import Digits, digits, printed_unit
+from .digits import digits, printed_unit
 
 title = title_of
 
@@ -106,14 +106,12 @@ def shapes(estimate: Estimate, level: float) -> list[str]:
     return parts
 
 
-def shown(estimate: Estimate, unit: str, level: float) -> Digits | None:
-    """The value and its interval in `unit`, rounded; None where there is no value."""
-    return estimate.rounded(unit, level, signed=signed(estimate))
-
-
 def brief(estimate: Estimate, level: float) -> str:
     """A coefficient to its significant digits, in brackets if it is not valid, or its upper limit."""
-    number, most = shown(estimate, estimate.sheet_unit, level), estimate.rounded_limit(estimate.sheet_unit)
+    number, most = (
+        estimate.rounded(estimate.sheet_unit, level, signed=signed(estimate)),
+        estimate.rounded_limit(estimate.sheet_unit),
+    )
     if number is not None:
         return number.plain()[0] if estimate.status != "not valid" else f"({number.plain()[0]})"
     return f"< {most.plain()[0]}" if most else "-"
@@ -126,7 +124,7 @@ def below(estimate: Estimate, most: str) -> Phrase:
 
 def in_print(estimate: Estimate, unit: str, level: float) -> str:
     """A coefficient as printed: ``0.310 (0.302 … 0.318) deg/√h`` or ``below 2.1 deg/h``."""
-    number, most = shown(estimate, unit, level), estimate.rounded_limit(unit)
+    number, most = estimate.rounded(unit, level, signed=signed(estimate)), estimate.rounded_limit(unit)
     if number is not None:
         return f"{number.pretty()} {printed_unit(unit)}"
     return below(estimate, f"{most.pretty()} {printed_unit(unit)}") if most else ""
@@ -167,7 +165,7 @@ def probability(p: float, least: float = 1e-12) -> str:
 
 def number(estimate: Estimate, level: float) -> str:
     """A coefficient in print without its interval: ``0.310 deg/√h``."""
-    rounded = shown(estimate, estimate.sheet_unit, level)
+    rounded = estimate.rounded(estimate.sheet_unit, level, signed=signed(estimate))
     assert rounded is not None  # noqa: S101 - asked for values only
     value = rounded.value.replace("-", "−") + rounded.power
     return f"{value} {printed_unit(estimate.sheet_unit)}"

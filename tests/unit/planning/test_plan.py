@@ -161,7 +161,7 @@ def test_the_verb_plans_from_a_first_recording(tmp_path):
     (channel,) = json.loads(result.stdout)["channels"]
     fitted = al.identify(record).valid
     assert (channel["name"], channel["model"]) == ("gz", fitted.to_dict())
-    np.testing.assert_allclose(channel["parameters"][0]["errors"], al.plan(fitted, 100.0).errors[0])
+    np.testing.assert_allclose(channel["errors"][0], al.plan(fitted, 100.0).errors[0])
     assert "not taken into account: " in run(tmp_path / "first.npz").stdout
 
 

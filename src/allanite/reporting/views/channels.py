@@ -140,8 +140,10 @@ def cell_of(estimate: Estimate, level: float) -> str:
 
 def lowest_cell(channel: Channel, level: float) -> str:
     """The minimum of the curve with its interval; empty where it shows that the body moved instead of the bias."""
-    moved = not channel.explained and channel.quality.moved
-    return "" if channel.readings is None or moved else channel.readings.lowest_cell(level)
+    readings, moved = channel.readings, not channel.explained and channel.quality.moved
+    if readings is None or moved or (lowest := readings.lowest(level)) is None:
+        return ""
+    return lowest.words() + f" {FALLING_SIGN}" * (not readings.inside)
 
 
 def fit_words(noise: Noise | None, refusal: str = "") -> str:

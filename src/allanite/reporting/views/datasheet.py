@@ -205,8 +205,7 @@ def _shown(measured: Measured) -> str:
         return measured.remark
     if QUANTITIES[measured.claim.quantity].symbol != "B":
         return plus_minus(measured.value, measured.low, measured.high)
-    falling = f" {FALLING_SIGN}" if measured.remark else ""
-    return digits(measured.value, measured.low, measured.high).words() + falling
+    return digits(measured.value, measured.low, measured.high).words() + f" {FALLING_SIGN}" * bool(measured.remark)
 
 
 @view(rows=lambda value, level: value.rows(level), first=first_of_comparison)

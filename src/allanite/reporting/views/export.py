@@ -77,8 +77,7 @@ def first_of_export(value: Export, level: float) -> First:
         limits = [float(v) if v.strip() else math.nan for v in (low, high)]
         shown = plus_minus(float(size), *limits) if size.strip() else f"< {digits(float(high), figures=2).plain()[0]}"
         if tau.strip():  # read off a curve
-            falling = f" {FALLING_SIGN}" if remark.strip() == FALLING else ""
-            shown = digits(float(size), *limits).words() + falling
+            shown = digits(float(size), *limits).words() + f" {FALLING_SIGN}" * (remark.strip() == FALLING)
         cells.append((channel, quantity, unit, shown))
     channels = Channels.of(list(dict.fromkeys(row[0] for row in rows)), cells)
     alerts = [Remark.of("", alert, grave=True) for alert in value.alerts]

@@ -123,9 +123,8 @@ def _plan_parts(plan: RecordingPlan, _: Modelled | None) -> Iterator[Part]:
         *(Column(words.duration(d)) for d in plan.durations), Column(wanted),
     )  # fmt: skip
     values, signal = expected_values(plan.model), plan.model.signal
-    kinds = [("", plan.searched, plan.searched_needed)]
-    if plan.absent:
-        kinds = [(SEARCHED, plan.searched, plan.searched_needed), (KNOWN, plan.errors, plan.needed)]
+    kinds = [(SEARCHED if plan.absent else "", plan.searched, plan.searched_needed)]
+    kinds += [(KNOWN, plan.errors, plan.needed)] if plan.absent else []
     for title, errors, needed in kinds:
         rows = list[list[str]]()
         for name, row, least in zip(plan.names, errors.tolist(), needed.tolist(), strict=True):
