@@ -108,10 +108,8 @@ def shapes(estimate: Estimate, level: float) -> list[str]:
 
 def brief(estimate: Estimate, level: float) -> str:
     """A coefficient to its significant digits, in brackets if it is not valid, or its upper limit."""
-    number, most = (
-        estimate.rounded(estimate.sheet_unit, level, signed=signed(estimate)),
-        estimate.rounded_limit(estimate.sheet_unit),
-    )
+    unit = estimate.sheet_unit
+    number, most = estimate.rounded(unit, level, signed=signed(estimate)), estimate.rounded_limit(unit)
     if number is not None:
         return number.plain()[0] if estimate.status != "not valid" else f"({number.plain()[0]})"
     return f"< {most.plain()[0]}" if most else "-"
