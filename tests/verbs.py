@@ -90,7 +90,7 @@ ROWS = {
          "a.csv --channels gx --claims 'N 1 deg/sqrt(h), GM 30 deg/h 20 s, R 3 deg/h^2'"),
         "--claims 'N 100 deg/sqrt(h)' --at-most",
         {f"check {TWO} --claims 'N 0.16 deg/sqrt(h), B 5 deg/h, K 60 deg/h/sqrt(h)' --at-most":
-            r"agrees with the claim\n\n.*\nN +angle .* 0\.1600 +0\.745"},
+            r"agrees with the claim\n\n.*\nN +angle .* 0\.1600 +×0\.745"},
     ),
     "watch": Row(
         ("a.csv --channels gx", ),
@@ -116,9 +116,9 @@ ROWS = {
     "plan": Row(
         ("--sensor fog --rate 10", "a.csv --channels gx"),
         "--unexplained",
-        {f"plan --model {NOISE} --rate 10": r"N +0\.1 +°/√h .* 20 s\n",
-         f"plan {TWO}": r"N +0\.1193 +°/√h .* 20 s\n",
-         "plan --sensor mems --rate 100": r"\nN .* \d+ s\n",
+        {f"plan --model {NOISE} --rate 10": r"N +0\.1 +°/√h .* 32 s\n",
+         f"plan {TWO}": r"N +0\.1193 +°/√h .* 35 s\n",
+         "plan --sensor mems --rate 100": r"\nN .* 3\.3 s\n",
          "plan --datasheet adis16470 --rate 100": r"\nN +0\.34 +°/√h"},
     ),
     "drift": Row(

@@ -107,7 +107,7 @@ def curve(statistic="oadev", **options):
 def batch():
     """Two units, of which one fails and one is not there, with limits."""
     limits = {
-        "limits": {"N": {"max": "0.005 deg/sqrt(h)"}, "minimum": {"max": "9 deg/h", "judge": "upper"}},
+        "limits": {"N": {"max": "0.005 deg/sqrt(h)"}, "minimum": {"max": "9 deg/h"}},
         "channels": {"z1": {"B": {"max": "1 deg/h"}}},
     }
     with tempfile.TemporaryDirectory() as folder:

@@ -7,14 +7,14 @@ from functools import cached_property
 from typing import Any
 
 from allanite.core.errors import UsageError
-from allanite.core.limits import Stored
+from allanite.core.limits import FAIL, NOT_DECIDED, Stored
 from allanite.core.names import told_apart
 from allanite.core.plain import Value
 from allanite.core.record import Record
 from allanite.readers.sandbox.source import STDIN, STDIN_NAME
 from allanite.study.results import Channel, Noise, Study
 
-from .specification import FAIL, NOT_SHOWN, Judgement, Specification, judge_study, worst_of
+from .specification import Judgement, Specification, judge_study, worst_of
 from .tables import Across, across
 
 
@@ -32,10 +32,10 @@ class BatchUnit(Value):
 
     @property
     def outcome(self) -> str:
-        """The worst outcome of its limits, "not shown" where none was applied; empty where none are given."""
+        """The worst outcome of its limits, "not decided" where none was applied; empty where none are given."""
         if not self.judged:
             return ""
-        return worst_of([judgement.outcome for judgement in self.judgements]) or NOT_SHOWN
+        return worst_of([judgement.outcome for judgement in self.judgements]) or NOT_DECIDED
 
     @property
     def channels(self) -> tuple[Channel, ...]:
@@ -106,10 +106,10 @@ class Batch(Value):
 
     @property
     def rejected(self) -> tuple[str, ...]:
-        """What has no result, is not explained by its model, or was not shown to keep a limit: file and channel."""
+        """What has no result, is not explained by its model, or has a limit that is not decided: file and channel."""
         without = [f"{unit.file}: {name or 'the record'}" for unit in self.units if unit.study for name in
                  unit.study.rejected]  # fmt: skip
-        open_ = [f"{unit.file}: {NOT_SHOWN}" for unit in self.units if unit.outcome == NOT_SHOWN and not unit.error]
+        open_ = [f"{unit.file}: {NOT_DECIDED}" for unit in self.units if unit.outcome == NOT_DECIDED and not unit.error]
         return (*without, *open_)
 
     @cached_property

@@ -147,7 +147,7 @@ class Lot(Value):
 
     @property
     def rejected(self) -> tuple[str, ...]:
-        """What has no result, is not explained by its model, or was not shown to keep a limit: file and channel."""
+        """What has no result, is not explained by its model, or has a limit that is not decided: file and channel."""
         return self.batch.rejected
 
     @property

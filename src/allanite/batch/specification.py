@@ -7,20 +7,19 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from allanite.core.digits import digits
 from allanite.core.errors import UsageError
+from allanite.core.limits import FAIL, NOT_DECIDED, PASS, held
 from allanite.core.model import coefficient_factor
 from allanite.core.names import demand_name
 from allanite.core.plain import Value
-from allanite.core.readings import MINIMUM
+from allanite.core.readings import FALLING, MINIMUM
 from allanite.core.syntax import split_quantities
 from allanite.core.units import SIGNALS, Signal, signal_with, unit_of
 from allanite.phrases.phrase import join, say
 from allanite.study.recipe import load_toml
 from allanite.study.results import Channel, Study
 from allanite.terms import TERMS
-
-JUDGES = ("value", "upper")
-"""What is held against a limit: the value, or the upper end of its interval."""
 
 EXAMPLE = 'N = { max = "0.15 deg/sqrt(h)" }'
 LIMITED = (*(symbol for symbol, row in TERMS.items() if not row.periodic), MINIMUM)
@@ -35,8 +34,6 @@ class Limit(Value):
     maximum: float  # in SI
     unit: str  # the unit in which the limit was given
     signal: Signal  # the kind of sensor that the unit belongs to; other channels are not judged by this limit
-    # what must not exceed the limit: the value, or the upper end of its interval. One of "value", "upper".
-    judge: str = "value"
 
     @property
     def factor(self) -> float:
@@ -48,17 +45,16 @@ class Limit(Value):
         return f"{self.maximum / self.factor:.6g} {self.unit}"
 
     def _summary(self) -> str:
-        return f"{self.symbol} <= {self.words()}, by the {self.judge}"
+        return f"{self.symbol} <= {self.words()}"
 
 
 @dataclass(frozen=True, repr=False)
 class Specification(Value):
     """Limits of the terms, for all channels and for some of them.
 
-    A term passes if its size does not exceed the limit. What the size is, `Limit.judge` says: "value", the default, is
-    the estimated coefficient; "upper" is the upper end of its interval, so that only what is certain passes. A term
-    that was not identified passes if its 95 % upper limit does not exceed the limit. What neither passes nor fails is
-    "not shown": the record is too short, or its model is not valid.
+    A term passes if its interval lies below the limit, and fails if it lies above. A term that was not identified, or a
+    minimum of a curve that is still falling, passes if its upper limit does not exceed the limit. Everything else is
+    "not decided": the record is too short, or its model is not valid.
 
     Attributes
     ----------
@@ -99,9 +95,8 @@ class Specification(Value):
         Parameters
         ----------
         data : dict
-            ``limits``: a table of ``{ max = "0.15 deg/sqrt(h)", judge = "value" }`` by term, or a list of these for
-            different kinds of sensors; ``channels``: such tables by the name of a channel; ``judge``: the rule of
-            limits that do not say theirs.
+            ``limits``: a table of ``{ max = "0.15 deg/sqrt(h)" }`` by term, or a list of these for different kinds of
+            sensors; ``channels``: such tables by the name of a channel.
         source : str
             The name of the file, for messages.
 
@@ -115,16 +110,15 @@ class Specification(Value):
         Examples
         --------
         >>> Specification.from_toml({"limits": {"N": {"max": "0.15 deg/sqrt(h)"}}}).limits
-        (<Limit N <= 0.15 deg/sqrt(h), by the value>,)
+        (<Limit N <= 0.15 deg/sqrt(h)>,)
         """
         try:
             if astray := [key for key in data if key in LIMITED]:
                 raise UsageError(f"{astray[0]} stands below no heading; write [limits] in the line above it")
-            _demand_keys(data, ("judge", "limits", "channels"), "the limits file")
-            judge = _judge(data.get("judge", "value"))
-            common = tuple(_limits(data.get("limits", {}), judge, "limits"))
+            _demand_keys(data, ("limits", "channels"), "the limits file")
+            common = tuple(_limits(data.get("limits", {}), "limits"))
             tables = _table(data.get("channels", {}), "channels")
-            own = {name: tuple(_limits(table, judge, f"channels.{name}")) for name, table in tables.items()}
+            own = {name: tuple(_limits(table, f"channels.{name}")) for name, table in tables.items()}
             if not common and not any(own.values()):
                 raise UsageError(f"there is no limit in it; write {EXAMPLE} below [limits]")
         except UsageError as error:
@@ -161,13 +155,7 @@ def _table(found: Any, name: str) -> dict[str, Any]:
     return found
 
 
-def _judge(found: Any) -> str:
-    if found not in JUDGES:
-        raise UsageError(f"judge is {' or '.join(map(repr, JUDGES))}, not {found!r}")
-    return str(found)
-
-
-def _limits(table: Any, judge: str, where: str) -> Iterator[Limit]:
+def _limits(table: Any, where: str) -> Iterator[Limit]:
     """The limits of a table, for each kind of sensor at most one."""
     for symbol, entries in _table(table, where).items():
         demand_name("term", symbol, {name: TERMS.get(name) for name in LIMITED}, where=f" in [{where}]")
@@ -177,7 +165,7 @@ def _limits(table: Any, judge: str, where: str) -> Iterator[Limit]:
                 raise UsageError(
                     f"the limit of {symbol} in [{where}] is written as {EXAMPLE}, with the unit; {entry!r} came"
                 )
-            _demand_keys(entry, ("max", "judge"), f"the limit of {symbol} in [{where}]")
+            _demand_keys(entry, ("max",), f"the limit of {symbol} in [{where}]")
             quantities = split_quantities(entry["max"].split())
             if len(quantities) != 1 or not quantities[0][0] > 0 or not quantities[0][1]:
                 raise UsageError(f"the limit of {symbol} in [{where}] is a positive number with a unit, as in "
@@ -193,12 +181,10 @@ def _limits(table: Any, judge: str, where: str) -> Iterator[Limit]:
             if signal.name in met:
                 raise UsageError(f"{symbol} in [{where}] has two limits for a {signal.name}; keep one")
             met.add(signal.name)
-            yield Limit(symbol, number * factor, unit, signal, _judge(entry.get("judge", judge)))
+            yield Limit(symbol, number * factor, unit, signal)
 
 
-PASS, FAIL, NOT_SHOWN = "pass", "fail", "not shown"
-
-OUTCOMES = (FAIL, NOT_SHOWN, PASS)
+OUTCOMES = (FAIL, NOT_DECIDED, PASS)
 """Outcomes, the worst first."""
 
 
@@ -213,26 +199,41 @@ class Judgement(Value):
 
     channel: str
     limit: Limit
-    outcome: str  # One of "pass", "fail", "not shown"
-    # what was held against the limit, SI: the value or the upper end of its interval; of a term that was not
-    # identified its upper limit. None where nothing is known.
-    size: float | None
-    reason: str  # the numbers, in the unit of the limit
-    # whether the interval of the value holds the limit: another record of this unit may fall on its other side
-    near: bool = False
+    outcome: str  # One of "pass", "fail", "not decided"
+    reason: str  # the value with its interval, in the unit of the limit
 
     def _summary(self) -> str:
         return f"{self.channel!r}: {self.limit.symbol} {self.outcome}, {self.reason}"
 
 
 class Seen(NamedTuple):
-    """What is known of the size of a coefficient, SI: a value with its interval, or an upper limit, or the reason."""
+    """What is known of the size of a coefficient, SI: a value with its interval, an upper limit, or why neither."""
 
     value: float | None = None
     low: float = math.nan
     high: float = math.nan
     upper: float | None = None
     reason: str = ""
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Between which sizes it is: NaN if nothing is known, the value alone where it has no interval."""
+        if self.upper is not None:
+            return 0.0, self.upper
+        value = math.nan if self.value is None else self.value
+        return (self.low, self.high) if math.isfinite(self.low) and math.isfinite(self.high) else (value, value)
+
+    def words(self, limit: Limit) -> str:
+        """The value with its interval, or the upper limit, in the unit of a limit."""
+        if self.value is None and self.upper is None:
+            return self.reason
+        if self.value is None:
+            most = digits((self.upper or 0.0) / limit.factor, figures=2).plain()[0]
+            reason = self.reason or say("not identified")
+            return say("{reason}, below {limit} {unit}", reason=reason, limit=most, unit=limit.unit)
+        size = digits(*(v / limit.factor for v in (self.value, self.low, self.high)))
+        return join(", ", (f"{size.words()} {limit.unit}", *([] if size.low else [say("no interval")]),
+                           *filter(None, [self.reason])))  # fmt: skip
 
 
 def judge_study(study: Study, specification: Specification) -> tuple[Judgement, ...]:
@@ -246,34 +247,13 @@ def judge_study(study: Study, specification: Specification) -> tuple[Judgement, 
     for name, limits in specification.channels.items():
         if name not in known:
             reason = say("there is no channel {name!r}", name=name)
-            judgements += [Judgement(name, limit, NOT_SHOWN, None, reason) for limit in limits]
+            judgements += [Judgement(name, limit, NOT_DECIDED, reason) for limit in limits]
     return tuple(judgements)
 
 
 def judge(channel: str, limit: Limit, seen: Seen) -> Judgement:
     """Hold what is known of a coefficient against its limit; see `Specification` for the rule."""
-    most, unit = limit.maximum, limit.unit
-    if seen.value is None:
-        if seen.upper is None:
-            return Judgement(channel, limit, NOT_SHOWN, None, seen.reason)
-        text = say(
-            "{reason}, below {limit:.3g} {unit}",
-            reason=seen.reason or say("not identified"), limit=seen.upper / limit.factor, unit=unit,
-        )  # fmt: skip
-        return Judgement(channel, limit, PASS if seen.upper <= most else NOT_SHOWN, seen.upper, text)
-    known = math.isfinite(seen.low) and math.isfinite(seen.high)
-    near = known and seen.low <= most <= seen.high
-    value = f"{seen.value / limit.factor:.4g} {unit}"
-    if known:
-        parts = [f"{value} ({seen.low / limit.factor:.4g} .. {seen.high / limit.factor:.4g})"]
-    else:
-        parts = [value, say("no interval")]
-    parts += [say("the interval contains the limit")] if near else []
-    parts += [seen.reason] if seen.reason else []
-    upper = limit.judge == "upper"
-    outcome = FAIL if seen.value > most else NOT_SHOWN if upper and not seen.high <= most else PASS
-    size = seen.high if upper and known else seen.value
-    return Judgement(channel, limit, outcome, size, join(", ", parts), near)
+    return Judgement(channel, limit, held(*seen.limits, limit.maximum), seen.words(limit))
 
 
 def seen_of(channel: Channel, symbol: str, level: float) -> Seen:
@@ -286,7 +266,8 @@ def seen_of(channel: Channel, symbol: str, level: float) -> Seen:
     if channel.readings is None or minimum is None:
         return Seen(reason=say("the curve has no minimum; it is determined for oadev at averaging times 'log' only"))
     if not channel.readings.inside:
-        return Seen(upper=minimum.interval(level)[1], reason=say("not reached in this record"))
+        low, high = minimum.interval(level)
+        return Seen(minimum.deviation, low, high, high, FALLING)
     return Seen(minimum.deviation, *minimum.interval(level))
 
 

@@ -1,6 +1,5 @@
 """Whether a record has the noise that is claimed of it: every number of the claim held against the record."""
 
-import math
 import os
 from collections.abc import Iterator
 from dataclasses import fields, replace
@@ -8,6 +7,7 @@ from dataclasses import fields, replace
 from allanite.batch.specification import Limit, seen_of
 from allanite.core.aliases import public
 from allanite.core.errors import DataError, UsageError
+from allanite.core.limits import FAIL, NOT_DECIDED, PASS, held
 from allanite.core.model import Model
 from allanite.core.record import Record
 from allanite.core.threads import one_thread
@@ -21,7 +21,7 @@ from .claim import KINDS, ClaimedNoise, claim_of
 from .configured import setting_rows
 from .convention import causes_of
 from .exact import Counts, by_sensor, curve_row, exact_rows
-from .result import AGREES, EXCEEDS, NOT_SHOWN, CheckedTerm, ClaimCheck, fit_of
+from .result import AGREES, EXCEEDS, CheckedTerm, ClaimCheck, fit_of
 
 TOLERANCE = 0.02
 """Relative difference that is accepted: files state two or three digits."""
@@ -143,18 +143,17 @@ def _bounds(study: Study, claims: dict[float, ClaimedNoise], alpha: float, toler
             )  # fmt: skip
 
 
+BOUNDED = {PASS: AGREES, FAIL: EXCEEDS, NOT_DECIDED: NOT_DECIDED}
+"""What a limit that is kept, exceeded or not decided says of a claim."""
+
+
 def _bounded(channel: Channel, limit: Limit, level: float, tolerance: float) -> CheckedTerm:
     """A number that is an upper bound, held against what was identified."""
     reading, most, record = seen_of(channel, limit.symbol, level), limit.maximum, channel.record
     row = CheckedTerm(record.name, record.signal, limit.symbol, most, reading.value, limit.unit, reason=reading.reason)
+    low, high = reading.limits
+    outcome = BOUNDED[held(low, high, most * (1 + tolerance))]
     if reading.value is None:
-        if reading.upper is None:
-            return replace(row, outcome=NOT_SHOWN)
-        outcome = AGREES if reading.upper <= most * (1 + tolerance) else NOT_SHOWN
-        return replace(row, low=0.0, high=reading.upper / most, outcome=outcome,
-                       reason=reading.reason or say("not identified"))  # fmt: skip
-    low, high = (reading.low, reading.high) if math.isfinite(reading.low) else (reading.value, reading.value)
-    outcome = (
-        EXCEEDS if low > most * (1 + tolerance) else NOT_SHOWN if limit.judge == "upper" and high > most else AGREES
-    )
+        reason = reading.reason or say("not identified")
+        return replace(row, low=low / most, high=high / most, outcome=outcome, reason=reason)
     return replace(row, ratio=reading.value / most, low=low / most, high=high / most, outcome=outcome)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from allanite.core.fit import REJECTED, Fit
+from allanite.core.limits import NOT_DECIDED
 from allanite.core.record import Record
 from allanite.core.validity import UNEXPLAINED
 from allanite.phrases.phrase import Phrase, say
@@ -15,7 +16,7 @@ from allanite.prepare.view import View
 from allanite.study.results import Channel, Study
 
 from .claim import CUTOFF, ClaimedSetting
-from .result import DIFFERS, NOT_SHOWN, CheckedTerm, fit_of
+from .result import DIFFERS, CheckedTerm, fit_of
 
 HIGHEST = 0.45
 """Share of the sampling rate above which a cut-off is not decided on: near half of it the images of what a filter
@@ -47,7 +48,7 @@ def _cutoff(row: CheckedTerm, channel: Channel, claimed: float, level: float, to
     why = _hidden(channel, claimed)
     fit = fit_of(channel)
     if why or fit is None or fit.cutoff is None:
-        return replace(row, outcome=NOT_SHOWN, reason=why)
+        return replace(row, outcome=NOT_DECIDED, reason=why)
     low, high = fit.cutoff(level)
     through = None if fit.scope is None else fit.scope.filter
     known = replace(row, low=low / claimed, high=high / claimed)
@@ -56,9 +57,9 @@ def _cutoff(row: CheckedTerm, channel: Channel, claimed: float, level: float, to
     if low > claimed * (1 + tolerance) or high < claimed * (1 - tolerance):
         return replace(known, outcome=DIFFERS, reason=_differing(channel, low, high))
     if through is None:
-        return replace(known, outcome=NOT_SHOWN, reason=say("a longer record would show whether there is a filter"))
+        return replace(known, outcome=NOT_DECIDED, reason=say("a longer record would show whether there is a filter"))
     if high > VAGUE * low:
-        return replace(known, outcome=NOT_SHOWN, reason=_differing(channel, low, high))
+        return replace(known, outcome=NOT_DECIDED, reason=_differing(channel, low, high))
     return known
 
 
@@ -100,7 +101,7 @@ def _rate(row: CheckedTerm, channel: Channel, claimed: float, tolerance: float) 
     view = View(record) if isinstance(record, Record) else None
     held = None if view is None or resampled is None else held_rate(view)
     if resampled is not None and held is None:
-        return replace(row, outcome=NOT_SHOWN, reason=str(resampled.what))
+        return replace(row, outcome=NOT_DECIDED, reason=str(resampled.what))
     ratio = (held or rate) / claimed
     error = ratio / record.size
     known = replace(row, found=held or rate, ratio=ratio, low=ratio - error, high=ratio + error)
@@ -110,12 +111,12 @@ def _rate(row: CheckedTerm, channel: Channel, claimed: float, tolerance: float) 
         return replace(known, outcome=DIFFERS, reason=str(resampled.what) if resampled else "")
     if claimed > rate:
         return replace(
-            known, outcome=NOT_SHOWN, ratio=math.nan, low=math.nan, high=math.nan,
+            known, outcome=NOT_DECIDED, ratio=math.nan, low=math.nan, high=math.nan,
             reason=say("the record has {rate:.6g} samples a second: it does not show whether the sensor has more",
                        rate=rate),
         )  # fmt: skip
     if view is not None and _coarse(view, claimed):
-        return replace(row, outcome=NOT_SHOWN, reason=say("the samples are too coarse to tell repeated ones"))
+        return replace(row, outcome=NOT_DECIDED, reason=say("the samples are too coarse to tell repeated ones"))
     return replace(known, outcome=DIFFERS, reason=say("none of the {rate:.6g} samples a second is a repeated one",
                                                       rate=rate))  # fmt: skip
 

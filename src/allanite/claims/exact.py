@@ -12,7 +12,7 @@ from allanite.batch.specification import seen_of
 from allanite.comparison.common_likelihood import common_band, part_of
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.fit import Fit
-from allanite.core.limits import quantile
+from allanite.core.limits import NOT_DECIDED, quantile
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
 from allanite.core.units import Signal, unit_of
@@ -27,7 +27,7 @@ from allanite.study.results import Channel, Study
 from allanite.terms import TERMS
 
 from .claim import ClaimedNoise
-from .result import AGREES, DIFFERS, NOT_SHOWN, UNCLAIMED, CheckedTerm, claimed_deviation, fit_of
+from .result import AGREES, DIFFERS, UNCLAIMED, CheckedTerm, claimed_deviation, fit_of
 
 WIDTH = 4.0
 """Coefficients of the transform to either side of a sinusoid that are left out."""
@@ -317,7 +317,7 @@ def _estimated(channel: Channel, term: Term, count: Counts) -> CheckedTerm:
                       reason=reading.reason)  # fmt: skip
     low, high = (0.0, reading.upper) if reading.value is None and reading.upper else (reading.low, reading.high)
     if high is None or not math.isfinite(high):
-        return replace(row, outcome=NOT_SHOWN, reason=reading.reason or say("no interval"))
+        return replace(row, outcome=NOT_DECIDED, reason=reading.reason or say("no interval"))
     size = abs(term.value)
     ratio = 0.0 if reading.value is None else reading.value / size
     return replace(row, ratio=ratio, low=low / size, high=high / size, outcome=count.outcome(low / size, high / size))

@@ -11,6 +11,7 @@ from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.encoding import finite
 from allanite.core.fit import Fit
+from allanite.core.limits import NOT_DECIDED
 from allanite.core.model import Model
 from allanite.core.plain import Value
 from allanite.core.units import Signal, unit_of
@@ -21,13 +22,13 @@ from allanite.study.results import Channel, Study
 from .claim import ClaimedNoise
 
 AGREES, DIFFERS, EXCEEDS = "agrees", "differs", "exceeds"
-UNCLAIMED, NOT_SHOWN = "not claimed", "not shown"
+UNCLAIMED = "not claimed"
 
 OUTCOMES = {
     DIFFERS: say("the interval of the factor excludes 1, all comparisons of the record considered"),
     EXCEEDS: say("the interval of the factor lies above 1, all comparisons of the record considered"),
     UNCLAIMED: say("noise that the record has and the claim has not"),
-    NOT_SHOWN: say("the record neither confirms nor contradicts it"),
+    NOT_DECIDED: say("the record neither confirms nor contradicts it"),
     AGREES: say("the interval of the factor holds 1, or comes near enough to it"),
 }
 """What each outcome means, the worst first."""
@@ -146,7 +147,7 @@ class ClaimCheck(Study):
     def verdict(self) -> str:
         """The answer in a few words."""
         against = [row for row in self.terms if row.contradicts]
-        if all(row.outcome == NOT_SHOWN for row in self.terms):
+        if all(row.outcome == NOT_DECIDED for row in self.terms):
             return say("the record neither confirms nor contradicts the claim")
         if not against:
             return say("the record agrees with the claim")

@@ -56,12 +56,12 @@ def analyze(files: tuple[str, ...], limits: str | None, **choices: Any) -> None:
     analyzed by batch, and RESULTS are shown by lot.
 
     --limits FILE.toml holds lines such as N = { max = "0.15 deg/sqrt(h)" } below [limits], or below [channels.gz] for
-    one channel; B, K, Q, R, GM and minimum (of the Allan deviation) are limited likewise. A term passes if its value
-    does not exceed the limit; with judge = "upper", if the upper end of its interval does not. A term that was not
-    identified passes if its 95 % upper limit does not exceed the limit. What neither passes nor fails is "not shown".
+    one channel; B, K, Q, R, GM and minimum (of the Allan deviation) are limited likewise. A term passes if its interval
+    lies below the limit and fails if it lies above; otherwise it is not decided. A term that was not identified passes
+    if its 95 % upper limit does not exceed the limit.
 
     Exit codes: 4 if a unit exceeds a limit, else 5 if some files could not be analyzed, else with --strict 3 if a
-    channel is not explained or a limit is not shown.
+    channel is not explained or a limit is not decided.
     """
     from allanite.batch.sources import several
 

@@ -121,7 +121,7 @@ def ends_of_units(batch: "Batch", *, strict: bool = False) -> list[tuple[int, st
     ends = (
         (EXCEEDED, batch.exceeding, "a limit is exceeded"),
         (PARTLY, batch.failed, "not analyzed"),
-        (DATA, batch.rejected if strict else (), "not explained, or not shown to keep a limit"),
+        (DATA, batch.rejected if strict else (), "not explained, or a limit is not decided"),
     )
     return [(code, f"{what}: {', '.join(units)}") for code, units, what in ends if units]
 

@@ -111,28 +111,37 @@ class PooledChannel(ComparedChannel):
         return self.test is not None and self.test.p > self.alpha
 
     @property
+    def of_axes(self) -> bool:
+        """Whether the records are axes, each with a name of its own, and not runs of one."""
+        names = {record.name for record in self.records or ()}
+        return len(names) == len(self.records or ()) > 0 and all(names)
+
+    @property
     def verdict(self) -> str:
         """What the runs have in common and what not, in a sentence or two."""
         if self.refusal or self.test is None:
             return say("not pooled: {reason}", reason=self.refusal)
-        runs, p = len(self.fits), chance(self.test.p)
+        kind = say("axes") if self.of_axes else say("runs")
+        every: dict[str, Any] = {"count": len(self.fits), "runs": kind, "p": chance(self.test.p)}
         if self._one_noise and not self.apart:
-            first: str = say("one noise model describes all {runs} runs ({p})", runs=runs, p=p)
+            first: str = say("one noise model describes all {count} {runs} ({p})", **every)
         elif self._one_noise:
-            first = say("one noise model describes the {runs} runs ({p})", runs=runs, p=p)
+            first = say("one noise model describes the {count} {runs} ({p})", **every)
         else:
-            first = say("the {runs} runs do not have the same noise ({p})", runs=runs, p=p)
+            first = say("the {count} {runs} do not have the same noise ({p})", **every)
         parts = [first]
         if self.apart:
             runs_apart = join(", ", [join("", (name, f" ({chance(p)})")) for name, p in self.apart.items()])
             parts.append(say("different from the others: {runs}", runs=runs_apart))
             if self.rest > self.alpha:
-                parts.append(say("the remaining runs have the same noise ({p})", p=chance(self.rest)))
+                parts.append(say("the remaining {runs} have the same noise ({p})", runs=kind, p=chance(self.rest)))
             else:
-                parts.append(say("the remaining runs still differ ({p})", p=chance(self.rest)))
+                parts.append(say("the remaining {runs} still differ ({p})", runs=kind, p=chance(self.rest)))
         named = [t.symbol for t in self.terms if t.adjusted <= self.alpha]
         if named:
-            parts.append(say("the scatter between runs exceeds that within them in {terms}", terms=", ".join(named)))
+            parts.append(
+                say("the scatter between {runs} exceeds that within them in {terms}", runs=kind, terms=", ".join(named))
+            )
         return join("; ", parts)
 
 

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 from allanite.core.aliases import public
 from allanite.core.encoding import plain
-from allanite.core.readings import FLICKER
-from allanite.phrases.phrase import say
+from allanite.core.limits import held
+from allanite.core.readings import FALLING, FLICKER
 from allanite.planning.datasheets import QUANTITIES, Claim, DataSheet, data_sheet_named
 from allanite.study.analysis import analyze
 from allanite.study.channels import Progress, Source
@@ -30,6 +30,12 @@ class Measured(NamedTuple):
     def ratio(self) -> tuple[float, float, float]:
         """What was measured over what the data sheet says, with its interval."""
         return self.value / self.claim.value, self.low / self.claim.value, self.high / self.claim.value
+
+    @property
+    def outcome(self) -> str:
+        """Whether the interval keeps the value of the data sheet, as a limit is judged; empty if nothing is known."""
+        low = 0.0 if self.remark == FALLING else self.low
+        return held(low, self.high, self.claim.value) if math.isfinite(self.high) else ""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -61,8 +67,8 @@ class SheetComparison(Job[Channel]):
         """Headings and rows for any table."""
         heads = ["channel", "quantity", "printed", "limit", "sheet", "measured", "low", "high", "unit", "ratio"]
         pairs = ((channel.record.name, m, m.claim) for channel in self for m in self.measured(channel, level))
-        return heads, [
-            [name, c.quantity, c.printed, c.limit, c.value, m.value, m.low, m.high, c.unit, m.ratio[0]]
+        return [*heads, "outcome"], [
+            [name, c.quantity, c.printed, c.limit, c.value, m.value, m.low, m.high, c.unit, m.ratio[0], m.outcome]
             for name, m, c in pairs
         ]
 
@@ -86,7 +92,7 @@ def _measured(channel: Channel, claim: Claim, level: float) -> Measured:
             return Measured(claim)
         scale *= FLICKER
         low, high = readings.minimum.interval(level)
-        remark = "" if readings.inside else say("upper limit: still falling")
+        remark = "" if readings.inside else FALLING
         return Measured(claim, readings.minimum.deviation * scale, low * scale, high * scale, remark)
     estimate = next((e for e in channel.fit or () if e.symbol == term.symbol), None)
     if estimate is None or estimate.value is None or not estimate.valued:

@@ -12,6 +12,7 @@ from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 
 from .arrays import FloatArray
+from .digits import Digits, digits
 from .display_units import shown_unit
 from .encoding import finite
 from .errors import UsageError, given
@@ -265,25 +266,34 @@ class Estimate(Value):
 
         >>> from .units import SIGNALS
         >>> Estimate("B", SIGNALS[0], None, None, "absent", 4.848e-6, "whittle").words("deg/h")
-        'not identified, below 1 deg/h'
+        'not identified, below 1.0 deg/h'
         """
         unit = unit or self.sheet_unit
-        scale = 1 / coefficient_factor(self.symbol, unit, self.signal)
         if self.status == "not observable":
             return say("not observable: {reason}", reason=self.reason)
-        if self.value is None:
-            # why there is no value, and its limit
+        number, most = self.rounded(unit, level), self.rounded_limit(unit)
+        if number is None:  # why there is no value, and its limit
             if self.status == "not valid":
                 return say("not valid: {reason}", reason=self.reason)
-            if self.upper is None:
+            if most is None:
                 return say("not identified")
-            return say("not identified, below {limit:.3g} {unit}", limit=self.upper * scale, unit=unit)
+            return say("not identified, below {limit} {unit}", limit=most.plain()[0], unit=unit)
         if self.status == "not valid":
-            value = self.value * scale
-            return say("not valid ({value:.4g} {unit}): {reason}", value=value, unit=unit, reason=self.reason)
-        low, high = self.interval(level)
-        around = f" ({low * scale:.4g} .. {high * scale:.4g})" if math.isfinite(low) and math.isfinite(high) else ""
-        return f"{self.value * scale:.4g}{around} {unit}"
+            return say("not valid ({value} {unit}): {reason}", value=number.words(), unit=unit, reason=self.reason)
+        return f"{number.words()} {unit}"
+
+    def rounded(self, unit: str, level: float = 0.95, *, signed: bool = False) -> Digits | None:
+        """The value in `unit`, rounded with its interval; None where there is no value."""
+        if self.value is None:
+            return None
+        factor = coefficient_factor(self.symbol, unit, self.signal)
+        return digits(self.value / factor, *(v / factor for v in self.interval(level)), signed=signed)
+
+    def rounded_limit(self, unit: str) -> Digits | None:
+        """The upper limit in `unit`, rounded; None where there is none."""
+        if self.upper is None:
+            return None
+        return digits(self.upper / coefficient_factor(self.symbol, unit, self.signal), figures=2)
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI, with the data-sheet form under "shown"."""

@@ -22,6 +22,14 @@ def quantile(p: float) -> float:
     return float(ndtri(p))
 
 
+PASS, FAIL, NOT_DECIDED = "pass", "fail", "not decided"
+
+
+def held(low: float, high: float, most: float) -> str:
+    """Whether what lies between `low` and `high` keeps a limit; not decided where the interval contains the limit."""
+    return PASS if high <= most else FAIL if low > most else NOT_DECIDED
+
+
 @dataclass(frozen=True, eq=False)
 class Widened:
     """Limits of a coefficient that are `factor` times as far from its value, but not below zero."""

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any, NamedTuple
 
-from allanite.phrases.phrase import Phrase, say
+from allanite.phrases.phrase import Phrase, averaging, join, say
 from allanite.terms import TERMS, WHITE
 
+from .digits import Digits, digits
 from .display_units import shown_unit
 from .encoding import finite, plain
 from .estimate import Estimate
@@ -72,7 +73,7 @@ class Means(Value):
 class Quantity(NamedTuple):
     """One line of a table of readings: `value`, `low` and `high` in SI units of the signal times time to the `power`.
 
-    `power` is None for a slope, which has no unit. `quoted`: whether data sheets have it.
+    `power` is None for a slope, which has no unit.
     """
 
     title: str
@@ -82,7 +83,6 @@ class Quantity(NamedTuple):
     high: float
     power: float | None
     remark: str = ""
-    quoted: bool = False
 
 
 MINIMUM = "minimum"
@@ -91,6 +91,9 @@ MINIMUM = "minimum"
 
 IN_RUN = say("in-run bias stability")
 """What data sheets of inertial sensors call it."""
+
+FALLING, FALLING_SIGN = say("still falling"), "↓"
+"""Stand beside a minimum that is the last point of its curve: a longer record may have a lower one."""
 
 
 def minimum_title(signal: Signal) -> str:
@@ -127,6 +130,22 @@ class Readings(Value):
         """The unit in which signal x time^power is shown."""
         return shown_unit(self.signal, power, self.wanted)
 
+    def lowest(self, level: float = 0.95) -> Digits | None:
+        """The minimum, rounded with its interval, in the unit that is shown; None where there is none."""
+        if self.minimum is None:
+            return None
+        factor = convert(1.0, self.unit, self.shown_unit(0))
+        return digits(self.minimum.deviation * factor, *(limit * factor for limit in self.minimum.interval(level)))
+
+    def lowest_words(self, level: float = 0.95, *, pretty: bool = False) -> str:
+        """The same as text: ``1.23 (0.87 .. 2.10) deg/h at 5.7 min, still falling``."""
+        lowest = self.lowest(level)
+        if lowest is None or self.minimum is None:
+            return ""
+        size = f"{lowest.pretty() if pretty else lowest.words()} {self.shown_unit(0)}"
+        text = say("{value} at {tau}", value=size, tau=averaging(self.minimum.tau))
+        return text if self.inside else join(", ", (text, FALLING))
+
     @property
     def white(self) -> bool:
         """Whether the slope is that of white rate noise where the angle random walk is read."""
@@ -151,31 +170,11 @@ class Readings(Value):
             _quantity(say("as {walk}", walk=walk), self.usual, level, root, self._slope_there())._replace(power=0.5),
         ]
         if self.minimum is not None:
-            tau = self.minimum.tau
-            inside, last = (
-                say("at {tau:.4g} s", tau=tau),
-                say("at {tau:.4g} s, the last point: an upper limit", tau=tau),
-            )
-            found.append(
-                _quantity(
-                    minimum_title(self.signal), self.minimum, level, 1.0, inside if self.inside else last
-                )._replace(quoted=True)
-            )
+            where = say("at {tau:.4g} s", tau=self.minimum.tau)
+            remark = where if self.inside else join(", ", (where, FALLING))
+            found.append(_quantity(minimum_title(self.signal), self.minimum, level, 1.0, remark))
             most = say("{term} at most", term=title_of("B", self.signal))
             found.append(_quantity(say("minimum / 0.664"), self.minimum, level, FLICKER, most))
-        found += [
-            Quantity(
-                stability_over(m.seconds),
-                m.seconds,
-                m.value,
-                math.nan,
-                math.nan,
-                0,
-                say("of {count} means", count=m.count),
-                quoted=True,
-            )
-            for m in self.means
-        ]
         return found + [
             Quantity(
                 say("slope, {start:.4g} to {end:.4g} s", start=s.start, end=s.end), s.start, s.value,
@@ -212,11 +211,6 @@ class Readings(Value):
     def _summary(self) -> str:
         unit = self.shown_unit(0)
         return f"{convert(self.usual.deviation, self.unit, unit):.4g} {unit} at {self.usual.tau:.4g} s"
-
-
-def stability_over(seconds: float) -> Phrase:
-    """The name of N-second stability."""
-    return say("{seconds:.4g} s stability", seconds=seconds)
 
 
 def _quantity(title: str, point: Reading, level: float, factor: float = 1.0, remark: str = "") -> Quantity:
@@ -279,13 +273,14 @@ def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: f
             found.append(_entry(e, say("flicker floor, {floor:.3f} B", floor=floor), e.sheet_unit, level, floor))
     if readings is not None:
         unit = readings.shown_unit(0)
+        per = convert(1.0, readings.unit, unit)
         for means in readings.means:
-            value = convert(means.value, readings.unit, unit)
+            name, value = say("{seconds:.4g} s stability", seconds=means.seconds), means.value * per
             remark = say("{count} means", count=means.count)
             if any(_spread_of(e, means) > MOSTLY * means.value for e in estimates):
                 remark = say("{means}; mostly the ramp: R x {length:.6g} s / sqrt(12)", means=remark,
                              length=means.count * means.seconds)  # fmt: skip
-            found.append(DataSheetRow(stability_over(means.seconds), value, None, None, unit, means.seconds, remark))
+            found.append(DataSheetRow(name, value, None, None, unit, means.seconds, remark))
     return found if fit is None else [*found, _bandwidth(fit, rate)]
 
 
@@ -317,7 +312,7 @@ def _minimum(readings: Readings | None, level: float) -> Iterator[DataSheetRow]:
     factor = convert(1.0, readings.unit, unit)
     low, high = point.interval(level)
     lowest, inertial = say("minimum of the Allan deviation"), readings.signal.inertial
-    remark = lowest if readings.inside else say("upper limit: still falling")
+    remark = lowest if readings.inside else FALLING
     name = IN_RUN if inertial else lowest
     yield DataSheetRow(
         name, point.deviation * factor, low * factor, high * factor, unit, point.tau,

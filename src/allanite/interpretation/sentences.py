@@ -248,13 +248,10 @@ def _minimum(fit: Fit, readings: Readings | None, rate: float, length: float) ->
     flicker = next((e for e in fit if TERMS[e.symbol].slope == 0 and not TERMS[e.symbol].parameters), None)
     if flicker is None:
         return
-    tau, level = readings.minimum.tau, readings.minimum.deviation
     stated = say(
-        "The minimum of the Allan deviation is {minimum} at {tau}; divided by 0.664 it would be a B of {flicker}",
-        minimum=_size(level, flicker, 0),
-        tau=averaging(tau),
-        flicker=_size(level * FLICKER, flicker, 0),
-    )
+        "The minimum of the Allan deviation is {minimum}; divided by 0.664 it would be a B of {flicker}",
+        minimum=readings.lowest_words(), flicker=_size(readings.minimum.deviation * FLICKER, flicker, 0),
+    )  # fmt: skip
     if flicker.claimed and flicker.value:
         own = _size(flicker.value, flicker, 0)
         because = say("the identified B is {value}, because the minimum contains the other terms too.", value=own)
@@ -336,11 +333,10 @@ def _grade(readings: Readings | None) -> Iterator[str]:
     if readings is None or readings.minimum is None or readings.signal.name != "gyro":
         return
     level = readings.minimum.deviation if readings.inside else readings.minimum.interval(0.95)[1]
-    size = convert(level, readings.unit, "deg/h")
-    grade = grade_of(size)
-    facts = {"grade": grade, "scale": IN_RUN, "span": bounds_of(grade), "size": size}
+    grade = grade_of(convert(level, readings.unit, "deg/h"))
+    facts = {"grade": grade, "scale": IN_RUN, "span": bounds_of(grade), "size": readings.lowest_words()}
     if readings.inside:
-        text = say("{grade} by its {scale} ({span}: {size:.3g})", **facts)
+        text = say("{grade} by its {scale}, {size} ({span})", **facts)
     else:
-        text = say("{grade} or better by its {scale} ({span}: below {size:.3g})", **facts)
+        text = say("{grade} or better by its {scale}, {size} ({span})", **facts)
     yield join("; ", (text, say("grades are conventions, and a data sheet needs more than noise.")))

@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from allanite.core.aliases import public, size_and_rate
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
+from allanite.core.limits import quantile
 from allanite.core.model import Model, ModelLike, Term, usable_model
 from allanite.core.plain import Value
 from allanite.identification.checks.whitening import deviations
@@ -45,6 +46,8 @@ class Bound(Value):
         Relative standard errors (1 sigma), infinite if the record carries no information.
     ramp : float or None
         Standard error of the rate ramp, SI; None if it is known that there is none.
+    limits : dict of str to float
+        95 % upper limits, SI, of the terms that are looked for and that the model lacks.
 
     Examples
     --------
@@ -61,6 +64,7 @@ class Bound(Value):
     names: tuple[str, ...]
     errors: FloatArray
     ramp: float | None
+    limits: dict[str, float] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> float:
         """Relative standard error of one parameter."""
@@ -133,12 +137,17 @@ def bound(
     beside = _beside(model, terms)
     unknown = (model.drifts or any(t.row.waveform is not None for t in beside)) if ramp is None else ramp
     likelihood, theta = _expected(noise, [t for t in beside if t.row.waveform is None], n, rate, ramp=unknown)
-    errors = _errors(likelihood.information(theta))[: sum(1 + len(t.row.parameters) for t in noise)]
-    relative = dict(zip(_names(noise, model), errors, strict=True))
+    errors = _errors(likelihood.information(theta))
+    relative = dict(zip(_names(noise, model), errors, strict=False))
     ramp_size = ramp_error(noise, n, rate, _edge(likelihood, theta)) if unknown else None
     relative |= dict(_deterministic(model, noise, ramp_size, n, rate))
     slope = None if ramp_size is None else ramp_size * rate
-    return Bound(model, n, rate, tuple(relative), np.array(list(relative.values())), slope)
+    # the square of an absent coefficient of unit size has twice the relative error of the coefficient
+    absent = [t.symbol for t in beside if t.row.waveform is None]
+    limits = dict(zip(absent, np.sqrt(2 * quantile(0.95) * errors[errors.size - len(absent) :]).tolist(), strict=True))
+    if slope is not None:
+        limits |= {t.symbol: quantile(0.95) * slope for t in beside if t.row.waveform is not None}
+    return Bound(model, n, rate, tuple(relative), np.array(list(relative.values())), slope, limits)
 
 
 def _expected(

@@ -10,7 +10,6 @@ import numpy as np
 
 from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray, IntArray
-from allanite.core.encoding import finite, plain
 from allanite.core.errors import UsageError, given
 from allanite.core.model import Model, ModelLike, usable_model
 from allanite.core.plain import Value
@@ -53,9 +52,11 @@ class RecordingPlan(Value):
         Record length needed for it, s; infinite if no practical length is sufficient.
     searched, searched_needed : arrays, shapes as for `errors` and `needed`
         The same if it is unknown which of the five terms are present, as for `identify`.
+    absent, limits : tuple of str, array of shape (absent terms, durations)
+        The terms that the model lacks, and their expected 95 % upper limits, SI; NaN as for `errors`.
     """
 
-    _alike = ("names errors needed searched searched_needed",)
+    _alike = ("names errors needed searched searched_needed", "absent limits")
 
     model: Model
     rate: float
@@ -67,6 +68,8 @@ class RecordingPlan(Value):
     needed: FloatArray
     searched: FloatArray
     searched_needed: FloatArray
+    absent: tuple[str, ...]
+    limits: FloatArray
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows, with the terms known and then not; errors in percent, lengths in s."""
@@ -78,13 +81,6 @@ class RecordingPlan(Value):
             for name, row, least in zip(self.names, (100 * errors).tolist(), needed.tolist(), strict=True)
         ]
         return headings, rows
-
-    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data; a plan has no limits, so that `level` changes nothing."""
-        errors, needed = plain(self.errors), map(finite, self.needed.tolist())
-        rows = zip(self.names, errors, needed, strict=True)
-        parameters = [{"name": name, "errors": row, "needed": least} for name, row, least in rows]
-        return super().to_dict(level) | {"parameters": parameters}
 
     def _summary(self) -> str:
         needed = (f"{name} {least:.3g} s" for name, least in zip(self.names, self.needed, strict=True))
@@ -161,7 +157,13 @@ def plan(
         return columns, np.array([_least(error, i, accuracy) for i in range(len(names))]) / rate
 
     (errors, needed), (searched, least) = planned("known"), planned("auto")
-    return RecordingPlan(model, rate, unknown, names, tuple(durations), errors, accuracy, needed, searched, least)
+    sizes = [round(d * rate) for d in durations]
+    expected = [bound(model, n, rate, terms="auto").limits if n >= SHORTEST else {} for n in sizes]
+    absent = tuple(next(filter(None, expected), {}))
+    limits = np.array([[of.get(symbol, math.nan) for of in expected] for symbol in absent])
+    return RecordingPlan(
+        model, rate, unknown, names, tuple(durations), errors, accuracy, needed, searched, least, absent, limits
+    )
 
 
 def _least(errors: Callable[[int], FloatArray], which: int, wanted: float) -> float:

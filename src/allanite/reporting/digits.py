@@ -1,85 +1,11 @@
-"""How numbers, units and names are written: two digits of the half width of an interval, and signs of print."""
+"""How numbers, units and names are written: signs of print, and ASCII for terminals that have none."""
 
-import math
 import re
-from dataclasses import dataclass, field
 
+from allanite.core.digits import Digits as Digits  # noqa: PLC0414 - of this module too
+from allanite.core.digits import digits as digits  # noqa: PLC0414
+from allanite.core.digits import rounded as rounded  # noqa: PLC0414
 from allanite.core.units import ATOMS, RAISED, plain_letters
-
-LARGE, SMALL = 1e6, 1e-3
-"""Sizes from and below which a power of ten is written."""
-
-
-@dataclass(frozen=True)
-class Digits:
-    """A number, its limits and their half width as text, with the same decimals, in units of 10^exponent."""
-
-    value: str
-    # empty where there is no interval
-    low: str
-    high: str
-    exponent: int = 0
-    half: str = field(default="", repr=False)
-
-    def plain(self) -> tuple[str, str]:
-        """Value and interval in ASCII, for the terminal: ``("9.02e-5", "8.79e-5 .. 9.25e-5")``."""
-        power = f"e{self.exponent}" if self.exponent else ""
-        interval = f"{self.low}{power} .. {self.high}{power}" if self.low else ""
-        return self.value + power, interval
-
-    def pretty(self) -> str:
-        """Value and interval in print: ``9.02 (8.79 … 9.25) × 10⁻⁵``."""
-        interval = f" ({self.low} … {self.high})" if self.low else ""
-        return (self.value + interval).replace("-", "−") + self.power
-
-    @property
-    def power(self) -> str:
-        """The power of ten in print, empty where it is 1."""
-        return f" × 10{str(self.exponent).translate(RAISED)}" if self.exponent else ""
-
-
-def digits(
-    value: float, low: float = math.nan, high: float = math.nan, *, signed: bool = False, figures: int = 4
-) -> Digits:
-    """Round a value and its limits alike, to two significant digits of the half width.
-
-    >>> digits(0.310213, 0.30217, 0.318712)
-    Digits(value='0.3102', low='0.3022', high='0.3187', exponent=0)
-    >>> digits(9.0241e-5, 8.79e-5, 9.251e-5).plain()
-    ('9.02e-5', '8.79e-5 .. 9.25e-5')
-    """
-    if not math.isfinite(value):
-        return Digits(f"{value}", "", "", 0)
-    size = abs(value)
-    known = math.isfinite(low) and math.isfinite(high)
-    half = (high - low) / 2 if known else 0.0
-    if known and low < 0 < high:
-        size = max(size, half)  # of a number near zero the size of its interval counts
-    exponent = _order(size) if size and not SMALL <= size < LARGE else 0
-    decimals = exponent + (_decimals(size, half) if half > 0 else figures - 1 - _order(size) if size else 0)
-    places = f".{min(max(decimals, 0), 12)}f"
-    scaled = [v / 10.0**exponent for v in ((value, low, high) if known else (value,))]
-    sign = "+" if signed else ""
-    shown = [format(round(v, decimals) + 0.0, sign + places) for v in scaled]  # no negative zero
-    least, most = shown[1:] or ("", "")
-    return Digits(shown[0], least, most, exponent, format(half / 10.0**exponent, places) if known else "")
-
-
-def rounded(value: float) -> str:
-    """A number without an interval as text, to four digits; empty where there is none."""
-    return digits(value).plain()[0] if math.isfinite(value) else ""
-
-
-def _order(size: float) -> int:
-    return math.floor(math.log10(size))
-
-
-def _decimals(size: float, half: float) -> int:
-    """Decimals that show two digits of the half width, and never fewer than two of the value itself."""
-    # rounded first: a half width of 0.0996 is 0.10, and its two digits are hundredths
-    wanted = 1 - _order(float(f"{half:.1e}"))
-    return max(wanted, 1 - _order(size)) if size else wanted
-
 
 _SIGN = re.compile(r"(?<![A-Za-z0-9\])])-(?=[\d.])")
 _POWER = re.compile(r"(?<=\d)e([+-]?\d+)")
@@ -101,7 +27,7 @@ _SIGNS = (
 _ANGLE = re.compile(r"(?<=\d) °(?![/*C√²³])")
 _ASCII: dict[str, str | int | None] = {
     "°": "deg", "√": "sqrt", "±": "+-", "≤": "<=", "≥": ">=", "≈": "~", "−": "-", "–": "-", "×": "x", "…": "..",
-    "τ": "tau",
+    "τ": "tau", "↓": "falling",
 }  # fmt: skip
 WRITTEN = "µ²³·⁵" + "".join(_ASCII)
 """Signs of results: an encoding that lacks one of them has ASCII instead."""

@@ -26,8 +26,8 @@ DETAILS, FIGURES = ("--details", say("all numbers")), ("--report page.html", say
 ABOVE = Note(say("no result: see above"), "alert")
 """Stands in the sheet of a channel whose refusal stands with those of the others."""
 
-PLUS_MINUS, MOST = r"±|\+-", "≤|<="
-"""What finds these signs in a line of text."""
+PLUS_MINUS = r"±|\+-"
+"""What finds this sign in a line of text."""
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ from typing import Any, Self
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit, chance
 from allanite.core.kinds import KIND_WORDS, title_of
-from allanite.core.model import coefficient_factor
 from allanite.core.plain import Header
 from allanite.core.record import Record
 from allanite.core.units import unit_of
@@ -19,7 +18,7 @@ from allanite.phrases.phrase import averaging as averaging  # noqa: PLC0414 - of
 from allanite.phrases.phrase import duration as duration  # noqa: PLC0414
 from allanite.terms import TERMS
 
-from .digits import Digits, digits, printed_unit
+from .digits import digits, printed_unit
 
 title = title_of
 
@@ -100,31 +99,15 @@ def shapes(estimate: Estimate, level: float) -> list[str]:
     limits = estimate.shape_limits(level) if estimate.shape_limits else ((math.nan, math.nan),) * len(estimate.shape)
     parts = list[str]()
     for parameter, value, (low, high) in zip(TERMS[estimate.symbol].parameters, estimate.shape, limits, strict=False):
-        number, interval = digits(value, low, high).plain()
-        shown = f"{number}{f' ({interval})' if interval else ''} {parameter.unit}".rstrip()
+        shown = f"{digits(value, low, high).words()} {parameter.unit}".rstrip()
         parts.append(join(" = ", (parameter.letter or parameter.title, shown)))
     return parts
 
 
-def shown(estimate: Estimate, unit: str, level: float) -> Digits | None:
-    """The value and its interval in `unit`, rounded; None where there is no value."""
-    if estimate.value is None:
-        return None
-    factor = coefficient_factor(estimate.symbol, unit, estimate.signal)
-    low, high = (v / factor for v in estimate.interval(level))
-    return digits(estimate.value / factor, low, high, signed=signed(estimate))
-
-
-def limit(estimate: Estimate, unit: str) -> Digits | None:
-    """The upper limit of a term without a value in `unit`; None where there is none."""
-    if estimate.upper is None:
-        return None
-    return digits(estimate.upper / coefficient_factor(estimate.symbol, unit, estimate.signal), figures=2)
-
-
 def brief(estimate: Estimate, level: float) -> str:
     """A coefficient to its significant digits, in brackets if it is not valid, or its upper limit."""
-    number, most = shown(estimate, estimate.sheet_unit, level), limit(estimate, estimate.sheet_unit)
+    unit = estimate.sheet_unit
+    number, most = estimate.rounded(unit, level, signed=signed(estimate)), estimate.rounded_limit(unit)
     if number is not None:
         return number.plain()[0] if estimate.status != "not valid" else f"({number.plain()[0]})"
     return f"< {most.plain()[0]}" if most else "-"
@@ -137,7 +120,7 @@ def below(estimate: Estimate, most: str) -> Phrase:
 
 def in_print(estimate: Estimate, unit: str, level: float) -> str:
     """A coefficient as printed: ``0.310 (0.302 … 0.318) deg/√h`` or ``below 2.1 deg/h``."""
-    number, most = shown(estimate, unit, level), limit(estimate, unit)
+    number, most = estimate.rounded(unit, level, signed=signed(estimate)), estimate.rounded_limit(unit)
     if number is not None:
         return f"{number.pretty()} {printed_unit(unit)}"
     return below(estimate, f"{most.pretty()} {printed_unit(unit)}") if most else ""
@@ -176,7 +159,7 @@ def probability(p: float, least: float = 1e-12) -> str:
 
 def number(estimate: Estimate, level: float) -> str:
     """A coefficient in print without its interval: ``0.310 deg/√h``."""
-    rounded = shown(estimate, estimate.sheet_unit, level)
+    rounded = estimate.rounded(estimate.sheet_unit, level, signed=signed(estimate))
     assert rounded is not None  # noqa: S101 - asked for values only
     value = rounded.value.replace("-", "−") + rounded.power
     return f"{value} {printed_unit(estimate.sheet_unit)}"

@@ -15,14 +15,11 @@ from allanite.core.display_units import readable_unit
 from allanite.core.errors import DataError, UsageError
 from allanite.core.limits import Remembered
 from allanite.core.model import ModelLike, model_of
-from allanite.core.readings import Means, Reading, Readings, Slope
+from allanite.core.readings import FLICKER, Means, Reading, Readings, Slope
 from allanite.core.record import Record
 from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.statistics import deviation
-
-FLOOR = math.sqrt(2 * math.log(2) / math.pi)
-"""Allan deviation of flicker over B: 0.66428. (The 0.6648 of some texts is a misprint.)"""
 
 MIN_COMPLETE_MEANS = 2  # minimum number of complete means
 MIN_EDF = 10.0  # minimum degrees of freedom of a point for the minimum
@@ -144,7 +141,7 @@ def minimum(curve: Curve) -> Minimum:
     lowest = int(np.where(known, curve.deviation, np.inf).argmin())
     last = int(np.flatnonzero(known)[-1])
     value = float(curve.deviation[lowest])
-    return Minimum(value / FLOOR, value, float(curve.tau[lowest]), lowest < last, curve.unit)
+    return Minimum(value * FLICKER, value, float(curve.tau[lowest]), lowest < last, curve.unit)
 
 
 USUAL_TIME = 1.0  # averaging time, s, at which the angle random walk is read

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field, replace
 
 from allanite.core.choices import described
 from allanite.core.errors import AllaniteError, DataError, UsageError
+from allanite.core.readings import minimum_title
 from allanite.core.record import Record, Recording
 from allanite.core.validity import Finding
-from allanite.phrases.phrase import join, percent, say, spelled
+from allanite.phrases.phrase import duration, join, percent, say, spelled
 from allanite.planning.plan import plan
 from allanite.prepare.quality import inspect
 from allanite.prepare.transform import mark_motion, motion, motion_found
@@ -160,23 +161,23 @@ class Watch:
             return str(error)
         lines = []
         for channel in study:
-            record, fit, curve = channel.record, channel.fit, channel.curve
+            record, fit, read = channel.record, channel.fit, channel.readings
             words: list[str] = [say("{channel}: {duration:.4g} s", channel=record.name, duration=record.duration)]
-            if fit is None or curve is None:
+            if fit is None:
                 lines.append(join("; ", (*words, channel.refusal)))
                 continue
-            lowest, unit = int(curve.variance.argmin()), record.signal.sheet[0]
-            words.append(say("{title} {value:.3g} {unit} at {tau:.3g} s", title=curve.statistic,
-                             value=curve.to(unit).deviation[lowest], unit=unit, tau=curve.tau[lowest]))  # fmt: skip
-            words += [say("{symbol} = {value}", symbol=e.symbol, value=e.words()) for e in fit if e.claimed]
+            if read is not None and read.minimum is not None:
+                words.append(join(" ", (minimum_title(record.signal), read.lowest_words(study.recipe.level))))
+            values = [(e.symbol, e.words(level=study.recipe.level)) for e in fit if e.claimed]
+            words += [say("{symbol} = {value}", symbol=symbol, value=value) for symbol, value in values]
             why = channel.noise.rejection if channel.noise is not None else ""
             words += [why] if why else [finding.what for finding in fit.findings]
             needs = plan(fit.usable(unexplained=True), record.rate, durations=(), accuracy=self.settings.accuracy)
-            for name, needed in zip(needs.names, needs.needed, strict=True):
+            for name, needed in zip(needs.names, needs.searched_needed, strict=True):
                 rest = float(needed) - record.size / record.rate
                 if 0 < rest < math.inf:
-                    words.append(say("about {time} more until {symbol} is known to {share}", time=lasting(rest),
-                                     symbol=name, share=percent(self.settings.accuracy)))  # fmt: skip
+                    facts = {"time": duration(float(f"{rest:.2g}")), "share": percent(self.settings.accuracy)}
+                    words.append(say("about {time} more until {symbol} is known to {share}", symbol=name, **facts))
             lines.append(join("; ", words))
         return "\n".join(lines)
 
@@ -268,11 +269,3 @@ class Watch:
             yield say("{target!r} is back; {lost} samples are missing", target=self.target, lost=lost)
             return feed
         return None
-
-
-def lasting(seconds: float) -> str:
-    """A length of time with its unit, to two digits."""
-    for size, unit in ((3600.0, "h"), (60.0, "min")):
-        if seconds >= 2 * size:
-            return f"{float(f'{seconds / size:.2g}'):g} {unit}"
-    return f"{seconds:.2g} s"

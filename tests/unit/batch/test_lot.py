@@ -172,9 +172,9 @@ def test_examples_of_the_parts_of_a_batch():
     assert list(map(several, names)) == [False, False, True, True]
     limit = al.batch.Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).limits[0]
     unit = limit.factor
-    words = "<Judgement 'gz': B pass, 1.9 deg/h (1.7 .. 2.1), the interval contains the limit>"
+    words = "<Judgement 'gz': B not decided, 1.90 (1.70 .. 2.10) deg/h>"
     assert repr(judge("gz", limit, Seen(1.9 * unit, 1.7 * unit, 2.1 * unit))) == words
-    words = "<Judgement 'gz': B not shown, not identified, below 3 deg/h>"
+    words = "<Judgement 'gz': B not decided, not identified, below 3.0 deg/h>"
     assert repr(judge("gz", limit, Seen(upper=3 * unit))) == words
     stored = dumps({"what": say("at {f:g} Hz", f=2.5), "name": "gx"})
     assert stored == '{"name": "gx", "what": {"say": ["at {f:g} Hz"], "with": {"f": 2.5}}}'

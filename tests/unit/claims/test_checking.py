@@ -7,7 +7,7 @@ import pytest
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.claims.result import AGREES, CONTRADICTS, DIFFERS, EXCEEDS, NOT_SHOWN, UNCLAIMED
+from allanite.claims.result import AGREES, CONTRADICTS, DIFFERS, EXCEEDS, NOT_DECIDED, UNCLAIMED
 from allanite.core.errors import DataError, UsageError
 from allanite.study.analysis import analyzed
 from allanite.terms import TERMS
@@ -124,7 +124,7 @@ def test_a_bias_that_is_missing_is_said(recording):
     ("N 0.9 deg/sqrt(h), K 600 deg/h/sqrt(h)", {"at_most": True}, {"N": EXCEEDS, "K": AGREES, "curve": EXCEEDS}),
     ("N 0.97 deg/sqrt(h), K 300 deg/h/sqrt(h)", {"tolerance": 0.1}, {"N": AGREES, "K": AGREES, "curve": AGREES}),
     ("N 0.97 deg/sqrt(h), K 300 deg/h/sqrt(h)", {"tolerance": 0.0}, {"N": DIFFERS, "K": AGREES}),
-    ("N 1.5 deg/sqrt(h), GM 1 deg/h 20 s", {"at_most": True}, {"GM": NOT_SHOWN}),
+    ("N 1.5 deg/sqrt(h), GM 1 deg/h 20 s", {"at_most": True}, {"GM": NOT_DECIDED}),
 ])  # fmt: skip
 def test_bounds_and_tolerance(recording, claim, options, expected):
     found = al.check(recording["gx"], claim, **options)

@@ -10,7 +10,7 @@ from tests.rows import rows
 import allanite as al
 from allanite.claims.claim import settings_in
 from allanite.claims.configured import setting_rows
-from allanite.claims.result import AGREES, DIFFERS, NOT_SHOWN
+from allanite.claims.result import AGREES, DIFFERS, NOT_DECIDED
 
 RATE, SIZE, START = 200.0, 12_000, 500
 
@@ -47,17 +47,17 @@ def studies():
     ("rc", "lowpass 45 Hz", DIFFERS, "the low-pass of the record lies between"),
     ("butterworth", "lowpass 42 Hz", AGREES, ""),
     ("butterworth", "lowpass 35 Hz", DIFFERS, "the low-pass of the record lies between"),
-    ("butterworth", "lowpass 95 Hz", NOT_SHOWN, "a higher sampling rate is needed"),
+    ("butterworth", "lowpass 95 Hz", NOT_DECIDED, "a higher sampling rate is needed"),
     ("average", "lowpass 22.15 Hz", AGREES, ""),
     ("average", "lowpass 30 Hz", DIFFERS, "the low-pass of the record lies between"),
     ("none", "lowpass 42 Hz", DIFFERS, "the record shows no low-pass below"),
     ("none", "rate 200 Hz", AGREES, ""),
     ("none", "rate 100 Hz", DIFFERS, "none of the 200 samples a second is a repeated one"),
-    ("none", "rate 400 Hz", NOT_SHOWN, "does not show whether the sensor has more"),
+    ("none", "rate 400 Hz", NOT_DECIDED, "does not show whether the sensor has more"),
     ("held", "rate 100 Hz", AGREES, ""),
     ("held", "rate 200 Hz", DIFFERS, "a sensor with 100 Hz sampled at 200 Hz"),
-    ("held", "lowpass 42 Hz", NOT_SHOWN, "a sensor with 100 Hz sampled at 200 Hz"),
-    ("coarse", "rate 100 Hz", NOT_SHOWN, "too coarse"),
+    ("held", "lowpass 42 Hz", NOT_DECIDED, "a sensor with 100 Hz sampled at 200 Hz"),
+    ("coarse", "rate 100 Hz", NOT_DECIDED, "too coarse"),
 ])  # fmt: skip
 def test_a_setting_is_confirmed_contradicted_or_not_decided_on(studies, name, claim, outcome, said):
     settings, _ = settings_in(claim)
@@ -71,7 +71,7 @@ def test_a_setting_is_confirmed_contradicted_or_not_decided_on(studies, name, cl
 
 def test_without_all_frequencies_no_filter_is_decided_on(studies):
     (row,) = setting_rows(studies("none", band="all"), settings_in("lowpass 42 Hz")[0], 0.05, 0.02)
-    assert (row.outcome, row.reason) == (NOT_SHOWN, "filters are looked for where all frequencies are read, by the "
+    assert (row.outcome, row.reason) == (NOT_DECIDED, "filters are looked for where all frequencies are read, by the "
                                          "method whittle")  # fmt: skip
 
 

@@ -89,8 +89,8 @@ def test_several_files_are_pooled(folder, tmp_path):
     result = run(*files, "--channels", "x", "--report", paths[0], "--plot", paths[1], "--csv", paths[2])
     assert result.exit_code == 0, result.stderr
     assert "different from the others: after.csv" in result.stdout
-    assert "run by run" in result.stdout
-    assert "run by run" in paths[0].read_text("utf-8").lower()
+    assert "record by record" in result.stdout
+    assert "record by record" in paths[0].read_text("utf-8").lower()
     assert paths[1].read_bytes().startswith(b"\x89PNG")
     rows = list(csv.DictReader(io.StringIO(paths[2].read_text("utf-8"))))
     n = next(row for row in rows if row["quantity"] == "N")

@@ -142,11 +142,12 @@ def test_the_verb_plans_for_a_sensor():
     assert result.exit_code == 0, result.stderr
     lines = result.stdout.splitlines()
     at = lines.index("mems  100 Hz, no ramp")
-    assert lines[at + 2].strip() == "if it is known which terms there are"
+    assert lines[at + 2].strip() == "if all five terms are looked for, as analyze does"
     assert lines[at + 3].split()[-5:] == ["24", "h", "for", "5", "%"]
-    assert lines[at + 5].split() == ["B", "7.2", "°/h", "-", "17", "%", "1.4", "%", "1.97", "h"]
-    assert lines[at + 8].strip() == "if all five terms are looked for, as analyze does"
-    assert lines[at + 11].split()[:6] == ["B", "7.2", "°/h", "-", "19", "%"]
+    assert lines[at + 5].split()[:6] == ["B", "7.2", "°/h", "-", "19", "%"]
+    assert lines[at + 8].split() == ["R", "absent", "°/h²", "-", "<", "290", "<", "22"]
+    assert lines[at + 10].strip() == "if it is known which terms there are"
+    assert lines[at + 13].split() == ["B", "7.2", "°/h", "-", "17", "%", "1.4", "%", "1.97", "h"]
     whole = run("--sensor", "fog", "--rate", 100).stdout  # nothing more can be there
     assert "looked for" not in whole
 
@@ -160,7 +161,7 @@ def test_the_verb_plans_from_a_first_recording(tmp_path):
     (channel,) = json.loads(result.stdout)["channels"]
     fitted = al.identify(record).valid
     assert (channel["name"], channel["model"]) == ("gz", fitted.to_dict())
-    np.testing.assert_allclose(channel["parameters"][0]["errors"], al.plan(fitted, 100.0).errors[0])
+    np.testing.assert_allclose(channel["errors"][0], al.plan(fitted, 100.0).errors[0])
     assert "not taken into account: " in run(tmp_path / "first.npz").stdout
 
 

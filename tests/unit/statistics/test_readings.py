@@ -55,7 +55,7 @@ def test_the_minimum_is_inside_or_only_a_limit():
     falling = al.readings(white(12))
     assert not falling.inside
     assert falling.bias_instability == pytest.approx(falling.minimum.deviation / 0.66428, rel=1e-5)
-    assert "the last point: an upper limit" in falling.quantities()[2].remark
+    assert "still falling" in falling.quantities()[2].remark
 
 
 def test_slopes_go_by_decades_of_seconds_with_limits_around_them():

@@ -5,7 +5,7 @@ import pytest
 from tests.rows import rows
 
 import allanite as al
-from allanite.statistics.readings import FLOOR
+from allanite.core.readings import FLICKER
 
 NOISE = {"N": al.N(1.0, "rad/sqrt(s)"), "B": al.B(1.0, "rad/s"), "K": al.K(0.1, "rad/s^1.5")}
 
@@ -60,6 +60,6 @@ def test_the_minimum_of_a_curve_is_that_of_the_crossing_or_a_limit():
     found = al.minimum(al.deviation(record, "oadev", taus="log", noise=model))
     assert found.inside
     assert found.tau == pytest.approx(math.sqrt(3) / 0.05, rel=0.5)
-    assert found.value == pytest.approx(math.sqrt(2 * 0.05 / math.sqrt(3)) / FLOOR, rel=0.1)
+    assert found.value == pytest.approx(math.sqrt(2 * 0.05 / math.sqrt(3)) * FLICKER, rel=0.1)
     record = al.simulate(al.Model((NOISE["N"],)), 5000, 1.0, rng=np.random.default_rng(1))
     assert not al.minimum(al.deviation(record, noise=NOISE["N"] + NOISE["B"])).inside

@@ -133,8 +133,8 @@ def test_what_a_channel_cannot_support_is_said_and_the_others_go_on(tmp_path):
     al.write(al.Recording((constant, replace(white, name="gx"))), tmp_path / "two.npz")
     refused, good = json.loads(run("plan", tmp_path / "two.npz", "--json", "-").stdout)["channels"]
     assert refused["refusal"]
-    assert "parameters" not in refused
-    assert good["parameters"][0]["name"] == "N"
+    assert "errors" not in refused
+    assert good["names"][0] == "N"
     assert "no result: " in run("plan", tmp_path / "two.npz").stdout
     job = run_model_job(al.Recording((replace(white, name="gx"), replace(walk, name="gy"))), StateSpaceSettings())
     assert job["gx"].refusal.startswith("only white noise was identified")

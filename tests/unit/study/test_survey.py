@@ -18,7 +18,6 @@ from allanite.reporting import plot, table
 from allanite.study.curves import of_record
 from allanite.study.modelled import PlanSettings, run_model_job
 from allanite.study.survey import Densities, Deviations, TheorySettings, expected_curves, survey
-from allanite.study.watching import lasting
 
 VERBS = {"deviation": "Curve", "spectrum": "Spectrum", "dynamic": "Surface"}
 
@@ -281,4 +280,3 @@ def test_examples_of_the_parts_of_a_study():
     assert [(value.name, value.statistic) for value in values] == [("z", "adev"), ("z", "oadev")]
     curves = expected_curves(None, TheorySettings(sensor="fog"), Deviations(("oadev", "ohdev"))).curves
     assert [curve.statistic for curve in curves] == ["oadev", "ohdev"]
-    assert [lasting(seconds) for seconds in (5.3, 840.0, 7200.0)] == ["5.3 s", "14 min", "2 h"]

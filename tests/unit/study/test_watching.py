@@ -25,8 +25,9 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
+from allanite.phrases.phrase import duration
 from allanite.readers.live import Feed, Spool, opened
-from allanite.study.watching import Watch, WatchSettings, lasting
+from allanite.study.watching import Watch, WatchSettings
 from allanite.web.requests import Request, accepted
 
 RATE = 1000
@@ -280,8 +281,8 @@ def test_it_foretells_when_more_is_known(tmp_path):
         fit = watch.study()[0].fit
     assert "more until B is known to 0.5 %" in words
     needed = al.plan(fit, 10.0, durations=(), accuracy=0.005)
-    left = needed.needed[needed.names.index("B")] - record.duration
-    assert f"about {lasting(left)} more until B" in words
+    left = needed.searched_needed[needed.names.index("B")] - record.duration
+    assert f"about {duration(float(f'{left:.2g}'))} more until B" in words
 
 
 @pytest.mark.slow("takes more than half a second")

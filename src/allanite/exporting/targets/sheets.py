@@ -2,12 +2,14 @@
 
 import csv
 import io
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from allanite.core.arrays import FloatArray
+from allanite.core.digits import digits
 from allanite.core.errors import DataError
 from allanite.core.model import Model
 from allanite.core.readings import data_sheet
@@ -24,10 +26,19 @@ def rows(content: Content) -> Iterator[tuple[str, ...]]:
     """The cells of the table; of a term that was not identified only the upper limit."""
     for axis in content.axes:
         for entry in data_sheet(axis.fit, axis.readings, axis.rate or 0.0, axis.level):
-            numbers = (entry.value, entry.low, entry.high)
             tau = "" if entry.tau is None else f"{entry.tau:.4g}"
-            cells = ("" if v is None else f"{v:.6g}" for v in numbers)
+            cells = _numbers(entry.value, entry.low, entry.high)
             yield (axis.label, entry.quantity, *cells, entry.unit, tau, entry.remark)
+
+
+def _numbers(*numbers: float | None) -> list[str]:
+    """A value and its limits with six digits, or as many more as leave them the same when they are rounded again."""
+    exact = digits(*(math.nan if v is None else v for v in numbers))
+    for figures in range(6, 18):
+        cells = ["" if v is None else f"{v:.{figures}g}" for v in numbers]
+        if digits(*(float(cell or "nan") for cell in cells)) == exact:
+            break
+    return cells
 
 
 def markdown(content: Content) -> str:

@@ -105,10 +105,9 @@ def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None", m
     yield from meaning_notes(meant, say("what it means"), "page")
     yield replace(data_sheet_table(channel, level), where="" if channel.explained else "page")
     if channel.readings is not None:
-        # in the terminal only where there is no data sheet, most of which it repeats
-        yield from () if channel.explained else (replace(readings_table(channel.readings, level), where="text"),)
-        quoted = readings_table(channel.readings, level, quoted=False)
-        yield Fold(say("read off the curve"), [quoted], shut=True)
+        table = readings_table(channel.readings, level)
+        yield from () if channel.explained else (replace(table, where="text"),)  # where there is no data sheet
+        yield Fold(say("read off the curve"), [table], shut=True)
     yield from details(channel, level, panel)
 
 

@@ -5,30 +5,31 @@ from dataclasses import replace
 from typing import Any
 
 from allanite.batch.batch import Batch, BatchUnit
-from allanite.batch.specification import FAIL, NOT_SHOWN, OUTCOMES, PASS, worst_of
+from allanite.batch.specification import OUTCOMES, worst_of
 from allanite.batch.tables import Across, power_of
 from allanite.core.fit import Fit
+from allanite.core.limits import FAIL, NOT_DECIDED
 from allanite.core.readings import MINIMUM
 from allanite.core.syntax import toml
-from allanite.core.units import Signal, convert
+from allanite.core.units import Signal
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.digits import digits, printed_unit, rounded
+from allanite.reporting.digits import printed_unit, rounded
 from allanite.reporting.first import DETAILS, FIGURES, Answer, First, Remark
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Table
 from allanite.study.results import Channel
 
 from . import Rows, view
 from .analysis import study_view
-from .channels import IN_RUN_SHORT, fit_words, names_in_order
+from .channels import IN_RUN_SHORT, first_of, fit_words, lowest_cell, names_in_order
 from .expectation import causes_of
 from .fit import definitions, terms_table
+from .jobs import OUTCOME_WORDS
 
 ALL_ROWS = 1_000_000
 """Rows of a table that has all of them in a terminal, too."""
 
-OUTCOME_WORDS = {PASS: say("pass"), FAIL: say("fail"), NOT_SHOWN: say("not shown"), "": ""}
 LOWEST = say("minimum")
 
 SPREAD = say(
@@ -36,9 +37,6 @@ SPREAD = say(
     "where it was not in all: for a term that few units show, the mean is too large. The standard deviation includes "
     "the errors of the values."
 )
-
-LIMITS_COLUMN = 7
-"""Column of that table with the limits of the units in which the term was not identified."""
 
 MAX_UNIT_ROWS = 12
 """Rows up to which every channel of every unit has one."""
@@ -48,24 +46,23 @@ def first_of_batch(batch: Batch, level: float) -> First:
     """The units side by side if they are few, else their means, spreads and worst."""
     told: Note = summary(batch)
     remarks = [Remark.of(batch.label(unit), unit.error, grave=True) for unit in batch if unit.error]
-    for outcome in (FAIL, NOT_SHOWN):
-        judged = [(unit, j) for unit in batch for j in unit.judgements if j.outcome == outcome]
+    for outcome in (FAIL, NOT_DECIDED):
         remarks += [
             Remark.of(
                 join(" ", (batch.label(unit), j.channel, symbol_of(j.limit.symbol), OUTCOME_WORDS[outcome])),
                 j.reason, say("limit {limit}", limit=j.limit.words()), grave=outcome == FAIL,
             )
-            for unit, j in judged
+            for unit in batch for j in unit.judgements if j.outcome == outcome
         ]  # fmt: skip
+    if len(batch) == 1 and batch[0].study is not None:
+        own = first_of(batch[0].study, level)
+        limits = say("limits: {outcome}", outcome=OUTCOME_WORDS[batch[0].outcome]) if batch[0].outcome else ""
+        return replace(own, verdict=join("; ", filter(None, (limits, own.verdict))), remarks=[*remarks, *own.remarks])
     signals = {c.record.signal.name: c.record.signal for unit in batch for c in unit.channels}
     count = sum(len(unit.channels) for unit in batch)
     answer: list[Answer] = [_table(batch, signal, level) for signal in signals.values()]
     if count > MAX_UNIT_ROWS:
-        whole = across_table(batch, (term for term in batch.across if term.row()[3]))
-        answer = [whole.only([i for i in range(len(whole.columns)) if i != LIMITS_COLUMN])]
-    alerts = sum(any(channel.alerts for channel in unit.channels) for unit in batch)
-    if alerts:
-        remarks.append(Remark("", [say("warnings in {warned} of {count} units", warned=alerts, count=len(batch))]))
+        answer = [across_table(batch, (term for term in batch.across if term.row()[3]))]
     return First(told.text, "", answer, remarks, (), batch.notes, [FIGURES, ("--csv FILE", say("all values")), DETAILS])
 
 
@@ -86,7 +83,7 @@ def _cells(channel: Channel, symbols: Sequence[str], level: float) -> list[str]:
     """The usable coefficients of a channel, and the minimum of its curve."""
     usable = {e.symbol: e for e in channel.fit or () if e.row.usable}
     terms = [words.brief(usable[symbol], level) if symbol in usable else "-" for symbol in symbols]
-    return [*terms, lowest(channel, level)]
+    return [*terms, lowest_cell(channel, level) or "-"]
 
 
 def summary(batch: Batch) -> Note:
@@ -100,9 +97,9 @@ def summary(batch: Batch) -> Note:
     counts = {outcome: sum(unit.outcome == outcome for unit in done) for outcome in reversed(OUTCOMES)}
     parts = [join(" ", (str(count), OUTCOME_WORDS[outcome])) for outcome, count in counts.items() if count]
     parts += [say("{files} not analyzed", files=len(batch.failed))] if batch.failed else []
-    level: Any = "alert" if counts[FAIL] or batch.failed else "fair" if counts[NOT_SHOWN] else "good"
+    level: Any = "alert" if counts[FAIL] or batch.failed else "fair" if counts[NOT_DECIDED] else "good"
     named = []
-    for outcome in (outcome for outcome in (FAIL, NOT_SHOWN) if counts[outcome]):
+    for outcome in (outcome for outcome in (FAIL, NOT_DECIDED) if counts[outcome]):
         labels = ", ".join(batch.label(unit) for unit in done if unit.outcome == outcome)
         named.append(join(": ", (OUTCOME_WORDS[outcome], labels)))
     units = say_count(len(batch), "{count} unit", "{count} units")
@@ -114,7 +111,7 @@ def across_table(batch: Batch, across: Iterable[Across]) -> Table:
     heads = (
         Column(say("channel"), "name"), Column(say("term"), "symbol"), Column(say("identified"), "name"),
         Column(say("mean")), Column(say("standard deviation")), Column(say("worst"), form=rounded),
-        Column(say("file"), "name"), Column(say("others below"), form=rounded), Column("", "unit"),
+        Column(say("file"), "name"), Column(say("others below"), form=rounded, aside=True), Column("", "unit"),
     )  # fmt: skip
     rows = []
     for channel, symbol, units, count, *spread, worst, file, below, unit in (term.row() for term in across):
@@ -137,27 +134,14 @@ def rows_of_units(batch: Batch, signal: Signal) -> Iterator[tuple[BatchUnit, Cha
     return ((unit, c) for unit in batch for c in unit.channels if c.record.signal is signal)
 
 
-def lowest(channel: Channel, level: float) -> str:
-    """The minimum of the curve; its upper limit where the record does not reach it."""
-    readings = channel.readings
-    if readings is None or readings.minimum is None:
-        return "-"
-    scale = convert(1.0, readings.unit, readings.signal.sheet[0])
-    low, high = (limit * scale for limit in readings.minimum.interval(level))
-    if not readings.inside:
-        return f"< {digits(high, figures=2).plain()[0]}"
-    return digits(readings.minimum.deviation * scale, low, high).plain()[0]
-
-
-MARKS: dict[str, Any] = {FAIL: "alarm", NOT_SHOWN: "weak", "": ""}
+MARKS: dict[str, Any] = {FAIL: "alarm", NOT_DECIDED: "weak", "": ""}
 """Mark of a row by its outcome."""
 
 GRADE_WORDS = {EXPLAINED: say("explained"), APPROXIMATE: say("approximate"), UNEXPLAINED: say("unexplained"), "": ""}
 
 RULE = say(
-    "A term passes if its value does not exceed the limit, or, with judge = 'upper', if the upper end of its interval "
-    "does not. A term that was not identified passes if its 95 % upper limit does not exceed the limit. Not shown: "
-    "the record cannot decide whether the limit is kept."
+    "A term passes if its interval lies below the limit and fails if it lies above. A term that was not identified "
+    "passes if its 95 % upper limit does not exceed the limit. Everything else is not decided."
 )
 MAIN_KEY = say("'< 2' is the 95 % upper limit of a term that was not identified, '-' a term without a valid result.")
 CAPTION = say("The Allan deviation of all units; those that exceed a limit are in color.")
@@ -186,8 +170,8 @@ def _judged(batch: Batch) -> Iterator[Part]:
 
 
 def _limits_table(batch: Batch) -> Iterator[Part]:
-    """What fails, is not shown, or lies so near that its interval holds the limit."""
-    judged = [(unit, j) for unit in batch for j in unit.judgements if j.outcome in (FAIL, NOT_SHOWN) or j.near]
+    """What fails or is not decided."""
+    judged = [(unit, j) for unit in batch for j in unit.judgements if j.outcome in (FAIL, NOT_DECIDED)]
     if not judged:
         return
     judged.sort(key=lambda pair: OUTCOMES.index(pair[1].outcome))
@@ -198,13 +182,12 @@ def _limits_table(batch: Batch) -> Iterator[Part]:
     rows = [
         [
             batch.label(unit), j.channel, symbol_of(j.limit.symbol), j.reason,
-            say("{limit} (upper)", limit=j.limit.words()) if j.limit.judge == "upper" else j.limit.words(),
-            OUTCOME_WORDS[j.outcome],
+            j.limit.words(), OUTCOME_WORDS[j.outcome],
         ]
         for unit, j in judged
     ]  # fmt: skip
     marks = [MARKS.get(j.outcome, "") for _, j in judged]
-    yield Table(heads, rows, say("limits exceeded, not shown, or within the interval"), marks, most=ALL_ROWS)
+    yield Table(heads, rows, say("limits that are exceeded or not decided"), marks, most=ALL_ROWS)
 
 
 def _main(batch: Batch, signal: Signal, level: float) -> Table:
@@ -232,15 +215,6 @@ def _outcome(unit: BatchUnit, channel: Channel) -> str:
 
 def _details(batch: Batch, level: float) -> Iterator[Part]:
     """What was found in each unit, folded away on the page."""
-    warned = [unit for unit in batch if any(channel.alerts for channel in unit.channels)]
-    if warned:
-        text = say_count(
-            len(batch),
-            "warnings in {warned} of {count} unit: the page (--report) and the JSON have them",
-            "warnings in {warned} of {count} units: the page (--report) and the JSON have them",
-            warned=len(warned),
-        )
-        yield Note(text, "quiet", where="text")
     yield from causes_of((c for unit in batch for c in unit.channels), batch.choices.get("device"))
     for unit in batch:
         for channel in unit.channels:

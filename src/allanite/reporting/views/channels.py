@@ -9,14 +9,14 @@ from allanite.core.fit import MIN_P as LEAST
 from allanite.core.kinds import KIND_WORDS
 from allanite.core.model import coefficient_factor
 from allanite.core.plain import Header
-from allanite.core.readings import IN_RUN
+from allanite.core.readings import FALLING_SIGN, IN_RUN
 from allanite.core.record import Record
-from allanite.core.units import Signal, convert
+from allanite.core.units import Signal
 from allanite.core.validity import APPROXIMATE, ROUGHLY, UNEXPLAINED
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import words
-from allanite.reporting.digits import digits, rounded
-from allanite.reporting.first import FIGURES, MOST, PLUS_MINUS, Answer, ChannelRow, Channels, First, plus_minus
+from allanite.reporting.digits import rounded
+from allanite.reporting.first import FIGURES, PLUS_MINUS, Answer, ChannelRow, Channels, First, plus_minus
 from allanite.study.job import Job
 from allanite.study.results import Channel, Noise, Study
 from allanite.terms import TERMS
@@ -114,7 +114,7 @@ def _quantities(channels: Sequence[Channel], signal: Signal, level: float) -> It
         if any(cells):
             yield ChannelRow(words.title(symbol, signal), symbol, estimates[0].sheet_unit, cells, rank)
     unit = next((c.readings.shown_unit(0) for c in channels if c.readings is not None), signal.sheet[0])
-    least = [_minimum(channel) for channel in channels]
+    least = [lowest_cell(channel, level) for channel in channels]
     if any(least):
         yield ChannelRow(IN_RUN, "", unit, least, short=IN_RUN_SHORT)
     words_of = [fit_words(channel.noise, channel.refusal) for channel in channels]
@@ -135,21 +135,19 @@ def cell_of(estimate: Estimate, level: float) -> str:
         low, high = (limit / factor for limit in estimate.interval(level))
         shown = plus_minus(estimate.value / factor, low, high, signed=words.signed(estimate))
         return say("{value}, weak", value=shown) if estimate.status == "weak" else shown
-    most = words.limit(estimate, unit)
+    most = estimate.rounded_limit(unit)
     if most is not None:
         sign = f"|{estimate.symbol}| " if words.symbol(estimate) != estimate.symbol or words.signed(estimate) else ""
         return f"{sign}< {most.plain()[0]}"
     return estimate.row.name if estimate.status != "absent" else ""
 
 
-def _minimum(channel: Channel) -> str:
-    readings = channel.readings
-    moved = not channel.explained and channel.quality.moved  # which the minimum shows instead of the bias
-    if readings is None or readings.minimum is None or moved:
+def lowest_cell(channel: Channel, level: float) -> str:
+    """The minimum of the curve with its interval; empty where it shows that the body moved instead of the bias."""
+    readings, moved = channel.readings, not channel.explained and channel.quality.moved
+    if readings is None or moved or (lowest := readings.lowest(level)) is None:
         return ""
-    number = digits(convert(readings.minimum.deviation, readings.unit, readings.shown_unit(0)), figures=3).plain()[0]
-    least = number if readings.inside else f"≤ {number}"
-    return say("{value} at {time}", value=least, time=words.duration(readings.minimum.tau))
+    return lowest.words() + f" {FALLING_SIGN}" * (not readings.inside)
 
 
 def fit_words(noise: Noise | None, refusal: str = "") -> str:
@@ -178,7 +176,7 @@ def _legend(level: float) -> dict[str, str]:
     """What the signs of a table mean, by what finds them; see `First`."""
     return {
         PLUS_MINUS: say("±: {share} half width.", share=words.percent(level)), "<(?!=)": say("<: limit, not detected."),
-        "[*][,，]": say("*: reservation."), MOST: say("≤: still falling."),
+        "[*][,，]": say("*: reservation."), FALLING_SIGN: say("↓: still falling."),
         "[,，] ?p ": say("p < {least:g}: no fit.", least=LEAST),
     }  # fmt: skip
 

@@ -5,7 +5,8 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from allanite.claims.claim import CUTOFF, RATE, SETTINGS, ClaimedNoise
-from allanite.claims.result import NOT_SHOWN, OUTCOMES, UNCLAIMED, CheckedTerm, ClaimCheck
+from allanite.claims.result import OUTCOMES, UNCLAIMED, CheckedTerm, ClaimCheck
+from allanite.core.limits import NOT_DECIDED
 from allanite.core.readings import MINIMUM
 from allanite.core.units import Signal
 from allanite.phrases.phrase import Phrase, join, say
@@ -31,7 +32,7 @@ MIN_LIMITS_RATIO = 1.2
 
 AT_MOST = ("--at-most", say("the claim as upper bounds"))
 
-_OUTCOMES = say("agrees"), say("differs"), say("exceeds"), say("not claimed"), say("not shown")
+_OUTCOMES = say("agrees"), say("differs"), say("exceeds"), say("not claimed"), say("not decided")
 OUTCOME_WORDS: dict[str, Phrase] = {word: word for word in _OUTCOMES}
 
 HOW = (
@@ -69,23 +70,23 @@ def _symbol(quantity: str) -> str:
 def first_of_check(value: ClaimCheck, level: float) -> First:
     """The factor of every number by channel, and what explains those that are wrong."""
     shown = {row.signal.name: row.signal for row in value.terms}
-    answer = [_channels(value, signal) for signal in shown.values()]
+    answer = [table for signal in shown.values() for table in _tables(value, signal)]
     remarks = [Remark(", ".join(cause.channels), (cause.words,), grave=True) for cause in value.causes]
-    undecided = [row for row in value.terms if row.quantity in SETTINGS and row.outcome == NOT_SHOWN and row.reason]
+    undecided = [row for row in value.terms if row.quantity in SETTINGS and row.outcome == NOT_DECIDED and row.reason]
     for reason in dict.fromkeys(row.reason for row in undecided):
         remarks.append(Remark(", ".join(row.channel for row in undecided if row.reason == reason), (reason,)))
     remarks += [] if value.agrees else doubts(value.checked)
-    legend = [("", say("Factors are found over claimed; * contradicts the claim, all comparisons considered."))]
+    legend = [("", say("×: factor on the claimed value; * contradicts the claim, all comparisons considered."))]
     title = join("   ", (title_of(value), say("against {claim}", claim=value.claim.title)))
     after = [FIGURES, DETAILS, *([] if value.agrees or value.claim.bound or not value.claim.models else [AT_MOST])]
     return First(title, value.verdict, answer, remarks, legend, how_read(value), after)
 
 
-def _channels(value: ClaimCheck, signal: Signal) -> Channels:
-    """The factors of a kind of sensor: what is claimed, and a column for each channel."""
+def _tables(value: ClaimCheck, signal: Signal) -> Iterator[Channels]:
+    """What is claimed of a kind of sensor with the factor of each channel, and the values of what is not claimed."""
     rows = [row for row in value.terms if row.signal is signal]
     names = list(dict.fromkeys(row.channel for row in rows if row.quantity != "T"))
-    quantities: list[ChannelRow] = []
+    quantities, unclaimed = list[ChannelRow](), list[ChannelRow]()
     for quantity in dict.fromkeys(row.quantity for row in rows):
         own = {
             name: row for row in rows if row.quantity == quantity for name in (row.channel, *row.channel.split(", "))
@@ -100,36 +101,40 @@ def _channels(value: ClaimCheck, signal: Signal) -> Channels:
         )
         symbol = _symbol(quantity)
         unit = first.unit if symbol or quantity in SETTINGS else ""
-        cells = [claimed, *(_cell(own.get(name)) for name in names)]
-        quantities.append(
-            ChannelRow(_title(first), symbol, unit, cells, 0 if any(r.contradicts for r in own.values()) else 1)
-        )
-    return Channels([say("claimed"), *names], quantities, signal.sensor)
+        cells = [_cell(own.get(name)) for name in names]
+        rank = 0 if any(r.contradicts for r in own.values()) else 1
+        if first.outcome == UNCLAIMED:
+            unclaimed.append(ChannelRow(_title(first), symbol, unit, cells, rank))
+        else:
+            quantities.append(ChannelRow(_title(first), symbol, unit, [claimed, *cells], rank))
+    yield Channels([say("claimed"), *names], quantities, signal.sensor)
+    if unclaimed:
+        yield Channels(names, unclaimed, say("not claimed"))
 
 
 def _cell(row: CheckedTerm | None) -> str:
     """The factor of a channel, with a sign if it contradicts the claim."""
-    if row is None or row.outcome == NOT_SHOWN:
-        return "" if row is None else say("not shown")
+    if row is None or row.outcome == NOT_DECIDED:
+        return "" if row is None else say("not decided")
     factor: str = say("agrees")
     if row.outcome == UNCLAIMED:
-        factor = say("found {value}", value=rounded(row.shown(row.found) or 0.0))
+        factor = rounded(row.shown(row.found) or 0.0)
     elif row.quantity == "kurtosis":
         factor = say("uniform")
     elif row.quantity == "curve":
-        factor = join(" ", (rounded(row.ratio), row.reason)) if row.contradicts else factor
+        factor = join(" ", (f"×{rounded(row.ratio)}", row.reason)) if row.contradicts else factor
     elif math.isinf(row.high):
-        factor = say("above {limit}", limit=rounded(row.low)) if row.low > 0 else factor
+        factor = say("above {limit}", limit=f"×{rounded(row.low)}") if row.low > 0 else factor
     elif row.low <= 0:
-        factor = say("below {limit}", limit=rounded(row.high))
+        factor = say("below {limit}", limit=f"×{rounded(row.high)}")
     elif row.high > MIN_LIMITS_RATIO * row.low:
-        factor = f"{rounded(row.low)} .. {rounded(row.high)}"
+        factor = f"×{rounded(row.low)} .. {rounded(row.high)}"
     else:
-        factor = plus_minus(row.ratio, row.low, row.high)
+        factor = f"×{plus_minus(row.ratio, row.low, row.high)}"
     return join("", (factor, " *")) if row.contradicts else factor
 
 
-MARKS: dict[str, Mark] = {"agrees": "good", "not shown": "quiet"}
+MARKS: dict[str, Mark] = {"agrees": "good", "not decided": "quiet"}
 COLUMNS = (
     Column(say("quantity"), "symbol"), Column("", "text"), Column(say("claimed"), form=rounded),
     Column(say("found"), form=rounded), Column(say("unit"), "unit"), Column(say("factor"), form=rounded),

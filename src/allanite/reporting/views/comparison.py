@@ -151,6 +151,8 @@ def face_of(value: Value, drawn: bool, level: float, **own: Any) -> Face:
     label = say("curves with bands, and the ratio of their variances")
     drawing = Drawing(lambda: figures.plot_comparison([value], level), label, caption)
     count = say_count(len(value.names), "Comparison of {count} run", "Comparison of {count} runs")
+    if any(isinstance(channel, PooledChannel) and channel.of_axes for channel in value):
+        count = say_count(len(value.names), "Comparison of {count} axis", "Comparison of {count} axes")
     names = count, say("what has changed")
     header.append(header_of(value.provenance, ())[-1])
     return replace(job_face(value, names, (), [drawing] if drawn else [], header=header), **own)
@@ -289,7 +291,7 @@ def _terms_table(channel: PooledChannel, level: float) -> Table:
     heads = (
         Column("", "symbol"), Column(say("term"), "name"), Column(say("common")),
         Column(words.interval(level), "interval"), Column(say("unit"), "unit"),
-        Column(say("between runs"), form=_SCATTER), Column(say("within runs"), form=_SCATTER),
+        Column(say("between records"), form=_SCATTER), Column(say("within a record"), form=_SCATTER),
         Column(say("chi-square"), aside=True, form=".3g"), Column(say("dof"), aside=True, form="g"),
         Column("p", aside=True, form=words.probability), Column(say("p (Holm)"), form=words.probability),
     )  # fmt: skip
@@ -299,12 +301,12 @@ def _terms_table(channel: PooledChannel, level: float) -> Table:
         limit = say("below {limit}", limit=digits(high, figures=2).plain()[0])
         rows.append([symbol, title, *(digits(value, low, high).plain() if value else ("-", limit)), *rest])
     marks: list[Mark] = ["alarm" if term.adjusted <= channel.alpha else "" for term in channel.terms]
-    return Table(heads, rows, say("what the runs have in common"), marks=marks)
+    return Table(heads, rows, say("what the records have in common"), marks=marks)
 
 
 def _runs_table(channel: PooledChannel, whole: Pool, level: float) -> Table:
     heads = (
-        Column(say("run"), "name"), *(Column(f"{term.symbol} [{term.sheet_unit}]") for term in channel.terms),
+        Column(say("record"), "name"), *(Column(f"{term.symbol} [{term.sheet_unit}]") for term in channel.terms),
         Column(say("apart, p"), form=lambda p: "" if p is None else words.probability(p)),
     )  # fmt: skip
     rows = [
@@ -312,7 +314,7 @@ def _runs_table(channel: PooledChannel, whole: Pool, level: float) -> Table:
         for name, fit in zip(whole.names, channel.fits, strict=True)
     ]
     marks: list[Mark] = ["alarm" if name in channel.apart else "" for name in whole.names]
-    return Table(heads, rows, say("run by run"), marks=marks)
+    return Table(heads, rows, say("record by record"), marks=marks)
 
 
 def _curve_rows(channel: PooledChannel, level: float) -> Iterator[list[float]]:
@@ -327,7 +329,7 @@ def _curve_rows(channel: PooledChannel, level: float) -> Iterator[list[float]]:
 
 def _curve_table(channel: PooledChannel, level: float) -> Table:
     assert channel.curve is not None  # noqa: S101 - the caller has looked
-    whole = join(" ", (say("all runs"), f"[{readable_unit(channel.curve.unit)}]"))
+    whole = join(" ", (say("all records"), f"[{readable_unit(channel.curve.unit)}]"))
     heads = (
         Column("tau [s]", form=".6g"), Column(whole), Column(words.interval(level), "interval"),
         Column(say("edf"), form=".4g"), Column(say("p of one variance"), form=words.probability),
@@ -336,7 +338,7 @@ def _curve_table(channel: PooledChannel, level: float) -> Table:
     for tau, value, low, high, edf, p, *_ in _curve_rows(channel, level):
         rows.append([tau, *digits(value, low, high).plain(), edf, p])
         marks.append("alarm" if p <= channel.alpha else "")
-    title = say("{statistic} of all runs", statistic=statistic_named(channel.curve.statistic).title)
+    title = say("{statistic} of all records", statistic=statistic_named(channel.curve.statistic).title)
     return Table(heads, rows, title, marks=marks)
 
 
@@ -368,5 +370,5 @@ def pool_view(value: Pool, level: float) -> Face:
             tables.append(_curve_table(channel, level))
         doubt = not channel.alike or bool(channel.apart) or not all(channel.explained)
         sheets.append(sheet_of(channel, value.names, doubt, tables))
-    own = {"brand": say("what runs have in common"), "sheets": sheets, "how": [*map(Note, POOLED)]}
+    own = {"brand": say("what records have in common"), "sheets": sheets, "how": [*map(Note, POOLED)]}
     return face_of(value, any(channel.curve is not None for channel in value), level, **own)

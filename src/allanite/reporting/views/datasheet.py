@@ -8,8 +8,8 @@ from allanite.comparison.sheet import Measured, SheetComparison
 from allanite.core.curve import Curve
 from allanite.core.display_units import readable_unit
 from allanite.core.estimate import Estimate
-from allanite.core.readings import IN_RUN, DataSheetRow
-from allanite.core.units import convert, signal_named
+from allanite.core.readings import FALLING_SIGN, IN_RUN, DataSheetRow
+from allanite.core.units import signal_named
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
 from allanite.phrases.phrase import join, say
 from allanite.planning.datasheets import QUANTITIES, SENSOR_TYPES, Claim, DataSheet
@@ -22,7 +22,7 @@ from allanite.study.results import Channel
 
 from . import Rows, view
 from .channels import cell_of
-from .jobs import LEVELS, channel_sheet, job_face, source_of
+from .jobs import LEVELS, OUTCOME_WORDS, channel_sheet, job_face, source_of
 
 DATA_SHEET = say(
     "N is the square root of the two-sided power spectral density of white noise; a one-sided density, as of most "
@@ -60,7 +60,7 @@ def card_of(channel: Channel, level: float) -> Card | None:
     """The main numbers of a channel; None where nothing was asked."""
     if channel.fit is None:
         return Card(say("✗ no result"), "alert", note=channel.refusal) if channel.refusal else None
-    minimum = tuple((words.capital(name), value) for name, value in _minimum(channel))
+    minimum = tuple((words.capital(name), value) for name, value in _minimum(channel, level))
     grade = channel.noise.validity if channel.noise else ""
     badge = join(" ", (SIGNS[grade], graded(grade, channel.fit.scope))) if grade else ""
     if grade == UNEXPLAINED:
@@ -84,20 +84,14 @@ def card_of(channel: Channel, level: float) -> Card | None:
 def _without_value(estimate: Estimate, level: float) -> str:
     """A term that was not identified: its limit, or why there is none."""
     cell, symbol = cell_of(estimate, level), words.symbol(estimate)
-    limited = words.limit(estimate, estimate.sheet_unit) is not None
+    limited = estimate.rounded_limit(estimate.sheet_unit) is not None
     lead = "" if cell.startswith("|") else symbol
     return join(" ", filter(None, (lead, cell, printed_unit(estimate.sheet_unit) if limited else "")))
 
 
-def _minimum(channel: Channel) -> Iterator[tuple[str, str]]:
-    readings = channel.readings
-    if readings is None or readings.minimum is None:
-        return
-    unit = readings.shown_unit(0)
-    number = digits(convert(readings.minimum.deviation, readings.unit, unit), figures=3).pretty()
-    most = "" if readings.inside else "≤ "
-    size, tau = f"{most}{number} {unit}", readings.minimum.tau
-    yield IN_RUN, say("{value} at {tau}", value=size, tau=words.averaging(tau))
+def _minimum(channel: Channel, level: float) -> list[tuple[str, str]]:
+    lowest = "" if channel.readings is None else channel.readings.lowest_words(level, pretty=True)
+    return [(IN_RUN, lowest)] if lowest else []
 
 
 def alternative(channel: Channel, curve: Curve, level: float) -> str:
@@ -110,7 +104,7 @@ def alternative(channel: Channel, curve: Curve, level: float) -> str:
         first=shown.deviation[0], start=shown.tau[0], last=shown.deviation[-1], end=shown.tau[-1],
     )  # fmt: skip
     sentences: list[str] = [words.capital(ends)]
-    sentences += [join(" ", row) for row in _minimum(channel)]
+    sentences += [join(" ", row) for row in _minimum(channel, level)]
     if channel.fit is not None:
         sentences += [
             join(" = ", (words.symbol(e), words.in_print(e, e.sheet_unit, level))) for e in channel.fit if e.claimed
@@ -195,15 +189,23 @@ def _channels(value: SheetComparison, sensor: str, level: float) -> Channels:
         symbol = QUANTITIES[claim.quantity].symbol
         measured = [each[claim] for each in coefficients]
         rows.append(ChannelRow(claim.printed, symbol, claim.unit, [f"{claim.value:g}", *map(_shown, measured)]))
-        ratios = [digits(m.ratio[0], figures=3).plain()[0] if m.value == m.value else "" for m in measured]
+        ratios = [_ratio(m) if m.value == m.value else "" for m in measured]
         rows.append(ChannelRow(say("ratio to the data sheet"), "", "", ["", *ratios]))
     return Channels([say("data sheet"), *(c.record.name for c in channels)], rows, signal_named(sensor).sensor)
+
+
+def _ratio(measured: Measured) -> str:
+    """The factor on the value of the data sheet, and whether it is kept as a limit."""
+    factor = f"×{digits(measured.ratio[0], figures=3).plain()[0]}"
+    return join(", ", filter(None, (factor, OUTCOME_WORDS[measured.outcome])))
 
 
 def _shown(measured: Measured) -> str:
     if measured.value != measured.value:
         return measured.remark
-    return ("≤ " if measured.remark else "") + plus_minus(measured.value, measured.low, measured.high)
+    if QUANTITIES[measured.claim.quantity].symbol != "B":
+        return plus_minus(measured.value, measured.low, measured.high)
+    return digits(measured.value, measured.low, measured.high).words() + f" {FALLING_SIGN}" * bool(measured.remark)
 
 
 @view(rows=lambda value, level: value.rows(level), first=first_of_comparison)

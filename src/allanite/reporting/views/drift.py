@@ -12,7 +12,7 @@ from allanite.core.units import convert, signal_named
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, rounded
-from allanite.reporting.first import DETAILS, FIGURES, MOST, Answer, First, Remark, plus_minus
+from allanite.reporting.first import DETAILS, FIGURES, Answer, First, Remark, plus_minus
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, header_of
 
 from . import view
@@ -179,7 +179,7 @@ def first_of_drift(value: Drift, _: float) -> First:
     after = [DETAILS, FIGURES]
     if not value.settings.requirements:
         after.append(("--require '1 deg in 10 min'", say("what is allowed")))
-    legend = [(MOST, AT_MOST_KEY)]
+    legend = [("≤|<=", AT_MOST_KEY)]
     return First(_title(value), "", answer, _remarks(value), legend, _said(value), after)
 
 

@@ -8,6 +8,7 @@ from allanite.core.errors import DataError, UndrawnError
 from allanite.core.fit import Fit
 from allanite.core.kinds import title_of
 from allanite.core.model import Model, Term
+from allanite.core.readings import FALLING, FALLING_SIGN
 from allanite.core.units import signal_named
 from allanite.exporting.export import Export, exported
 from allanite.exporting.exports import EXPORTS, TEMPERATURE, row_of_file
@@ -122,11 +123,13 @@ def first_of_export(value: Export, level: float) -> First:
         own = [*(Remark.of(*reason) for reason in why), *notes[: bool(why)]]
         answer = first.answer if value.entries or not row_of_file(value.target).fields else []
         return replace(first, answer=answer, remarks=[*own, *first.remarks, *notes[bool(why) :]], after=after)
-    rows = [line.strip("| ").split(" | ") for line in value.text.splitlines() if line.startswith("| ")][2:]
+    rows = [line[2:-2].split(" | ") for line in value.text.splitlines() if line.startswith("| ")][2:]
     cells = []
-    for channel, quantity, size, low, high, unit, *_ in (row for row in rows if any(row[2:5])):
+    for channel, quantity, size, low, high, unit, tau, remark in (row for row in rows if any(row[2:5])):
         limits = [float(v) if v.strip() else math.nan for v in (low, high)]
         shown = plus_minus(float(size), *limits) if size.strip() else f"< {digits(float(high), figures=2).plain()[0]}"
+        if tau.strip():  # read off a curve
+            shown = digits(float(size), *limits).words() + f" {FALLING_SIGN}" * (remark.strip() == FALLING)
         cells.append((channel, quantity, unit, shown))
     channels = Channels.of(list(dict.fromkeys(row[0] for row in rows)), cells)
     alerts = [Remark.of("", alert, grave=True) for alert in value.alerts]

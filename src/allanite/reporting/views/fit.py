@@ -48,7 +48,7 @@ def terms_table(fit: Fit, level: float) -> Table:
 
 def _cells(estimate: Estimate, unit: str, level: float) -> list[str]:
     """Value, interval and unit; of an absent term its limit."""
-    number, most = words.shown(estimate, unit, level), words.limit(estimate, unit)
+    number, most = estimate.rounded(unit, level, signed=words.signed(estimate)), estimate.rounded_limit(unit)
     if number is not None:
         return [*number.plain(), unit]
     return ["", words.below(estimate, most.plain()[0]) if most else "", unit if most else ""]

@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any, TypeGuard
 
 from allanite.core.arrays import mean_and_deviation
+from allanite.core.limits import FAIL, NOT_DECIDED, PASS
 from allanite.core.names import sources_of, told_apart
 from allanite.core.record import Record
 from allanite.core.residuals import Statement
@@ -17,6 +18,9 @@ from allanite.reporting.first import ABOVE, Remark, channels_named, kinds, told_
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of
 from allanite.study.job import Job
 from allanite.study.results import Channel, Noise
+
+OUTCOME_WORDS = {PASS: say("pass"), FAIL: say("fail"), NOT_DECIDED: say("not decided"), "": ""}
+"""What a limit says of a coefficient."""
 
 LEVELS: dict[str, Any] = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}
 """Level of the note by the grade of a model."""

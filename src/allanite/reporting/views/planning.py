@@ -8,13 +8,14 @@ import numpy as np
 
 from allanite.core.curve import Curve
 from allanite.core.fit import Fit
-from allanite.core.model import Model
+from allanite.core.model import Model, coefficient_factor
 from allanite.interpretation.glossary import named_words
 from allanite.phrases.phrase import join, say, say_count
 from allanite.planning.bound import Bound, name_of, parameter_title
 from allanite.planning.plan import Properties, RecordingPlan
 from allanite.planning.selfcheck import SelfCheck
 from allanite.reporting import figures, words
+from allanite.reporting.digits import digits
 from allanite.reporting.first import DETAILS, Answer, First
 from allanite.reporting.sheet import Code, Column, Drawing, Face, Note, Part, Plot, Sheet, Table, header_of, one_sheet
 from allanite.reporting.text import spread
@@ -22,6 +23,7 @@ from allanite.statespace import StateSpace
 from allanite.statespace.build import MEASUREMENTS
 from allanite.statistics import statistic_named
 from allanite.study.modelled import ModelJob, Modelled, RecordingPlans, StateSpaces
+from allanite.terms import TERMS
 
 from . import Rows, View, view
 from .jobs import job_face, source_of, warnings
@@ -78,9 +80,9 @@ def _job_rows(job: ModelJob, _: float) -> Rows:
 
 
 PLANNED = say(
-    "Least relative standard errors (1 sigma, Cramer-Rao bound) of the coefficients by length of the record. A term "
-    "is called identified up to 25 %; above 40 % it is hardly seen. The default method reaches the bound where it is "
-    "below about 12 %."
+    "Least relative standard errors (1 sigma, Cramer-Rao bound) of the coefficients by length of the record, and the "
+    "95 % upper limits to expect of absent terms. A term is called identified up to 25 %; above 40 % it is hardly "
+    "seen. The default method reaches the bound where it is below about 12 %."
 )
 KNOWN = say("if it is known which terms there are")
 SEARCHED = say("if all five terms are looked for, as analyze does")
@@ -119,20 +121,24 @@ def _plan_parts(plan: RecordingPlan, _: Modelled | None) -> Iterator[Part]:
     wanted = say("for {accuracy}", accuracy=_percent(plan.accuracy))
     heads = (
         Column("", "symbol"), Column(say("expected")), Column(say("unit"), "unit"),
-        *(Column(words.duration(d), form=_percent) for d in plan.durations), Column(wanted),
+        *(Column(words.duration(d)) for d in plan.durations), Column(wanted),
     )  # fmt: skip
-    values = expected_values(plan.model)
-    kinds = [("", plan.errors, plan.needed)]
-    if not np.array_equal(plan.errors, plan.searched, equal_nan=True):  # not every term is there
-        kinds = [(KNOWN, plan.errors, plan.needed), (SEARCHED, plan.searched, plan.searched_needed)]
+    values, signal = expected_values(plan.model), plan.model.signal
+    kinds = [(SEARCHED if plan.absent else "", plan.searched, plan.searched_needed)]
+    kinds += [(KNOWN, plan.errors, plan.needed)] if plan.absent else []
     for title, errors, needed in kinds:
-        rows = []
+        rows = list[list[str]]()
         for name, row, least in zip(plan.names, errors.tolist(), needed.tolist(), strict=True):
             length: str = say("> 100 years") if math.isfinite(least) else say("never")
             if least < 100 * 365.25 * 86400:
                 length = words.duration(float(f"{least:.2g}"))
-            rows.append([name, *values.get(name, ("", "")), *row, length])
-        yield Table(heads, rows, title)
+            rows.append([name, *values.get(name, ("", "")), *map(_percent, row), length])
+        for symbol, limits in zip(plan.absent, plan.limits.tolist(), strict=True) if title != KNOWN else ():
+            unit = signal.sheet[TERMS[symbol].power]
+            sizes = (limit / coefficient_factor(symbol, unit, signal) for limit in limits)
+            cells = [f"< {digits(size, figures=2).plain()[0]}" if math.isfinite(size) else "-" for size in sizes]
+            rows.append([symbol, say("absent"), unit, *cells, ""])
+        yield Table(heads, rows, title, details=title == KNOWN)
     label = say("relative standard errors by length of the record")
     yield Drawing(lambda: _plot_plans([plan], None, 0.95), label, DRAWN)
 

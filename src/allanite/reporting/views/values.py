@@ -9,7 +9,7 @@ from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve, Surface
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
-from allanite.core.readings import IN_RUN, Readings
+from allanite.core.readings import Readings
 from allanite.core.spectrum import Spectrum
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
@@ -178,28 +178,19 @@ READINGS_KEY = say(
     "use the power law identified at each averaging time. The deviation at 1 s equals the random walk coefficient only "
     "where the curve has slope -0.5."
 )
-QUOTED_KEY = say(
-    "Data sheets quote the minimum as {name}. N-second stability is the standard deviation of successive means; unless "
-    "the noise is white it grows with the length of the record.",
-    name=IN_RUN,
-)
 
 
-def readings_table(readings: Readings, level: float, *, quoted: bool = True) -> Table:
-    """Values read off a curve, in the units of data sheets; without `quoted`, those that no data sheet has."""
+def readings_table(readings: Readings, level: float) -> Table:
+    """Values read off a curve, in the units of data sheets."""
     heads = (
         Column(say("read off the curve"), "name"), Column(say("value")), Column(words.interval(level), "interval"),
         Column(say("unit"), "unit"), Column("", "name"),
     )  # fmt: skip
     rows = []
-    for quantity, (title, _, value, low, high, unit, *_, remark) in zip(
-        readings.quantities(level), readings.rows(level)[1], strict=True
-    ):
-        if quantity.quoted and not quoted:
-            continue
+    for title, _, value, low, high, unit, *_, remark in readings.rows(level)[1]:
         slope = (f"{value:.3f}", f"{low:.3f} .. {high:.3f}")  # which has no unit
         rows.append([title, *(digits(value, low, high).plain() if unit else slope), unit, remark])
-    return Table(heads, rows, key=join(" ", (READINGS_KEY, QUOTED_KEY)) if quoted else READINGS_KEY)
+    return Table(heads, rows, key=READINGS_KEY)
 
 
 @view(rows=lambda readings, level: readings.rows(level))
@@ -284,8 +275,8 @@ def _cells(value: Curve | Spectrum | Surface, level: float, *, bare: bool) -> di
     else:
         size = value.deviation
         limits = np.array(value.interval(level)) if value.law is not None else np.full((2, size.size), np.nan)
-    numbers = [digits(*v).plain() for v in zip(size.tolist(), *limits.tolist(), strict=True)]
-    cells = [number if bare or not interval else f"{number} ({interval})" for number, interval in numbers]
+    numbers = [digits(*v) for v in zip(size.tolist(), *limits.tolist(), strict=True)]
+    cells = [number.plain()[0] if bare else number.words() for number in numbers]
     return dict(zip(_at(value).tolist(), cells, strict=True))
 
 
