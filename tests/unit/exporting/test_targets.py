@@ -88,8 +88,8 @@ def made(tmp_path_factory):
     ("matlab", 2, ("level of flicker", "minimum of the curve", "0.664")),
 ])  # fmt: skip
 def test_what_a_field_is_and_by_how_much_the_usual_mistake_is_wrong(target, field, nature):
-    assert al.EXPORTS[target].fields[field].nature == nature
-    assert all(all(field.nature[:1]) for row in al.EXPORTS.values() for field in row.fields)
+    assert al.exporting.EXPORTS[target].fields[field].nature == nature
+    assert all(all(field.nature[:1]) for row in al.exporting.EXPORTS.values() for field in row.fields)
 
 
 def said(*arguments):
