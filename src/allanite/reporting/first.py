@@ -62,6 +62,7 @@ class ChannelRow:
     cells: Sequence[str]
     rank: int = 0  # how soon it is left out where there is too little room: 0 never
     short: str = ""  # its name where there is none for symbols
+    narrow: Sequence[str] = ()  # its cells where there is less room, in a row for each channel
 
     @property
     def label(self) -> str:
@@ -100,15 +101,17 @@ class Channels:
 
     def only(self, part: slice) -> "Channels":
         """Those of some channels."""
-        return replace(self, names=self.names[part], rows=[replace(row, cells=row.cells[part]) for row in self.rows])
+        rows = [replace(row, cells=row.cells[part], narrow=row.narrow[part]) for row in self.rows]
+        return replace(self, names=self.names[part], rows=rows)
 
-    def listed(self) -> Table:
+    def listed(self, *, narrow: bool = False) -> Table:
         """A row for each channel; where that is too wide, without what is no coefficient and no grade."""
         units = [join(" ", filter(None, (row.label, printed_unit(row.unit)))) for row in self.rows]
         read = [bool(row.unit) and not row.symbol for row in self.rows]
         columns = (Column(unit, "name", aside) for unit, aside in zip(units, read, strict=True))
         heads = [Column(say("channel"), "name"), *columns]
-        return Table(heads, [[name, *(row.cells[i] for row in self.rows)] for i, name in enumerate(self.names)])
+        cells = [row.narrow if narrow and row.narrow else row.cells for row in self.rows]
+        return Table(heads, [[name, *(cell[i] for cell in cells)] for i, name in enumerate(self.names)])
 
     def lines(self) -> list[Phrase]:
         """A line for each channel."""

@@ -237,7 +237,7 @@ class _Screen:
             made = [line for part in parts for line in self.part(part, rank)]
             if len(made) <= room:
                 return made
-        tables = (_found(part).listed() if isinstance(part, Channels) else part for part in parts)
+        tables = (self.listed(_found(part)) if isinstance(part, Channels) else part for part in parts)
         made = [line for part in tables for line in self.part(part, 1)]
         return made if len(made) <= room else self.counted(made[: max(room - 1, 0)], len(made), 0)
 
@@ -329,7 +329,7 @@ class _Screen:
             cut = [replace(row, title=self.cut(row.title, longest - excess)) for row in rows]
             return self.table(replace(channels, rows=cut).table())
         channels = replace(channels, rows=rows)
-        short, listed = channels.table(titles=False), channels.listed()
+        short, listed = channels.table(titles=False), self.listed(channels)
         if self.wide(short) <= self.width or len(channels.names) < 2:
             return self.table(short)
         if self.wide(_main(listed)) <= self.width:
@@ -337,6 +337,11 @@ class _Screen:
         half = (len(channels.names) + 1) // 2
         halves = channels.only(slice(half)), channels.only(slice(half, None))
         return [line for part in halves for line in self.channels(part, rank)]
+
+    def listed(self, channels: Channels) -> Table:
+        """A row for each channel, with narrow cells where that is too wide."""
+        table = channels.listed()
+        return table if self.wide(table) <= self.width else channels.listed(narrow=True)
 
     def wide(self, table: Table) -> int:
         """Cells that the whole table takes."""

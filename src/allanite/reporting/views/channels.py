@@ -1,5 +1,6 @@
 """The first screen of an analysis: coefficients by channel, and what limits them."""
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
@@ -116,7 +117,8 @@ def _quantities(channels: Sequence[Channel], signal: Signal, level: float) -> It
     unit = next((c.readings.shown_unit(0) for c in channels if c.readings is not None), signal.sheet[0])
     least = [lowest_cell(channel, level) for channel in channels]
     if any(least):
-        yield ChannelRow(IN_RUN, "", unit, least, short=IN_RUN_SHORT)
+        narrow = [re.sub(r" \(.*\)", "", cell) for cell in least]  # without intervals
+        yield ChannelRow(IN_RUN, "", unit, least, short=IN_RUN_SHORT, narrow=narrow)
     words_of = [fit_words(channel.noise, channel.refusal) for channel in channels]
     yield ChannelRow(say("model fit"), "", "", words_of, short=say("model"))
 
