@@ -26,8 +26,7 @@ from .store import Store
 from .tables import DONE, OPEN, Coefficient, gathered
 
 DAY = 86400.0
-FALSE_ALARM = 0.05
-"""Probability that a coefficient of a uniform lot has an outlying unit, or shows a trend."""
+FALSE_ALARM = 0.05  # probability that a coefficient of a uniform lot has an outlying unit, or shows a trend
 FEWEST = 4
 """Values from which on there are quantiles and outlying units; of three one would have to be 47 deviations away."""
 
@@ -121,11 +120,8 @@ def outliers(values: FloatArray) -> list[int]:
     return removed[:last]
 
 
-TREND = 6
-"""Values from which on there is a trend."""
-
-SHARE = 0.1
-"""Share of the values below the lower and above the upper quantile of a distribution."""
+TREND = 6  # values from which on there is a trend
+SHARE = 0.1  # share of the values below the lower and above the upper quantile of a distribution
 
 
 @dataclass(frozen=True, eq=False, repr=False)

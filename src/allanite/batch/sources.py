@@ -18,11 +18,8 @@ from allanite.readers.sandbox.source import STDIN, is_recording
 
 PathLike = str | os.PathLike[str]
 
-TEMPERATURE, DATE, UNIT = "temperature", "date", "unit_id"
-"""Columns of a manifest with a meaning of their own."""
-
-OWN = ("key", "sha256", "status", "error", "rejected")
-"""Columns of the table of files that a manifest must not have."""
+TEMPERATURE, DATE, UNIT = "temperature", "date", "unit_id"  # columns of a manifest with a meaning of their own
+OWN = ("key", "sha256", "status", "error", "rejected")  # columns of the table of files that a manifest must not have
 
 FORM = "a manifest has a path in each line, or is a CSV file with a column 'file'"
 

@@ -22,8 +22,7 @@ from allanite.study.results import Channel, Study
 from allanite.terms import TERMS
 
 EXAMPLE = 'N = { max = "0.15 deg/sqrt(h)" }'
-LIMITED = (*(symbol for symbol, row in TERMS.items() if not row.periodic), MINIMUM)
-"""What can have a limit."""
+LIMITED = (*(symbol for symbol, row in TERMS.items() if not row.periodic), MINIMUM)  # what can have a limit
 
 
 @dataclass(frozen=True, repr=False)
@@ -184,8 +183,7 @@ def _limits(table: Any, where: str) -> Iterator[Limit]:
             yield Limit(symbol, number * factor, unit, signal)
 
 
-OUTCOMES = (FAIL, NOT_DECIDED, PASS)
-"""Outcomes, the worst first."""
+OUTCOMES = (FAIL, NOT_DECIDED, PASS)  # outcomes, the worst first
 
 
 def worst_of(outcomes: "list[str]") -> str:

@@ -19,20 +19,11 @@ from allanite.study.recipe import Recipe
 from .executor import Plain
 from .sources import DATE, OWN, TEMPERATURE
 
-PARTS = "parts"
-"""Folder of the parts."""
-
-FILES = "files.parquet"
-"""The table of files, which makes a folder one of results."""
-
-DIGEST = b"sha256"
-"""Metadata of a part: the digest of its columns."""
-
-TEMPLATES, FIELDS = "say", "with"
-"""Keys of a phrase."""
-
-LOCK = ".lock"
-"""The file that a run locks; it stays, and is empty."""
+PARTS = "parts"  # folder of the parts
+FILES = "files.parquet"  # the table of files, which makes a folder one of results
+DIGEST = b"sha256"  # metadata of a part: the digest of its columns
+TEMPLATES, FIELDS = "say", "with"  # keys of a phrase
+LOCK = ".lock"  # the file that a run locks; it stays, and is empty
 
 
 def identity(file: str, choices: Plain) -> tuple[str, str]:

@@ -21,8 +21,7 @@ from .store import Store
 DONE, FAILED, OPEN = "done", "failed", "open"
 """Status of a file: it has a result, it has none and why is known, it was not reached yet."""
 
-AT_ONCE = 64
-"""Files whose rows are held in memory together."""
+AT_ONCE = 64  # files whose rows are held in memory together
 
 
 @dataclass(frozen=True)
@@ -182,8 +181,7 @@ def across(channels: Iterable[tuple[str, Channel]], level: float) -> tuple[Acros
 
 
 Rows = Iterator[dict[str, Any]]
-REFUSED = "refused"
-"""Name of the finding about a channel without a result."""
+REFUSED = "refused"  # name of the finding about a channel without a result
 
 COEFFICIENTS = {
     "file": str, "channel": str, "sensor": str, "symbol": str, "status": str, "value": float, "low": float,

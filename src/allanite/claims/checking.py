@@ -23,8 +23,7 @@ from .convention import causes_of
 from .exact import Counts, by_sensor, curve_row, exact_rows
 from .result import AGREES, EXCEEDS, CheckedTerm, ClaimCheck, fit_of
 
-TOLERANCE = 0.02
-"""Relative difference that is accepted: files state two or three digits."""
+TOLERANCE = 0.02  # relative difference that is accepted: files state two or three digits
 
 SHARES = 5
 """Kinds of comparisons that share the chance of a false alarm: terms, times, other noise, curves, distributions."""

@@ -24,8 +24,7 @@ from allanite.phrases.phrase import join, say, spelled
 from allanite.planning.datasheets import claimed
 from allanite.terms import TERMS
 
-CUTOFF, RATE = SETTINGS = "cutoff", "rate"
-"""What may be claimed beside noise."""
+CUTOFF, RATE = SETTINGS = "cutoff", "rate"  # what may be claimed beside noise
 
 ITEM = re.compile(
     r"(?:(?P<sensor>gyro|accel)\w*\s+)?"

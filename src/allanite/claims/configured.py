@@ -25,8 +25,7 @@ passes fill in what it takes away."""
 ROUGH = 0.2
 """Misfit of the power above which no cut-off is decided on: at the slope of a 2nd-order filter a tenth of it."""
 
-VAGUE = 2.0
-"""Ratio of the limits of a cut-off above which one between them is not confirmed: an octave, a definition."""
+VAGUE = 2.0  # ratio of the limits of a cut-off above which one between them is not confirmed: an octave, a definition
 
 
 def setting_rows(

@@ -158,17 +158,13 @@ def pooled(limits: Sequence[tuple[float, float]]) -> tuple[float, float]:
     return math.exp(centre - half), math.exp(centre + half)
 
 
-NAMED = 3
-"""Conventions that fit, at most, if they are named: more of them explain nothing."""
+NAMED = 3  # conventions that fit, at most, if they are named: more of them explain nothing
 
 WIDE, NEARLY = 15.0, 1.02
 """Ratio of the limits of a factor above which nothing is named, and factor by which they are widened if none is."""
 
-FIRST = 1000
-"""Samples at the start whose mean is looked at."""
-
-NEAR = 0.1
-"""Relative difference of a mean from what rand() makes of it, up to which rand() is named."""
+FIRST = 1000  # samples at the start whose mean is looked at
+NEAR = 0.1  # relative difference of a mean from what rand() makes of it, up to which rand() is named
 
 
 def causes_of(study: Study, claim: ClaimedNoise, terms: Sequence[CheckedTerm]) -> tuple[Cause, ...]:

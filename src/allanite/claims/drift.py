@@ -20,8 +20,7 @@ from allanite.planning.drift import Response, drift_variance
 
 from .drift_settings import QUANTITIES, DriftPath, DriftSettings, Requirement
 
-TURN_ON, SCALE = say("turn-on bias"), say("scale factor")
-"""What causes drift beside the noise."""
+TURN_ON, SCALE = say("turn-on bias"), say("scale factor")  # what causes drift beside the noise
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -143,8 +142,7 @@ def worst_axis(axes: Sequence[DriftAxis], path: DriftPath, settings: DriftSettin
     return WorstAxis(tuple(shares.values()), below[chosen], above[chosen], most.max(axis=0))
 
 
-PLANNED = ("N", "B", "K")
-"""The terms that a requirement is divided among, with the turn-on bias."""
+PLANNED = ("N", "B", "K")  # the terms that a requirement is divided among, with the turn-on bias
 
 
 @dataclass(frozen=True, eq=False)

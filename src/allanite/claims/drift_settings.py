@@ -18,14 +18,12 @@ from allanite.phrases.phrase import say, spelled
 from allanite.planning.drift import GRAVITY, Response, flat, schuler
 from allanite.study.settings import DriftChoices
 
-CALIBRATION = 60.0
-"""Usual time over which the bias is averaged, s."""
+CALIBRATION = 60.0  # usual time over which the bias is averaged, s
 
 SHORTEST, LONGEST = 1e-9, 1e7
 """Times without aid, and longest calibration, that are computed with, s: so many Schuler periods have nodes."""
 
-LARGE = 0.1
-"""Errors of a scale factor from which on percent are meant."""
+LARGE = 0.1  # errors of a scale factor from which on percent are meant
 
 
 class QuantityUnits(NamedTuple):

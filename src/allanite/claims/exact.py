@@ -29,8 +29,7 @@ from allanite.terms import TERMS
 from .claim import ClaimedNoise
 from .result import AGREES, DIFFERS, UNCLAIMED, CheckedTerm, claimed_deviation, fit_of
 
-WIDTH = 4.0
-"""Coefficients of the transform to either side of a sinusoid that are left out."""
+WIDTH = 4.0  # coefficients of the transform to either side of a sinusoid that are left out
 
 BESIDE = tuple(s for s, row in TERMS.items() if row.automatic and row.waveform is None)
 """Noise that is looked for beside what is claimed."""
@@ -163,11 +162,8 @@ def _flanks(times: FloatArray, excess: FloatArray, first: int, last: int) -> lis
     return [(excess[low][::-1], np.log(times[low])[::-1]), (excess[high], np.log(times[high]))]
 
 
-DECADES = np.arange(-15, 10) / 6
-"""Decades from a claimed correlation time at which others are tried."""
-
-LIGHT = -0.5
-"""Excess kurtosis below which residuals are not Gaussian; that of a uniform distribution is -1.2."""
+DECADES = np.arange(-15, 10) / 6  # decades from a claimed correlation time at which others are tried
+LIGHT = -0.5  # excess kurtosis below which residuals are not Gaussian; that of a uniform distribution is -1.2
 
 
 @dataclass(frozen=True, eq=False)

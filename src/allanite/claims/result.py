@@ -33,8 +33,7 @@ OUTCOMES = {
 }
 """What each outcome means, the worst first."""
 
-CONTRADICTS = (DIFFERS, EXCEEDS, UNCLAIMED)
-"""Outcomes by which a record disagrees with a claim."""
+CONTRADICTS = (DIFFERS, EXCEEDS, UNCLAIMED)  # outcomes by which a record disagrees with a claim
 
 
 @dataclass(frozen=True, repr=False)

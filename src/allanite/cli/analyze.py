@@ -156,8 +156,7 @@ def lot(results: str, limits: str | None, **choices: Any) -> None:
     end_of_units(stored.batch, strict=out.strict)
 
 
-BINARY = ("dtype", "columns", "offset")
-"""Choices of a file that has no lines."""
+BINARY = ("dtype", "columns", "offset")  # choices of a file that has no lines
 
 
 @command()

@@ -28,8 +28,7 @@ if TYPE_CHECKING:
     from allanite.reporting.first import First
     from allanite.study.recipe import Recipe
 
-DEFAULT_COLUMNS = 120
-"""Width of text where no terminal limits it."""
+DEFAULT_COLUMNS = 120  # width of text where no terminal limits it
 
 
 def text_of(value: Any, out: "Outputs", first: "Callable[[], First] | None" = None) -> str:
@@ -80,8 +79,7 @@ Progress = Callable[[str, float], None]
 
 STDOUT = "-"
 
-PRINTED = ("json", "csv", "coefficients", "output")
-"""Options that may write to standard output."""
+PRINTED = ("json", "csv", "coefficients", "output")  # options that may write to standard output
 
 
 @dataclass(frozen=True)
@@ -225,8 +223,7 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
                     (complain if out.piped else show)(f"{name}: {path}")
 
 
-CHANNEL = "{channel}"
-"""Stands in the path of a figure for the name of a channel: each has a file of its own then."""
+CHANNEL = "{channel}"  # stands in the path of a figure for the name of a channel: each has a file of its own then
 
 
 def _places(value: Any, path: str) -> Iterator[tuple[str, Any]]:

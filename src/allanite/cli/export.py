@@ -17,8 +17,7 @@ from .options import IDENTIFYING, RECORDING, SHOWN, options
 FILE = ("written file", "plot", "json", *SHOWN)
 
 
-USUAL = "datasheet"
-"""The target where none is named."""
+USUAL = "datasheet"  # the target where none is named
 
 
 @command()

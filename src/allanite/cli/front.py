@@ -34,8 +34,7 @@ BLAS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 MIN_OBJECTS = 100_000
 """New objects after which those that refer to each other are looked for; imports alone make more than the usual 700."""
 
-LINE = "allanite.line"
-"""Key of the command line in the context."""
+LINE = "allanite.line"  # key of the command line in the context
 
 ADDRESS_SPACE_BYTES = 2_500_000_000
 """Address space, bytes, that the program takes with its libraries: 1.9 to 2.2 GB, most of which is never filled."""

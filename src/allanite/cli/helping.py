@@ -10,14 +10,9 @@ import click
 
 from allanite.study.recipe import IDENTIFYING, READING, SELECTING
 
-MOST = 12
-"""Options that are shown unless all are asked for."""
-
-OWN = 4
-"""Options of the verb itself among them, at least."""
-
-ALL = "allanite.help"
-"""Key in the context: whether all options are asked for."""
+MOST = 12  # options that are shown unless all are asked for
+OWN = 4  # options of the verb itself among them, at least
+ALL = "allanite.help"  # key in the context: whether all options are asked for
 
 USED = (
     "target", "output", "models", "sensor", "datasheet", "unit", "rate", "channels", "report", "time", "details",

@@ -163,14 +163,12 @@ def _path(name: str, help: str, *synonyms: str) -> Decorator:  # noqa: A002 - th
     return click.option(f"--{name}", metavar="PATH", type=click.Path(), help=help, cls=Option, synonyms=synonyms)
 
 
-OUTPUTS = ("report", "plot", "csv", "json")
-"""Names of the options that write a result."""
+OUTPUTS = ("report", "plot", "csv", "json")  # names of the options that write a result
 
 SHOWN = ("lang", "details", "brief", "force", "quiet")
 """Options about what is printed, and whether files are overwritten."""
 
-FLAGS = (*SHOWN, "strict")
-"""Options about writing and the exit code, which a recipe does not hold."""
+FLAGS = (*SHOWN, "strict")  # options about writing and the exit code, which a recipe does not hold
 
 
 def option_of(choice: ChoiceRow) -> Decorator:
@@ -280,17 +278,10 @@ OPTIONS: dict[str, Decorator] = {
     "corrected record": _path("corrected", "Write the corrected record (of --apply if given)."),
 }  # fmt: skip
 
-RECIPE = {name: option_of(row) for name, row in choices_of(Recipe).items()}
-"""The options of a recipe, by its keys."""
-
-IDENTIFYING = (*IDENTIFIES, "strict")
-"""Options of every verb that identifies noise."""
-
-RESULTS = (*OUTPUTS, *SHOWN)
-"""Options of every verb that has a result."""
-
-RECORDING = (*READING, *SELECTING, "recipe", "threads")
-"""Options of every verb that reads a recording."""
+RECIPE = {name: option_of(row) for name, row in choices_of(Recipe).items()}  # the options of a recipe, by its keys
+IDENTIFYING = (*IDENTIFIES, "strict")  # options of every verb that identifies noise
+RESULTS = (*OUTPUTS, *SHOWN)  # options of every verb that has a result
+RECORDING = (*READING, *SELECTING, "recipe", "threads")  # options of every verb that reads a recording
 
 
 def options(*wanted: str | Decorator, settings: tuple[type[Any], ...] = ()) -> Decorator:

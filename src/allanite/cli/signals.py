@@ -8,8 +8,7 @@ from contextlib import contextmanager
 from threading import Lock, Timer, current_thread, main_thread
 from types import FrameType
 
-ENDS = ("SIGINT", "SIGTERM", "SIGHUP")
-"""Signals that end the program, where the system has them."""
+ENDS = ("SIGINT", "SIGTERM", "SIGHUP")  # signals that end the program, where the system has them
 
 RESEND_PERIOD_S, END_PERIOD_S = 0.01, 0.25
 """Seconds after which a signal that had to wait is sent again, and one that should have ended the program."""

@@ -154,8 +154,7 @@ FAULTS: "dict[str, Fault]" = {
 """The function of each option, in the order in which the faults occur in a sensor and its logger."""
 
 
-CHANNEL_NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
-"""First letters of the channels' names."""
+CHANNEL_NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}  # first letters of the channels' names
 
 
 @command()
@@ -254,8 +253,7 @@ def _counts(laser: "RingLaser", n: int, choices: dict[str, Any]) -> "Recording":
     )
 
 
-WRITTEN = {"report": "page.html", "json": "paper.json"}
-"""Files of the comparison: option -> name."""
+WRITTEN = {"report": "page.html", "json": "paper.json"}  # files of the comparison: option -> name
 
 
 @command()
@@ -308,5 +306,4 @@ def _run(line: list[str], shared: dict[str, Any]) -> None:
                 raise
 
 
-ANGLE = ("calibrate", "estimate", "plan", "simulate")
-"""Verbs of the group angle."""
+ANGLE = ("calibrate", "estimate", "plan", "simulate")  # verbs of the group angle

@@ -141,8 +141,7 @@ def _autopilot(name: str | None, instance: int | None, out: Outputs) -> "Thermal
 DESIGNING = ("duration", "gyro_bias", "accelerometer_bias", "scenarios", "seed")
 """Options that apply without a recording."""
 
-USUAL_DURATION_S = 3600.0
-"""Horizon without a recording, s."""
+USUAL_DURATION_S = 3600.0  # horizon without a recording, s
 
 
 @command()

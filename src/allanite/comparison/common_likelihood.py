@@ -30,8 +30,7 @@ from allanite.identification.likelihood.whittle import column, gain_of, likeliho
 from allanite.phrases.phrase import join, say, say_count, spelled
 from allanite.terms import TERMS
 
-RANK = 1e-9
-"""Share of a bin's largest direction below which another is none."""
+RANK = 1e-9  # share of a bin's largest direction below which another is none
 
 
 def reduced(part: Likelihood, columns: BoolArray) -> Likelihood:
@@ -89,8 +88,7 @@ def drawn(part: Likelihood, theta: FloatArray, rng: "np.random.Generator") -> Li
 
 Shape = tuple[float, ...]
 
-PASSED = 0.25
-"""Share of a filter's cut-off up to which records are compared."""
+PASSED = 0.25  # share of a filter's cut-off up to which records are compared
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,14 +22,9 @@ from .common_likelihood import Joint, drawn, least, tied
 from .comparison import Comparison, Pair
 from .sources import name_both
 
-DRAWS = 199
-"""Draws of a bootstrap at most."""
-
-ENOUGH = 10
-"""Draws that reach what was seen, after which the bootstrap stops: p is then known to a third of itself."""
-
-CLEAR = 1e-4
-"""A p by chi-square below which nothing is drawn."""
+DRAWS = 199  # draws of a bootstrap at most
+ENOUGH = 10  # draws that reach what was seen, after which the bootstrap stops: p is then known to a third of itself
+CLEAR = 1e-4  # a p by chi-square below which nothing is drawn
 
 
 def homogeneity(joint: Joint, rng: "np.random.Generator") -> Homogeneity:

@@ -116,14 +116,9 @@ class CommonRamp:
         return self.value - half, self.value + half
 
 
-WIDTH = 1.5
-"""Bins of the shorter record within which two frequencies are one."""
-
-AROUND = (4, 40)
-"""Bins on either side of a frequency from which the noise there is known."""
-
-SEEN = 4.0
-"""Standard errors from which on an amplitude that was looked for at a known frequency is one."""
+WIDTH = 1.5  # bins of the shorter record within which two frequencies are one
+AROUND = (4, 40)  # bins on either side of a frequency from which the noise there is known
+SEEN = 4.0  # standard errors from which on an amplitude that was looked for at a known frequency is one
 
 
 @dataclass(frozen=True)

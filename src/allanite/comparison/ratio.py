@@ -28,14 +28,9 @@ from allanite.statistics.estimator import integrated
 from allanite.statistics.grids import grid_named
 from allanite.statistics.table import CurvePoints, statistic_named
 
-SAME_TIME = 0.005
-"""Relative difference up to which two averaging times count as the same."""
-
-HALVINGS, STEPS = 45, 40
-"""Steps of the search for a saddlepoint, and maximum number of steps for a quantile."""
-
-CONVERGED = 1e-5
-"""Accuracy of a quantile, as a normal deviate."""
+SAME_TIME = 0.005  # relative difference up to which two averaging times count as the same
+HALVINGS, STEPS = 45, 40  # steps of the search for a saddlepoint, and maximum number of steps for a quantile
+CONVERGED = 1e-5  # accuracy of a quantile, as a normal deviate
 
 
 @dataclass(frozen=True, eq=False)

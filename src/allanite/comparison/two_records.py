@@ -35,11 +35,8 @@ from .ramps import RampContrast, line_contrasts, ramp_law
 from .ratio import ratio_law, shared_curves
 from .sources import join_records
 
-ALIKE = 0.7
-"""Correlation of the steps from which on two records are a pair."""
-
-FEWEST = 8
-"""Coefficients of the cosine transform in the lowest range of frequencies; the others are octaves above it."""
+ALIKE = 0.7  # correlation of the steps from which on two records are a pair
+FEWEST = 8  # coefficients of the cosine transform in the lowest range of frequencies; the others are octaves above it
 
 
 BLOCKS = (1, 8, 64, 512)
@@ -138,14 +135,9 @@ def paired_law(records: tuple[Record, Record], curves: tuple[Curve, Curve]) -> P
     return PairedLaw(np.clip(correlation, -1, 1), np.minimum(before.edf, after.edf))
 
 
-STEP = 4.0
-"""Factor between the lengths that are tried."""
-
-LIKELY = 0.8
-"""Probability with which records of the length that is named resolve the coefficient."""
-
-LONGEST = 365 * 86400.0
-"""Length, s, beyond which none is named."""
+STEP = 4.0  # factor between the lengths that are tried
+LIKELY = 0.8  # probability with which records of the length that is named resolve the coefficient
+LONGEST = 365 * 86400.0  # length, s, beyond which none is named
 
 
 def compare_records(channel: Inspected, recipe: Recipe, rng: "np.random.Generator") -> Pair:

@@ -15,8 +15,7 @@ from .units import A_DURATION, seconds_of
 Settings = TypeVar("Settings")
 
 ONE = (str, int, float)
-LISTS = (*ONE, list, tuple)
-"""Types of plain data that are one value, and that may be several."""
+LISTS = (*ONE, list, tuple)  # types of plain data that are one value, and that may be several
 
 
 @dataclass(frozen=True)
@@ -49,8 +48,7 @@ class ChoiceKind:
         return self.read(data)
 
 
-TYPED = ChoiceKind("value", lambda value: value)
-"""The kind that the type of the field says."""
+TYPED = ChoiceKind("value", lambda value: value)  # the kind that the type of the field says
 
 
 A_NUMBER, AN_INTEGER = "a number", "an integer"

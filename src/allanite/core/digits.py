@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 
 from .units import RAISED
 
-LARGE, SMALL = 1e6, 1e-3
-"""Sizes from and below which a power of ten is written."""
+LARGE, SMALL = 1e6, 1e-3  # sizes from and below which a power of ten is written
 
 
 @dataclass(frozen=True)

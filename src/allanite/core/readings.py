@@ -85,12 +85,10 @@ class Quantity(NamedTuple):
     remark: str = ""
 
 
-MINIMUM = "minimum"
-"""Stands for the minimum of the Allan deviation where a coefficient has its symbol."""
+MINIMUM = "minimum"  # stands for the minimum of the Allan deviation where a coefficient has its symbol
 
 
-IN_RUN = say("in-run bias stability")
-"""What data sheets of inertial sensors call it."""
+IN_RUN = say("in-run bias stability")  # what data sheets of inertial sensors call it
 
 FALLING, FALLING_SIGN = say("still falling"), "↓"
 """Stand beside a minimum that is the last point of its curve: a longer record may have a lower one."""
@@ -218,11 +216,8 @@ def _quantity(title: str, point: Reading, level: float, factor: float = 1.0, rem
     return Quantity(title, point.tau, point.deviation * factor, low * factor, high * factor, 0, remark)
 
 
-ONE_SIDED = math.sqrt(2)
-"""One-sided over two-sided amplitude spectral density."""
-
-MOSTLY = 0.8
-"""Part of an N-second stability that a ramp alone makes, from which it is named."""
+ONE_SIDED = math.sqrt(2)  # one-sided over two-sided amplitude spectral density
+MOSTLY = 0.8  # part of an N-second stability that a ramp alone makes, from which it is named
 
 BANDWIDTH = say("bandwidth (-3 dB)")
 

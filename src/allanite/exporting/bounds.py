@@ -19,16 +19,12 @@ from allanite.terms import TERMS
 
 from .content import Axis
 
-READ = "curve"
-"""Method of estimates that are such bounds."""
+READ = "curve"  # method of estimates that are such bounds
 
 BOUND = say("upper bound read off the Allan deviation")
 
-BOUNDED = ("N", "B", "K")
-"""Terms that have fields, or stand in for others that have none."""
-
-ONCE = 1.0
-"""Averaging time of N, and the shortest of the others, s: below, a filter or vibration may bend the curve."""
+BOUNDED = ("N", "B", "K")  # terms that have fields, or stand in for others that have none
+ONCE = 1.0  # averaging time of N, and the shortest of the others, s: below, a filter or vibration may bend the curve
 
 
 def remedy() -> str:

@@ -18,8 +18,7 @@ from allanite.terms import TERMS
 from .content import Axis
 from .target import LONG
 
-ALLAN = ("oadev", "adev")
-"""Statistics that are Allan deviations."""
+ALLAN = ("oadev", "adev")  # statistics that are Allan deviations
 
 Source = Study | Channel | Fit | Model | Term | Mapping[str, Fit] | Sequence["Source"]
 """What can be exported; several are put together, for example a gyro's and an accelerometer's."""
@@ -93,8 +92,7 @@ def _within(part: Any) -> Iterator[Axis]:
 
 Found = tuple["AxisCoefficient", ...]
 
-COVER = "cover"
-"""Method of estimates that cover what was identified."""
+COVER = "cover"  # method of estimates that cover what was identified
 
 
 @dataclass(frozen=True)

@@ -32,14 +32,9 @@ from .content import Axis
 from .stated_noise import AxisNoise, Outages, unfielded
 from .target import Target
 
-WIDEST = 8.0
-"""The largest N' over N that is tried."""
-
-WIDENINGS = 40
-"""White noises that are tried."""
-
-LEAST = 1e-6
-"""Share of the variance that the slow term has at least: no file without one."""
+WIDEST = 8.0  # the largest N' over N that is tried
+WIDENINGS = 40  # white noises that are tried
+LEAST = 1e-6  # share of the variance that the slow term has at least: no file without one
 
 SETTLED = 10.0
 """The shortest time without aid whose cost counts, over the shortest averaging time: before, white noise dominates."""
@@ -47,8 +42,7 @@ SETTLED = 10.0
 TIGHT = 100.0
 """The longest time whose cost counts for a random walk, over the shortest averaging time, if no span was asked for."""
 
-TIMES = 4
-"""Correlation times that are tried in a decade, and times without aid."""
+TIMES = 4  # correlation times that are tried in a decade, and times without aid
 
 
 def covered(target: Target, axes: Sequence[Axis], groups: Sequence[Sequence[AxisNoise]], *, asked: bool) -> list[Axis]:

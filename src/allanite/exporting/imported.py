@@ -25,8 +25,7 @@ from .choice import Source
 from .exports import EXPORTS, row_of_file, target_named
 from .target import LONG, Target, TargetField
 
-COEFFICIENTS = "NKBQR"
-"""The terms that a value with a unit may be, by the dimension of its unit."""
+COEFFICIENTS = "NKBQR"  # the terms that a value with a unit may be, by the dimension of its unit
 
 
 def models_of(texts: Iterable[str]) -> list[Model]:

@@ -34,8 +34,7 @@ from .content import Axis, Entry, by_sensor
 from .fields import How, fill
 from .target import LONG, Target, TargetField
 
-PAST = 40
-"""Steps of the past, evenly spaced in the logarithm, whose mean rates a predictor is made of."""
+PAST = 40  # steps of the past, evenly spaced in the logarithm, whose mean rates a predictor is made of
 
 FIRST, LAST = 0.25, 10.0
 """The first of them over the shortest time without aid, and their length in all over the longest."""
@@ -112,17 +111,10 @@ def _covariances(outages: Outages, symbol: str, shape: tuple[float, ...]) -> Cov
     return Covariances(whole[:PAST, :PAST], whole[:PAST, PAST:], np.diag(whole)[PAST:], drifts)
 
 
-USUAL = 1.0, 1000.0
-"""Averaging times, s, that are compared where there is no record."""
-
-RESOLVED = 0.1
-"""Share of a record up to which averaging times are compared."""
-
-PER_DECADE = 20
-"""Averaging times at which two curves are compared, and times without aid, in a decade."""
-
-CLOSE = 0.9
-"""Ratio of deviations from which a file is not called over-confident."""
+USUAL = 1.0, 1000.0  # averaging times, s, that are compared where there is no record
+RESOLVED = 0.1  # share of a record up to which averaging times are compared
+PER_DECADE = 20  # averaging times at which two curves are compared, and times without aid, in a decade
+CLOSE = 0.9  # ratio of deviations from which a file is not called over-confident
 
 
 @dataclass(frozen=True, eq=False, repr=False)

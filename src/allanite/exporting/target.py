@@ -16,8 +16,7 @@ if TYPE_CHECKING:
 
 GYRO, ACCELEROMETER = "gyro", "accelerometer"
 
-LONG = 360_000.0
-"""Correlation time, s, with which a Gauss-Markov process replaces a random walk: 100 h."""
+LONG = 360_000.0  # correlation time, s, with which a Gauss-Markov process replaces a random walk: 100 h
 
 
 @dataclass(frozen=True)

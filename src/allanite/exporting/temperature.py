@@ -28,8 +28,7 @@ from .thermal import ThermalTarget
 
 AXES = "xyz"
 
-NARROW = 10.0
-"""Range below which the record is too short of temperatures, degC: the least that ArduPilot learns from."""
+NARROW = 10.0  # range below which the record is too short of temperatures, degC: the least that ArduPilot learns from
 
 
 def thermal_target(name: str, instance: int | None = None) -> ThermalTarget:

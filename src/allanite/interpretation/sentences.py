@@ -23,8 +23,7 @@ from allanite.terms import TERMS, WHITE
 from .device import Cause, bounds_of, grade_of
 from .devices import device as named
 
-POINTS_PER_DECADE = 1000
-"""Points of a decade at which humps are held against lines."""
+POINTS_PER_DECADE = 1000  # points of a decade at which humps are held against lines
 
 
 @dataclass(frozen=True)
@@ -165,8 +164,7 @@ def meaning(
     return Meaning(fit.name, texts, device, symbols, row.note)
 
 
-HUMP_PERIODS = 0.37
-"""Averaging time of the first hump of a damped oscillation, in its periods."""
+HUMP_PERIODS = 0.37  # averaging time of the first hump of a damped oscillation, in its periods
 
 
 def sentences(fit: Fit, readings: Readings | None = None, *, rate: float, length: float) -> tuple[str, ...]:

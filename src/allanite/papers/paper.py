@@ -55,8 +55,7 @@ def _alike(shown: str, wanted: str) -> bool:
         return shown == wanted
 
 
-AGREES, DIFFERS, DRAWN = "agrees", "differs", "drawn"
-"""Verdicts that are found."""
+AGREES, DIFFERS, DRAWN = "agrees", "differs", "drawn"  # verdicts that are found
 
 VERDICTS = {
     AGREES: say("agrees"), DIFFERS: say("differs"), DRAWN: say("drawn"), "misprint": say("misprint"),

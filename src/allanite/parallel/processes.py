@@ -24,8 +24,7 @@ from typing import Any, TypeVar
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-DEPTH = 2
-"""Items that may wait."""
+DEPTH = 2  # items that may wait
 
 _END: Any = object()
 
@@ -95,8 +94,7 @@ def spread(function: Callable[[Item], Result], items: Sequence[Item], threads: i
     return [results[i] for i in range(len(items))]
 
 
-ANSWER = "answer"
-"""Kind of the message that a process sends last; those of other kinds are reports on the way."""
+ANSWER = "answer"  # kind of the message that a process sends last; those of other kinds are reports on the way
 
 Tell = Callable[[str, Any], None]
 

@@ -16,8 +16,7 @@ from typing import Any, NamedTuple
 
 from .processes import later
 
-MOST = 8192
-"""Items whose numbers a pipe holds; more of them are not shared."""
+MOST = 8192  # items whose numbers a pipe holds; more of them are not shared
 
 SAMPLES = 2**26
 """Samples on which processes work at once, unless their number is given: each needs several times their memory."""
@@ -28,8 +27,7 @@ IDENTIFICATION = ("scipy.special", "scipy.fft", "scipy.optimize", "scipy.interpo
 FIGURES = ("matplotlib.figure", "matplotlib.backends.backend_agg", "matplotlib.backends.backend_svg")
 """Modules that figures need."""
 
-PREPARING = "preparing, once after an installation: about 6 s"
-"""What a bar says while kernels are compiled."""
+PREPARING = "preparing, once after an installation: about 6 s"  # what a bar says while kernels are compiled
 
 UNKEPT = "compiling (it is kept if NUMBA_CACHE_DIR names a folder that can be written)"
 """What it says where no folder for compiled code can be written."""

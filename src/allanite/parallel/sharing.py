@@ -29,8 +29,7 @@ from .processors import imported, processes
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-_TOKEN = 4
-"""Bytes of the number of an item in the pipe."""
+_TOKEN = 4  # bytes of the number of an item in the pipe
 
 
 def shared(

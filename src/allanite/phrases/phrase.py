@@ -52,8 +52,7 @@ class Phrase(str):
         return catalogue.gettext(first) if first is last else catalogue.ngettext(first, last, int(self.fields["count"]))
 
 
-MAX_PLAIN = 1e7
-"""Numbers below have no power of ten in a sentence."""
+MAX_PLAIN = 1e7  # numbers below have no power of ten in a sentence
 
 
 class _Sentence(Formatter):
@@ -132,8 +131,7 @@ def translate(value: Any, catalogue: Catalogue) -> Any:
     return value.within(catalogue) if isinstance(value, Phrase) else value
 
 
-MIN_PART_SHARE = 0.25
-"""Share of a recording that a part of it must have to be worth a proposal."""
+MIN_PART_SHARE = 0.25  # share of a recording that a part of it must have to be worth a proposal
 
 
 def plural(count: int, noun: str, many: str = "") -> str:

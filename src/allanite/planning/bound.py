@@ -21,17 +21,10 @@ from allanite.prepare.gaps import whole
 from allanite.terms import TERMS, NoiseTerm, ramp_coefficients
 from allanite.terms.row import Parameter
 
-MAX_SAMPLES = 2**53
-"""Samples, at most: more are not told from each other in floating point."""
-
-STEP = 1.001
-"""Factor on the shape of a term by which its expected power is differentiated."""
-
-RESOLVED = 1e-13
-"""Eigenvalue of the scaled information, at least: below it are the rounding errors of the sums."""
-
-AUTO = "".join(symbol for symbol, row in TERMS.items() if row.automatic)
-"""The default terms of `identify`."""
+MAX_SAMPLES = 2**53  # samples, at most: more are not told from each other in floating point
+STEP = 1.001  # factor on the shape of a term by which its expected power is differentiated
+RESOLVED = 1e-13  # eigenvalue of the scaled information, at least: below it are the rounding errors of the sums
+AUTO = "".join(symbol for symbol, row in TERMS.items() if row.automatic)  # the default terms of `identify`
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -260,14 +253,9 @@ def _deterministic(
             yield name_of(t, model), ramp / abs(t.value * rate**t.row.power) if t.value else math.inf
 
 
-TIME_STEP = 1.001
-"""Factor on the time constant by which the waveform is differentiated."""
-
-MIXING_NODES = 200
-"""Nodes of Gauss's rule for the covariance of two coefficients."""
-
-LOWEST = SINGLE
-"""Coefficients of the cosine transform that tell of a ramp, whose power falls as k^-4."""
+TIME_STEP = 1.001  # factor on the time constant by which the waveform is differentiated
+MIXING_NODES = 200  # nodes of Gauss's rule for the covariance of two coefficients
+LOWEST = SINGLE  # coefficients of the cosine transform that tell of a ramp, whose power falls as k^-4
 
 
 def ramp_error(noise: Sequence[Term], n: int, rate: float, edge: float) -> float:

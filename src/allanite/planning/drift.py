@@ -26,17 +26,13 @@ from allanite.core.units import convert
 from allanite.terms.row import FAR
 
 GRAVITY = convert(1.0, "g", "m/s^2")
-RADIUS = 6_371_008.8
-"""Mean radius of the earth, m; with gravity it makes the Schuler period of 84.4 min."""
+RADIUS = 6_371_008.8  # mean radius of the earth, m; with gravity it makes the Schuler period of 84.4 min
 
 INSTANT = 1.0
 """Mean of flicker that is its bias at the start where nothing was averaged, s: at an instant flicker has no value."""
 
-BRIEF = 1e-5
-"""The same of a random walk and a ramp, which have one, as a share of t: the limit at 0."""
-
-SMALL = 0.1
-"""Size of an exponent below which an integral is taken from its series."""
+BRIEF = 1e-5  # the same of a random walk and a ramp, which have one, as a share of t: the limit at 0
+SMALL = 0.1  # size of an exponent below which an integral is taken from its series
 
 NODES, HALVINGS, MOST = 24, 40, 4000
 """Gauss-Legendre nodes of a panel; panels, of which each is half as long as the next; half periods that have panels."""

@@ -23,11 +23,8 @@ from allanite.terms import TERMS
 
 from .bound import bound
 
-DURATIONS = (600.0, 3600.0, 21_600.0, 86_400.0)
-"""10 minutes, 1 hour, 6 hours, 24 hours."""
-
-LONGEST = 1e14
-"""Samples beyond which no length is given."""
+DURATIONS = (600.0, 3600.0, 21_600.0, 86_400.0)  # 10 minutes, 1 hour, 6 hours, 24 hours
+LONGEST = 1e14  # samples beyond which no length is given
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -186,8 +183,7 @@ def _least(errors: Callable[[int], FloatArray], which: int, wanted: float) -> fl
     return high
 
 
-SIZE = 7200
-"""Samples of the record where no length is given: two hours at 1 Hz."""
+SIZE = 7200  # samples of the record where no length is given: two hours at 1 Hz
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -7,20 +7,11 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.record import Record
 
-BLOCKS = 256
-"""Maximum number of block means that are compared."""
-
-FEWEST_BLOCKS = 32
-"""Minimum number of block means, and of samples in each of them."""
-
-MISSING = 0.1
-"""Share of blocks without a sample above which no comparison is made."""
-
-CLEAR = 16.0
-"""Twice the gain of the log-likelihood above which a channel follows another; see `follows`."""
-
-MUCH = 0.25
-"""Share of the variance of the detrended block means that must be explained by the other channel."""
+BLOCKS = 256  # maximum number of block means that are compared
+FEWEST_BLOCKS = 32  # minimum number of block means, and of samples in each of them
+MISSING = 0.1  # share of blocks without a sample above which no comparison is made
+CLEAR = 16.0  # twice the gain of the log-likelihood above which a channel follows another; see `follows`
+MUCH = 0.25  # share of the variance of the detrended block means that must be explained by the other channel
 
 SHARES = np.concatenate(([0.0], np.geomspace(1e-3, 1e5, 17)))
 """Ratios of flicker and random walk to white noise, at half the sampling rate of the blocks."""

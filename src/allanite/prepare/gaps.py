@@ -15,22 +15,14 @@ from allanite.core.record import SHORTEST, Record
 from allanite.phrases.phrase import join, say, spelled, windowing
 from allanite.terms import NoiseTerm
 
-EXACT = 64
-"""Number of coefficients for which the positions of the joints matter; above, their average effect is used."""
+EXACT = 64  # number of coefficients for which the positions of the joints matter; above, their average effect is used
 
 FEW = say("too few for noise coefficients (at least {count})", count=SHORTEST)
 
-LEAST = 0.1
-"""Share of the samples that must remain."""
-
-RATE_BLOCK = 1024
-"""Steps of an angle over which its rate is assumed constant, to be subtracted during a gap."""
-
-LEAST_SHARE = 0.005
-"""Share of the rate noise in the noise of a step below which it cannot be determined."""
-
-NEIGHBOURS = 0.1
-"""Share of the remaining samples that must have a neighbour."""
+LEAST = 0.1  # share of the samples that must remain
+RATE_BLOCK = 1024  # steps of an angle over which its rate is assumed constant, to be subtracted during a gap
+LEAST_SHARE = 0.005  # share of the rate noise in the noise of a step below which it cannot be determined
+NEIGHBOURS = 0.1  # share of the remaining samples that must have a neighbour
 
 
 @dataclass(frozen=True, eq=False)

@@ -110,14 +110,9 @@ def window(pieces: Iterable[Piece], first: int, end: int | None) -> Iterator[Pie
             yield place + low - first, inside
 
 
-BLOCK = 1 << 20
-"""Samples of a block."""
-
-RUN = 10
-"""Equal values below which none is stuck or clipped."""
-
-FEWEST_SAMPLES = 64
-"""Samples in which anything is looked for."""
+BLOCK = 1 << 20  # samples of a block
+RUN = 10  # equal values below which none is stuck or clipped
+FEWEST_SAMPLES = 64  # samples in which anything is looked for
 
 OWN = {"short", "gaps", "outliers", "heavy tails", "stuck", "clipped", "too little left", "too short", "constant"}
 """Findings of a block that are not those of the record, or are found in every block."""

@@ -12,23 +12,12 @@ from allanite.core.limits import quantile
 from allanite.core.record import Record
 from allanite.phrases.phrase import say, say_count
 
-CHOICES = {"mark": "excluded, like missing samples", "keep": "kept"}
-"""What can be done with outliers."""
-
-LOWEST_LIMIT = 5.0
-"""Deviation from the running median, in standard deviations, below which no sample is an outlier."""
-
-FALSE = 1e-3
-"""Probability that a clean Gaussian record shows an outlier."""
-
-SCALE_PARTS, SHORTEST_PART = 16, 4096
-"""Number of parts of a record with separate scales, and their minimum length."""
-
-SAMPLE = 1024
-"""Number of samples of a part used for its scale."""
-
-MOST = 0.02
-"""Share of the samples above which they are not outliers but another noise."""
+CHOICES = {"mark": "excluded, like missing samples", "keep": "kept"}  # what can be done with outliers
+LOWEST_LIMIT = 5.0  # deviation from the running median, in standard deviations, below which no sample is an outlier
+FALSE = 1e-3  # probability that a clean Gaussian record shows an outlier
+SCALE_PARTS, SHORTEST_PART = 16, 4096  # number of parts of a record with separate scales, and their minimum length
+SAMPLE = 1024  # number of samples of a part used for its scale
+MOST = 0.02  # share of the samples above which they are not outliers but another noise
 
 TAIL = 0.8
 """Share of the limit from which samples are counted to distinguish outliers from heavy tails: few spikes, but many

@@ -15,8 +15,7 @@ from .resampled import resampled
 from .stillness import level, lines, moving, slope
 from .view import View
 
-SHORT = 600.0
-"""Length, s, below which slow terms are rarely identified."""
+SHORT = 600.0  # length, s, below which slow terms are rarely identified
 
 
 @public

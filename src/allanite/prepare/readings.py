@@ -13,8 +13,7 @@ from .outliers import MOST, TAIL, Outliers
 from .rounding import FEW_CODES, grid, rounding
 from .view import View, stretches
 
-RARE = 1e-4
-"""Probability that a check fails for a clean record."""
+RARE = 1e-4  # probability that a check fails for a clean record
 
 
 def stuck(view: View) -> Finding | None:

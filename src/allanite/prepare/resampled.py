@@ -10,20 +10,11 @@ from allanite.phrases.phrase import join, percent, say
 
 from .view import View
 
-LONGEST = 1 << 18
-"""Number of samples checked, in the middle of the record."""
-
-PART = 1 << 16
-"""Samples that are compared at a time, while the cache holds them."""
-
-FEWEST_RESAMPLED = 4096
-"""Second differences in which a modulation is looked for."""
-
-FINE = 0.002
-"""Step of the samples over their fast noise up to which neighbours are hardly ever equal."""
-
-FILLED = 0.005
-"""Share of samples filled in above which it matters."""
+LONGEST = 1 << 18  # number of samples checked, in the middle of the record
+PART = 1 << 16  # samples that are compared at a time, while the cache holds them
+FEWEST_RESAMPLED = 4096  # second differences in which a modulation is looked for
+FINE = 0.002  # step of the samples over their fast noise up to which neighbours are hardly ever equal
+FILLED = 0.005  # share of samples filled in above which it matters
 
 DEPTH = 0.08
 """Relative modulation of the power of the fast noise above which a record is called resampled; interpolation gives

@@ -10,22 +10,16 @@ from allanite.core.arrays import FloatArray
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 
-COARSE = 0.5
-"""Quantization step over the standard deviation of the fast noise above which the step affects the results."""
+COARSE = 0.5  # quantization step over the standard deviation of the fast noise above which the step affects the results
 
 NO_DITHER = 0.3
 """Fast noise over the step below which rounding errors are not white noise. After rounding it appears as one or two
 codes: noise of 0.3 steps already gives three within a few hundred samples.
 """
 
-NEARBY = 256
-"""Number of successive samples in which codes are counted."""
-
-MIDDLE = 200_000
-"""Samples in the middle of a record of which the fast noise is taken."""
-
-FEW_CODES = 16
-"""Number of distinct values up to which they are counted."""
+NEARBY = 256  # number of successive samples in which codes are counted
+MIDDLE = 200_000  # samples in the middle of a record of which the fast noise is taken
+FEW_CODES = 16  # number of distinct values up to which they are counted
 
 
 @dataclass(frozen=True)

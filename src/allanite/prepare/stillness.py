@@ -76,28 +76,19 @@ def _moved(carried: list[int], records: Sequence[Record | Header], qualities: Se
 MOVING = 20.0
 """RMS about the record's median, relative to that within the quietest tenth, above which a block is called moving."""
 
-SUDDEN = 10.0
-"""Step between the means of two blocks, relative to the same, above which it is motion; a drift has none."""
+SUDDEN = 10.0  # step between the means of two blocks, relative to the same, above which it is motion; a drift has none
 
 USUAL = 8.0 / 0.319
 """The same relative to the quarter point of all steps: eight standard deviations, if they are normal."""
 
-TOO_BUSY = 0.02
-"""Share of moving blocks above which the record cannot support an analysis."""
+TOO_BUSY = 0.02  # share of moving blocks above which the record cannot support an analysis
 
 AT_REST = say("noise can be determined only from a static recording")
 
-THERE = 0.5
-"""Share of the samples of a static stretch that must be there."""
-
-TRIED = 3
-"""Runs between motions that are tried for a static stretch, those with most samples."""
-
-LEVEL_PARTS = 8
-"""Number of parts of a record whose noise levels are compared."""
-
-UNEQUAL = 1.44
-"""Ratio of powers, beyond chance, above which parts are called different."""
+THERE = 0.5  # share of the samples of a static stretch that must be there
+TRIED = 3  # runs between motions that are tried for a static stretch, those with most samples
+LEVEL_PARTS = 8  # number of parts of a record whose noise levels are compared
+UNEQUAL = 1.44  # ratio of powers, beyond chance, above which parts are called different
 
 NEITHER = say("one set of coefficients describes neither part")
 

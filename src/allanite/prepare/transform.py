@@ -40,11 +40,8 @@ def mark_outliers(record: Record) -> Record:
     return marked(record, outliers(record))
 
 
-MOTION = ("mark", "refuse")
-"""What can be done where the sensor moves."""
-
-PASSES = 4
-"""How often motion is looked for, each time without what was found before."""
+MOTION = ("mark", "refuse")  # what can be done where the sensor moves
+PASSES = 4  # how often motion is looked for, each time without what was found before
 
 
 def demand_motion(word: str) -> str:
@@ -159,8 +156,7 @@ def blocks_words(m: int, left: int) -> str:
     return say("blocks of {size} samples", size=m)
 
 
-NEAR = 0.01
-"""Relative difference of a sampling interval from a nominal one: a clock that is that wrong is still meant."""
+NEAR = 0.01  # relative difference of a sampling interval from a nominal one: a clock that is that wrong is still meant
 
 
 def averaged(recording: Recording, time: float) -> Recording:

@@ -22,17 +22,10 @@ from allanite.phrases.phrase import say
 
 from .sandbox.source import NamedPath
 
-PIECE = 1 << 16
-"""Bytes that are taken at a time."""
-
-WAIT = 0.2
-"""Seconds to wait for data at a time."""
-
-PIECES_AHEAD = 16
-"""Pieces of a file that are read before they are needed."""
-
-DATAGRAM_ROOM = 1 << 22
-"""Bytes of datagrams that the system is asked to hold."""
+PIECE = 1 << 16  # bytes that are taken at a time
+WAIT = 0.2  # seconds to wait for data at a time
+PIECES_AHEAD = 16  # pieces of a file that are read before they are needed
+DATAGRAM_ROOM = 1 << 22  # bytes of datagrams that the system is asked to hold
 
 
 @dataclass(frozen=True)
@@ -175,11 +168,8 @@ def _file(target: str) -> Tap:
     return Tap(take, file.close, live=False)
 
 
-LONGEST_ROW = 1 << 16
-"""Bytes of a line, beyond which it is not one of text."""
-
-TAIL = 1 << 16
-"""Rows at the end that can be read apart from the others."""
+LONGEST_ROW = 1 << 16  # bytes of a line, beyond which it is not one of text
+TAIL = 1 << 16  # rows at the end that can be read apart from the others
 
 
 class Spool:

@@ -26,8 +26,7 @@ from .options import Options, channel_names
 NEED = 9
 """Memory that an analysis takes, over that of the samples as float64: measured with 3.2e7 samples of one channel."""
 
-MEMORY_SHARE = 0.5
-"""Share of the available memory that a record may take, unless it is given."""
+MEMORY_SHARE = 0.5  # share of the available memory that a record may take, unless it is given
 
 UNKNOWN = 1 << 60
 """Bytes that are free on a system that does not tell: reading may fail, as it would without the question."""
@@ -119,11 +118,8 @@ def needed(numbers: int) -> int:
     return NEED * 8 * numbers
 
 
-AT_ONCE = 1 << 20
-"""Samples of all columns that are read at a time, at least a sixteenth of them in each."""
-
-CHARACTERS = 10
-"""Bytes of a file for each sample, where only its size is known."""
+AT_ONCE = 1 << 20  # samples of all columns that are read at a time, at least a sixteenth of them in each
+CHARACTERS = 10  # bytes of a file for each sample, where only its size is known
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,8 +29,7 @@ _ASCII: dict[str, str | int | None] = {
     "°": "deg", "√": "sqrt", "±": "+-", "≤": "<=", "≥": ">=", "≈": "~", "−": "-", "–": "-", "×": "x", "…": "..",
     "τ": "tau", "↓": "falling",
 }  # fmt: skip
-WRITTEN = "µ²³·⁵" + "".join(_ASCII)
-"""Signs of results: an encoding that lacks one of them has ASCII instead."""
+WRITTEN = "µ²³·⁵" + "".join(_ASCII)  # signs of results: an encoding that lacks one of them has ASCII instead
 
 
 _ENDLESS = re.compile(r"\S{401,}")

@@ -16,8 +16,7 @@ from .sheet import Code, Column, Face, Note, Part, Table
 _OPTION = re.compile(r"(?:\(|: )(--[a-z][^);]*)")
 
 
-MAX_NAMES_LENGTH = 32
-"""Characters that the names of channels may take in a remark."""
+MAX_NAMES_LENGTH = 32  # characters that the names of channels may take in a remark
 
 DETAILS, FIGURES = ("--details", say("all numbers")), ("--report page.html", say("figures"))
 """What next, after any result."""
@@ -26,8 +25,7 @@ DETAILS, FIGURES = ("--details", say("all numbers")), ("--report page.html", say
 ABOVE = Note(say("no result: see above"), "alert")
 """Stands in the sheet of a channel whose refusal stands with those of the others."""
 
-PLUS_MINUS = r"±|\+-"
-"""What finds this sign in a line of text."""
+PLUS_MINUS = r"±|\+-"  # what finds this sign in a line of text
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,8 @@ from pathlib import Path
 
 from .language import ENGLISH
 
-OWN = "DejaVu Sans"
-"""The font that comes with matplotlib; it has Latin, Greek and Cyrillic letters."""
-
-ON_PAGE = "'DejaVu Sans',Verdana,sans-serif"
-"""The fonts of a page; Verdana has the same widths."""
+OWN = "DejaVu Sans"  # the font that comes with matplotlib; it has Latin, Greek and Cyrillic letters
+ON_PAGE = "'DejaVu Sans',Verdana,sans-serif"  # the fonts of a page; Verdana has the same widths
 
 FURTHER: dict[str, dict[str, str]] = {
     "zh": {

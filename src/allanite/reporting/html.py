@@ -26,8 +26,7 @@ MADE = {
 }  # fmt: skip
 """What keys of the provenance are called; the others are names."""
 
-_NOTEBOOK = count()
-"""Numbers of the figures of a notebook, whose cells are one page."""
+_NOTEBOOK = count()  # numbers of the figures of a notebook, whose cells are one page
 
 
 def render(face: Face) -> str:

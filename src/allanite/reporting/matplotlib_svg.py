@@ -22,8 +22,7 @@ def variable(color: str) -> str:
     return f"--{color.lower().lstrip('#')}"
 
 
-PHONE_INCHES = 4.6
-"""Inches of a figure on a phone, whose letters are then as large as those of the text."""
+PHONE_INCHES = 4.6  # inches of a figure on a phone, whose letters are then as large as those of the text
 
 
 def within(shown: Picture, prefix: str, label: str) -> Markup:
@@ -77,8 +76,7 @@ def trimmed(text: str, wide: float) -> Picture:
 
 
 _STYLE_ATTRIBUTE = r'style="([^"]*)"'
-_SCROLLED = ' tabindex="0"'
-"""A figure without a narrow form is scrolled on a narrow screen, by keys too."""
+_SCROLLED = ' tabindex="0"'  # a figure without a narrow form is scrolled on a narrow screen, by keys too
 
 
 def drawer() -> Callable[[Drawing], Markup]:

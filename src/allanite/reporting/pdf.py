@@ -18,14 +18,9 @@ if TYPE_CHECKING:
     from matplotlib.backends.backend_pdf import PdfPages
     from matplotlib.figure import Figure
 
-PAPER = (8.27, 11.69)
-"""A4, in inches."""
-
-PAGE_COLUMNS, PAGE_LINES = 128, 94
-"""Characters of a line and lines of a page."""
-
-_MARGIN, _SIZE = 0.62, 6.5
-"""Room at both sides in inches, and size of the letters in points."""
+PAPER = (8.27, 11.69)  # a4, in inches
+PAGE_COLUMNS, PAGE_LINES = 128, 94  # characters of a line and lines of a page
+_MARGIN, _SIZE = 0.62, 6.5  # room at both sides in inches, and size of the letters in points
 
 _TOP, _BOTTOM = 10.93, 0.55
 _LINE = (_TOP - _BOTTOM) / PAGE_LINES

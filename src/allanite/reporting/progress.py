@@ -7,8 +7,7 @@ from contextlib import contextmanager
 
 from allanite.reporting.digits import printable
 
-DELAY_S = 1.0
-"""Seconds before the bar appears: what is over by then needs none."""
+DELAY_S = 1.0  # seconds before the bar appears: what is over by then needs none
 
 
 @contextmanager

@@ -18,20 +18,14 @@ from .language import tr
 from .sheet import Column, Table
 from .text import wrapped
 
-LINES, COLUMNS = 20, 100
-"""The size of a first screen."""
-
-MIN_REMARK_LINES = 2
-"""Lines of remarks for which rows of limits give way."""
-
-MAX_GRAVE_LINES = 6
-"""Lines of grave remarks for which any row of the answer gives way."""
+LINES, COLUMNS = 20, 100  # the size of a first screen
+MIN_REMARK_LINES = 2  # lines of remarks for which rows of limits give way
+MAX_GRAVE_LINES = 6  # lines of grave remarks for which any row of the answer gives way
 
 _END = re.compile(r"[;；。]|(?<=[^.\s]{3})\.(?=\s+[A-ZА-Я](?![:,]| \())| (?=\([^()]*\)(?:$|[:;；。]|\.\s))")
 """Where a clause ends, or an aside begins that ends it."""
 
-MIN_TITLE_COLUMNS = 12
-"""Columns to which titles may be cut before they are left out."""
+MIN_TITLE_COLUMNS = 12  # columns to which titles may be cut before they are left out
 
 
 def render(first: First, *, width: int = COLUMNS, color: bool = False, ascii: bool = False) -> str:  # noqa: A002 - as in repr

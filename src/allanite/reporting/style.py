@@ -33,8 +33,7 @@ from .sketch.marks import line_of
 SERIES = ("#2E5C94", "#C1272D", "#008F6B", "#B97700", "#AA4499", "#444B54")
 """Colors of curves in one panel, in this order; their order of brightness differs too."""
 
-MARKERS = "osD^vP"
-"""One a color."""
+MARKERS = "osD^vP"  # one a color
 
 OTHER, SOFT = "#6B6B6B", "#5B6570"
 INK, DATA, GRID, FAIR, ALARM = "#1A1A1A", "#3C444D", "#D9DDE2", "#8A5A00", "#B00020"

@@ -26,11 +26,8 @@ NOTES = {
     "alert": "bold red", "warning": "bold red", "remark": "", "good": "green", "fair": "yellow", "note": "",
     "strong": "bold", "quiet": "dim",
 }  # fmt: skip
-LABEL_COLUMNS = 10
-"""Columns of the header's labels."""
-
-_COLUMNS = 10_000
-"""Columns of the console that tables are laid out in: a number is never torn in two."""
+LABEL_COLUMNS = 10  # columns of the header's labels
+_COLUMNS = 10_000  # columns of the console that tables are laid out in: a number is never torn in two
 
 _IN_ASCII = ContextVar("_IN_ASCII", default=False)
 

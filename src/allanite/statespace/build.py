@@ -15,14 +15,9 @@ from allanite.terms.markov import gauss_markov
 from allanite.terms.powers import integrators
 from allanite.terms.row import Block
 
-PER_DECADE = 40
-"""Averaging times at which the sum is compared with flicker."""
-
-MOST = 40
-"""Processes beyond which no ripple is requested."""
-
-TOP = 1.892
-"""A process has the top of its Allan deviation at this multiple of its time constant."""
+PER_DECADE = 40  # averaging times at which the sum is compared with flicker
+MOST = 40  # processes beyond which no ripple is requested
+TOP = 1.892  # a process has the top of its Allan deviation at this multiple of its time constant
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,8 +21,7 @@ from .build import MEASUREMENTS, MarkovSum, Matrices, blocks_of, continuous, equ
 NEGLIGIBLE = 0.01
 """Relative deviation of the Allan variance below which the mean over an interval is replaced by the rate at its end."""
 
-PER_OCTAVE = 4
-"""Averaging times at which a state space is compared with the model."""
+PER_OCTAVE = 4  # averaging times at which a state space is compared with the model
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -17,8 +17,7 @@ from allanite.statistics.table import STATISTICS
 
 from .sums import TAIL, Sums
 
-WAITING = 320
-"""Samples that wait until there are more: what comes in short chunks is added together."""
+WAITING = 320  # samples that wait until there are more: what comes in short chunks is added together
 
 
 def streamable() -> tuple[str, ...]:

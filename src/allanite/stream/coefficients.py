@@ -101,8 +101,7 @@ def law_of(
     return DerivedLaw(tuple(parts))
 
 
-FULL = 0.5
-"""Share of its samples that a cell must have."""
+FULL = 0.5  # share of its samples that a cell must have
 
 
 def search_in(

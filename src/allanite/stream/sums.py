@@ -23,8 +23,7 @@ from allanite.statistics.row import Statistic
 if TYPE_CHECKING:
     from allanite.kernels.ladder import State
 
-MOST = 512
-"""Number of cells, an even one."""
+MOST = 512  # number of cells, an even one
 
 
 @dataclass
@@ -114,8 +113,7 @@ def _cosines(hop: int) -> FloatArray:
 TAIL = {2: 32, 3: 48}
 """Cells that are kept of each end of a level, by the order of the differences: 15 of them, and a segment."""
 
-BLOCK = 1 << 16
-"""Samples that are taken at a time, while the cache has them."""
+BLOCK = 1 << 16  # samples that are taken at a time, while the cache has them
 
 
 class Sums:

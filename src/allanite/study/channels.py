@@ -35,8 +35,7 @@ Source = Recording | Samples | FrameLike | str | os.PathLike[str]
 Progress = Callable[[str, float], None]
 Begin = Callable[[Inspected], Started]
 
-SEARCHING = 0.7
-"""Share of a job in which identifications are begun."""
+SEARCHING = 0.7  # share of a job in which identifications are begun
 
 Result = TypeVar("Result")
 

@@ -19,8 +19,7 @@ from allanite.statistics import STATISTICS
 from allanite.statistics.confidence.supposed import SupposedNoise, Supposing, supposed
 from allanite.statistics.moments.moments import by_term
 
-SEEN = 0.05
-"""Relative error of a deviation above which a note is given."""
+SEEN = 0.05  # relative error of a deviation above which a note is given
 
 
 def joints(curves: Iterable[Curve], noise: ModelLike) -> tuple[str, ...]:
@@ -55,8 +54,7 @@ def joints(curves: Iterable[Curve], noise: ModelLike) -> tuple[str, ...]:
     return tuple(notes)
 
 
-REPEATED = 0.5
-"""Share of samples equal to the previous one above which a record is piecewise constant."""
+REPEATED = 0.5  # share of samples equal to the previous one above which a record is piecewise constant
 
 
 @public

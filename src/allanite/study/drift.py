@@ -10,8 +10,7 @@ from allanite.prepare.drift import follows
 
 from .recipe import READING, SELECTING, Recipe
 
-OPTIONS = {"start": "from"}
-"""Options whose names differ from the recipe's keys."""
+OPTIONS = {"start": "from"}  # options whose names differ from the recipe's keys
 
 
 def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -> tuple[Finding, ...]:

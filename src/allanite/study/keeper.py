@@ -29,12 +29,10 @@ from .recipe import Recipe
 
 Taus = str | tuple[float, ...]
 
-WHOLE = "a record that is read in parts has"
-"""How messages about what needs the whole record begin."""
+WHOLE = "a record that is read in parts has"  # how messages about what needs the whole record begin
 
 
-NEAR = 1e-3
-"""Relative difference of averaging times that are the same; the sampling rate is known only at the end."""
+NEAR = 1e-3  # relative difference of averaging times that are the same; the sampling rate is known only at the end
 
 STRIDES = say("the variances are exact: up to 15 samples from all windows, at m = q 2^k, q = 8 .. 15, from those that "
               "start every 2^k samples, which costs at most 1 % of the accuracy")  # fmt: skip

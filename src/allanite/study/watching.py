@@ -23,17 +23,10 @@ from .recipe import READING, Recipe
 from .results import Study
 from .settings import WatchChoices
 
-AGAIN = 0.5
-"""Seconds between attempts to open a port that is gone."""
-
-RECENT = 64.0
-"""Seconds at the end that are looked at every second."""
-
-SHARE = 10.0
-"""The time without a report, or a look, is at least so many times that of the last one."""
-
-ENOUGH = 64
-"""Rows below which nothing is looked at."""
+AGAIN = 0.5  # seconds between attempts to open a port that is gone
+RECENT = 64.0  # seconds at the end that are looked at every second
+SHARE = 10.0  # the time without a report, or a look, is at least so many times that of the last one
+ENOUGH = 64  # rows below which nothing is looked at
 
 AT_ONCE = ("moving", "outliers", "stuck", "clipped", "missing samples")
 """Findings that are said as soon as they are made in the last minute."""

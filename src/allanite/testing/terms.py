@@ -295,8 +295,7 @@ CHECKS: tuple[Callable[[NoiseTerm], None], ...] = (*COLUMNS, *FORMS)
 RATES = (0.013, 0.047, 0.31, 2.1, 5.0)
 """Sampling rates, at which the times of a term are fractions of a sample to many samples."""
 
-MODERATE = 0.31
-"""One at which a term is neither white nor a walk."""
+MODERATE = 0.31  # one at which a term is neither white nor a walk
 
 
 @public

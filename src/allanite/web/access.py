@@ -16,8 +16,7 @@ Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 Application = Callable[[Scope, Receive, Send], Awaitable[None]]
 
-SAFE = ("GET", "HEAD")
-"""Methods that change nothing; every other request must say that it comes from this page."""
+SAFE = ("GET", "HEAD")  # methods that change nothing; every other request must say that it comes from this page
 
 EMPTY_STYLE = "'sha256-47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU='"
 """Hash of the empty style sheet that the charts make and then fill by rules."""
@@ -32,8 +31,7 @@ HEADERS = {
 """Headers of every answer."""
 
 
-ENTRY = "/api/enter"
-"""Where the token of a link is exchanged for the secret."""
+ENTRY = "/api/enter"  # where the token of a link is exchanged for the secret
 
 MAX_LINKS, MAX_LINK_AGE_S = 16, 3600.0
 """Links that can be open at once, the newest ones, and seconds until one is too old."""

@@ -31,8 +31,7 @@ from allanite.terms import TERMS
 
 from .requests import accepted
 
-MODEL_POINTS = 200
-"""Points of the curves of a model."""
+MODEL_POINTS = 200  # points of the curves of a model
 
 
 def described(value: Any, lang: str) -> dict[str, Any]:

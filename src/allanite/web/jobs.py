@@ -17,21 +17,15 @@ from .schema import JobBody
 from .store import MissingError, State, Store, known
 from .workers import ProblemError, Worker, Workers
 
-READY_PERIOD_S = 0.3
-"""Seconds between looks whether what is compiled after an installation is ready."""
-
-WARM = "warm"
-"""The lane of the worker that compiles what is not compiled yet."""
+READY_PERIOD_S = 0.3  # seconds between looks whether what is compiled after an installation is ready
+WARM = "warm"  # the lane of the worker that compiles what is not compiled yet
 
 UNFINISHED = ("waiting", "running")
 
 CANCELLED = {"error": "cancelled", "option": None, "exit": 130}
 
-LATEST = ("progress", "live")
-"""Reports of which only the last one matters."""
-
-MAX_EVENTS, MAX_LIVES = 200, 50
-"""Reports of a job, and jobs that are over, that are remembered."""
+LATEST = ("progress", "live")  # reports of which only the last one matters
+MAX_EVENTS, MAX_LIVES = 200, 50  # reports of a job, and jobs that are over, that are remembered
 
 
 class Live:

@@ -23,8 +23,7 @@ HEAD_TIMEOUT_S = 10.0
 MAX_CONNECTIONS = 200
 """Connections beyond which the oldest that asks for nothing is closed; Linux gives a process 1024 files."""
 
-MAX_ACCEPTED = 64
-"""Connections that are taken at once, before those that are too many are closed."""
+MAX_ACCEPTED = 64  # connections that are taken at once, before those that are too many are closed
 
 
 class PromptProtocol(H11Protocol):
@@ -74,8 +73,7 @@ class PromptProtocol(H11Protocol):
             self.late = None
 
 
-MAX_BODY_BYTES = 1_000_000
-"""Bytes of a request that is no upload."""
+MAX_BODY_BYTES = 1_000_000  # bytes of a request that is no upload
 
 
 async def body_of(request: Request, schema: Any) -> Any:

@@ -17,8 +17,7 @@ from allanite.core.names import demand_name
 from allanite.reporting.language import ENGLISH
 from allanite.study.recipe import Recipe
 
-PROBLEM = "problem"
-"""Kind of the message that a request was refused."""
+PROBLEM = "problem"  # kind of the message that a request was refused
 
 
 def accepted(verb: str) -> dict[str, ChoiceRow]:

@@ -142,11 +142,8 @@ def drop_file(request: Request, name: str, file: str) -> dict[str, Any]:
     return {}
 
 
-EVENTS_PERIOD_S = 0.05
-"""Seconds between looks for new events."""
-
-HEARTBEAT_PERIOD_S = 10.0
-"""Seconds after which a stream of events without any says that it is there."""
+EVENTS_PERIOD_S = 0.05  # seconds between looks for new events
+HEARTBEAT_PERIOD_S = 10.0  # seconds after which a stream of events without any says that it is there
 
 
 async def begin(request: Request, name: str) -> dict[str, Any]:

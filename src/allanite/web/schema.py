@@ -14,11 +14,8 @@ from allanite.core.files import reason
 from allanite.core.names import demand_name
 from allanite.reporting.language import LANGUAGES
 
-MAX_DEPTH = 50
-"""How deep a request is nested at most."""
-
-MAX_KEPT_DEPTH = 60
-"""How deep a file is that is kept at most: a few levels more than the requests in it."""
+MAX_DEPTH = 50  # how deep a request is nested at most
+MAX_KEPT_DEPTH = 60  # how deep a file is that is kept at most: a few levels more than the requests in it
 
 
 def _spoken(lang: str) -> str:

@@ -79,14 +79,12 @@ ROUTES: dict[str, tuple[str, Any]] = {
 """Method and path of each route: its function."""
 
 
-HOST = "127.0.0.1"
-"""The address: nobody on another machine can reach it."""
+HOST = "127.0.0.1"  # the address: nobody on another machine can reach it
 
 LOCK, ADDRESS = ".lock", "address"
 """Files of the folder: one that the only server of it has locked, and port and secret of that, for its user alone."""
 
-ANSWER_TIMEOUT_S = 5.0
-"""Seconds in which the server that runs already answers."""
+ANSWER_TIMEOUT_S = 5.0  # seconds in which the server that runs already answers
 
 
 def serve(paths: Sequence[str], *, port: int, browser: bool, lang: str, limit: int, quota: int) -> None:

@@ -20,17 +20,13 @@ from allanite.reporting.digits import printed_unit
 
 from . import schema
 
-FACTOR = 16
-"""Samples of a stretch, and stretches of the next longer one."""
-
-MIN_STRETCHES = 1024
-"""Stretches of the coarsest level at least."""
+FACTOR = 16  # samples of a stretch, and stretches of the next longer one
+MIN_STRETCHES = 1024  # stretches of the coarsest level at least
 
 MAX_SAMPLE_BYTES = 4 * (1 + 2 / (FACTOR - 1))
 """Bytes of a sample in the trace at most: a number of 32 bits, and two of them for each stretch of each level."""
 
-MAX_LISTED = 2000
-"""Gaps and outliers that are listed."""
+MAX_LISTED = 2000  # gaps and outliers that are listed
 
 MAX_POINTS = 20_000
 

@@ -29,19 +29,15 @@ from . import faces, trace
 from .requests import PROBLEM, Request, problem_of
 from .store import overfull
 
-MAX_RECORDINGS = 2
-"""Recordings that stay in memory."""
-
-PROGRESS_PERIOD_S = 0.05
-"""Seconds between reports of progress."""
+MAX_RECORDINGS = 2  # recordings that stay in memory
+PROGRESS_PERIOD_S = 0.05  # seconds between reports of progress
 
 ASSUMED: dict[str, dict[str, Any]] = {
     "unit": {"unit": "deg/s", "kind": None}, "kind": {"unit": "deg/s", "kind": None}, "rate": {"rate": 1.0},
 }  # fmt: skip
 """With what a file is read, to draw its numbers, whose unit, kind or rate is not known."""
 
-CURVES_PERIOD_S = 1.0
-"""Seconds between the curves of a stream."""
+CURVES_PERIOD_S = 1.0  # seconds between the curves of a stream
 
 Answer = dict[str, Any]
 

@@ -13,8 +13,7 @@ from allanite.phrases.phrase import spelled
 
 from .requests import PROBLEM
 
-MAX_PROCESSES = 4
-"""Processes at once, unless more are busy."""
+MAX_PROCESSES = 4  # processes at once, unless more are busy
 
 Result = TypeVar("Result")
 

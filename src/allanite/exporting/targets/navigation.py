@@ -48,8 +48,7 @@ NAVEGO = Target(
     comments=MATLAB_SYNTAX.pattern,
 )
 
-GRAVITY = 9.80665 / 9.7803267714
-"""PSINS has 9.7803267714 m/s^2 for 1 g."""
+GRAVITY = 9.80665 / 9.7803267714  # PSINS has 9.7803267714 m/s^2 for 1 g
 
 PSINS = Target(
     name="psins",

@@ -79,8 +79,7 @@ DATASHEET = Target(
 
 MATRICES = ("Phi", "Qd", "H", "R", "P0")
 
-LONGEST = 48
-"""Letters of a name: MATLAB reads 63, and of two names that begin alike a number is behind."""
+LONGEST = 48  # letters of a name: MATLAB reads 63, and of two names that begin alike a number is behind
 
 
 def spaces(content: Content) -> Iterator[tuple[str, dict[str, FloatArray], list[str]]]:

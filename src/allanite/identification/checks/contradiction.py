@@ -30,8 +30,7 @@ term was struck out.
 STRAIGHT = 0.1
 """Largest difference of the slope from -1/2 over two octaves: other noise is then a fifth of the variance at most."""
 
-ROUNDED = 3.0
-"""Quantization noise over that of the step of the samples, at most."""
+ROUNDED = 3.0  # quantization noise over that of the step of the samples, at most
 
 
 @dataclass(frozen=True)

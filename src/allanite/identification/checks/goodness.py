@@ -19,8 +19,7 @@ from allanite.prepare.view import stretches
 UNSTEADY, HEAVY_TAILS, KIN = 1.2, 0.1, 0.02
 """Ratio of levels, excess kurtosis and correlation above which a failed check matters."""
 
-DIFFERENT = 1.5
-"""Ratio of noise levels above which one set of coefficients describes no part of the record."""
+DIFFERENT = 1.5  # ratio of noise levels above which one set of coefficients describes no part of the record
 
 
 def reasons(
@@ -88,8 +87,7 @@ def _fast(near: Check, tails: Check, record: Record, fit: Fit, *, kept: bool) ->
         )
 
 
-FALSE_PEAK = 0.01
-"""Probability that a record of noise alone shows a line."""
+FALSE_PEAK = 0.01  # probability that a record of noise alone shows a line
 
 LEAST_RATIO = 1e-12
 """Power over the model's that a sentence states at least: of a model far from the record it may come out negative."""

@@ -27,8 +27,7 @@ FINEST_BLOCK, MAX_BLOCKS = 8, 1 << 17
 SHORTEST_WINDOW, LONGEST_WINDOW, WINDOW_GROWTH = 4, 1 / 16, math.sqrt(2)
 """Windows: blocks in the shortest, share of the record of the longest, ratio of successive lengths."""
 
-FEWEST_BLOCKS = 512
-"""Number of blocks needed to detect tails."""
+FEWEST_BLOCKS = 512  # number of blocks needed to detect tails
 
 TAILED_DEVIATE = 2.9
 """Normal deviate of the excess kurtosis for detection: the maximum over windows exceeds it in 1 of 500 records."""
@@ -36,21 +35,13 @@ TAILED_DEVIATE = 2.9
 CHANCE_OF_JUMP = 0.012
 """The same for the expected number of larger scores; windows overlap, so that it is not a probability."""
 
-QUIET = 0.25
-"""Share of the record that a stretch without jumps must have to be suggested as a window."""
-
-DENSE = 16
-"""Windows that begin within the length of one."""
-
-MEDIAN = 0.4549
-"""Median of the square of a normal deviate."""
-
-JUMP_DEVIATE = 3.5
-"""Standard deviations from which a score is counted as a jump."""
+QUIET = 0.25  # share of the record that a stretch without jumps must have to be suggested as a window
+DENSE = 16  # Windows that begin within the length of one
+MEDIAN = 0.4549  # median of the square of a normal deviate
+JUMP_DEVIATE = 3.5  # standard deviations from which a score is counted as a jump
 
 
-HARMLESS_SHARE = 0.05
-"""Share of the variance of the scores below which jumps do not affect the coefficients."""
+HARMLESS_SHARE = 0.05  # share of the variance of the scores below which jumps do not affect the coefficients
 
 
 @dataclass(frozen=True, eq=False)

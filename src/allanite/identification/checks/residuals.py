@@ -19,14 +19,9 @@ from .goodness import reasons
 from .popcorn import jumps, popcorn
 from .whitening import memory, whitened
 
-LAGS = 20
-"""Largest lag, in samples, of the autocorrelation."""
-
-PARTS = 8
-"""Number of parts of the record whose levels are compared."""
-
-CHUNK = 1 << 15
-"""Residuals that are summed at a time, in double precision."""
+LAGS = 20  # largest lag, in samples, of the autocorrelation
+PARTS = 8  # number of parts of the record whose levels are compared
+CHUNK = 1 << 15  # residuals that are summed at a time, in double precision
 
 SHOWN, QUANTILES = 400, 100_000
 """Number of stretches whose extremes are kept for figures, and of residuals used for quantiles."""

@@ -18,11 +18,8 @@ from allanite.prepare.outliers import demand_choice, treated
 
 from .whitening import whitened
 
-STRETCHES = 64
-"""Parts of the record over which slow residuals are averaged."""
-
-SIGMAS, MATTERS = 5.0, 0.05
-"""Standard errors, and size, above which a correlation is reported."""
+STRETCHES = 64  # parts of the record over which slow residuals are averaged
+SIGMAS, MATTERS = 5.0, 0.05  # standard errors, and size, above which a correlation is reported
 
 
 @public

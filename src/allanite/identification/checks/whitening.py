@@ -15,8 +15,7 @@ from allanite.core.validity import Scope
 from allanite.identification.likelihood.spectrum import SHORT_TRANSFORM
 from allanite.prepare.gaps import Gaps, joined, whole
 
-BLOCK = 64
-"""Number of coefficients normalized together where the fit does not read."""
+BLOCK = 64  # number of coefficients normalized together where the fit does not read
 
 SINGLE_NODES, NODES_PER_OCTAVE = 64, 32
 """Number of coefficients whose variance is computed individually, and number per octave beyond, where it is smooth."""

@@ -30,11 +30,8 @@ There Theo1 has about as many degrees of freedom as the Allan variance at a quar
 the limits hold the truth less often, and what is gained are coefficients that remain unknown (docs/methods.md).
 """
 
-INTEGRATED_TERMS = 3
-"""Terms of the longest memory that are integrated over to obtain the limits of each other."""
-
-CLAIM = 4.0
-"""Likelihood ratio of a term against its absence above which it is claimed."""
+INTEGRATED_TERMS = 3  # terms of the longest memory that are integrated over to obtain the limits of each other
+CLAIM = 4.0  # likelihood ratio of a term against its absence above which it is claimed
 
 
 @lru_cache(maxsize=64)

@@ -24,14 +24,9 @@ from allanite.core.arrays import FloatArray
 from allanite.core.limits import quantile
 from allanite.core.plain import Portable
 
-IMPOSSIBLE = 1e12
-"""Misfit of squares under which the points have no covariance."""
-
-DOUBLINGS = 60
-"""Doublings of a coefficient after which it has no limit."""
-
-PRECISE = 1e-3
-"""Relative precision of a limit, over its distance from the best value."""
+IMPOSSIBLE = 1e12  # misfit of squares under which the points have no covariance
+DOUBLINGS = 60  # doublings of a coefficient after which it has no limit
+PRECISE = 1e-3  # relative precision of a limit, over its distance from the best value
 
 NODES, ENDS = 15, 4.5
 """Values of each slow coefficient at which the likelihood is integrated, and the deviates of the profile at their ends.
@@ -40,8 +35,7 @@ NODES, ENDS = 15, 4.5
 PROFILE_STEPS, LEAST_COST_GAIN = 4, 0.1
 """Steps to profiled terms, at most, and what another must gain in -2 log likelihood."""
 
-FINE_VALUES = 1001
-"""Values of a coefficient between which its likelihood ratio is interpolated."""
+FINE_VALUES = 1001  # values of a coefficient between which its likelihood ratio is interpolated
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,11 +23,8 @@ from .reading import blind, columns, early, plain, reported, result, rows_of, si
 
 PAIR = ("oadev", "ohdev")
 
-WALK_RATIO = 0.5
-"""Hadamard over Allan variance of a rate random walk; only a ramp gives less."""
-
-MAX_REWEIGHTINGS = 8
-"""Iterations of the fit and the covariance under it; three to five suffice."""
+WALK_RATIO = 0.5  # hadamard over Allan variance of a rate random walk; only a ramp gives less
+MAX_REWEIGHTINGS = 8  # iterations of the fit and the covariance under it; three to five suffice
 
 
 def solve(X: FloatArray, variance: FloatArray, covariance: FloatArray) -> FloatArray:

@@ -18,8 +18,7 @@ from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
 
-VISIBLE = 1e-9
-"""Expectation over that of the textbook's line above which a statistic shows a term: less is rounding."""
+VISIBLE = 1e-9  # expectation over that of the textbook's line above which a statistic shows a term: less is rounding
 
 
 def signal_of(curve: Curve, points: int) -> Signal:

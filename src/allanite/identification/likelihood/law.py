@@ -161,26 +161,13 @@ def _covariance(likelihood: Likelihood, theta: FloatArray, free: BoolArray) -> F
     return np.asarray(np.linalg.pinv(information / size, hermitian=True) / size)
 
 
-AKAIKE = 2.0
-"""Penalty of a term in 2 L."""
-
-HEAVY_SHARE = 0.98
-"""Share of all weight that the subsets have which are looked at: the heaviest."""
-
-PROFILE_END = 16.0
-"""Excess of 2 L at which a profile ends."""
-
-STEP_GROWTH = 1.2
-"""Ratio of successive steps along a profile; the first is half a standard error."""
-
-MAX_STEPS = 200
-"""Along a profile to either side, at most."""
-
-LAW_POINTS = 1001
-"""Number of values of the coefficient at which a law is tabulated."""
-
-BEYOND_PROFILE = 9.0
-"""Standard deviations: beyond the end of a profile."""
+AKAIKE = 2.0  # penalty of a term in 2 L
+HEAVY_SHARE = 0.98  # share of all weight that the subsets have which are looked at: the heaviest
+PROFILE_END = 16.0  # excess of 2 L at which a profile ends
+STEP_GROWTH = 1.2  # ratio of successive steps along a profile; the first is half a standard error
+MAX_STEPS = 200  # along a profile to either side, at most
+LAW_POINTS = 1001  # number of values of the coefficient at which a law is tabulated
+BEYOND_PROFILE = 9.0  # standard deviations: beyond the end of a profile
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,23 +11,18 @@ from allanite.core.arrays import BoolArray, FloatArray, IntArray
 
 from .spectrum import BinnedSpectrum, surroundings
 
-FALSE_LINE = 0.01
-"""Probability that a record of noise alone shows a line."""
+FALSE_LINE = 0.01  # probability that a record of noise alone shows a line
 
 SCREEN = 0.1
 """The same for the look at the cosine transform, which only decides whether the periodogram is worth its time."""
 
-LOWEST_LINE = 4
-"""Periods in the record that a sinusoid must have to be distinguished from a slow noise."""
+LOWEST_LINE = 4  # periods in the record that a sinusoid must have to be distinguished from a slow noise
 
 MAX_LINES = 12
 """Number of peaks above which they are a hump of the spectrum rather than sinusoids; none is then removed."""
 
-LINE_ROUNDS = 4
-"""Periodograms: the sides of a strong line hide weak ones."""
-
-BLOCKS = 2048
-"""Pieces of the record in which a sinusoid near the peak of a line hardly turns."""
+LINE_ROUNDS = 4  # periodograms: the sides of a strong line hide weak ones
+BLOCKS = 2048  # pieces of the record in which a sinusoid near the peak of a line hardly turns
 
 COMPANY, NEIGHBOURS = 50.0, 2
 """A sinusoid has no more others within so many periods of the record than one: what has, is a resonance or an unsteady

@@ -93,17 +93,10 @@ WEIGHT = 0.1
 """Power that the joints add to the low coefficients of the joined record, over that of white noise, from which the
 pieces are read by themselves."""
 
-SPLIT = 0.5
-"""Frequency between the parts, over that at which white rate and angle noise are alike."""
-
-HIGHEST_SPLIT = 0.5
-"""The same, over half the sampling rate, at most."""
-
-CLEAR = 0.5
-"""Share of a coefficient that the rate of its piece must leave, for it to be called a peak."""
-
-LENGTHS = 24
-"""Lengths of pieces, at most, for which expectations of slow noise are computed."""
+SPLIT = 0.5  # frequency between the parts, over that at which white rate and angle noise are alike
+HIGHEST_SPLIT = 0.5  # the same, over half the sampling rate, at most
+CLEAR = 0.5  # share of a coefficient that the rate of its piece must leave, for it to be called a peak
+LENGTHS = 24  # lengths of pieces, at most, for which expectations of slow noise are computed
 
 RESPONSE_GRID = 24
 """Frequencies, evenly in the logarithm and again evenly, at which the lower part's response is computed."""

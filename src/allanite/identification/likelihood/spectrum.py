@@ -27,11 +27,8 @@ from allanite.terms import NoiseTerm, ramp_coefficients
 
 from .pieces import apart, pieces
 
-SINGLE = 64
-"""Coefficients below and at this index stand in bins of their own."""
-
-PER_OCTAVE = 16
-"""Bins per octave above."""
+SINGLE = 64  # coefficients below and at this index stand in bins of their own
+PER_OCTAVE = 16  # bins per octave above
 
 
 def edges_of(n: int) -> IntArray:
@@ -45,17 +42,10 @@ def edges_of(n: int) -> IntArray:
     return np.concatenate((single, inner[(inner > SINGLE + 1) & (inner < n)], [n]))
 
 
-LONG_RECORD = 1 << 20
-"""Points from which the cache does not hold a transform."""
-
-SHORT_TRANSFORM = 1 << 16
-"""Points up to which a transform of any size is fast enough."""
-
-PRIME = 256
-"""Largest prime factor of the size of a transform that is not cut, unless it is short."""
-
-UNEVEN = 16
-"""Longest row over the shortest column, or the other way round, for which cutting pays."""
+LONG_RECORD = 1 << 20  # points from which the cache does not hold a transform
+SHORT_TRANSFORM = 1 << 16  # points up to which a transform of any size is fast enough
+PRIME = 256  # largest prime factor of the size of a transform that is not cut, unless it is short
+UNEVEN = 16  # longest row over the shortest column, or the other way round, for which cutting pays
 
 
 def cosine_transform(y: FloatArray, slope: float = 0.0) -> FloatArray:
@@ -105,17 +95,10 @@ def _rows(n: int) -> int:
     return next((P for P in range(math.isqrt(half), least, -1) if half % P == 0), 0)
 
 
-WARM_UP_BLOCKS = 4096
-"""Blocks of samples in which a warm-up with gaps is taken."""
-
-DRIFT_COEFFICIENTS = 8
-"""Coefficients that tell of the drift, which is the same in all pieces, and of a ramp."""
-
-FEWEST_BINS = 24
-"""Bins that a fit needs."""
-
-LONG_GAP, MAX_LONG_GAPS = 0.05, 8
-"""Share of the samples that a long gap lost at least; number of long gaps, at most."""
+WARM_UP_BLOCKS = 4096  # blocks of samples in which a warm-up with gaps is taken
+DRIFT_COEFFICIENTS = 8  # coefficients that tell of the drift, which is the same in all pieces, and of a ramp
+FEWEST_BINS = 24  # bins that a fit needs
+LONG_GAP, MAX_LONG_GAPS = 0.05, 8  # share of the samples that a long gap lost at least; number of long gaps, at most
 
 ROUNDING_SHARE = (4 * float(np.finfo(np.float64).eps)) ** 2
 """Share of the mean power that rounding leaves in a bin: one of a periodic record without noise may else have none."""
@@ -328,11 +311,8 @@ def less_slope(y: FloatArray, places: IntArray) -> float:
     return slope
 
 
-CELLS = 24
-"""Cells of equal width in the logarithm of frequency, in which observed and expected power are compared."""
-
-WELL_KNOWN = 50
-"""Coefficients of a bin, or of a cell, whose power needs no smoothing."""
+CELLS = 24  # cells of equal width in the logarithm of frequency, in which observed and expected power are compared
+WELL_KNOWN = 50  # coefficients of a bin, or of a cell, whose power needs no smoothing
 
 
 def surroundings(values: NDArray[Any]) -> NDArray[Any]:

@@ -21,11 +21,8 @@ from .findings import lost_samples
 from .grid import Places, SampleGrid
 from .stamps import EVEN, MOST_LOST, TICKS
 
-PLAUSIBLE = (0.5, 20e3)
-"""Sampling rates, Hz, considered plausible when the unit of integer time stamps is determined."""
-
-LIKELY = (0.9, 20e3)
-"""The same when it is only suggested."""
+PLAUSIBLE = (0.5, 20e3)  # sampling rates, Hz, considered plausible when the unit of integer time stamps is determined
+LIKELY = (0.9, 20e3)  # the same when it is only suggested
 
 _NAME = re.compile(
     r"packet|counter|(^|[^a-z])(cnt|ctr|count|seq|sequence|samples?|index|idx|frame|row|no|id)([^a-z]|$)"

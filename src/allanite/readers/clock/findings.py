@@ -77,14 +77,9 @@ FAULTS: dict[str, tuple[str, Callable[[str], str], tuple[str, str]]] = {
 }
 """Name, consequence and remedy of each finding about time stamps; the option and the argument that the remedy names."""
 
-UNSTEADY = 0.1
-"""RMS deviation of time stamps from an even grid, in intervals, above which they are called jittered."""
-
-DRIFT = 1e-4
-"""Relative change of rate within a record that is reported; noise coefficients are less sensitive."""
-
-PARTS = 16
-"""Number of parts of a record whose rates are compared."""
+UNSTEADY = 0.1  # RMS deviation of time stamps from an even grid, in intervals, above which they are called jittered
+DRIFT = 1e-4  # relative change of rate within a record that is reported; noise coefficients are less sensitive
+PARTS = 16  # number of parts of a record whose rates are compared
 
 
 class Stamps:

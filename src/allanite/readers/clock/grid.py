@@ -16,11 +16,8 @@ from allanite.phrases.phrase import say
 
 Places = NDArray[np.int64]
 
-RESOLUTIONS = (60.0, 10.0, 1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5, 1e-6)
-"""Time steps, s, in which clocks are read or printed."""
-
-PART = 10_000
-"""Number of time stamps around the middle of the record that decide between estimates of the interval."""
+RESOLUTIONS = (60.0, 10.0, 1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5, 1e-6)  # time steps, s, in which clocks are read or printed
+PART = 10_000  # number of time stamps around the middle of the record that decide between estimates of the interval
 
 STAMPS_AHEAD = (16, 1024, 1024, 1024)
 """Number of time stamps that must stay close to the grid: a wrong interval drifts away within a few."""
@@ -60,8 +57,7 @@ class SampleGrid:
         return whole
 
 
-ONE_AFTER_THE_OTHER = SampleGrid()
-"""The default grid, if nothing else is known."""
+ONE_AFTER_THE_OTHER = SampleGrid()  # the default grid, if nothing else is known
 
 
 def resolution(steps: FloatArray) -> float:

@@ -17,14 +17,9 @@ from .clocks import PLAUSIBLE, ClockSources, addressed, counted_grid, places, re
 from .grid import ONE_AFTER_THE_OTHER, SampleGrid
 from .stamps import Damage, fit, mended, seconds_since
 
-SAME = 1e-3
-"""Relative difference up to which a given rate and that of time stamps are the same."""
-
-REFUSED = 0.01
-"""The same beyond which a rate that the user gives is refused: one of the two is wrong."""
-
-NOMINAL = 0.05
-"""The same for the rate that a file states: sensors are seldom as fast as their data sheet."""
+SAME = 1e-3  # relative difference up to which a given rate and that of time stamps are the same
+REFUSED = 0.01  # the same beyond which a rate that the user gives is refused: one of the two is wrong
+NOMINAL = 0.05  # the same for the rate that a file states: sensors are seldom as fast as their data sheet
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,15 +19,11 @@ FAR = 3.0
 """Distance of a stamp from the middle of its neighbours, in intervals, above which it is damaged: no logger is so late
 with one row and in time with the next."""
 
-RARE = 0.01
-"""Share of rows, at most, that are damaged: a clock with more of them is not one that is otherwise even."""
-
-FEWEST_STAMPS = 10
-"""Rows from which on it is known what the usual interval is."""
+RARE = 0.01  # share of rows, at most, that are damaged: a clock with more of them is not one that is otherwise even
+FEWEST_STAMPS = 10  # rows from which on it is known what the usual interval is
 
 
-UNORDERED = 0.3
-"""Share of steps that are negative, above which a column is no clock."""
+UNORDERED = 0.3  # share of steps that are negative, above which a column is no clock
 
 
 @np.errstate(all="ignore")  # of stamps that no clock counts
@@ -84,17 +80,10 @@ class Damage:
         return (finding("damaged time stamps", what),) if self.count else ()
 
 
-EVEN = 0.5
-"""Deviation from an even grid, in intervals, below which no gaps are looked for."""
-
-BURSTY = 1.5
-"""Ratio of the mean to the median interval, or its inverse, above which time stamps are called bursty."""
-
-PAUSE = 20.0
-"""Steps of a bursty clock, relative to its long ones (one in a hundred), that are gaps rather than bursts."""
-
-TICKS = 0.2
-"""Share of repeated time stamps above which rows are counted between changes."""
+EVEN = 0.5  # deviation from an even grid, in intervals, below which no gaps are looked for
+BURSTY = 1.5  # ratio of the mean to the median interval, or its inverse, above which time stamps are called bursty
+PAUSE = 20.0  # steps of a bursty clock, relative to its long ones (one in a hundred), that are gaps rather than bursts
+TICKS = 0.2  # share of repeated time stamps above which rows are counted between changes
 
 MOST_LOST = 0.9
 """Share of missing samples above which time stamps are not trusted: a clock that was set leaves such gaps."""

@@ -22,8 +22,7 @@ from .stated import Stated
 
 T = TypeVar("T")
 
-MOST_DRIVERS = 8
-"""Number of columns beside the signals that are kept."""
+MOST_DRIVERS = 8  # number of columns beside the signals that are kept
 
 
 class SignalColumn(NamedTuple):

@@ -20,11 +20,8 @@ from .arrays import RATE_NAMES, column, split, turned, turned_note
 from .column import FileColumn, some
 from .table import FileTable, restored
 
-MOST_LISTED = 30
-"""Maximum number of streams that a message lists."""
-
-WIDEST = 1000
-"""Maximum number of columns of a dataset; anything wider is an image or a matrix, not a recording."""
+MOST_LISTED = 30  # maximum number of streams that a message lists
+WIDEST = 1000  # maximum number of columns of a dataset; anything wider is an image or a matrix, not a recording
 
 
 @dataclass(frozen=True, eq=False)

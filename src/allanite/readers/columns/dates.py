@@ -19,8 +19,7 @@ PATTERNS = (*(rf"{date}[T_ ]+{TIME}" for date in DATES), *DATES, TIME)
 
 DAY = 86_400 * 10**9
 
-LONGEST_DATE = 100
-"""Maximum number of characters of a date; over long runs of blanks the patterns take quadratic time."""
+LONGEST_DATE = 100  # maximum number of characters of a date; over long runs of blanks the patterns take quadratic time
 
 Values = NDArray[Any]
 

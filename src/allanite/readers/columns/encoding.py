@@ -9,20 +9,11 @@ from dataclasses import dataclass
 from allanite.core.errors import DataError
 from allanite.phrases.phrase import Phrase, say
 
-UTF16 = (b"\xff\xfe", b"\xfe\xff")
-"""Byte order marks."""
-
-_JUDGED = 1 << 16
-"""Bytes of lines with letters beyond ASCII that are judged."""
-
-_BLOCK = 1 << 20
-"""Bytes that are tested at once."""
-
-LONGEST_LINE = 1 << 26
-"""Bytes of a line beyond which a file is no table."""
-
-_SIGNS = frozenset("°µ²³·±×№«»–—‘’“”„…•™\u00a0")
-"""Signs that any text may hold beside its letters."""
+UTF16 = (b"\xff\xfe", b"\xfe\xff")  # byte order marks
+_JUDGED = 1 << 16  # bytes of lines with letters beyond ASCII that are judged
+_BLOCK = 1 << 20  # bytes that are tested at once
+LONGEST_LINE = 1 << 26  # bytes of a line beyond which a file is no table
+_SIGNS = frozenset("°µ²³·±×№«»–—‘’“”„…•™\u00a0")  # signs that any text may hold beside its letters
 
 _RUSSIAN = re.compile(
     r"врем|темпер|скорост|ускор|угол|угл|гиро|дус|аксел|датчик|частот|период|дискретиз|номер|сч[её]тчик|дата|"

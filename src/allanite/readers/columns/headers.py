@@ -9,8 +9,7 @@ from allanite.core.units import Signal, Unit, latin, signal_with, unit_of
 _INSIDE = re.compile(r"[^\[\](){}]*(?:\([^()]*\)[^\[\](){}]*)*")
 """Content of the brackets of a unit: no brackets except pairs of round ones."""
 
-LONGEST_HEADER = 200
-"""Maximum number of characters of a header, and of a unit."""
+LONGEST_HEADER = 200  # maximum number of characters of a header, and of a unit
 
 _TIME = unit_of("s").dimension
 
@@ -71,8 +70,7 @@ _BY_NAME = {
         r"acc|^[af][_ ]?[xyz]$|delta_?v|specific_?force|аксел|ускорен|(?<!角)加速度|加表|加计|比力"
     ),
 }
-_FULL_WIDTH = str.maketrans("（）［］：，／　", "()[]:,/ ")
-"""Signs of Chinese texts, and the usual ones."""
+_FULL_WIDTH = str.maketrans("（）［］：，／　", "()[]:,/ ")  # signs of Chinese texts, and the usual ones
 
 
 def split(header: str) -> tuple[str, str]:

@@ -62,11 +62,8 @@ def decoded(raw: bytes) -> str:
         return raw.decode("latin-1")
 
 
-HEAD = 1 << 17
-"""Bytes at the beginning of a file from which its layout is determined."""
-
-JUDGED_ROWS, FEW_ROWS = 200, 600
-"""Rows by which the columns are judged, and rows of which all are looked at for them."""
+HEAD = 1 << 17  # bytes at the beginning of a file from which its layout is determined
+JUDGED_ROWS, FEW_ROWS = 200, 600  # rows by which the columns are judged, and rows of which all are looked at for them
 
 MARKS = ("#", "%", "//", ";")
 """Prefixes of comment lines; a semicolon is not one if it is the delimiter."""
@@ -74,8 +71,7 @@ MARKS = ("#", "%", "//", ";")
 # delimiter and decimal sign, the more likely first, which decides if a file can be read in two ways
 _STYLES = ((",", "."), (";", "."), ("\t", "."), (" ", "."), (";", ","), ("\t", ","), (" ", ","))
 
-_LETTER = re.compile(r"[^\W\d_eE]")
-"""A letter, or one of the few signs that are neither letters nor decimal digits."""
+_LETTER = re.compile(r"[^\W\d_eE]")  # a letter, or one of the few signs that are neither letters nor decimal digits
 
 _BLANK_HEADER = re.compile(r"\S{1,99}?(?: ?\[[^\]]{0,99}\]| ?\([^)]{0,99}\))|\S+")
 

@@ -15,11 +15,8 @@ from allanite.readers.options import Options
 from . import encoding, layout, shapes
 from .table import FileTable
 
-BLOCK_BYTES = 1 << 23
-"""Bytes that are read at a time."""
-
-FIRST = 1 << 22
-"""Bytes, at least, by which the layout and the meaning of the columns are recognized."""
+BLOCK_BYTES = 1 << 23  # bytes that are read at a time
+FIRST = 1 << 22  # bytes, at least, by which the layout and the meaning of the columns are recognized
 
 Chunks = Callable[[], Iterator[bytes]]
 """Reads the bytes of a file from the beginning."""
@@ -138,8 +135,7 @@ def columns_of(rows: NDArray[Any]) -> list[NDArray[Any]]:
     return list(rows.reshape(len(rows), -1).T)
 
 
-HEAD_ROWS = 1 << 18
-"""Rows by which columns, units and the clock are recognized."""
+HEAD_ROWS = 1 << 18  # rows by which columns, units and the clock are recognized
 
 Blocks = Callable[[Sequence[int], int], Iterator[list[NDArray[Any]]]]
 """Indices of columns, and rows at a time -> arrays of these columns, of at most about that many rows."""

@@ -17,11 +17,8 @@ from .layout import MISSING, Layout, cells, decoded, is_number, marks_of
 
 _NULLS = [*MISSING, "NaN", "NAN", "NULL", "None", "NA", "N/A", "#N/A", "-NaN", "1.#QNAN", "-1.#IND"]
 
-FEW_WORDS = 16
-"""Maximum number of different words in a column that may distinguish rows."""
-
-JUDGED_BYTES = 1 << 20
-"""Bytes of the rows that show whether it has more."""
+FEW_WORDS = 16  # maximum number of different words in a column that may distinguish rows
+JUDGED_BYTES = 1 << 20  # bytes of the rows that show whether it has more
 
 Values = NDArray[Any]
 

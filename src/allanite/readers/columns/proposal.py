@@ -15,24 +15,17 @@ from . import headers
 from .column import FileColumn
 
 RATES: tuple[str, ...] = ("g", "m/s^2", "mg", "mm/s^2")
-INCREMENTS: tuple[str, ...] = ("g*s", "m/s")
-"""Units in which loggers write accelerations, and velocity increments."""
-
-COUNTS = (1024, 8192)
-"""Counts per g of common sensors that are near a thousand mg or 9810 mm/s^2."""
+INCREMENTS: tuple[str, ...] = ("g*s", "m/s")  # units in which loggers write accelerations, and velocity increments
+COUNTS = (1024, 8192)  # counts per g of common sensors that are near a thousand mg or 9810 mm/s^2
 
 NAMED = 0.25
 """Share by which accelerometers at rest may miss gravity, by their offsets and scale factors: units are ten apart."""
 
-UNNAMED = 0.05
-"""The same for columns that nothing but their length makes accelerometers."""
+UNNAMED = 0.05  # the same for columns that nothing but their length makes accelerometers
 
 
-SHOWN = 16
-"""Columns of an overview."""
-
-SLOW = 0.1
-"""Share of the standard deviation below which steps are those of a slow quantity."""
+SHOWN = 16  # columns of an overview
+SLOW = 0.1  # share of the standard deviation below which steps are those of a slow quantity
 
 
 class Proposal(NamedTuple):

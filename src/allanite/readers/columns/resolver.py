@@ -15,23 +15,15 @@ from allanite.phrases.phrase import say, say_count
 FAINT = 0.5
 """Deviation of the amplitude from its median, relative to it, beyond which a sample is not one of sine and cosine."""
 
-FEW_DROPOUTS = 0.01
-"""Largest share of such samples, which are marked as missing."""
-
-LARGEST_STEP = math.pi / 2
-"""Rotation between samples above which turns cannot be counted with certainty."""
+FEW_DROPOUTS = 0.01  # largest share of such samples, which are marked as missing
+LARGEST_STEP = math.pi / 2  # rotation between samples above which turns cannot be counted with certainty
 
 MEANS = 8
 """Number of steps whose mean is the speed of rotation."""
 
-SECTORS = 36
-"""Number of sectors of a turn."""
-
-LEAST_SECTORS = 27
-"""Sectors that the angle must reach, for offsets and gains to be told from the angle."""
-
-LEAST_ERROR = 1e-5
-"""Angle error, rad, that is not worth a warning."""
+SECTORS = 36  # number of sectors of a turn
+LEAST_SECTORS = 27  # sectors that the angle must reach, for offsets and gains to be told from the angle
+LEAST_ERROR = 1e-5  # angle error, rad, that is not worth a warning
 
 
 def with_angles(recording: Recording, pairs: int, kind: str) -> Recording:

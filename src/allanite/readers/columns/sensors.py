@@ -14,8 +14,7 @@ from . import headers
 from .column import FileColumn
 from .parse import Tags
 
-MOST_SENSORS = 8
-"""Maximum number of sensors with alternating rows."""
+MOST_SENSORS = 8  # maximum number of sensors with alternating rows
 
 _ID = re.compile(r"(^|[^a-z])(sensor|type|id|source|name|tag|device)([^a-z]|$)|sensor_?(id|type|name)")
 _AXES = ("x", "y", "z")

@@ -48,8 +48,7 @@ def note(records: Sequence[Record], step: int) -> str:
     )  # fmt: skip
 
 
-WIDEST_LINE = 1000
-"""Numbers per line above which the line is a channel and not a sample."""
+WIDEST_LINE = 1000  # numbers per line above which the line is a channel and not a sample
 
 _CHECKSUM = re.compile(rb"\*[0-9A-Fa-f]{2}(?=\r?\n|$)")
 

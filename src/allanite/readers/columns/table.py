@@ -26,11 +26,8 @@ from . import channels, conventions, headers, proposal, resolver, sensors, shape
 from .arrays import RATE_NAMES
 from .column import FileColumn, unique
 
-KEY = "allanite"
-"""The name under which a format stores it."""
-
-SLOW = 5.0
-"""Sampling rate, Hz, up to which sensors are seldom sampled, but logged."""
+KEY = "allanite"  # the name under which a format stores it
+SLOW = 5.0  # sampling rate, Hz, up to which sensors are seldom sampled, but logged
 
 DROPPED = say("if the logger drops samples without averaging, N is too large by up to sqrt(f_sensor/f_log)")
 

@@ -21,8 +21,7 @@ from allanite.readers.columns.table import KEY
 from allanite.readers.options import Options
 from allanite.readers.sandbox.process import Process, demand_size, worded
 
-NAMES: dict[str, Any] = {"rates": RATE_NAMES, "text": KEY}
-"""What a process looks for in the file."""
+NAMES: dict[str, Any] = {"rates": RATE_NAMES, "text": KEY}  # what a process looks for in the file
 
 
 def contained(form: str, path: str, options: Options, *, transposed: bool = False) -> Recording:

@@ -26,8 +26,7 @@ from allanite.readers.options import Options
 from allanite.readers.sandbox.process import demand_size, worded
 from allanite.readers.sandbox.source import head_of
 
-DEFINITION = 128
-"""Number of the kind of message that defines the others, FMT."""
+DEFINITION = 128  # number of the kind of message that defines the others, FMT
 
 _FIELDS = {
     "b": "i1", "B": "u1", "M": "u1", "h": "<i2", "H": "<u2", "c": "<i2", "C": "<u2", "i": "<i4", "I": "<u4",
@@ -234,8 +233,7 @@ _UNITS = {"TimeUS": "us", "SampleUS": "us", "TimeMS": "ms", "T": "degC"}
 _UNITS |= {f"{sensor}{axis}": unit for sensor, unit in (("Gyr", "rad/s"), ("Acc", "m/s^2")) for axis in "XYZ"}
 """Units of fields of which the log does not say any."""
 
-_BATCH = (("accel", "m/s^2"), ("gyro", "rad/s"))
-"""Names and units of the sensors of batches, by their number there."""
+_BATCH = (("accel", "m/s^2"), ("gyro", "rad/s"))  # names and units of the sensors of batches, by their number there
 
 
 def sniff(head: bytes, suffix: str) -> bool:

@@ -20,8 +20,7 @@ from allanite.readers.sandbox.process import demand_size, worded
 
 TITLE = "Apache Parquet .parquet"
 
-BUFFER = 1 << 20
-"""Bytes of a column that are read ahead; without it a whole row group would be."""
+BUFFER = 1 << 20  # bytes of a column that are read ahead; without it a whole row group would be
 
 _UNIT_NAMES = (b"unit", b"units", b"Unit", b"Units")
 

@@ -41,8 +41,7 @@ class Writer(Protocol):
         """Write a recording whose records have common sample times and one length."""
 
 
-ZSTD = b"\x28\xb5\x2f\xfd"
-"""First bytes of what zstd has packed, which of a bag are its parts."""
+ZSTD = b"\x28\xb5\x2f\xfd"  # first bytes of what zstd has packed, which of a bag are its parts
 
 R_BINARY = (b"RDX2\nX\n", b"RDX3\nX\n", b"X\n\0\0\0\2", b"X\n\0\0\0\3")
 """First bytes of the only form of R that is read."""
@@ -99,8 +98,7 @@ READERS: dict[str, Format] = {  # tried in this order; plugins come before text,
 }
 """The formats by name."""
 
-TYPES = ("kfgins",)
-"""Formats without a signature: each is read if its name is given as the type of raw binary."""
+TYPES = ("kfgins",)  # formats without a signature: each is read if its name is given as the type of raw binary
 
 WRITERS: dict[str, str] = {
     ".csv": "text",

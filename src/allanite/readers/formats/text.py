@@ -21,8 +21,7 @@ from allanite.readers.options import Options
 
 TITLE = "text or CSV: columns of numbers, with or without a header"
 
-DENSITY = 0.5
-"""Samples in a byte, at most: a digit and a delimiter."""
+DENSITY = 0.5  # samples in a byte, at most: a digit and a delimiter
 
 _COMMENT = re.compile(rb'# (\{"%s": .*\})\r?\n' % KEY.encode())
 

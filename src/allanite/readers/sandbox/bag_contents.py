@@ -24,13 +24,11 @@ from rosbags.typesys import get_types_from_idl, get_types_from_msg
 Definition = runpy.run_path(os.path.join(os.path.dirname(__file__), "bag_messages.py"))["Definition"]
 
 MOST_TOPICS, LONGEST_DEFINITION = 1000, 1 << 20
-BATCH, BYTES = 4096, 8 << 20
-"""Messages, and their bytes, that are decoded together."""
+BATCH, BYTES = 4096, 8 << 20  # messages, and their bytes, that are decoded together
 
 RECEIVED = "receive time"
 
-COST = 20
-"""Bytes of a dataset that count like a byte of the file: its messages are unpacked too."""
+COST = 20  # bytes of a dataset that count like a byte of the file: its messages are unpacked too
 
 _NAME = re.compile(r"([A-Za-z]\w*)(?:/msg)?/([A-Za-z]\w*)")
 _SEPARATOR = "=" * 80 + "\n"

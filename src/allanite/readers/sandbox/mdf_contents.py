@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 from asammdf import MDF
 
-MOST_CHANNELS = 5000
-"""Maximum number of channels."""
+MOST_CHANNELS = 5000  # maximum number of channels
 
 
 def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:

@@ -17,12 +17,10 @@ from allanite.core.errors import DataError, UsageError
 from .process import UnpackedPath, demand_size, most, worded
 from .source import FIRST_BYTES, SEPARATOR, demand_directory, head_of
 
-DEPTH = 3
-"""Maximum number of nested layers."""
+DEPTH = 3  # maximum number of nested layers
 
 _BLOCK = 1 << 20
-_DECODER = 100 << 20
-"""Memory limit of the .xz decoder; xz -9 needs 65 MB, and a file may claim 4 GB."""
+_DECODER = 100 << 20  # memory limit of the .xz decoder; xz -9 needs 65 MB, and a file may claim 4 GB
 
 PROSE = re.compile(
     r"(^|/)(\.|__MACOSX/|readme|license|licence|copying|changelog)|"

@@ -24,11 +24,8 @@ from allanite.phrases.phrase import say
 
 from .source import demand_directory, size_of
 
-RATIO = 100
-"""Bytes of samples per byte of a file: coarse samples compress 30-fold, a decompression bomb 1000-fold."""
-
-UNPACKED_ROOM = 32 << 20
-"""Bytes that any file may unpack to, whatever its size."""
+RATIO = 100  # bytes of samples per byte of a file: coarse samples compress 30-fold, a decompression bomb 1000-fold
+UNPACKED_ROOM = 32 << 20  # bytes that any file may unpack to, whatever its size
 
 
 class UnpackedPath(str):
@@ -66,8 +63,7 @@ def demand_members(path: str, what: str) -> list[zipfile.ZipInfo]:
     return members
 
 
-DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-"""Errors of a disk that is full, or of a limit that was set."""
+DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)  # errors of a disk that is full, or of a limit that was set
 
 
 @contextmanager
@@ -102,8 +98,7 @@ ANSWER_TIME, DISK_SPEED = 20.0, 5e5
 """Seconds that an answer may take, and bytes per second of a slow disk; the processor time is limited separately."""
 
 
-RECEIVED_BYTES = 1 << 20
-"""Bytes of a dataset that are received at a time."""
+RECEIVED_BYTES = 1 << 20  # bytes of a dataset that are received at a time
 
 SHARE_KEY = "share"
 """Key of a line in which a worker only tells which share of the structure it has read; see `worker.main`."""
@@ -130,13 +125,11 @@ LIBRARIES = {
 }
 """One entry for each of `worker.FORMATS`."""
 
-LIMIT = "too many "
-"""Beginning of what a worker says of a sound file beyond its limits, with what to do."""
+LIMIT = "too many "  # beginning of what a worker says of a sound file beyond its limits, with what to do
 
 WORKER = Path(__file__).with_name("worker.py")
 
-_TIMEOUTS = (9, 24)
-"""Signals by which we stop a process, and by which the system stops one that has used its time."""
+_TIMEOUTS = (9, 24)  # signals by which we stop a process, and by which the system stops one that has used its time
 
 
 class Process:

@@ -23,8 +23,7 @@ from rdata.parser._parser import Parser  # noqa: E402  the door of the parser al
 if _spec is not None:
     del sys.modules["rdata"]  # any other import of the package gets all of it
 
-MOST_LISTS, NAMES = 100_000, 1000
-"""Maximum number of lists and other objects in a file, and of texts kept of a vector."""
+MOST_LISTS, NAMES = 100_000, 1000  # maximum number of lists and other objects in a file, and of texts kept of a vector
 
 _CHAR = 9
 _SECONDS = {"secs": "s", "mins": "min", "hours": "h"}

@@ -17,26 +17,13 @@ from typing import Any
 from allanite.core.errors import DataError, UsageError, given
 from allanite.core.files import reason
 
-SEPARATOR = "::"
-"""Separates an archive and the name of a member."""
-
-STDIN = "-"
-"""In place of a path: standard input."""
-
-STDIN_NAME = "standard input"
-"""What messages and results call it."""
-
-FIRST_BYTES = 1 << 16
-"""Number of bytes used to detect a format."""
-
-LARGEST_DIRECTORY = 1 << 20
-"""Maximum size of a directory in bytes: some ten thousand members."""
-
-METADATA = "metadata.yaml"
-"""The file that makes a folder a recording of ROS 2."""
-
-_STEP, _NEXT = 1 << 20, 1 << 26
-"""Bytes that are hashed at a time, and that are fetched from the disk before they are."""
+SEPARATOR = "::"  # separates an archive and the name of a member
+STDIN = "-"  # in place of a path: standard input
+STDIN_NAME = "standard input"  # what messages and results call it
+FIRST_BYTES = 1 << 16  # number of bytes used to detect a format
+LARGEST_DIRECTORY = 1 << 20  # maximum size of a directory in bytes: some ten thousand members
+METADATA = "metadata.yaml"  # the file that makes a folder a recording of ROS 2
+_STEP, _NEXT = 1 << 20, 1 << 26  # bytes that are hashed at a time, and that are fetched from the disk before they are
 
 _STORAGE = re.compile(r"\.(db3|mcap)(\.zstd)?$")
 _END, _LARGE, _TAIL = b"PK\x05\x06", b"PK\x06\x07", 65_557 + 76

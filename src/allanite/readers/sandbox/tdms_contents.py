@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from nptdms import TdmsFile
 
-MOST_CHANNELS = 10_000
-"""Maximum number of channels that are listed."""
+MOST_CHANNELS = 10_000  # maximum number of channels that are listed
 BLOCK = 1 << 20
 UNITS = ("unit_string", "NI_UnitDescription", "unit", "units", "Unit")
 

@@ -19,11 +19,8 @@ FORMATS = {"hdf5": math.inf, "mat": 2e6, "r": 1e6, "ulog": 2e6, "xlsx": 1e5, "td
 per second at least; HDF5 is opened without being read.
 """
 
-SECONDS, SPEED = 1, 20e6
-"""Seconds for opening any file, and the bytes of a dataset sent per second at least."""
-
-ROOM = 48 << 20
-"""Bytes that a library may allocate beyond those of the contents."""
+SECONDS, SPEED = 1, 20e6  # seconds for opening any file, and the bytes of a dataset sent per second at least
+ROOM = 48 << 20  # bytes that a library may allocate beyond those of the contents
 
 
 def main() -> None:

@@ -11,11 +11,8 @@ from typing import Any
 os.environ["OPENPYXL_LXML"] = "False"  # the parser of the standard library limits what entities expand to
 from openpyxl import load_workbook
 
-HEAD_LINES = 200
-"""Number of lines of a sheet that are listed."""
-
-OFTEN = 1000
-"""Rows between two reports of progress."""
+HEAD_LINES = 200  # number of lines of a sheet that are listed
+OFTEN = 1000  # rows between two reports of progress
 
 
 def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:

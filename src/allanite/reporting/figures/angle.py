@@ -18,11 +18,8 @@ from allanite.reporting.words import ARCSEC, percent
 
 PALETTE = ("#0072B2", "#C1272D", "#008F6B", "#AA4499", "#B97700", "#555B63", "#56B4E9", "#7F5539")
 
-MAX_INNOVATIONS = 3000
-"""Innovations that are drawn."""
-
-MAX_PERIODS = 60
-"""Periods of an error that can be told apart in one panel."""
+MAX_INNOVATIONS = 3000  # innovations that are drawn
+MAX_PERIODS = 60  # periods of an error that can be told apart in one panel
 
 LAGS = 40
 

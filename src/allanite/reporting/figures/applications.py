@@ -56,8 +56,7 @@ def plot_budgets(new_figure: style.NewFigure, budgets: Sequence[Budget]) -> Figu
 
 BEFORE, AFTER, TAKEN = style.OTHER, style.SERIES[0], style.SERIES[1]
 
-MAX_MEANS = 400
-"""Means over time that are drawn."""
+MAX_MEANS = 400  # means over time that are drawn
 
 
 @style.plotted
@@ -105,8 +104,7 @@ def _means(y: FloatArray, m: int) -> FloatArray:
     return np.asarray(y[: count * m].reshape(count, m).mean(axis=1))
 
 
-MAX_MARKED = 40
-"""Intervals up to which each is marked."""
+MAX_MARKED = 40  # intervals up to which each is marked
 
 
 @style.plotted
@@ -169,11 +167,8 @@ def _draw_accuracy(ax: Axes, series: tuple[Experiment, ...]) -> None:
     style.plain_ticks(ax.xaxis, ax.yaxis)
 
 
-MAX_STAIRS = 10
-"""Quanta of the staircase that are drawn: more are not seen."""
-
-MAX_COUNTS = 6000
-"""Counts whose residuals are drawn."""
+MAX_STAIRS = 10  # quanta of the staircase that are drawn: more are not seen
+MAX_COUNTS = 6000  # counts whose residuals are drawn
 
 
 @style.plotted

@@ -27,11 +27,8 @@ from .panels import CurvePanel, span, thinned
 
 BoolArray = NDArray[np.bool_]
 
-COLORS = (0, 3)
-"""Colors of the series before and after; neither is the red that marks a change."""
-
-MIN_AXIS_RATIO = 2.0
-"""Ratio within which the axis of ratios always reaches."""
+COLORS = (0, 3)  # colors of the series before and after; neither is the red that marks a change
+MIN_AXIS_RATIO = 2.0  # ratio within which the axis of ratios always reaches
 
 
 @style.plotted
@@ -136,8 +133,7 @@ def _draw_pooled(channel: PooledChannel, names: tuple[str, ...], level: float, a
     below.set_ylabel(say("variance of a run\nover that of all"))
 
 
-MAX_FIGURE_ROWS = 24
-"""Rows of the figure at most, those with the most units first."""
+MAX_FIGURE_ROWS = 24  # rows of the figure at most, those with the most units first
 
 
 class Course(NamedTuple):

@@ -18,22 +18,16 @@ from . import drawing
 from .panels import CurvePanel, columns_of, points, span
 from .terms import draw_model
 
-MIN_FILLED_EDF = 2.0
-"""Equivalent degrees of freedom below which a point is drawn open."""
-
-WEIGHS = 0.37
-"""Frequency times averaging time where the Allan deviation is most sensitive."""
+MIN_FILLED_EDF = 2.0  # equivalent degrees of freedom below which a point is drawn open
+WEIGHS = 0.37  # frequency times averaging time where the Allan deviation is most sensitive
 
 FILTERED = say("lowered by the filter")
 """What is shaded at averaging times at which the filter, which the model includes, has not settled."""
 
 LANDMARKS = ((60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 d"))
 
-MIN_PANEL_INCHES, MAX_PANEL_INCHES = 3.2, 5.6
-"""Height of a panel, inches."""
-
-MIN_LABELLED_INCHES = 4.5
-"""Width of a panel with room for intervals and slopes, inches."""
+MIN_PANEL_INCHES, MAX_PANEL_INCHES = 3.2, 5.6  # height of a panel, inches
+MIN_LABELLED_INCHES = 4.5  # width of a panel with room for intervals and slopes, inches
 
 Span = tuple[tuple[float, float], tuple[float, float]]
 
@@ -156,8 +150,7 @@ def _draw_landmarks(ax: Axes) -> list[drawing.LabelBox]:
     return taken
 
 
-MAX_BANDS = 3
-"""Curves of a panel whose confidence bands can still be told apart."""
+MAX_BANDS = 3  # curves of a panel whose confidence bands can still be told apart
 
 
 @style.plotted

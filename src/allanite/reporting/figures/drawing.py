@@ -26,11 +26,8 @@ MARGIN = 0.015
 ENOUGH_DISTANCE = 1.25
 """Distance to the nearest thing, in label sizes, beyond which farther away is no better; below 1 it is touched."""
 
-CELLS = 50
-"""Cells of the panel along each axis, by which it is known where the curves are."""
-
-LINE = np.linspace(0.0, 1.0, 20)
-"""Steps along that line."""
+CELLS = 50  # cells of the panel along each axis, by which it is known where the curves are
+LINE = np.linspace(0.0, 1.0, 20)  # steps along that line
 
 NEAR = np.array([(dx, dy) for dx in (0.0, 0.58, -0.58) for dy in (0.9, -0.9, 1.7, -1.7)])
 """Where a label may stand: shift from its anchor in widths and heights; beside these, on a grid over the panel."""
@@ -104,11 +101,8 @@ def _freedom(
     return free
 
 
-TIME = say("averaging time τ (s)")
-"""What the abscissa of a deviation is called."""
-
-UNREAD = say("not used by the fit")
-"""What is shaded where the fit reads nothing."""
+TIME = say("averaging time τ (s)")  # what the abscissa of a deviation is called
+UNREAD = say("not used by the fit")  # what is shaded where the fit reads nothing
 
 MODEL, EXPECTED = say("model"), say("expected by the model")
 """Labels of lines that the legend explains."""
@@ -119,8 +113,7 @@ def with_unit(quantity: str, unit: str) -> Phrase:
     return say("{quantity} ({unit})", quantity=quantity, unit=unit)
 
 
-COLUMN_INCHES = 5.4
-"""Width of a column of panels, inches."""
+COLUMN_INCHES = 5.4  # width of a column of panels, inches
 
 
 def stacked(new_figure: style.NewFigure, lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
@@ -153,8 +146,7 @@ def dashes(symbol: str) -> tuple[float, tuple[float, ...]]:
 GRADES = {"": style.OTHER, EXPLAINED: style.OTHER, APPROXIMATE: style.FAIR, UNEXPLAINED: style.ALARM}
 """Color of a grade; of none where there is no fit, or it was not tested."""
 
-NAME_POINTS, GRADE_POINTS = 9.5, 8.5
-"""Sizes of letters above a panel: what it shows, and its grade."""
+NAME_POINTS, GRADE_POINTS = 9.5, 8.5  # sizes of letters above a panel: what it shows, and its grade
 
 
 def draw_titles(ax: Axes, parts: Iterable[str], fit: Fit | None, *, before: str = "", room: float = 0.0) -> None:

@@ -78,8 +78,7 @@ def _draw_errors(ax: Axes, value: StatedNoise) -> None:
     style.title(ax, say("standard deviation of the error, by the time without aid"))
 
 
-TIMES_PER_OCTAVE = 4
-"""Averaging times of the lines."""
+TIMES_PER_OCTAVE = 4  # averaging times of the lines
 
 
 @style.plotted
@@ -121,8 +120,7 @@ def plot_state_spaces(
     return figure
 
 
-MIN_ERROR, MAX_ERROR = 1e-4, 1.5
-"""Errors that are drawn."""
+MIN_ERROR, MAX_ERROR = 1e-4, 1.5  # errors that are drawn
 
 
 @style.plotted
@@ -151,8 +149,7 @@ def plot_plans(new_figure: style.NewFigure, plans: Sequence[tuple[str, Recording
     return figure
 
 
-TIMES_PER_DECADE, MIN_DRIFT_SHARE = 12, 1e-3
-"""Times of a decade; the least share of the largest drift that is drawn."""
+TIMES_PER_DECADE, MIN_DRIFT_SHARE = 12, 1e-3  # times of a decade; the least share of the largest drift that is drawn
 
 
 @style.plotted

@@ -18,8 +18,7 @@ from allanite.core.units import convert, unit_of
 from allanite.reporting import words
 from allanite.statistics import expected, statistic_named
 
-MAX_CURVE_POINTS = 400
-"""Points of a curve that are drawn: more are not seen, but weigh."""
+MAX_CURVE_POINTS = 400  # points of a curve that are drawn: more are not seen, but weigh
 
 ZEROS_RANGE = 1000.0
 """Range in which the expected curve of a sinusoid is drawn, which is zero at multiples of its period."""

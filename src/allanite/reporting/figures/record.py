@@ -24,14 +24,12 @@ from allanite.statistics import statistic_named
 from .drawing import TIME, draw_legend, with_unit
 from .panels import CurvePanel, points
 
-STRETCHES = 480
-"""Stretches of a record whose least and largest sample are drawn: more are not seen."""
+STRETCHES = 480  # stretches of a record whose least and largest sample are drawn: more are not seen
 
 MEANS = 6
 """Stretches of one mean."""
 
-MIN_HOURS_S, MIN_MINUTES_S = 7200.0, 300.0
-"""Lengths in seconds from which time is shown in hours, and in minutes."""
+MIN_HOURS_S, MIN_MINUTES_S = 7200.0, 300.0  # lengths in seconds from which time is shown in hours, and in minutes
 
 
 def time_scale(length: float) -> tuple[str, float]:
@@ -133,8 +131,7 @@ def plot_strip(new_figure: style.NewFigure, panel: CurvePanel, *, level: float =
 
 TIME_COLORS, RATIO_COLORS = "cividis", "RdBu_r"
 
-RATIOS = (1.5, 2.0, 3.0, 5.0, 10.0)
-"""Ends of the scale of ratios, of which the first that holds nearly all is taken."""
+RATIOS = (1.5, 2.0, 3.0, 5.0, 10.0)  # ends of the scale of ratios, of which the first that holds nearly all is taken
 
 FEW_WINDOWS = 8
 """Averaging times beyond this part of a window scatter by themselves: their median is marked as uncertain."""

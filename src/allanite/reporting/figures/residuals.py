@@ -18,11 +18,8 @@ from allanite.reporting.digits import printable
 
 from .record import time_scale
 
-MIN_MARKED_SIGMAS = 3.0
-"""Standard deviations beyond which a cell is marked: one in 370 by chance."""
-
-MIN_RATIO = 0.05
-"""Ratio below which a cell is drawn at the edge."""
+MIN_MARKED_SIGMAS = 3.0  # standard deviations beyond which a cell is marked: one in 370 by chance
+MIN_RATIO = 0.05  # ratio below which a cell is drawn at the edge
 
 
 @style.plotted
@@ -75,8 +72,7 @@ def draw_surprise(ax: Axes, goodness: Goodness) -> None:
     ax.set_ylim(-reach, reach)
 
 
-MAX_QUANTILES = 70
-"""Quantiles that are drawn, about."""
+MAX_QUANTILES = 70  # quantiles that are drawn, about
 
 
 @style.plotted

@@ -19,12 +19,10 @@ from allanite.terms import TERMS, WHITE
 
 from . import drawing
 
-MAX_BAND_POINTS = 200
-"""Values that are drawn as points in a band; more are a line, and its band would hide it."""
+MAX_BAND_POINTS = 200  # values that are drawn as points in a band; more are a line, and its band would hide it
 
 
-SIDED = {"one": say("one-sided"), "two": say("two-sided")}
-"""Words for the sides of a spectrum."""
+SIDED = {"one": say("one-sided"), "two": say("two-sided")}  # words for the sides of a spectrum
 
 
 @style.plotted

@@ -19,8 +19,7 @@ from allanite.reporting.words import ARCSEC
 
 from .drawing import color_of
 
-MAX_LINE_POINTS = 4000
-"""Points of a line over time."""
+MAX_LINE_POINTS = 4000  # points of a line over time
 
 
 @style.plotted

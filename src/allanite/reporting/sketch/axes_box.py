@@ -11,8 +11,7 @@ from .axis import Ticks
 from .marks import Artist
 from .panel import Panel, place_in
 
-SIZE = 8.0
-"""Size of the letters, points."""
+SIZE = 8.0  # size of the letters, points
 
 KEY, GAP, LEADING = 2.0 * SIZE, 0.8 * SIZE, 1.5 * SIZE
 """Length of a key, room between it and its words, and from line to line."""
@@ -57,8 +56,7 @@ class Legend:
         return "".join(parts)
 
 
-TICK, LABEL = 9.0, 9.0
-"""Sizes of letters: at ticks, and of the names of axes."""
+TICK, LABEL = 9.0, 9.0  # sizes of letters: at ticks, and of the names of axes
 
 PAD, NAME_PAD, TITLE_PAD = 3.5, 4.0, 6.0
 """Room beside the labels of ticks, the name of an axis, and below titles, points."""

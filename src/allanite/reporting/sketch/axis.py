@@ -53,20 +53,14 @@ def limited(kind: Class) -> Class:
     return kind
 
 
-MAX_VALUE = 1e300
-"""Beyond it values, and beyond its inverse those on a logarithmic axis, are not in sight."""
-
-MARGIN = 0.05
-"""Room beside the data where no limits are given."""
-
-MAX_TICK_EXCESS = 1e-10
-"""A tick so far outside of the view, relative to its width, is drawn."""
+MAX_VALUE = 1e300  # beyond it values, and beyond its inverse those on a logarithmic axis, are not in sight
+MARGIN = 0.05  # room beside the data where no limits are given
+MAX_TICK_EXCESS = 1e-10  # a tick so far outside of the view, relative to its width, is drawn
 
 FORMATTERS, LOCATORS = (FuncFormatter, NullFormatter), (FixedLocator, LogLocator, MaxNLocator)
 """What needs no axis of matplotlib."""
 
-MIN_MINOR_DISTANCE = 1e-6
-"""Part of the view by which minor ticks are away from major ones."""
+MIN_MINOR_DISTANCE = 1e-6  # part of the view by which minor ticks are away from major ones
 
 STEPS, FINE = [1, 2, 2.5, 5, 10], [2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]
 """Steps of ticks in a decade, and minor ticks of one on a logarithmic axis."""

@@ -14,8 +14,7 @@ from .panel import Panel
 EDGE_ROOM, PANEL_ROOM = 3.0, 8.0
 """Room at the edge of the figure, and between panels beside what belongs to them, points."""
 
-ROUNDS = 2
-"""How often boxes are made: labels depend on the length of an axis, and that on its labels."""
+ROUNDS = 2  # how often boxes are made: labels depend on the length of an axis, and that on its labels
 
 Grid = Sequence[Sequence[Panel]]
 
@@ -75,8 +74,7 @@ def _fitted(panel: Panel, box: Box) -> Box:
     return Box(box.left + (box.width - wide) / 2, box.top, wide, unit * up)
 
 
-POINTS = 72.0
-"""Points of an inch."""
+POINTS = 72.0  # points of an inch
 
 
 class Look(NamedTuple):

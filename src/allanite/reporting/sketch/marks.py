@@ -59,8 +59,7 @@ SHAPES: dict[str, Callable[[float], str]] = {
 }  # fmt: skip
 """Markers as relative paths, by half their size."""
 
-BARE = "|_"
-"""Markers that have no inside."""
+BARE = "|_"  # markers that have no inside
 
 
 @dataclass(frozen=True)
@@ -268,8 +267,7 @@ class Words:
 
 
 DASHES: dict[Any, tuple[float, ...]] = {"-": (), "": (), "--": (3.7, 1.6), ":": (1.0, 1.65)}
-EDGE, DOT = 1.0, 6.0
-"""Width of a marker's edge, and its size, where none is given."""
+EDGE, DOT = 1.0, 6.0  # width of a marker's edge, and its size, where none is given
 
 _LINES = ("-", "--", ":")
 

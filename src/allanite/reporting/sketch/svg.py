@@ -17,11 +17,8 @@ from allanite.reporting.language import tr
 
 from .axis import Unsketched
 
-ABOVE, BELOW = 0.76, 0.24
-"""Height of a line above and below its foot, sizes of the letters."""
-
-FULL_WIDTH = 1.0
-"""Width of a letter that the font does not have, sizes: Chinese ones are squares."""
+ABOVE, BELOW = 0.76, 0.24  # height of a line above and below its foot, sizes of the letters
+FULL_WIDTH = 1.0  # width of a letter that the font does not have, sizes: Chinese ones are squares
 
 
 @cache

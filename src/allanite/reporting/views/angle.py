@@ -350,8 +350,7 @@ WINDOWS = (
     Column(say("condition"), form=".4g"),
 )  # fmt: skip
 
-MAX_WINDOWS = 8
-"""Windows that stand side by side in a table."""
+MAX_WINDOWS = 8  # Windows that stand side by side in a table
 
 
 @view(rows=lambda plan, level: plan.rows())

@@ -27,8 +27,7 @@ from .expectation import causes_of
 from .fit import definitions, terms_table
 from .jobs import OUTCOME_WORDS
 
-ALL_ROWS = 1_000_000
-"""Rows of a table that has all of them in a terminal, too."""
+ALL_ROWS = 1_000_000  # rows of a table that has all of them in a terminal, too
 
 LOWEST = say("minimum")
 
@@ -38,8 +37,7 @@ SPREAD = say(
     "the errors of the values."
 )
 
-MAX_UNIT_ROWS = 12
-"""Rows up to which every channel of every unit has one."""
+MAX_UNIT_ROWS = 12  # rows up to which every channel of every unit has one
 
 
 def first_of_batch(batch: Batch, level: float) -> First:
@@ -134,8 +132,7 @@ def rows_of_units(batch: Batch, signal: Signal) -> Iterator[tuple[BatchUnit, Cha
     return ((unit, c) for unit in batch for c in unit.channels if c.record.signal is signal)
 
 
-MARKS: dict[str, Any] = {FAIL: "alarm", NOT_DECIDED: "weak", "": ""}
-"""Mark of a row by its outcome."""
+MARKS: dict[str, Any] = {FAIL: "alarm", NOT_DECIDED: "weak", "": ""}  # mark of a row by its outcome
 
 GRADE_WORDS = {EXPLAINED: say("explained"), APPROXIMATE: say("approximate"), UNEXPLAINED: say("unexplained"), "": ""}
 

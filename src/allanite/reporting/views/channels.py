@@ -25,8 +25,7 @@ from allanite.terms import TERMS
 from .export import filter_line
 from .jobs import alerts, doubts, mean_and_spread, reservations, source_of, weighed, without_repeats
 
-MAIN = ("N", "B", "K")
-"""Terms whose limits are told as long as there is room for any."""
+MAIN = ("N", "B", "K")  # terms whose limits are told as long as there is room for any
 
 IN_RUN_SHORT = say("in-run")
 

@@ -27,8 +27,7 @@ TITLES = {
 }  # fmt: skip
 """What the quantities are called that are no terms."""
 
-MIN_LIMITS_RATIO = 1.2
-"""Ratio of the limits of a factor from which these are shown instead of its value."""
+MIN_LIMITS_RATIO = 1.2  # ratio of the limits of a factor from which these are shown instead of its value
 
 AT_MOST = ("--at-most", say("the claim as upper bounds"))
 

@@ -23,8 +23,7 @@ from . import Rows, view
 from .channels import names_in_order
 from .jobs import job_face
 
-MAX_WITH_VALUES = 2
-"""Channels side by side with the coefficients before and after."""
+MAX_WITH_VALUES = 2  # channels side by side with the coefficients before and after
 
 _OUTCOMES = say("smaller"), say("larger"), say("no change"), say("not resolvable")
 OUTCOME_WORDS: dict[str, Phrase] = {word: word for word in _OUTCOMES}

@@ -38,8 +38,7 @@ CAPTION = say(
 AT_MOST_KEY = say("≤ with the upper limits of terms that were not identified.")
 MIN_CURVED_TIME_S = 900.0
 """Times, s, from which on the earth's curvature counts: a tenth of the Schuler period and more."""
-MAX_TILT_RAD = 0.5
-"""Tilt, rad, from which on its sine is not the angle."""
+MAX_TILT_RAD = 0.5  # tilt, rad, from which on its sine is not the angle
 
 
 def _alike(value: Drift) -> list[tuple[str, DriftCourse]]:

@@ -59,8 +59,7 @@ def _fields(value: Export, title: str = "") -> Table:
     return table if differs else table.only([0, 1, 3, 5, 6, 7])
 
 
-FILTER = EXPORTS["kalibr"]
-"""The target whose values stand beside every result."""
+FILTER = EXPORTS["kalibr"]  # the target whose values stand beside every result
 
 
 def filter_line(study: Study) -> Iterator[Phrase]:

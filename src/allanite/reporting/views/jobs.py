@@ -25,8 +25,7 @@ OUTCOME_WORDS = {PASS: say("pass"), FAIL: say("fail"), NOT_DECIDED: say("not dec
 LEVELS: dict[str, Any] = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}
 """Level of the note by the grade of a model."""
 
-REFUSED = "no result: "
-"""How the note on a refusal begins in English."""
+REFUSED = "no result: "  # how the note on a refusal begins in English
 
 
 def source_of(job: Job[Any]) -> str:
@@ -110,11 +109,8 @@ def warnings(channel: Any, of: str = "") -> Iterator[Part]:
 MILD = ("quantized", "heavy tails", "outliers", "lines", "shared")
 """Findings that change numbers little, or that the fit takes into account: they are told last."""
 
-CAUSES = ("terms", *MOTION)
-"""Findings that explain a misfit, the likeliest first."""
-
-ACCOUNTED = ("gaps",)
-"""Findings that explain no misfit: the fit joins the samples on either side of a gap."""
+CAUSES = ("terms", *MOTION)  # findings that explain a misfit, the likeliest first
+ACCOUNTED = ("gaps",)  # findings that explain no misfit: the fit joins the samples on either side of a gap
 
 
 def doubts(channels: Sequence[Any]) -> Iterator[Remark]:

@@ -15,17 +15,10 @@ from . import Rows, view
 
 BRAND = say("a paper beside what is found here")
 
-MARKS: dict[str, Mark] = {AGREES: "good", DIFFERS: "weak"}
-"""Marks of verdicts; the others have none."""
-
-HEADS = (say("in the paper"), "", say("paper"), say("here"), "", say("why"))
-"""Columns of the table of a page."""
-
-APART = ("not built", "computed", "present")
-"""Verdicts on what the paper has no number for."""
-
-MAX_ITEMS = 13
-"""Items on the first screen."""
+MARKS: dict[str, Mark] = {AGREES: "good", DIFFERS: "weak"}  # marks of verdicts; the others have none
+HEADS = (say("in the paper"), "", say("paper"), say("here"), "", say("why"))  # columns of the table of a page
+APART = ("not built", "computed", "present")  # verdicts on what the paper has no number for
+MAX_ITEMS = 13  # items on the first screen
 
 
 def first_of_paper(value: Reproduction, _: float) -> First:

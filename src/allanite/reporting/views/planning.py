@@ -236,8 +236,7 @@ FREEDOM = say("equivalent degrees of freedom")
 EXACT = say("exact for each noise alone; the relative standard deviation of the variance is sqrt(2 / edf)")
 
 
-MAX_TIMES = 8
-"""Averaging times of a first screen."""
+MAX_TIMES = 8  # averaging times of a first screen
 
 
 def first_of_properties(value: Properties, _: float) -> First:

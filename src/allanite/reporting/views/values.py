@@ -26,8 +26,7 @@ from .jobs import alerts, channel_sheet, doubts, job_face, source_of
 
 BRAND = say("statistics of an inertial sensor")
 
-MAX_SURFACE_TIMES = 8
-"""Averaging times of a surface that are printed."""
+MAX_SURFACE_TIMES = 8  # averaging times of a surface that are printed
 
 
 class NumbersForm(NamedTuple):
@@ -203,11 +202,8 @@ def readings_view(readings: Readings, level: float) -> Face:
     )
 
 
-MAX_ROWS = 12
-"""Rows of all tables together."""
-
-MAX_WITH_INTERVALS, MAX_BESIDE = 3, 6
-"""Channels side by side with their intervals, and without."""
+MAX_ROWS = 12  # rows of all tables together
+MAX_WITH_INTERVALS, MAX_BESIDE = 3, 6  # channels side by side with their intervals, and without
 
 
 def first_of_survey(survey: Survey, level: float) -> First:

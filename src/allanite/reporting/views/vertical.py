@@ -172,11 +172,8 @@ def _angle_parts(angle: Angle) -> Iterator[Part]:
         yield from _optimum_parts(angle.optimum, angle.name)
 
 
-MAX_IGNORED_SHARE = 0.1
-"""Share of the samples without accelerometers from which a gate may do more harm than good."""
-
-MIN_SCATTER_RATIO = 1.5
-"""Ratio of measured and predicted scatter from which it is mentioned."""
+MAX_IGNORED_SHARE = 0.1  # share of the samples without accelerometers from which a gate may do more harm than good
+MIN_SCATTER_RATIO = 1.5  # ratio of measured and predicted scatter from which it is mentioned
 
 
 def _scenario_rows(found: ScenarioErrors) -> Rows:
