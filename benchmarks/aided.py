@@ -18,11 +18,8 @@ import allanite as al
 from allanite.statespace.build import MarkovSum, Matrices, averaged, blocks_of, equivalent, flicker_sum, states_of
 from allanite.terms.row import Block
 
-OUTAGES = (1, 10, 60, 300, 600, 1000)
-"""Times without aid, s."""
-
-AIDED = 1000
-"""Seconds of aid before."""
+OUTAGES = (1, 10, 60, 300, 600, 1000)  # times without aid, s
+AIDED = 1000  # seconds of aid before
 
 BEFORE = 60
 """Seconds before the aid, whose mean rate is removed from drifts without a variance, as by a calibration at rest."""

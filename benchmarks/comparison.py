@@ -29,23 +29,12 @@ MODELS = {
     "NK": al.N(0.3, "deg/sqrt(h)") + al.K(200, "deg/h/sqrt(h)"),
     "QNBK": al.Q(2, "arcsec") + al.N(0.3, "deg/sqrt(h)") + al.B(20, "deg/h") + al.K(500, "deg/h/sqrt(h)"),
 }
-FACTORS = 4 ** np.arange(6)
-"""Averaging factors."""
-
-CHANGES = (0.0, 0.1, 0.2, 0.5)
-"""Relative changes of the deviation."""
-
-SMALL = (0.02, 0.05)
-"""Relative changes of N, of which the likelihood sees less than the curve at its shortest time."""
-
-FEWEST = 1.5
-"""Degrees of freedom below which nothing is promised."""
-
-SIZE = (3.5, 6.5)
-"""Bounds of the share of equal pairs that are called different, percent, at a level of 5 %."""
-
-NEAR = 3.0
-"""Bound of the difference of measured and predicted power, percent."""
+FACTORS = 4 ** np.arange(6)  # averaging factors
+CHANGES = (0.0, 0.1, 0.2, 0.5)  # relative changes of the deviation
+SMALL = (0.02, 0.05)  # relative changes of N, of which the likelihood sees less than the curve at its shortest time
+FEWEST = 1.5  # degrees of freedom below which nothing is promised
+SIZE = (3.5, 6.5)  # bounds of the share of equal pairs that are called different, percent, at a level of 5 %
+NEAR = 3.0  # bound of the difference of measured and predicted power, percent
 
 
 def pair_of(model: str, seed: int) -> tuple[al.Record, al.Record]:

@@ -26,10 +26,8 @@ NOISE = {
 }
 SIZE, STEP = 3600, 0.0625
 RATE = convert(1.0, "deg/h", "rad/s")
-EFFECTS = {"temp": 20.0 * RATE, "d temp/dt": 2000.0 * RATE}
-"""Rate per degC, and per degC/s."""
-FIT = FitSettings(least=1.0)
-"""One record of some hundreds would be refused, for too few effective samples."""
+EFFECTS = {"temp": 20.0 * RATE, "d temp/dt": 2000.0 * RATE}  # rate per degC, and per degC/s
+FIT = FitSettings(least=1.0)  # one record of some hundreds would be refused, for too few effective samples
 
 HEADINGS = (
     "noise", "temperature", "regressor", "false %", "ordinary %", "noise known %", "within 95 % limits", "bias / sd",

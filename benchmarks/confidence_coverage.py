@@ -39,8 +39,7 @@ FACTORS = {
     "pdev": (2, 8, 32, 64, 100),
 }
 PEERS = ("adev", "oadev", "hdev", "ohdev", "mdev", "totdev")
-FEWEST = 1.5
-"""Degrees of freedom below which nothing is promised."""
+FEWEST = 1.5  # degrees of freedom below which nothing is promised
 
 BOUNDS = {"68 %": (64, 73), "95 %": (92.5, 97.5), "below": (1, 4.5), "above": (1, 4.5)}
 HEADINGS = ("noise", "statistic", "m", "edf", "mean / expected", *BOUNDS, "allantools 68 %")

@@ -21,8 +21,7 @@ def _numbers(rows: int) -> np.ndarray:
     return np.random.default_rng(11).normal(size=(rows, 3))
 
 
-NUMBERS = _numbers(40)
-"""What all files hold."""
+NUMBERS = _numbers(40)  # what all files hold
 
 ASKED = {"rate": 100.0, "unit": "deg/s"}
 RAW = {"dtype": "<i2", "columns": 3, "scale": "0.01deg/s", "rate": 100.0}

@@ -14,8 +14,7 @@ import allanite as al
 from allanite.reporting.digits import digits, printed_unit
 
 FILES = tuple(f"adis_16405_imu{i}.rda" for i in (1, 2, 3))
-UNIT = "gyro=deg/s,accel=g"
-"""What the files do not say."""
+UNIT = "gyro=deg/s,accel=g"  # what the files do not say
 
 HEADINGS = ("file", "channel", "quantity", "unit", "data sheet", "measured", "95 % interval", "ratio", "remark")
 

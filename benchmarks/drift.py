@@ -31,8 +31,7 @@ IDENTIFIED = tuple(
     f"N 0.3 deg/sqrt(h){more}"
     for more in ("", ", B 7 deg/h", ", K 20 deg/h/sqrt(h)", ", B 7 deg/h, K 20 deg/h/sqrt(h)")
 )
-LENGTH = 36_000, 5.0
-"""Samples and sampling rate, Hz, of the records whose noise is identified."""
+LENGTH = 36_000, 5.0  # samples and sampling rate, Hz, of the records whose noise is identified
 
 
 def models(sensor: str) -> list[al.Model]:

@@ -28,11 +28,8 @@ import allanite as al
 
 PIN = ("OMP", "OPENBLAS", "MKL", "NUMBA", "ARROW")
 GYRO, ACCEL = "N 0.5 deg/sqrt(h), B 5 deg/h, K 20 deg/h/sqrt(h)", "N 100 ug/sqrt(Hz), B 20 ug"
-MOST = {"page": 10.0, "json": 6.0}
-"""Bounds: times the read."""
-
-ALIKE = 0.2
-"""By how much the time with nothing set may differ from the time with threads pinned."""
+MOST = {"page": 10.0, "json": 6.0}  # bounds: times the read
+ALIKE = 0.2  # by how much the time with nothing set may differ from the time with threads pinned
 
 STAGES = {
     "reading": "readers/__init__.py:read",

@@ -21,8 +21,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 PYTHONS = ["python3.11", "python3.12", "python3.13", "python3.14"]
-FIRST, LAST, EACH = slice(0, 1), slice(-1, None), slice(None)
-"""Which of the Pythons at hand a kind is tried with."""
+FIRST, LAST, EACH = slice(0, 1), slice(-1, None), slice(None)  # which of the Pythons at hand a kind is tried with
 
 ROOMS = (
     "tests/unit/readers",
@@ -122,8 +121,7 @@ KINDS = {
     "sdist": Kind("plain", FIRST, form="sdist", extras="none"),
 }
 
-SHOWN = ("numpy", "scipy", "numba", "pyarrow", "matplotlib", "click", "h5py")
-"""Packages whose versions the table has."""
+SHOWN = ("numpy", "scipy", "numba", "pyarrow", "matplotlib", "click", "h5py")  # packages whose versions the table has
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 OPTIONAL = PROJECT["optional-dependencies"]

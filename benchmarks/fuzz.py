@@ -52,9 +52,7 @@ WARM, WARMING = 40, -1
 """Cases that run before time and memory are watched, as they import and compile; what stands for their number."""
 
 MEMORY = next((folder for folder in ("/dev/shm",) if os.path.isdir(folder)), None)  # noqa: S108  a disk is slow
-
-OPEN = contextlib.ExitStack()
-"""What a target has opened, which its process closes at the end."""
+OPEN = contextlib.ExitStack()  # what a target has opened, which its process closes at the end
 
 Take = Callable[[int], object]
 
@@ -264,8 +262,7 @@ MANIFEST = (
 )
 LIST = "# units\na.csv\nsub/b.csv\n"
 RECIPE = 'rate = 100.0\nunit = "deg/h"\nchannels = ["gx", "2"]\nstart = 1.0\nterms = ["N", "B"]\nlevel = 0.95\n'
-STREAM = 12
-"""Seconds of a stream of 100 rows a second."""
+STREAM = 12  # seconds of a stream of 100 rows a second
 
 TERM_UNITS = {"Q": "arcsec", "N": "deg/sqrt(h)", "W": "deg/sqrt(h)", "B": "deg/h", "F": "deg/h", "K": "deg/h/sqrt(h)"}
 """Units of the terms whose unit is not that of a rate."""

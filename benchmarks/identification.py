@@ -20,8 +20,7 @@ import allanite as al
 
 RATE = 100.0
 SENSORS = {name.upper(): al.sensor(name) for name in al.planning.SENSORS}
-LONG, FEW = 2**18, 300
-"""Samples above which there are at most so many records."""
+LONG, FEW = 2**18, 300  # samples above which there are at most so many records
 
 HEADINGS = (
     "terms", "sensor", "n", "term", "bound %", "claimed %", "identified %", "cover %", "profile %", "width", "rmse",

@@ -20,8 +20,7 @@ Values = np.ndarray
 Rng = np.random.Generator
 Filter = tuple[Sequence[float], Sequence[float]]
 
-LONGER, FINER = 4, 4
-"""The grid on which flicker noise is made: so many times as long and as fine as the record."""
+LONGER, FINER = 4, 4  # the grid on which flicker noise is made: so many times as long and as fine as the record
 
 
 def white(n: int, N: float, rate: float, rng: Rng) -> Values:

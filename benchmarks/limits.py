@@ -40,11 +40,8 @@ STATISTIC = {
 }  # fmt: skip
 """Each with averaging times that it reaches, shares of the record."""
 
-EXACT = ("totdev", "mtotdev", "htotdev", "theo1")
-"""Statistics whose bias is divided out."""
-
-PEERS = ("oadev", "hdev", "mdev", "totdev")
-"""Statistics whose limits allantools gives."""
+EXACT = ("totdev", "mtotdev", "htotdev", "theo1")  # statistics whose bias is divided out
+PEERS = ("oadev", "hdev", "mdev", "totdev")  # statistics whose limits allantools gives
 
 LEVELS = (0.95, 0.68)
 

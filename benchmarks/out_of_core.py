@@ -18,11 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-CHUNK = 5_000_000
-"""Samples that are made at a time."""
-
-MEMORY = "500MB"
-"""What the analysis is given, so that it reads in parts."""
+CHUNK = 5_000_000  # samples that are made at a time
+MEMORY = "500MB"  # what the analysis is given, so that it reads in parts
 
 
 class File(NamedTuple):

@@ -19,8 +19,7 @@ from pathlib import Path
 PACKAGE = Path(__file__).resolve().parents[1] / "src" / "allanite"
 KINDS = ("sign", "factor", "arguments", "check")
 
-AROUND, LONGEST = 24, 64
-"""Characters that are shown on either side of a change, and of it."""
+AROUND, LONGEST = 24, 64  # characters that are shown on either side of a change, and of it
 
 UNORDERED = {"min", "max", "hypot", "minimum", "maximum", "fmin", "fmax", "add", "multiply", "logaddexp", "gcd", "lcm"}
 UNORDERED |= {"isinstance", "issubclass"}

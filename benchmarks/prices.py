@@ -45,14 +45,12 @@ ROWS: dict[str, tuple[Move, str]] = {
 }  # fmt: skip
 """Rows of the table of components by what is listed, how they are added, and the kind of a factor."""
 
-STATES = 3
-"""States of the component that is there, beside which others are tried, at most."""
+STATES = 3  # states of the component that is there, beside which others are tried, at most
 
 TUNED = {"filter": 1, "resonance": 1, "warm-up": 3}
 """Rows whose alternatives are no shapes that are refined, and how often these are exchanged."""
 
-EXPENSIVE = 1e3
-"""Price of the kinds of a factor that are not tried."""
+EXPENSIVE = 1e3  # price of the kinds of a factor that are not tried
 
 
 @dataclass(frozen=True)

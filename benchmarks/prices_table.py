@@ -8,8 +8,7 @@ import numpy as np
 
 from allanite.identification.search.components import CLAIMED, COMPONENTS, FACTORS
 
-TAILS = (0.1, 0.03)
-"""Shares of the records, those that gain most, from which the number of places follows."""
+TAILS = (0.1, 0.03)  # shares of the records, those that gain most, from which the number of places follows
 
 Line = dict[str, Any]
 Row = tuple[str, ...]

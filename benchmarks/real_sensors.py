@@ -28,8 +28,7 @@ from allanite.study.results import Channel, Noise
 from identification import RATE, SENSORS
 
 TERMS = ("N", "B", "K")
-SETTLING = 4096
-"""Samples before the record, in which filters forget their start."""
+SETTLING = 4096  # samples before the record, in which filters forget their start
 
 Fault = Callable[[np.ndarray, np.random.Generator], np.ndarray]
 

@@ -34,11 +34,8 @@ RATE, SIZE, SETTLING, FAST = 100.0, 2**16, 8192, 8
 """Rate, Hz, and samples of most records; samples in which filters forget their start; the rate before an analog
 filter, over that of the record."""
 
-READ = 0.005
-"""How well N of a rounded record is known, of itself: three times the scatter of the ratio of two spectra."""
-
-RECORDS, FEW, LONG = 40, 10, 2**18
-"""Records of a cell; of one of `LONG` samples or more."""
+READ = 0.005  # how well N of a rounded record is known, of itself: three times the scatter of the ratio of two spectra
+RECORDS, FEW, LONG = 40, 10, 2**18  # records of a cell; of one of `LONG` samples or more
 
 Truth = dict[str, Any]
 Made = tuple[sim.Values, Truth]

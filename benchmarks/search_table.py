@@ -8,8 +8,7 @@ import numpy as np
 
 CLAIMED = ("identified", "weak")
 MARKOV = ("GM", "GML", "GM2", "GMA")
-FAMILY = {"GM": {"GM", "GML"}}
-"""Symbols under which a term may be claimed, if not its own alone."""
+FAMILY = {"GM": {"GM", "GML"}}  # symbols under which a term may be claimed, if not its own alone
 
 GRADES = ("explained", "approximate", "unexplained", "failed")
 

@@ -35,8 +35,7 @@ from allanite.statistics.grids import GRIDS
 RATE = 100.0
 MODEL = al.N(0.01, "deg/sqrt(h)") + al.B(0.1, "deg/h") + al.K(0.1, "deg/h/sqrt(h)")
 INCORE = 1000
-ENOUGH = 5.0
-"""Seconds that a part of a peer's job takes at least before it is extrapolated."""
+ENOUGH = 5.0  # seconds that a part of a peer's job takes at least before it is extrapolated
 
 DIFFERENCES = {"oadev": 2, "mdev": 3, "ohdev": 3}
 """Order of the differences; mdev takes those of the angle's running sum."""
@@ -248,8 +247,7 @@ def mtot_terms(n: int, m: Sequence[int]) -> float:
     return float(np.sum(6 * m * (n + 2 - 3 * m)))
 
 
-WINDOW = log_factors(36_000 // 2, 52)
-"""Averaging factors of a window of 36000 samples."""
+WINDOW = log_factors(36_000 // 2, 52)  # averaging factors of a window of 36000 samples
 
 
 def curve(statistic: str, taus: str = "all", m: Callable[[int], Sequence[int]] | None = None) -> Callable[..., object]:

@@ -33,11 +33,8 @@ LARGEST = 12
 """Kernels that are listed."""
 
 ADDRESS = "https://github.com/allanite/"
-INDEX = ("PIP_", "UV_", "SSL_CERT_FILE")
-"""Beginnings of variables that lead to the package index."""
-
-ALONE = ("uvx", "pipx")
-"""Programs that install what they run."""
+INDEX = ("PIP_", "UV_", "SSL_CERT_FILE")  # beginnings of variables that lead to the package index
+ALONE = ("uvx", "pipx")  # programs that install what they run
 
 COMPILED = """
 import json, time

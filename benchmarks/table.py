@@ -28,8 +28,7 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results"
-CODE = ("src", "benchmarks/*.py", "tests/reference")
-"""What a figure depends on."""
+CODE = ("src", "benchmarks/*.py", "tests/reference")  # what a figure depends on
 
 ROOMS = {
     "angle": "applications/angle", "bags": "readers", "bound": "planning/bound.py statespace", "check": "claims",

@@ -52,8 +52,7 @@ TWO = (
     Cell(PROCESS, al.GML(30.0, "deg/h", time_constant=60.0), "QNBKR,GM,GM", 60_000),
     Cell(LOOP, al.GM2(20.0, "deg/h", frequency=0.3, damping=0.15), "N,GM,GM2", 70_000),
 )
-CELLS = {"one": ONE, "two": TWO}
-"""Cells by the number of terms with a shape that are asked for."""
+CELLS = {"one": ONE, "two": TWO}  # cells by the number of terms with a shape that are asked for
 
 
 def identified(model: al.Model, terms: str, seed: int) -> al.Fit:

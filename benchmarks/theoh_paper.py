@@ -23,14 +23,12 @@ FITS = [
     ("ls", "oadev"), ("nnls", "oadev"), ("nnls", "theo1"), ("nnls", "theoh"), ("gls", "oadev"), ("gls", "theo1"),
     ("gls", "theoh"), ("whittle", None),
 ]  # fmt: skip
-CLAIMS = ("gls", "whittle")
-"""Methods that look for evidence of a term."""
+CLAIMS = ("gls", "whittle")  # methods that look for evidence of a term
 
 CURVES = [("oadev", None), ("theoh", None), ("theoh", "model")]
 """Statistic, and what replaces its own bias ratio, whose whole curve is fitted as the paper does it."""
 
-LIMITED = ("oadev", "theoh")
-"""Statistics whose limits by gls are held against the truth."""
+LIMITED = ("oadev", "theoh")  # statistics whose limits by gls are held against the truth
 
 PROFILES = {
     "constant": np.ones_like,

@@ -3,8 +3,7 @@
 from docutils import nodes
 from sphinx.application import Sphinx
 
-WIDEST = 40
-"""Characters that fit beside each other on a telephone, with the space between two columns as three."""
+WIDEST = 40  # characters that fit beside each other on a telephone, with the space between two columns as three
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -13,11 +13,8 @@ from allanite.core.units import SIGNALS
 from allanite.phrases.phrase import Phrase
 from allanite.reporting.language import speaking, tr
 
-ROOT = Path(__file__).resolve().parents[1]
-"""Folder of the project."""
-
-ALL = os.environ.get("ALLANITE_TESTS") == "all"
-"""Whether this is the run of `make nightly`."""
+ROOT = Path(__file__).resolve().parents[1]  # folder of the project
+ALL = os.environ.get("ALLANITE_TESTS") == "all"  # whether this is the run of `make nightly`
 
 
 def examples(most):

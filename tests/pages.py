@@ -11,8 +11,7 @@ from allanite.cli import main
 from tests import ROOT
 
 SAMPLE = "examples/tactical_gyro.csv"
-WRITING = ("--report", "--plot", "--csv")
-"""Options with the name of a file that is then looked at."""
+WRITING = ("--report", "--plot", "--csv")  # options with the name of a file that is then looked at
 
 
 def text_of(page):

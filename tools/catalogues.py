@@ -26,8 +26,7 @@ TABLES = {"interpretation/words.toml": "is", "interpretation/devices.toml": ""}
 """Tables with texts, and the key of those that are translated; empty if all are."""
 
 METHODS = [("**.py", "python"), ("**.j2", "jinja2")]
-KEYWORDS = {"say": None, "say_count": (2, 3)}
-"""Calls whose arguments are templates."""
+KEYWORDS = {"say": None, "say_count": (2, 3)}  # calls whose arguments are templates
 
 HEADER = re.compile(
     r'^"(POT-Creation-Date|PO-Revision-Date|Last-Translator|Language-Team|Report|Generated-By).*\n', re.M

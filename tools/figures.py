@@ -27,8 +27,7 @@ from allanite.exporting.exports import EXPORTS  # noqa: E402
 from consistency import SENSORS as NOISES  # noqa: E402
 from stale import stamp  # noqa: E402
 
-READ: list[str] = []
-"""Tables that have been read since it was emptied."""
+READ: list[str] = []  # tables that have been read since it was emptied
 
 
 def read(name: str) -> Page:
@@ -318,8 +317,7 @@ LINK = re.compile(
 )
 """A link to a table, with what `noted` writes into it."""
 
-NOTES = {"_ru": "{date}, {commit}", "_zh": "{date}, {commit}"}
-"""What stands behind a link on pages in other languages."""
+NOTES = {"_ru": "{date}, {commit}", "_zh": "{date}, {commit}"}  # what stands behind a link on pages in other languages
 
 
 def pages() -> list[str]:

@@ -15,11 +15,8 @@ from typing import Any
 SRC = Path(__file__).parents[1] / "src"
 PACKAGE = "allanite"
 
-VAGUE = frozenset({"found", "seen", "left", "there", "one", "said"})
-"""Names of values that do not say what they hold."""
-
-LARGE = 400
-"""Lines above which a file holds more than one idea."""
+VAGUE = frozenset({"found", "seen", "left", "there", "one", "said"})  # names of values that do not say what they hold
+LARGE = 400  # lines above which a file holds more than one idea
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 Graph = dict[str, set[str]]

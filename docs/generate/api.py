@@ -54,8 +54,7 @@ INNER = {
 }
 """Packages of which only these names are for users; of the others, whatever is not a module."""
 
-WITHOUT = {"terms"}
-"""Packages of which only the table is for users."""
+WITHOUT = {"terms"}  # packages of which only the table is for users
 
 
 def api_pages() -> Iterator[tuple[str, list[str]]]:

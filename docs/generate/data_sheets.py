@@ -7,8 +7,7 @@ from allanite.planning.datasheets import DATASHEETS, QUANTITIES
 from allanite.reporting.digits import printed_unit
 from generate.markdown import table, table_of, typeset
 
-COMPARED = ("Random Walk", "Stability")
-"""Ends of the names of the quantities that the model of a data sheet is made of."""
+COMPARED = ("Random Walk", "Stability")  # ends of the names of the quantities that the model of a data sheet is made of
 
 
 def data_sheets_page() -> Iterator[str]:

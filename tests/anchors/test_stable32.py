@@ -16,8 +16,7 @@ from tests.rows import rows
 RATE = lcg() - lcg().mean()
 PHASE = Data(1.0, phase(RATE, 1.0))
 TABLES = {name: values for (name,), values in printed("stable32.txt")}
-SLOW_CLOCK = 42.0
-"""Seconds between samples, which a table for 1 s is scaled to."""
+SLOW_CLOCK = 42.0  # seconds between samples, which a table for 1 s is scaled to
 
 
 def biases(name, values):

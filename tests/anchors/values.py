@@ -13,8 +13,7 @@ import allanite as al
 FOLDER = Path(__file__).parent / "data"
 WHO = ["referee", "allanite"]
 
-COSTLY = ("mdev", "tdev", "mtie")
-"""Referees whose cost is the number of points times m; MOST bounds it."""
+COSTLY = ("mdev", "tdev", "mtie")  # referees whose cost is the number of points times m; MOST bounds it
 
 MOST = 1e9
 

@@ -94,8 +94,7 @@ def test_another_type_is_refused_by_name(name, parameter):
         refused(name, {**others, parameter: Strange()})
 
 
-SIZED = ("rate", "size")
-"""Parameters without which a model alone says nothing, although they have a default."""
+SIZED = ("rate", "size")  # parameters without which a model alone says nothing, although they have a default
 
 
 def cut(size: int, step: int) -> al.Record:

@@ -65,8 +65,7 @@ COMPOSED = {
 }
 """What may be wrong with a column that is neither a number nor a function with one as its value."""
 
-FREE = ("typical", "automatic")
-"""An example and a choice, which nothing can contradict."""
+FREE = ("typical", "automatic")  # an example and a choice, which nothing can contradict
 
 
 def spoiled(row, column):

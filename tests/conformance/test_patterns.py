@@ -15,10 +15,8 @@ import pytest
 import allanite
 
 SOURCE = Path(allanite.__file__).parent
-LENGTH = 100_000
-"""Characters for which a linear pattern takes at most 0.2 s, a quadratic one minutes."""
-SECONDS = 60
-"""Of the processor, not of a clock."""
+LENGTH = 100_000  # characters for which a linear pattern takes at most 0.2 s, a quadratic one minutes
+SECONDS = 60  # of the processor, not of a clock
 METHODS = ("search", "match", "fullmatch", "sub", "split", "findall", "finditer")
 PIECES = (
     " ", "a", "A", "0", "(", "[", "<g", "\n", "_", ".", "-", "e1", "a ", "(a", "a (", "1.", "aB", "é", "темпер", "s*",

@@ -68,8 +68,7 @@ def inputs(tmp_path_factory):
     return folder
 
 
-LINES = [*OPTIONS, "--method", "piecewise", "--terms", "NK"]
-"""The method of lines."""
+LINES = [*OPTIONS, "--method", "piecewise", "--terms", "NK"]  # the method of lines
 
 CASES = [
     # file, options, exit code, words

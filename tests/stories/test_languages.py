@@ -212,11 +212,8 @@ def test_nothing_that_a_verb_shows_is_left_in_english(verb, values, pseudo, monk
     assert not found, f"{verb}: {len(found)} lines have words that are not translated:\n" + "\n".join(found)
 
 
-PLAIN = r"(?<!\w)(deg(?!C)|ug|sqrt\((h|s|Hz)\))(?!\w)"
-"""Units as they are typed."""
-
-TYPED = r"(?<!\w)'[^']*'(?!\w)|\"[^\"]*\"|--\S+ \S+|^(time|enc|ref|g[xyz]|a[xyz]) \[.*"
-"""Where they may be."""
+PLAIN = r"(?<!\w)(deg(?!C)|ug|sqrt\((h|s|Hz)\))(?!\w)"  # units as they are typed
+TYPED = r"(?<!\w)'[^']*'(?!\w)|\"[^\"]*\"|--\S+ \S+|^(time|enc|ref|g[xyz]|a[xyz]) \[.*"  # where they may be
 
 
 @rows("verb", RUNS)

@@ -54,8 +54,7 @@ def test_constraints_name_no_host_and_cover_the_dependencies():
     assert "allanite" not in pinned
 
 
-VENDORED = {"plotly-basic.min.js"}
-"""Libraries of the page: it asks nobody else for them."""
+VENDORED = {"plotly-basic.min.js"}  # libraries of the page: it asks nobody else for them
 
 
 def test_no_machine_paths_and_no_large_files():
@@ -237,7 +236,7 @@ def test_a_phrase_of_the_list_is_found(tmp_path):
     assert sum(bool(re.search(phrase, text)) for phrase in words.BANNED for text in said) == 3
 
 
-BUDGET = {"lines": 79_298, "files": 2, "names": 65, "circles": 0, "hidden circles": 0}
+BUDGET = {"lines": 78_723, "files": 2, "names": 65, "circles": 0, "hidden circles": 0}
 """What the package has at most: lines, files above 400 of them, values whose name says little, circles of imports.
 
 Hidden are those that are closed by an import in a function. Each number only falls: lower it with what makes it lower.

@@ -62,8 +62,7 @@ def test_a_fragment_of_another_form_is_refused(text):
 
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
-CALLED = {"matplotlib": "matplotlib-base"}
-"""Packages that conda knows by another name."""
+CALLED = {"matplotlib": "matplotlib-base"}  # packages that conda knows by another name
 
 
 def test_the_conda_recipe_has_the_dependencies_of_the_project():

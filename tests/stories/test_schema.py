@@ -19,8 +19,7 @@ TYPES = {
 }  # fmt: skip
 
 
-UNLISTED = {"AnglePlan", "Batch", "Harmonics", "Lot", "Pool"}
-"""Types of results that the schema does not have."""
+UNLISTED = {"AnglePlan", "Batch", "Harmonics", "Lot", "Pool"}  # types of results that the schema does not have
 
 
 def faults(value, schema, where="$"):

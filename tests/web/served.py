@@ -10,8 +10,7 @@ from pathlib import Path
 
 import httpx
 
-WAIT = 120.0
-"""Seconds after which something that should come does not come any more."""
+WAIT = 120.0  # seconds after which something that should come does not come any more
 
 PLUGIN = Path(__file__).with_name("plugin")
 """Where the format of `waiting_job` is installed, for a server that is `waiting`."""

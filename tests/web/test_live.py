@@ -12,8 +12,7 @@ pytestmark = SUITE
 
 JUMP = re.compile("the bias (jumps|steps)")
 
-RATE = 100
-"""Samples a second of record."""
+RATE = 100  # samples a second of record
 
 
 def test_a_stream_has_a_curve_a_jump_is_said_and_the_result_stays(page: Any, tmp_path: Path) -> None:

@@ -15,8 +15,7 @@ from .browsing import SUITE
 pytestmark = SUITE
 
 AXE = Path(__file__).with_name("axe.min.js")
-HIGH = 800
-"""Pixels of a screen."""
+HIGH = 800  # pixels of a screen
 
 
 @pytest.fixture(scope="module")

@@ -85,7 +85,7 @@ class Quantity(NamedTuple):
     remark: str = ""
 
 
-MINIMUM = "minimum"  # stands for the minimum of the Allan deviation where a coefficient has its symbol
+MINIMUM = "minimum"  # the symbol of the minimum of the Allan deviation, beside those of coefficients
 
 
 IN_RUN = say("in-run bias stability")  # what data sheets of inertial sensors call it

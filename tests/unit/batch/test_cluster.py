@@ -19,8 +19,7 @@ from allanite.cli import main
 
 distributed = pytest.importorskip("distributed")
 
-STARTING = 600
-"""Seconds in which a worker starts."""
+STARTING = 600  # seconds in which a worker starts
 
 
 @pytest.fixture(scope="module")

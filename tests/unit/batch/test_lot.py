@@ -26,8 +26,7 @@ from allanite.study.results import Study
 
 LIMITS = al.batch.Specification.from_toml({"limits": {"N": {"max": "0.15 deg/sqrt(h)"}}})
 SIZES = [0.1, 0.11, 0.12, 0.13, 0.14, 0.16, 0.17]
-WARM = [20, 25, 30, 35, 40, 50, 55]
-"""Temperatures: N grows by 0.002 deg/sqrt(h) for each kelvin."""
+WARM = [20, 25, 30, 35, 40, 50, 55]  # temperatures: N grows by 0.002 deg/sqrt(h) for each kelvin
 
 
 @pytest.fixture(scope="module")

@@ -14,8 +14,7 @@ import numpy as np
 import yaml
 from markdown_it import MarkdownIt
 
-COLUMNS = 8
-"""Columns of a data sheet."""
+COLUMNS = 8  # columns of a data sheet
 
 
 def unescaped(text):

@@ -105,8 +105,7 @@ def test_state_space_matrices():
 GYRO = al.N(0.3, "deg/sqrt(h)") + al.B(7.2, "deg/h")
 BOTH = [GYRO, al.Model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")]
 RATE, AID = 100.0, math.radians(0.1)
-UNAIDED = {"ros-imu", "robot-localization"}
-"""Targets that do not estimate a bias: no white noise stands for one."""
+UNAIDED = {"ros-imu", "robot-localization"}  # targets that do not estimate a bias: no white noise stands for one
 
 
 @pytest.fixture(scope="module")

@@ -18,8 +18,7 @@ from allanite.readers.formats import text
 from allanite.readers.options import Options
 from allanite.readers.parts import opened, whole_findings
 
-N = 9000
-"""Rows: more than the first part has, so that several follow."""
+N = 9000  # rows: more than the first part has, so that several follow
 
 STAMPS = np.datetime64("2024-03-11T23:59:30.125", "ns") + np.arange(N) * np.timedelta64(10_000_000, "ns")
 GX, GY = np.random.default_rng(3).normal(size=(2, N)).round(6)

@@ -63,8 +63,7 @@ def assert_same(read, written):
             assert getattr(got, what) == getattr(record, what), what
 
 
-CONTAINED = (".hdf5", ".h5", ".mat")
-"""Suffixes of formats that are read by a process for each file."""
+CONTAINED = (".hdf5", ".h5", ".mat")  # suffixes of formats that are read by a process for each file
 
 COMMON = {"deadline": None, "suppress_health_check": [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]}
 

@@ -20,11 +20,8 @@ VISIONS = {
 XYZ = np.array(
     [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]]
 )
-DISTINCT = 15.0
-"""Least CIE 1976 colour difference of two lines."""
-
-READABLE = 4.5
-"""Least contrast of text, WCAG 2.1 AA."""
+DISTINCT = 15.0  # least CIE 1976 colour difference of two lines
+READABLE = 4.5  # least contrast of text, WCAG 2.1 AA
 
 PAPER = {"light": "#FFFFFF", "dark": style.DARK["#ffffff"]}
 """Color of the ground."""

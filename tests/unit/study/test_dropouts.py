@@ -10,8 +10,7 @@ from allanite.prepare import inspect
 from allanite.study.channels import open_recording
 from allanite.study.recipe import Recipe
 
-SIGMA = 1.0 * np.pi / 180 / 3600 * np.sqrt(0.1)
-"""N of a standard deviation of 1 deg/h at 10 Hz, SI."""
+SIGMA = 1.0 * np.pi / 180 / 3600 * np.sqrt(0.1)  # N of a standard deviation of 1 deg/h at 10 Hz, SI
 
 
 def dropped(size, k, seed=2):
