@@ -267,6 +267,8 @@ def _allan(terms: Sequence[Term], tau: FloatArray, rate: float | None) -> FloatA
     if not terms:
         return np.zeros(tau.shape)
     model = Model(tuple(t for t in terms if not t.row.per_sample or rate))
+    if rate and any(t.row.per_sample or t.row.transient for t in model):  # known at whole samples only
+        tau = np.maximum(np.rint(tau * rate), 1) / rate
     return expected(model, "oadev", tau, rate=rate) if rate else expected(model, "oadev", tau)
 
 

@@ -316,7 +316,7 @@ def noisy(n=4000, rate=RATE, unit="deg/s", seed=1, name="z"):
 @rows(
     ("other", "words"),
     [
-        (noisy(unit="m/s^2", name="ax", seed=2), ["gyro", "accelerometer (ax)", "one type"]),
+        (noisy(unit="m/s^2", name="ax", seed=2), ["gyro", "accelerometer", "one type"]),
         (al.Record(np.full(4000, 2.5), RATE, "deg/s"), ["record 2"]),
         (noisy(n=150), ["150 samples", "at least 200"]),
         (noisy(rate=0.001, seed=2), ["no frequency band in common", "record longer"]),
