@@ -61,9 +61,8 @@ class Entry(Value):
     remark: str  # interval, or why the value is a limit; stands in the file
     measured: bool = True  # whether every value comes from an identified coefficient, not from a limit
     covers: bool = False  # whether the value is that of a model that covers what was identified
-    identified: tuple[
-        float, ...
-    ] = ()  # the same without cover, inflation and limits of the target; empty if there is none
+    # the same without cover, inflation and limits of the target; empty if there is none
+    identified: tuple[float, ...] = ()
 
     @property
     def full(self) -> str:

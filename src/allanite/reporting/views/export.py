@@ -10,6 +10,7 @@ from allanite.core.kinds import title_of
 from allanite.core.model import Model, Term
 from allanite.core.readings import FALLING, FALLING_SIGN
 from allanite.core.units import signal_named
+from allanite.exporting.content import Entry
 from allanite.exporting.export import Export, exported
 from allanite.exporting.exports import EXPORTS, TEMPERATURE, row_of_file
 from allanite.exporting.fields import How
@@ -64,17 +65,24 @@ FILTER = EXPORTS["kalibr"]  # the target whose values stand beside every result
 
 def filter_line(study: Study) -> Iterator[Phrase]:
     """The values of an IMU for a filter, or their upper bounds, and the command that writes the file."""
-    if not {channel.record.signal.name for channel in study if channel.fit is not None}.issuperset(SENSORS):
+    signals = {channel.record.signal.name for channel in study if channel.fit is not None}
+    # what motion adds to a curve is no noise
+    if not signals.issuperset(SENSORS) or any(not c.explained and c.quality.moved for c in study):
         return
     command, made = f"allanite export FILE --to {FILTER.name}", for_filter(study, How())
-    what = say("{filter} (gyro; accelerometer)", filter=FILTER.name)
+    what, known = say("{filter}, gyro; accelerometer", filter=FILTER.name), made is not None
     if made is None:
         made, command = for_filter(study, How(from_curve=True)), f"{command} --from-curve"
         what = say("{filter}, bounds", filter=FILTER.name)
     if made is not None:
-        sizes = [(e.sensor, digits(e.values[0], figures=3).plain()[0]) for e in made.entries]
+        sizes = [(e.sensor, _size(e, limit=known and not (e.measured or e.covers))) for e in made.entries]
         values = join("; ", (", ".join(size for sensor, size in sizes if sensor == own) for own in SENSORS))
         yield say("{what}: {values} ({command})", what=what, values=values, command=command)
+
+
+def _size(entry: Entry, *, limit: bool) -> str:
+    """The first value of a field, as a limit where its coefficient was not identified."""
+    return "< " * limit + digits(entry.values[0], figures=2 if limit else 3).plain()[0]
 
 
 def filter_table(study: Study) -> Iterator[Table]:
