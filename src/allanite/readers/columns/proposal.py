@@ -83,8 +83,7 @@ def units(columns: Sequence[FileColumn], rate: float) -> Proposal:
 
 def _unnamed(columns: Sequence[FileColumn]) -> Proposal:
     """Words about columns without names of sensors, of which each three may be the axes of one."""
-    threes = [columns[i : i + 3] for i in range(0, len(columns), 3)]
-    weighed = [(three, *_weighed(three, RATES, 1.0, UNNAMED)) for three in threes]
+    weighed = [(three, *_weighed(three, RATES, 1.0, UNNAMED)) for three in _threes(columns)]
     heavy = [row for row in weighed if row[1]]
     if len(heavy) != 1:
         return _stated(UNIT)
@@ -96,10 +95,16 @@ def _unnamed(columns: Sequence[FileColumn]) -> Proposal:
     return _stated(",".join([*(f"{column.position}={unit}" for column in three), *others]), why)
 
 
+def _threes(columns: Sequence[FileColumn]) -> list[list[FileColumn]]:
+    """Each three columns that may be the axes of a sensor: also at rest none of them is constant."""
+    noisy = [column for column in columns if (column.values != column.values[:1]).any()]
+    return [noisy[i : i + 3] for i in range(0, len(noisy), 3)]
+
+
 def overview(columns: Sequence[FileColumn], unsaid: Sequence[FileColumn], rising: Sequence[FileColumn]) -> str:
     """A line for each column: its mean, its standard deviation, and what its numbers look like."""
     likely = {column.position: _paced(column) for column in rising}
-    for three in (unsaid[i : i + 3] for i in range(0, len(unsaid), 3)):
+    for three in _threes(unsaid):
         unit = _weighed(three, RATES, 1.0, UNNAMED)[0]
         likely |= {c.position: f"gravity in {unit}" for c in three if unit}
     head = "column", "mean", "std", "looks like"
