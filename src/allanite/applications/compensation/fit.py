@@ -189,11 +189,7 @@ def _centred(part: Design, of: FloatArray) -> FloatArray:
 
 
 def _inside(part: Design, likelihood: Likelihood, theta: FloatArray, values: FloatArray) -> Gain:
-    """Mean squares of the fitted record, about a straight line where a trend is one of the columns.
-
-    Generalized least squares of columns with S = X'X take, where there is no dependence, tr(VS) off the sum of squares
-    of the noise.
-    """
+    """Mean squares of the fitted record, about a line beside a trend; without dependence the fit takes tr(V X'X)."""
     taken = part.taken
     flat = np.flatnonzero(likelihood.flat)[taken]
     V = likelihood.directions(theta)[1][np.ix_(flat, flat)]

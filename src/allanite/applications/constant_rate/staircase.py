@@ -126,12 +126,8 @@ def _steps_and_line(interval: Interval) -> tuple[FloatArray, FloatArray]:
 
 
 def _excess(task: Task) -> float:
-    """What the steps add to the regression's variance: n^(-1/3) pulses, the rate of a fit to something with jumps.
-
-    Not known where the angle noise does not blur the steps.
-
-    J. Kim, D. Pollard, Ann. Statist. 18 (1990) 191, for the power of n; the factor is simulated (benchmarks/rate.py).
-    """
+    """What the steps add to the regression's variance: n^(-1/3) pulses; unknown where no angle noise blurs them."""
+    # J. Kim, D. Pollard, Ann. Statist. 18 (1990) 191, for the power of n; the factor is simulated (benchmarks/rate.py)
     noise = next((t.value for t in task.settled if t.row.alpha == 2), 0.0) / task.pulse
     if not noise >= DITHERED:
         return math.nan

@@ -66,7 +66,7 @@ FILTER = EXPORTS["kalibr"]  # the target whose values stand beside every result
 def filter_line(study: Study) -> Iterator[Phrase]:
     """The values of an IMU for a filter, or their upper bounds, and the command that writes the file."""
     signals = {channel.record.signal.name for channel in study if channel.fit is not None}
-    # what motion adds to a curve is no noise
+    # what motion adds to a curve is not noise
     if not signals.issuperset(SENSORS) or any(not c.explained and c.quality.moved for c in study):
         return
     command, made = f"allanite export FILE --to {FILTER.name}", for_filter(study, How())

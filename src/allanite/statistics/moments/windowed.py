@@ -142,15 +142,9 @@ def relative(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, siz
 
 
 def _sharp_ratios(row: Statistic, rule: Sharp, terms: Sequence[NoiseTerm], m: int, count: int) -> FloatArray:
-    """Ratios of white angle noise with every term where the points of a window meet it one by one, shape (t,).
-
-    Theo1 and the Hadamard total deviation hold single points of the angle: white angle noise is correlated only where a
-    point of one window falls on a point of the other, which no coarser window shows by itself. Its ratios fall as
-    1/(m scale(m)) at an equal number of windows over m.
-
-    Over the lags the product of its covariance with another is smooth except for peaks at the first and the last, where
-    the ends of one window meet those of the other: smooth part and peaks are extrapolated for themselves.
-    """
+    """Ratios of white angle noise with every term where the points of a window meet it one by one, shape (t,)."""
+    # White angle noise is correlated only where a point of one window falls on a point of the other: its ratios fall as
+    # 1/(m scale(m)). Peaks at the first and the last lag, where ends meet ends, are extrapolated for themselves.
     first, last, smooth = [], [], []
     levels = [k + m % 2 for k in rule.levels]
     for level in levels:
