@@ -7,14 +7,16 @@ from typing import Any
 import numpy as np
 
 from allanite.cli import jobs
-from allanite.core.choices import choices_of
+from allanite.core.choices import FLAG, SPAN, ChoiceRow, choices_of
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.kinds import KIND_WORDS, KINDS
 from allanite.core.model import Model, Term, coefficient_factor
 from allanite.core.units import SIGNALS
 from allanite.core.version import __version__
+from allanite.exporting.choice import POLICIES
 from allanite.exporting.exports import EXPORTS
+from allanite.exporting.fields import How
 from allanite.identification.methods import METHODS
 from allanite.interpretation.devices import DEVICES
 from allanite.phrases.phrase import say
@@ -171,6 +173,21 @@ def simulation(name: str, path: str) -> list[str]:
     return ["simulate", path, *shlex.split(EXAMPLES[name][1]), "--quiet", "--force"]
 
 
+VALUES: dict[str, Any] = {"axis": list(POLICIES), "cover": ["yes", "no"]}
+"""Words that a choice of an export takes."""
+
+OTHER_SENSOR = {"name": "models", "control": "list", "options": ["--model"], "rare": False, "values": None,
+                "hint": "N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)"}  # fmt: skip
+"""The control of the noise of a sensor without a file."""
+
+
+def _control(name: str, row: ChoiceRow) -> dict[str, Any]:
+    """How a choice of an export is entered; the rare ones are those that every target has a value for."""
+    span = row.kind is SPAN
+    return {"name": name, "control": row.kind.control, "options": row.options, "values": VALUES.get(name),
+            "rare": not span and row.kind is not FLAG, "hint": "1,1000" if span else ""}  # fmt: skip
+
+
 def tables(lang: str) -> dict[str, Any]:
     """Everything that a menu shows, in a language."""
     gyro = SIGNALS[0]
@@ -198,6 +215,7 @@ def tables(lang: str) -> dict[str, Any]:
                          {"name": "keep", "title": tr(say("use everywhere"))}],
             "verbs": jobs(),
             "options": {verb: {name: row.text for name, row in accepted(verb).items()} for verb in jobs()},
+            "how": [_control(name, row) for name, row in choices_of(How).items()] + [OTHER_SENSOR],
             "choices": [{"name": name, "group": row.group, "control": row.kind.control, "options": row.options}
                         for name, row in choices_of(Recipe).items()],
         }  # fmt: skip

@@ -85,10 +85,11 @@ class Request:
 
 
 def problem_of(error: Exception) -> dict[str, Any]:
-    """An error as the page shows it: the sentence of the command line, the choice that cures it, the exit code."""
-    words, option, code = f"internal error ({type(error).__name__}: {error})", None, DEFECT
+    """An error as the page shows it: the sentence, the choice that cures it, the exit code, and what to type."""
+    words, option, code, more = f"internal error ({type(error).__name__}: {error})", None, DEFECT, {}
     if isinstance(error, click.ClickException):
         words, code = error.format_message(), error.status if isinstance(error, Failure) else error.exit_code
     if isinstance(error, AllaniteError):
         words, option, code = str(error), error.choice or None, error.exit_code
-    return {"error": encoded(words).decode(), "option": option, "exit": code}
+        more = {"cure": encoded(error.cure[1]).decode()} if error.cure[1] else {}
+    return {"error": encoded(words).decode(), "option": option, "exit": code, **more}

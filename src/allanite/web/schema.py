@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NotRequired
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, NonNegativeInt, TypeAdapter, ValidationError
 from pydantic_core import from_json
@@ -97,6 +97,7 @@ class Problem(TypedDict):
     error: str
     option: str | None
     exit: int
+    cure: NotRequired[str]
 
 
 class Job(TypedDict):

@@ -65,7 +65,8 @@ class Worker:
             remedy = spelled("--channels, --from, --until, --memory", "channels, start, until, memory")
             raise DataError(
                 f"the process of this job was ended {how}, perhaps because memory was short: choose fewer channels "
-                f"or a part of the record ({remedy})"
+                f"or a part of the record ({remedy})",
+                choice="channels",
             ) from None
 
     def end(self) -> None:

@@ -1,10 +1,9 @@
 // The server: every request of the page goes through here.
 
 export class Refusal extends Error {
-  constructor({ error, option = null, exit = null }) {
+  constructor({ error, option = null, exit = null, cure = "" }) {
     super(error);
-    this.option = option;
-    this.exit = exit;
+    Object.assign(this, { option, exit, cure });
   }
 }
 

@@ -4,7 +4,10 @@ import { button, byId, el, fill, menu, show } from "./dom.js";
 import { shown } from "./jobs.js";
 import { label, spoken } from "./naming.js";
 import { alter, fileOf, on, recipe, run, state, tell } from "./state.js";
+import { legible } from "./trace.js";
 import { t } from "./words.js";
+
+const UNREADABLE = 3; // exit code of data that cannot be read
 
 // choices that are always in sight; the others are among more options
 const FRONT = ["rate", "unit", "kind", "channels", "start", "until", "exclude", "outliers"];
@@ -96,7 +99,7 @@ export function refuse(error) {
   const key = error.option;
   if (!controls().some((row) => row.name === key)) {
     if (fileOf(error.file) && !run()) {
-      tell("failed", { file: error.file, words: spoken(error.message) });
+      tell("failed", { file: error.file, words: spoken(error.message), unreadable: error.exit === UNREADABLE && !legible(error.file) });
       return;
     }
     fill(byId("problem"), el("span", { test: "problem-text" }, spoken(error.message)), button("×", "problem-close", () => show(byId("problem"), false), { class: "small", "aria-label": t("close") }));
@@ -107,13 +110,26 @@ export function refuse(error) {
   fill(place, spoken(error.message));
   show(place, true);
   if (key === "unit" || error.message.includes("--unit")) {
-    byId("error-unit").append(unitButtons());
+    byId("error-unit").append(sensorUnits(error.cure) ?? unitButtons());
     show(byId("error-unit"), true);
   }
   input(key).setAttribute("aria-invalid", "true");
   for (const fold of [byId("side-fold"), input(key).closest("details")]) if (fold) fold.open = true;
   input(key).scrollIntoView({ block: "center" });
   input(key).focus();
+}
+
+/** Units of the sensors that the server asks for, "--unit gyro=UNIT,accel=g": a menu each, and one button for all. */
+function sensorUnits(cure) {
+  const asked = /--unit '?([^' ]+=[^' ]+)/.exec(cure)?.[1].split(",").map((pair) => pair.split("=")) ?? [];
+  if (asked.length < 2 || asked.some(([sensor]) => !state.tables.units[sensor])) return null;
+  const chosen = () => menus.map((node, i) => `${asked[i][0]}=${node.value}`).join(",");
+  const apply = button(t("apply"), "unit-apply", () => { input("unit").value = chosen(); change("unit", "text", input("unit")); }, { class: "small" });
+  const able = () => { apply.disabled = menus.some((node) => !node.value); };
+  const menus = asked.map(([sensor, unit]) => el("select", { test: `unit-of-${sensor}`, onchange: able },
+    menu([...new Set([...(unit === "UNIT" ? [] : [unit]), ...state.tables.units[sensor]])], unit, t("unit"))));
+  able();
+  return el("span", { class: "choices" }, menus.map((node, i) => el("label", {}, t(asked[i][0]), " ", node)), apply);
 }
 
 /** The usual units, one click each. */

@@ -55,7 +55,6 @@ export function fragment(place, html) {
   return place;
 }
 
-export function copyable(text, test, label) {
-  const done = (event) => navigator.clipboard.writeText(text).then(() => event.target.classList.add("done"));
-  return el("div", { class: "copyable" }, el("pre", { tabIndex: 0, test }, text), button(label, `${test}-copy`, done));
-}
+export const copier = (text, test, label) => button(label, test, (event) => navigator.clipboard.writeText(text).then(() => event.target.classList.add("done")));
+
+export const copyable = (text, test, label) => el("div", { class: "copyable" }, el("pre", { tabIndex: 0, test }, text), copier(text, `${test}-copy`, label));

@@ -32,13 +32,14 @@ function visit(id) {
   if (id && !run()) tell("file", id);
 }
 
-/** A file that cannot be analyzed: why, and the ways on from it. */
-function fail({ file, words }) {
+/** A file that cannot be analyzed: why, and the ways on from it; one that could not be read is not kept. */
+async function fail({ file, words, unreadable }) {
+  if (unreadable) await remove(file, () => choose({ file: null }));
   byId("failed-words").textContent = words;
   const others = state.files.filter((one) => one.id !== file).slice(-3);
   fill(byId("failed-ways"), button(t("choose"), "failed-choose", () => byId("choose-file").click()),
     others.map((one) => button(`${t("back")} ${one.name}`, "failed-back", () => visit(one.id))),
-    button(`${t("remove")} ${fileOf(file)?.name ?? ""}`, "failed-remove", () => remove(file)));
+    fileOf(file) ? button(`${t("remove")} ${fileOf(file).name}`, "failed-remove", () => remove(file)) : []);
   byId("failed").hidden = false;
   byId("open-fold").open = true;
 }
@@ -65,13 +66,14 @@ const openPath = (path) => guarded(async () => added(await api.openPath(state.wo
 
 export const tryExample = (name) => guarded(async () => added(await api.example(state.workspace, name)));
 
-async function remove(id) {
+async function remove(id, then = () => visit(state.files.at(-1)?.id ?? null)) {
   await guarded(async () => {
     await api.forget(state.workspace, id);
     state.files = state.files.filter((file) => file.id !== id);
     const { [id]: _, ...runs } = state.choices.runs ?? {};
     choose({ runs });
-    visit(state.files.at(-1)?.id ?? null);
+    then();
+    draw();
   });
 }
 

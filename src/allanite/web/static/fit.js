@@ -39,7 +39,7 @@ function known(text) {
 function draw() {
   const active = new Set(symbols());
   const found = new Set((ofFront()?.terms ?? []).filter((one) => FOUND.includes(one.status)).map((one) => one.symbol));
-  const boxes = state.tables.terms.map((row) => {
+  const boxes = (rows) => rows.map((row) => {
     const letter = el("strong", {}, row.symbol);
     letter.style.color = hueOf(row);
     const box = el("input", { type: "checkbox", checked: active.has(row.symbol), test: `term-${row.symbol}`, onchange: (event) => toggle(row.symbol, event.target.checked) });
@@ -48,7 +48,9 @@ function draw() {
     mark.style.color = hueOf(row);
     return el("label", { class: "term", title: row.title ?? "" }, box, mark, letter, el("span", { class: "quiet" }, row.title ?? ""));
   });
-  fill(byId("terms"), boxes);
+  const first = (row) => (row.automatic && row.slope !== null) || found.has(row.symbol);
+  fill(byId("terms"), boxes(state.tables.terms.filter(first)));
+  fill(byId("terms-more"), boxes(state.tables.terms.filter((row) => !first(row))));
   const { band, terms } = recipe();
   byId("fit-auto").disabled = !band && !terms;
   const scope = ofFront()?.scope?.band ?? [];

@@ -12,25 +12,18 @@ const hue = (symbol) => {
   return (dark() ? row?.dark : row?.color) ?? color("--soft");
 };
 
-/** The guides that this curve can show, each with the curve of its term. */
-const drawn = (curve) => own().map((guide, index) => ({ ...guide, index, shape: shapeOf(curve, guide.symbol) })).filter((one) => one.shape);
+/** The guides of the unit of this curve, each with the curve of its term. */
+const drawn = (curve) => own().map((guide, index) => ({ ...guide, index, shape: shapeOf(curve, guide.symbol) })).filter(({ shape, unit }) => shape && (unit ?? shape.unit) === shape.unit);
 
-export function shapes(curve) {
+export function shapes(curve, yref = "y") {
   return drawn(curve).map(({ symbol, value, shape }) => {
-    const [x0, x1] = [shape.tau[0], shape.tau.at(-1)];
-    return { type: "line", name: symbol, x0, x1, y0: value * shape.deviation[0], y1: value * shape.deviation.at(-1), line: { color: hue(symbol), width: 2, dash: "dot" } };
+    const [first, last] = [shape.deviation.findIndex((one) => one > 0), shape.deviation.findLastIndex((one) => one > 0)];
+    return { type: "line", yref, name: symbol, x0: shape.tau[first], x1: shape.tau[last], y0: value * shape.deviation[first], y1: value * shape.deviation[last], line: { color: hue(symbol), width: 2, dash: "dot" } };
   });
 }
 
-const text = ({ symbol, value, shape }) => `${symbol} = ${digits(value)} ${shape.unit}`;
-
-export function labels(curve) {
-  return drawn(curve).map((guide) => {
-    const middle = Math.sqrt(curve.tau[0] * curve.tau.at(-1));
-    const y = guide.value * at(guide.shape.tau, guide.shape.deviation, middle);
-    return { x: Math.log10(middle), y: Math.log10(y), text: text(guide), showarrow: false, yshift: 12, bgcolor: color("--ground"), font: { color: hue(guide.symbol), size: 13 } };
-  });
-}
+/** The lines of the guides, for their labels. */
+export const lines = (curve) => drawn(curve).map(({ symbol, value, shape }) => ({ x: shape.tau, y: shape.deviation.map((one) => value * one), text: `${symbol} = ${digits(value)} ${shape.unit}`, color: hue(symbol) }));
 
 /** A guide was dragged: where it lies now, read by the curve of its term. */
 export function dragged(event, curve) {
@@ -60,7 +53,7 @@ function add(curve) {
   if (!shape) return;
   const fitted = curve.terms?.find((one) => one.symbol === symbol && one.unit === shape.unit)?.value;
   const value = fitted ?? Math.min(...curve.deviation.map((one, i) => one / at(shape.tau, shape.deviation, curve.tau[i])).filter(Number.isFinite));
-  choose({ guides: [...own(), { symbol, value }] });
+  if (Number.isFinite(value) && value > 0) choose({ guides: [...own(), { symbol, value, unit: shape.unit }] });
 }
 
 export function list(curve) {

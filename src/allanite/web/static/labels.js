@@ -18,7 +18,7 @@ const points = ({ x, y }, [left, right], [low, high]) => x.flatMap((one, i) => {
 const free = ([u, v], width, height, others) => others.reduce((least, [a, b]) => Math.min(least, Math.max(Math.abs(a - u) / width, Math.abs(b - v) / height)), 3);
 
 /** Where to write the text of each line: `named` are lines with text and color, `others` stay visible, `size` is in pixels. */
-export function labels(named, others, { x, y, size }) {
+export function labels(named, others, { x, y, size, yref = "y" }) {
   const seen = named.map((line) => points(line, x, y));
   const known = others.flatMap((line) => points(line, x, y));
   const taken = [];
@@ -32,6 +32,6 @@ export function labels(named, others, { x, y, size }) {
     if (!places.length) return [];
     const [u, v] = places[worth.indexOf(Math.max(...worth))];
     for (const du of [-1, -0.5, 0, 0.5, 1]) taken.push([u + du * width, v]);
-    return [{ xref: "x", yref: "y", x: x[0] + u * (x[1] - x[0]), y: y[0] + v * (y[1] - y[0]), text, showarrow: false, font: { color, size: 13 } }];
+    return [{ xref: "x", yref, x: x[0] + u * (x[1] - x[0]), y: y[0] + v * (y[1] - y[0]), text, showarrow: false, font: { color, size: 13 } }];
   });
 }

@@ -11,8 +11,18 @@ export const label = (key) => t(LABELS[key] ?? key).replaceAll("_", " ");
 /** What a control is called, without its unit. */
 export const plain = (key) => label(key).replace(/[,(].*$/, "").trim();
 
-/** Words of the command line as this page says them. */
+// an option of the command line, and what may be its value
+const OPTION = /(--[a-z][a-z-]*)(?:([= ])('[^']*'|[^\s;:()'"]*[^\s;:()'",.]))?/g;
+
+/** Sentences of the command line as this page says them: “Unit” where they have --unit UNIT, “Unit” = g for --unit g. */
 export function spoken(words) {
-  const row = (option) => state.tables?.choices.find((one) => one.options.includes(option));
-  return words.replace(/--[a-z][a-z-]*/g, (option) => (row(option) ? t("named").replace("%", plain(row(option).name)) : option));
+  const rows = [...(state.tables?.choices ?? []), ...(state.tables?.how ?? [])];
+  return words.replace(OPTION, (whole, option, sign, value = "", at = 0) => {
+    const row = rows.find((one) => one.options.includes(option));
+    if (!row) return whole;
+    const name = t("named").replace("%", plain(row.name));
+    if (/^[A-Z]+$/.test(value) || !value) return name;
+    const given = sign === "=" || /[\d'/=^]/.test(value) || /^($|[;,.)])/.test(words.slice(at + whole.length));
+    return given ? `${name} = ${value.replaceAll("'", "")}` : `${name}${sign}${value}`;
+  });
 }

@@ -1,8 +1,9 @@
 // What is taken away: files for other programs, the data sheet, reports, the recipe, the command line that repeats it.
 
 import * as api from "./api.js";
-import { button, byId, complaint, copyable, el, fill, fragment, menu, show } from "./dom.js";
+import { button, byId, complaint, copier, copyable, el, fill, fragment, menu, show } from "./dom.js";
 import { shown } from "./jobs.js";
+import { label } from "./naming.js";
 import { on, run, state, tell } from "./state.js";
 import { t } from "./words.js";
 
@@ -39,19 +40,39 @@ async function save(form) {
   }
 }
 
+const option = ({ name }) => byId(`export-${name}`);
+
+/** The choices of an export, those that are given. */
+const how = () => Object.fromEntries(state.tables.how.map((row) => [row.name, byId(`export-${row.name}-typed`)?.value.trim() || (READ[row.control]?.(option(row)) ?? option(row).value.trim())]).filter(([, value]) => value !== "" && value !== false));
+
+const READ = {
+  flag: (node) => node.checked,
+  number: (node) => (node.value === "" ? "" : Number(node.value)),
+  list: (node) => (node.value.trim() === "" ? "" : [node.value.trim()]),
+};
+
+/** A choice of an export as a control. */
+function control({ name, control: kind, values, hint }) {
+  const shared = { id: `export-${name}`, test: `export-${name}` };
+  const typed = (key, more = {}) => el("input", { ...shared, id: `${shared.id}${key}`, test: `${shared.test}${key}`, type: "text", placeholder: hint, spellcheck: "false", ...more });
+  if (values) return el("span", {}, el("label", {}, label(name), " ", el("select", shared, menu(values, "", t("auto")))), hint ? [" ", typed("-typed", { "aria-label": `${label(name)}: ${t("taus")}` })] : []);
+  if (kind !== "flag" && kind !== "number") return el("label", { class: "wide" }, label(name), " ", typed(""));
+  const node = el("input", { ...shared, type: kind === "flag" ? "checkbox" : "number", step: kind === "number" ? "any" : null });
+  return el("label", {}, kind === "flag" ? [node, label(name)] : [label(name), " ", node]);
+}
+
 async function give(target) {
   const place = byId("exported");
   place.ariaBusy = "true";
   try {
     await fresh();
     const channels = [...byId("export-channels").querySelectorAll("input:checked")].map((box) => box.value);
-    const ticked = (id) => byId(id).checked || undefined;
-    const other = byId("export-model").value.trim();
-    const order = { channels, target, lang: state.choices.lang, unexplained: ticked("unexplained"), from_curve: ticked("from-curve"), cover: ticked("uncovered") && false, models: other ? [other] : [] };
-    const { text, filename, html } = await api.exported(run(), order);
-    const whole = copyable(text, "export-text", t("copy"));
+    const { text, filename, html } = await api.exported(run(), { channels, target, lang: state.choices.lang, ...how() });
     const file = () => download({ blob: new Blob([text], { type: "text/plain" }), name: filename });
-    fill(place, el("h3", {}, filename ?? target), html ? [fragment(el("div", { class: "fragment", test: "export-fields" }), html), el("details", {}, el("summary", { test: "export-fold" }, filename), whole)] : whole, button(`${t("save")}: ${filename}`, "export-save", file));
+    const take = [copier(text, "export-text-copy", t("copy")), button(`${t("save")}: ${filename}`, "export-save", file)];
+    const whole = el("pre", { tabIndex: 0, test: "export-text" }, text);
+    fill(place, el("h3", {}, filename ?? target), html ? fragment(el("div", { class: "fragment", test: "export-fields" }), html) : [], el("div", { class: "row" }, take),
+      html ? el("details", {}, el("summary", { test: "export-fold" }, filename), whole) : whole);
   } catch (error) {
     fill(place, complaint(error, "error-target"));
   }
@@ -72,6 +93,8 @@ function draw() {
 
 function menus() {
   fill(byId("target"), menu(state.tables.exports, byId("target").value || undefined));
+  const [seldom, often] = [true, false].map((rare) => state.tables.how.filter((row) => row.rare === rare).map(control));
+  fill(byId("export-options"), often, el("details", {}, el("summary", { test: "export-more" }, t("more")), el("span", { class: "group" }, seldom)));
   fill(byId("saves"), FORMS.map(([form, word, kind]) => button(`${t(word)} (${kind})`, `save-${form}`, () => save(form))));
 }
 

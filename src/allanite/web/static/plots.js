@@ -30,7 +30,7 @@ export const CONFIG = {
 
 export function axis(title, more = {}) {
   return {
-    title: { text: title, font: { size: 13 } },
+    title: { text: title, font: { size: 13 }, standoff: 8 },
     gridcolor: color("--line"),
     linecolor: color("--soft"),
     zerolinecolor: color("--line"),
@@ -56,7 +56,7 @@ export function layout(more) {
     hovermode: "closest",
     hoverlabel: { bgcolor: color("--wash"), bordercolor: color("--line"), font: { color: color("--ink") } },
     showlegend: false,
-    legend: { orientation: "h", x: 0, y: 1.01, yanchor: "bottom", traceorder: "normal", itemclick: false, itemdoubleclick: false },
+    legend: { orientation: "h", font: { size: innerWidth < 600 ? 11 : 13 }, x: 0, y: 1.01, yanchor: "bottom", traceorder: "normal", itemclick: false, itemdoubleclick: false },
     ...more,
   };
 }
@@ -87,7 +87,9 @@ export function at(x, y, wanted) {
   return y[i - 1] * (y[i] / y[i - 1]) ** share;
 }
 
-export const digits = (value) => Number(value.toPrecision(3)).toString();
+export const digits = (value, most = 3) => Number(value.toPrecision(most)).toString();
+
+export const written = (value) => digits(value, 4);
 
 /** The figure of a result as the command line draws it; nothing where there is none. */
 export async function picture(job, alt, test) {

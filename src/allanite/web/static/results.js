@@ -33,7 +33,7 @@ function card(one, current) {
   if (!found) return null;
   found.dataset.testid = "card";
   if (one === current) found.dataset.current = "yes";
-  for (const value of found.querySelectorAll("dd")) fill(value, value.textContent.split(/(?<=[,，])/).map((part) => el("span", {}, part))); // broken after a comma only
+  for (const value of found.querySelectorAll("dd")) fill(value, value.textContent.split(/(?<=[,，])/).flatMap((part) => [/^\s/.test(part) && " ", el("span", {}, part.trim())])); // broken after a comma first
   const pick = () => choose({ channel: one.name });
   found.addEventListener("click", pick);
   found.querySelector("a").replaceWith(button(one.name || t("channel"), "card-name", pick, { class: "plain", "aria-current": one === current ? "true" : null }));

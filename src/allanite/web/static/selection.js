@@ -4,7 +4,7 @@ import { byId, el, fill, fragment, show } from "./dom.js";
 import { perform, shown } from "./jobs.js";
 import { alter, cuts, depth, on, recipe, redo, state, tell, undo } from "./state.js";
 import { picture } from "./plots.js";
-import { channel, duration, known, outlying } from "./trace.js";
+import { channel, known, outlying } from "./trace.js";
 import { t } from "./words.js";
 
 const written = (value) => Number(value.toFixed(3)).toString();
@@ -92,8 +92,6 @@ function enable() {
   byId("undo").disabled = behind === 0;
   byId("redo").disabled = ahead === 0;
 }
-
-export const nudge = (start) => select(start ? [0.25 * duration(), 0.75 * duration()] : null);
 
 export function start() {
   for (const id of ["select-from", "select-until"])

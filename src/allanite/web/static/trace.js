@@ -12,6 +12,7 @@ const SETTINGS = { ...CONFIG, edits: {}, doubleClick: false };
 
 /** Files that were read, so that their samples can be asked for. */
 const readable = new Set();
+export const legible = (file) => readable.has(file);
 
 let data = null;
 let mode = "zoom";
