@@ -9,7 +9,7 @@ import { t } from "./words.js";
 const others = () => state.files.filter((file) => file.id !== state.choices.file);
 
 function draw() {
-  show(byId("compare-section"), others().length > 0);
+  show(byId("compare-section"), Boolean(state.choices.file) && others().length > 0);
   fill(byId("compare-with"), menu(others().map((file) => ({ name: file.id, title: file.name })), byId("compare-with").value));
   for (const option of byId("compare-with").options) option.textContent = state.files.find((file) => file.id === option.value)?.name ?? "";
   fill(byId("compared"));

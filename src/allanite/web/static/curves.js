@@ -177,7 +177,7 @@ async function early({ file, curves }) {
 function listen() {
   if (listening) return;
   listening = true;
-  place().on("plotly_relayout", (event) => guides.dragged(event, cache.get(`${key(front().job, front().name)}/${statistic()}`)) && paint());
+  place().on("plotly_relayout", (event) => front() && guides.dragged(event, cache.get(`${key(front().job, front().name)}/${statistic()}`)) && paint());
 }
 
 function legend(wanted) {

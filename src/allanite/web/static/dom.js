@@ -50,6 +50,8 @@ export function fragment(place, html) {
     node.style.color = `var(--${own.slice(1).toLowerCase()}, ${own})`;
   }
   for (const wide of place.querySelectorAll(".scroll")) wide.tabIndex = 0; // scrolled by keys, too
+  for (const option of place.querySelectorAll(".option")) option.replaceWith(option.textContent);
+  place.normalize();
   const texts = document.createTreeWalker(place, NodeFilter.SHOW_TEXT);
   while (texts.nextNode()) texts.currentNode.data = spoken(texts.currentNode.data);
   return place;

@@ -97,7 +97,7 @@ export function draw() {
       button("×", "file-remove", () => remove(file.id), { class: "small", "aria-label": `${t("remove")} ${file.name}` }));
   });
   fill(byId("files"), rows, (state.tables.first?.aside ?? []).map(damaged));
-  document.body.classList.toggle("empty", state.files.length === 0);
+  document.body.classList.toggle("empty", !state.choices.file);
 }
 
 function examples() {

@@ -17,12 +17,12 @@ const OPTION = /(--[a-z][a-z-]*)(?:([= ])('[^']*'|[^\s;:()'"]*[^\s;:()'",.]))?/g
 /** Sentences of the command line as this page says them: “Unit” where they have --unit UNIT, “Unit” = g for --unit g. */
 export function spoken(words) {
   const rows = [...(state.tables?.choices ?? []), ...(state.tables?.how ?? [])];
-  return words.replace(OPTION, (whole, option, sign, value = "", at = 0) => {
+  return words.replace(/(--[a-z-]+ (?=\S*[\d=/^])[^\s-]\S*) (?=--[a-z])/g, "$1, ").replace(OPTION, (whole, option, sign, value = "", at = 0, all = words) => {
     const row = rows.find((one) => one.options.includes(option));
     if (!row) return whole;
     const name = t("named").replace("%", plain(row.name));
     if (/^[A-Z]+$/.test(value) || !value) return name;
-    const given = sign === "=" || /[\d'/=^]/.test(value) || /^($|[;,.)])/.test(words.slice(at + whole.length));
+    const given = sign === "=" || /[\d'/=^]/.test(value) || /^($|[;,.)])/.test(all.slice(at + whole.length));
     return given ? `${name} = ${value.replaceAll("'", "")}` : `${name}${sign}${value}`;
   });
 }

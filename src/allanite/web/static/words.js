@@ -38,7 +38,7 @@ const WORDS = {
   raw: ["Number in the file", "Число в файле", "文件中的数值"],
   count: ["Sample", "Номер отсчёта", "样本序号"],
   rawnote: ["The numbers as they are in the file. Not known yet:", "Числа как в файле. Ещё неизвестно:", "文件中的原始数值。尚未确定："],
-  beyond: ["▲▼ beyond the range drawn, up to", "▲▼ за пределами показанного, до", "▲▼ 超出显示范围，最远至"],
+  beyond: ["▲▼ beyond the range drawn; extremes:", "▲▼ за пределами показанного; крайние значения:", "▲▼ 超出显示范围；极值："],
   cut: ["Cut out", "Вырезать", "剪除"],
   only: ["Use only this", "Только это", "仅用此段"],
   mask: ["Exclude outliers", "Исключить выбросы", "排除野值"],

@@ -1,0 +1,91 @@
+"""A walk over the whole page: six axes without units, curves, guides, residuals, export, comparison, no recording."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from .browsing import AXE, SUITE, curves, drop, finished
+
+pytestmark = SUITE
+
+VIEWS = [(1280, "en", "light"), (390, "ru", "dark"), (390, "zh", "light"), (1280, "zh", "dark")]
+
+
+def clear(page: Any, *, views: list[tuple[int, str, str]]) -> None:
+    """No barrier and nothing wider than the screen, in each view."""
+    for width, lang, theme in views:
+        page.emulate_media(color_scheme=theme)
+        page.set_viewport_size({"width": width, "height": 900})
+        page.get_by_test_id("language").select_option(lang)
+        page.wait_for_selector(f"html[lang={lang}]")
+        page.wait_for_timeout(300)  # the charts and the sheets in the language
+        axe = page.evaluate("axe.run({resultTypes: ['violations']}).then((r) => r.violations)")
+        assert [(one["id"], [node["target"] for node in one["nodes"]]) for one in axe] == [], (width, lang)
+        assert page.evaluate("document.documentElement.scrollWidth") <= width, lang
+
+
+def layout(page: Any) -> dict[str, Any]:
+    return page.evaluate("(({yaxis, yaxis2, yaxis3}) => [yaxis, yaxis2, yaxis3].map((one) => one && "
+                         "[one.title.text, one.range]))(document.querySelector('#curve-plot').layout)")  # fmt: skip
+
+
+def test_the_whole_page_is_walked_without_an_error(page: Any, tmp_path: Path) -> None:
+    rng, troubles = np.random.default_rng(3), []
+    page.on("console", lambda told: troubles.append(told.text) if told.type in ("error", "warning") else None)
+    page.evaluate(AXE.read_text("utf-8"))
+    values = rng.normal(size=(12_000, 6)) * [0.1, 0.1, 0.1, 1e-2, 1e-2, 1e-2] + [0, 0, 0, 0, 0, 9.8]
+    rows = np.column_stack([np.arange(12_000) / 100.0, values])
+    header = "time,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z"
+    np.savetxt(tmp_path / "plain.csv", rows, delimiter=",", header=header, comments="", fmt="%.6g")
+    (tmp_path / "picture.png").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(rng.integers(0, 256, 3000, np.uint8)))
+    drop(page, tmp_path / "plain.csv")
+    menus = [page.get_by_test_id(f"unit-of-{sensor}") for sensor in ("gyro", "accel")]
+    assert [menu.input_value() for menu in menus] == ["", "m/s^2"]  # gravity tells one, nothing the other
+    assert page.get_by_test_id("unit-apply").is_disabled()
+    menus[0].select_option("deg/s")
+    page.get_by_test_id("unit-apply").click()
+    finished(page, "--unit 'gyro=deg/s,accel=m/s^2'")
+    assert page.locator("#terms label").count() == 5
+    page.get_by_test_id("over-all").click()
+    curves(page, 6)
+    assert page.locator("#curve-plot .legendtext").all_text_contents() == [*header.split(",")[1:], "Model"]
+    for symbol in "NB":
+        page.get_by_test_id("guide-term").select_option(symbol)
+        page.get_by_test_id("guide-add").click()
+    page.get_by_test_id("residuals").check()
+    page.wait_for_function("() => document.querySelector('#curve-plot').layout.yaxis3")
+    (gyro, _), (accel, _), (_, span) = layout(page)
+    assert (gyro, accel) == ("Overlapping Allan deviation (°/h)", "Overlapping Allan deviation (µg)")
+    assert span == pytest.approx([-np.log10(3), np.log10(3)])
+    assert "95 % interval: " in (told := page.evaluate("document.querySelector('#curve-plot').data[2].text[9]"))
+    assert "Model: " in told
+    page.get_by_test_id("target").select_option("kalibr")
+    page.get_by_test_id("export-cover-typed").fill("1,10")
+    page.get_by_test_id("export").click()
+    page.get_by_test_id("export-fields").get_by_text("gyroscope_noise_density").first.wait_for()
+    assert page.get_by_test_id("export-text").is_hidden()
+    assert page.get_by_test_id("export-text-copy").is_visible()
+    clear(page, views=VIEWS)
+    page.get_by_test_id("language").select_option("en")
+    drop(page, tmp_path / "picture.png")
+    page.get_by_test_id("failed").wait_for()
+    assert page.get_by_test_id("file").all_inner_texts() == ["plain.csv"]  # what cannot be read is not kept
+    clear(page, views=VIEWS[:2])
+    assert troubles == []
+
+
+SAID = {
+    "pass the unit of the samples, --unit UNIT, or write it": "pass the unit of the samples, “Unit”, or write it",
+    "the parts (--from 100 --until 199.93)": "the parts (“Analyze from” = 100, “Analyze until” = 199.93)",
+    "give --rate or --unit deg/s; see --details": "give “Rate” or “Unit” = deg/s; see --details",
+    "--cover=no omits the cover": "“Cover” = no omits the cover",
+    "--time 1 uses it as time, --channels as a signal": "“Time column” = 1 uses it as time, “Channels” as a signal",
+    "its noise: --model 'N 1 ug/sqrt(Hz), K 2'": "its noise: “Noise of the other sensor” = N 1 ug/sqrt(Hz), K 2",
+}
+
+
+def test_sentences_name_controls_instead_of_options(page: Any) -> None:
+    spoken = "(all) => import('/naming.js').then(({ spoken }) => all.map(spoken))"
+    assert page.evaluate(spoken, list(SAID)) == list(SAID.values())
