@@ -22,7 +22,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     rows = np.column_stack([stamps, rng.normal(size=(stamps.size, 3))])
     np.savetxt(folder / "bare.csv", rows, delimiter=",", header="time,gyro_x,gyro_y,gyro_z", comments="", fmt="%.6g")
     (folder / "notes.txt").write_text("this is no recording\n", encoding="utf-8")
-    walking = al.simulate(al.N(0.6, "deg/sqrt(h)") + al.K(2000, "deg/h/sqrt(h)"), 20_000, 100.0, rng=rng)
+    walking = al.simulate(al.N(0.6, "deg/sqrt(h)") + al.B(100, "deg/h"), 20_000, 100.0, rng=rng)
     values = np.degrees(walking.rate_values)[:, None]
     written(folder / "walk.csv", values)
     values[[4000, 12_345], 0] = -30.0, 80.0
@@ -53,7 +53,7 @@ def test_a_curve_has_a_legend_and_its_coefficients_at_the_lines(page: Any, files
     drop(page, files / "walk.csv")
     curves(page)
     legend = page.locator("#curve-plot .legendtext").all_text_contents()
-    assert {"95 % interval", "gx", "Model", "N angle random walk", "K rate random walk"} <= set(legend)
+    assert {"95 % interval", "gx", "Model", "N angle random walk", "B bias instability"} <= set(legend)
     labels = page.locator("#curve-plot .annotation-text").all_text_contents()
     card = " ".join(page.get_by_test_id("card").inner_text().split())
     for label in labels:
@@ -68,8 +68,8 @@ def test_a_curve_has_a_legend_and_its_coefficients_at_the_lines(page: Any, files
 def test_found_terms_differ_from_those_that_are_allowed(page: Any, files: Path) -> None:
     drop(page, files / "walk.csv")
     curves(page)
-    marks = {symbol: page.get_by_test_id(f"mark-{symbol}") for symbol in "QNKW"}
-    assert {symbol: mark.inner_text() for symbol, mark in marks.items()} == {"Q": "○", "N": "●", "K": "●", "W": ""}
+    marks = {symbol: page.get_by_test_id(f"mark-{symbol}") for symbol in "QNBW"}
+    assert {symbol: mark.inner_text() for symbol, mark in marks.items()} == {"Q": "○", "N": "●", "B": "●", "W": ""}
     assert marks["N"].get_attribute("aria-label") == "found"
     page.get_by_test_id("term-Q").uncheck()
     page.wait_for_selector("#curve-plot[data-refits='1']")

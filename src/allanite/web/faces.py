@@ -13,17 +13,15 @@ from allanite.core.errors import UsageError
 from allanite.core.kinds import KIND_WORDS, KINDS
 from allanite.core.model import Model, Term, coefficient_factor
 from allanite.core.units import SIGNALS
-from allanite.core.version import __version__
 from allanite.exporting.choice import POLICIES
 from allanite.exporting.exports import EXPORTS
 from allanite.exporting.fields import How
 from allanite.identification.methods import METHODS
 from allanite.interpretation.devices import DEVICES
 from allanite.phrases.phrase import say
-from allanite.planning.datasheets import SENSORS
 from allanite.reporting import words
 from allanite.reporting.digits import printed_unit
-from allanite.reporting.figures.panels import CurvePanel, panels_of, points
+from allanite.reporting.figures.panels import CurvePanel, points
 from allanite.reporting.html import pieces
 from allanite.reporting.language import LANGUAGES, speaking, tr
 from allanite.reporting.views import level_of, view_of
@@ -65,28 +63,20 @@ def _finding(finding: Any) -> dict[str, Any]:
     }
 
 
-def panel_of(curve: Curve, fit: Any = None) -> CurvePanel:
-    """What is drawn of a curve."""
-    return panels_of(curve, fit)[0]
-
-
 def drawn(panel: CurvePanel, level: float, lang: str) -> dict[str, Any]:
     """The points of a curve with its band, its model, and each term of that, in the unit that is shown."""
     shown = points(panel, level)
     tau = np.geomspace(float(shown.tau[0]), float(shown.tau[-1]), MODEL_POINTS)
     model = panel.drawn
-    scope = panel.fit.scope if panel.fit is not None else None
     with speaking(lang):
         return {
             "name": panel.name, "statistic": panel.curve.statistic,
-            "title": tr(STATISTICS[panel.curve.statistic].title), "facts": tr(panel.facts),
+            "title": tr(STATISTICS[panel.curve.statistic].title),
             "unit": printed_unit(panel.unit), "level": level, "interval": tr(words.interval(level)),
             "tau": listed(shown.tau), "deviation": listed(shown.deviation),
             "low": None if shown.low is None else listed(shown.low),
             "high": None if shown.high is None else listed(shown.high),
-            "edf": None if shown.edf is None else listed(shown.edf), "supposed": tr(panel.curve.supposed),
             "validity": panel.fit.validity if panel.fit is not None else "",
-            "times": None if scope is None else [_plain(time) for time in scope.times],
             "model": None if model is None else {"tau": listed(tau), "deviation": listed(panel.whole(model, tau))},
             "terms": [] if model is None else [_term(panel, term, tau, level) for term in model],
             "guides": _guides(panel, tau),
@@ -144,11 +134,7 @@ def curve_of(value: Any, channel: str, statistic: str) -> tuple[Curve, Any]:
 
 def listed(values: Any) -> list[float | None]:
     """Numbers for JSON: what is not finite is null."""
-    return [_plain(v) for v in np.asarray(values, dtype=np.float64).tolist()]
-
-
-def _plain(value: float) -> float | None:
-    return value if math.isfinite(value) else None
+    return [v if math.isfinite(v) else None for v in np.asarray(values, dtype=np.float64).tolist()]
 
 
 UNITS = {
@@ -193,7 +179,6 @@ def tables(lang: str) -> dict[str, Any]:
     gyro = SIGNALS[0]
     with speaking(lang):
         return {
-            "version": __version__,
             "statistics": [{"name": row.name, "title": tr(row.title)} for row in STATISTICS.values()],
             "terms": [
                 {"symbol": s, "title": tr(words.title(s, gyro)), "color": row.color, "dark": row.dark,
@@ -203,11 +188,8 @@ def tables(lang: str) -> dict[str, Any]:
             "methods": [{"name": name, "title": tr(row.title)} for name, row in METHODS.items()],
             "units": {sensor: list(units) for sensor, units in UNITS.items()},
             "kinds": [{"name": k, "title": tr(KIND_WORDS[k]), "meaning": tr(row[2])} for k, row in KINDS.items()],
-            "exports": [
-                {"name": name, "title": tr(row.title), "formats": list(row.forms)} for name, row in EXPORTS.items()
-            ],
+            "exports": [{"name": name, "title": tr(row.title)} for name, row in EXPORTS.items()],
             "devices": list(DEVICES),
-            "sensors": list(SENSORS),
             "examples": [{"name": name, "title": tr(title)} for name, (title, _) in EXAMPLES.items()],
             "languages": [{"code": code, "name": name} for code, name in LANGUAGES.items()],
             "outliers": [{"name": "", "title": tr(say("exclude from the fit only"))},

@@ -37,16 +37,12 @@ class PromptProtocol(H11Protocol):
         """Whether it is asked for nothing at the moment."""
         return self.cycle is None or self.cycle.response_complete
 
-    @property
-    def is_open(self) -> bool:
-        """Whether it is not being closed already."""
-        return not self.transport.is_closing()
-
     def connection_made(self, transport: Any) -> None:
         """Begin to wait for the first request."""
         super().connection_made(transport)
         self.begun = self.loop.time()
-        all_open = [other for other in self.connections if isinstance(other, PromptProtocol) and other.is_open]
+        every = [other for other in self.connections if isinstance(other, PromptProtocol)]
+        all_open = [other for other in every if not other.transport.is_closing()]
         if len(all_open) > MAX_CONNECTIONS:
             min((other for other in all_open if other.idle), key=lambda other: other.begun).transport.close()
         self._wait()

@@ -20,6 +20,7 @@ from allanite.core.record import Recording
 from allanite.parallel.processes import ANSWER
 from allanite.parallel.processors import IDENTIFICATION, PREPARING, imported, importing, processes
 from allanite.phrases.phrase import command_line
+from allanite.reporting.figures.panels import panels_of
 from allanite.statistics import deviation as deviation_of
 from allanite.study.channels import whole_recording
 from allanite.study.parts import in_parts
@@ -70,7 +71,7 @@ class Held:
         if now - self.seen >= CURVES_PERIOD_S:
             self.seen = now
             curves = [channel.curve for channel in watch.latest or () if channel.curve is not None]
-            self.send("live", {"channels": [faces.drawn(faces.panel_of(curve), 0.95, self.lang) for curve in curves]})
+            self.send("live", {"channels": [faces.drawn(panels_of(curve)[0], 0.95, self.lang) for curve in curves]})
 
     def named(self, problem: Answer) -> Answer:
         """A problem with the names of files instead of where they are kept."""
@@ -99,7 +100,7 @@ class Held:
             for record in recording:
                 with suppress(DataError):
                     curve = deviation_of(record, "oadev", taus="octave", noise=None)
-                    drawn.append(faces.drawn(faces.panel_of(curve), 0.95, self.lang))
+                    drawn.append(faces.drawn(panels_of(curve)[0], 0.95, self.lang))
             self.send("curves", {"channels": drawn})
         else:
             self._traced(path, key, self.recordings[path, key])
@@ -182,7 +183,7 @@ def deviation(held: Held, job: str, channel: str, statistic: str, lang: str) -> 
     value, _ = held.values[job]
     key = (job, channel, statistic)
     if key not in held.drawn:
-        held.drawn[key] = faces.panel_of(*faces.curve_of(value, channel, statistic))
+        held.drawn[key] = panels_of(*faces.curve_of(value, channel, statistic))[0]
     return faces.drawn(held.drawn[key], value.recipe.level, lang)
 
 
@@ -202,7 +203,7 @@ def refit(held: Held, job: str, *, channel: str, choices: dict[str, Any], statis
     assert fitted.fit is not None  # noqa: S101 - `refitted` raises else
     return {
         "fit": replace(fitted.fit, curve=None).to_dict(recipe.level),
-        "curve": [faces.drawn(faces.panel_of(curve, fit), recipe.level, lang) for curve, fit in curves],
+        "curve": [faces.drawn(panels_of(curve, fit)[0], recipe.level, lang) for curve, fit in curves],
         **faces.described(shown, lang)["channels"][0],
     }
 

@@ -87,9 +87,10 @@ export function at(x, y, wanted) {
   return y[i - 1] * (y[i] / y[i - 1]) ** share;
 }
 
-export const digits = (value, most = 3) => Number(value.toPrecision(most)).toString();
+const rounded = (most) => (value) => Number(value.toPrecision(most)).toString();
 
-export const written = (value) => digits(value, 4);
+export const digits = rounded(3);
+export const written = rounded(4);
 
 /** The figure of a result as the command line draws it; nothing where there is none. */
 export async function picture(job, alt, test) {
