@@ -100,13 +100,13 @@ def _guides(panel: CurvePanel, tau: Any) -> list[dict[str, Any]]:
     signal = panel.fit.signal if panel.fit is not None else None
     if signal is None:
         return []
-    guides = []
+    guides, bare = [], panel._replace(fit=None)  # a guide holds at any averaging time
     for row in TERMS.values():
         if row.parameters or row.per_sample or row.transient or not row.automatic:
             continue
         unit = signal.sheet[row.power]
         model = Model((Term(row.symbol, coefficient_factor(row.symbol, unit, signal), signal),))
-        deviation = panel.expected(model, tau)
+        deviation = bare.expected(model, tau)
         if np.isfinite(deviation).any():
             guides.append(
                 {"symbol": row.symbol, "title": tr(words.title(row.symbol, signal)), "color": row.color,
