@@ -69,7 +69,7 @@ def overlay(panels: Sequence[figures.CurvePanel], level: float) -> Iterator[Part
     names = ", ".join(panel.name for panel in panels)
     title = statistic_named(panels[0].curve.statistic).title
     label = say("{statistic} of {channels} in one panel", statistic=title, channels=names)
-    yield Drawing(lambda: figures.plot_overlay(panels, level=level), label, "", say("all channels"))
+    yield Drawing(lambda: figures.plot_overlay(panels, level=level), label)
 
 
 def details(channel: Channel, level: float, panel: "figures.CurvePanel | None") -> Iterator[Part]:

@@ -14,7 +14,7 @@ from allanite.core.units import convert
 from allanite.core.validity import APPROXIMATE, EXPLAINED, MOTION, UNEXPLAINED, Finding
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import words
-from allanite.reporting.first import ABOVE, Remark, channels_named, kinds, told_of
+from allanite.reporting.first import ABOVE, Remark, channels_named, kinds, shown, told_of
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of
 from allanite.study.job import Job
 from allanite.study.results import Channel, Noise
@@ -104,6 +104,15 @@ def warnings(channel: Any, of: str = "") -> Iterator[Part]:
     yield from (Note(alert, "warning") for alert in channel.alerts if alert not in told)
     if channel.refusal:
         yield Note(say("no result: {reason}", reason=channel.refusal), "alert")
+
+
+def remark_notes(remarks: Iterable[Remark]) -> Iterator[Note]:
+    """Remarks in full on a page: each one that is grave, and the others in a box."""
+    made = [(remark, shown(replace(remark, command=""))) for remark in remarks]
+    texts = [(r.grave, text if r.command in text else shown(r)) for r, text in made]
+    yield from (Note(text, "alert", "page") for grave, text in texts if grave)
+    mild = [text for grave, text in texts if not grave]
+    yield from [Note("", "fair", "page", mild)] if mild else []
 
 
 MILD = ("quantized", "heavy tails", "outliers", "lines", "shared")
