@@ -330,7 +330,7 @@ def test_the_page_loads_nothing_and_tells_the_whole_story(text):
     words = "".join(Tags(text).text)
     for part in (
         "DOES NOT FIT", "below 2.1", "Whittle", "upper limit",
-        'unit = "deg/h"', "ab" * 32, "1.2.3", "What was assumed", "no result",
+        'unit = "deg/h"', "ab" * 32, "1.2.3", "What was assumed", "No result",
     ):  # fmt: skip
         assert part in words, part
     assert "<math" in text
