@@ -182,7 +182,7 @@ def _summary(first: "First") -> Iterator[Line]:
     """The tables of the first screen."""
     yield from _heading(join(": ", filter(None, (say("Summary"), first.verdict))))
     for table in first.tables:
-        for line in text_of([table.table()], PAGE_COLUMNS).splitlines():
+        for line in (*text_of([table.table()], PAGE_COLUMNS).splitlines(), ""):
             yield line, False
     yield from _plain(first.signs)
 
