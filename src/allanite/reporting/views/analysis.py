@@ -95,7 +95,8 @@ def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None", m
     points = channel.noise.statement.points if channel.noise else ()
     warned = tuple(finding.what for finding in channel.quality.warnings)
     untold = (note for note in channel.fit.advice if not note.startswith(warned))
-    yield from (Note(note, "remark") for note in untold if not any(point.startswith(note) for point in points))
+    advice = [note for note in untold if not any(point.startswith(note) for point in points)]
+    yield from (Note(note, "remark", "text") for note in advice)
     yield from coefficients(channel.fit, level)
     if channel.curve is not None and panel is not None:
         supposed = channel.curve.supposed
@@ -108,7 +109,7 @@ def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None", m
         table = readings_table(channel.readings, level)
         yield from () if channel.explained else (replace(table, where="text"),)  # where there is no data sheet
         yield Fold(say("read off the curve"), [table], shut=True)
-    yield from details(channel, level, panel)
+    yield from details(channel, level, panel, advice)
 
 
 def _together(study: Study, panels: "Sequence[figures.CurvePanel]", first: First, level: float) -> Iterator[Part]:
