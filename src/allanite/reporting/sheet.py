@@ -174,9 +174,7 @@ class Sheet:
     about: Sequence[str] = ()
     parts: Sequence[Part] = ()
     verdicts: Sequence[str] = ()  # at the top of the page, with the name before them
-    # how verdicts are marked
-    doubt: bool = False
-    fair: bool = False
+    level: str = ""  # how verdicts are marked: "alert", "fair"
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ from allanite.core.estimate import STATUSES
 from allanite.core.fit import Fit
 from allanite.core.readings import MINIMUM, minimum_title
 from allanite.core.record import Record
-from allanite.core.validity import APPROXIMATE
 from allanite.identification.methods import METHODS
 from allanite.interpretation.sentences import Meaning
 from allanite.phrases.phrase import Phrase, join, say, say_count, spelled
@@ -78,11 +77,9 @@ SHARED = say(
 def _sheet(
     channel: Channel, level: float, panel: "figures.CurvePanel | None" = None, meant: Meaning | None = None
 ) -> Sheet:
-    doubt = channel.noise is None or not channel.explained
-    fair = channel.noise is not None and channel.noise.validity == APPROXIMATE
     if panel is None:
         panel = next(iter(figures.panels_of(channel, demand=False)), None)
-    return channel_sheet(channel, _parts(channel, level, panel, meant), doubt=doubt, fair=fair)
+    return channel_sheet(channel, _parts(channel, level, panel, meant))
 
 
 def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None", meant: Meaning | None) -> Iterator[Part]:

@@ -52,11 +52,6 @@ def data_sheet_table(channel: Channel, level: float) -> Table:
     return Table(heads, rows, say("data sheet"), marks=marks)
 
 
-def _minimum(channel: Channel, level: float) -> list[tuple[str, str]]:
-    lowest = "" if channel.readings is None else channel.readings.lowest_words(level, pretty=True)
-    return [(IN_RUN, lowest)] if lowest else []
-
-
 def alternative(channel: Channel, curve: Curve, level: float) -> str:
     """Description of a figure: the ends of the curve, its minimum, the coefficients."""
     shown = curve.to(readable_unit(curve.unit))
@@ -67,7 +62,8 @@ def alternative(channel: Channel, curve: Curve, level: float) -> str:
         first=shown.deviation[0], start=shown.tau[0], last=shown.deviation[-1], end=shown.tau[-1],
     )  # fmt: skip
     sentences: list[str] = [words.capital(ends)]
-    sentences += [join(" ", row) for row in _minimum(channel, level)]
+    lowest = "" if channel.readings is None else channel.readings.lowest_words(level, pretty=True)
+    sentences += [join(" ", (IN_RUN, lowest))] if lowest else []
     if channel.fit is not None:
         sentences += [
             join(" = ", (words.symbol(e), words.in_print(e, e.sheet_unit, level))) for e in channel.fit if e.claimed

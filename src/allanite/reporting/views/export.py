@@ -59,16 +59,13 @@ DRAWN = say(
 SENSORS = {GYRO: say("gyro"), ACCELEROMETER: say("accelerometer")}
 
 
-FORMULA = say("formula")
-
-
 def _fields(value: Export, title: str = "") -> Table:
     """What is written, and beside it what was identified, or given, where that differs."""
     differs = any(entry.factor or entry.covers for entry in value.entries)
     columns = (
         Column(say("field"), "name"), Column(say("written")),
         Column(say("identified") if value.recipe else say("given")), Column(say("unit"), "unit"), Column(say("factor")),
-        Column(say("why"), "text", aside=differs), Column(FORMULA, "text", aside=True),
+        Column(say("why"), "text", aside=differs), Column(say("formula"), "text", aside=True),
         Column(say("channel"), "name", aside=True),
     )  # fmt: skip
     rows = [[f"×{cell}" if i == 4 and cell else cell or say("none") if i == 2 else cell for i, cell in enumerate(row)]
@@ -115,8 +112,8 @@ def filter_parts(study: Study) -> Iterator[Part]:
         )
         key = "" if why else join("; ", (writes, *made.notes[: any(entry.covers for entry in made.entries)]))
         fields = _fields(made, title)
-        named = [i for i, column in enumerate(fields.columns) if column.heading != FORMULA]
-        yield replace(fields.only(named), key=key, where="page")
+        without = [*range(len(fields.columns) - 2), -1]  # formulas
+        yield replace(fields.only(without), key=key, where="page")
         lines = list(dropwhile(lambda line: line.startswith("#"), made.text.splitlines()))
         yield Fold(say("file for {filter}", filter=FILTER.name), [Code("\n".join(lines))], shut=True)
     if why:
