@@ -1,7 +1,7 @@
 // A button beside each block of text copies it; where that is not allowed, the text is selected.
+const { copy, copied, selected } = document.currentScript.dataset;
 for (const text of document.querySelectorAll("pre")) {
   const button = document.createElement("button");
-  const { copy, copied, selected } = document.body.dataset;
   button.type = "button";
   button.className = "copy";
   button.textContent = copy;
