@@ -1,9 +1,9 @@
 """How files for other programs are shown: their fields, what they leave out, and what fields mean."""
 
 import math
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from itertools import dropwhile
 
 from allanite.core.errors import DataError, UndrawnError
 from allanite.core.fit import Fit
@@ -20,23 +20,10 @@ from allanite.exporting.target import ACCELEROMETER, GYRO, Target
 from allanite.interpretation.glossary import Word, words
 from allanite.phrases.phrase import Phrase, join, say
 from allanite.planning.datasheets import DATASHEETS
-from allanite.reporting import figures
+from allanite.reporting import figures, sheet
 from allanite.reporting.digits import digits, printed_unit
 from allanite.reporting.first import DETAILS, Channels, First, Remark, condensed, plus_minus
-from allanite.reporting.sheet import (
-    Code,
-    Column,
-    Drawing,
-    Face,
-    Fold,
-    Note,
-    Part,
-    Plot,
-    Sheet,
-    Table,
-    header_of,
-    one_sheet,
-)
+from allanite.reporting.sheet import Code, Column, Drawing, Face, Note, Part, Plot, Sheet, Table, header_of, one_sheet
 from allanite.statistics import STATISTICS
 from allanite.study.results import Study
 from allanite.terms import TERMS, WHITE
@@ -65,8 +52,8 @@ def _fields(value: Export, title: str = "") -> Table:
     columns = (
         Column(say("field"), "name"), Column(say("written")),
         Column(say("identified") if value.recipe else say("given")), Column(say("unit"), "unit"), Column(say("factor")),
-        Column(say("why"), "text", aside=differs), Column(say("formula"), "text", aside=True),
-        Column(say("channel"), "name", aside=True),
+        Column(say("remark"), "text", aside=differs), Column(say("formula"), "text", aside=True),
+        Column(say("channel"), "text", aside=True),
     )  # fmt: skip
     rows = [[f"×{cell}" if i == 4 and cell else cell or say("none") if i == 2 else cell for i, cell in enumerate(row)]
             for row in value.rows()[1]]  # fmt: skip
@@ -107,15 +94,14 @@ def filter_parts(study: Study) -> Iterator[Part]:
     made, why = for_filter(study, How())
     made = made or for_filter(study, How(partial=True))[0]
     if made is not None:
-        writes = say(
-            "{command} writes the values of the worst axis", command=f"allanite export FILE --to {made.target}"
-        )
+        command = f"allanite export FILE --to {made.target}"
+        writes = say("{command} writes the values of the worst axis", command=command)
         key = "" if why else join("; ", (writes, *made.notes[: any(entry.covers for entry in made.entries)]))
         fields = _fields(made, title)
-        without = [*range(len(fields.columns) - 2), -1]  # formulas
-        yield replace(fields.only(without), key=key, where="page")
-        lines = list(dropwhile(lambda line: line.startswith("#"), made.text.splitlines()))
-        yield Fold(say("file for {filter}", filter=FILTER.name), [Code("\n".join(lines))], shut=True)
+        kept = [i for i, column in enumerate(fields.columns) if column.heading != "formula"]
+        yield replace(fields.only(kept), key=key, where="page")
+        body = re.sub(r"\A(#.*\n)*", "", made.text)
+        yield sheet.Fold(say("file for {filter}", filter=FILTER.name), [Code(body.rstrip())], shut=True)
     if why:
         yield Note(why if made is not None else join(": ", (title, why)), where="page")
 
