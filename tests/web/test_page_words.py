@@ -58,7 +58,7 @@ def test_a_curve_has_a_legend_and_its_coefficients_at_the_lines(page: Any, files
     card = " ".join(page.get_by_test_id("card").inner_text().split())
     for label in labels:
         symbol, number = label.split(" ", 1)
-        assert f"({symbol}) {number}" in card
+        assert f"({symbol}), {number.split()[1]} {number.split()[0]}" in card
     assert len(labels) == 2
     assert page.locator("#curve-plot .ytick").count() >= 4
     page.get_by_test_id("model").uncheck()

@@ -69,6 +69,34 @@ def test_no_barrier_and_nothing_beyond_the_screen(opened: Any, lang: str, width:
     assert [(one["id"], one["nodes"][0]["html"]) for one in found] == []
 
 
+@pytest.mark.parametrize("lang", ["en", "ru", "zh"])
+def test_tables_and_figure_share_the_first_screen(opened: Any, lang: str) -> None:
+    boxes = "[...document.querySelectorAll('.channels > .scroll')]"
+    page = opened(lang, 1280)
+    top, bottom = page.evaluate(
+        "['top', 'bottom'].map((side) => document.querySelector('#summary figure').getBoundingClientRect()[side])"
+    )
+    assert page.evaluate(f"{boxes}.map((box) => box.scrollWidth - box.clientWidth)") == [0, 0]
+    assert (top <= 430, bottom <= HIGH + 40) == (True, True), (top, bottom)
+    # on a phone they are scrolled, and their first column stays
+    page = opened(lang, 390)
+    page.evaluate(f"{boxes}.forEach((box) => {{ box.scrollLeft = 60 }})")
+    first = f"{boxes}.map((box) => box.querySelector('tbody th').getBoundingClientRect().left)"
+    assert page.evaluate(first) == page.evaluate(f"{boxes}.map((box) => box.getBoundingClientRect().left)")
+
+
+def test_a_button_copies_the_file_of_a_filter_or_selects_it(opened: Any) -> None:
+    page = opened("en", 1280)
+    button = page.locator("#summary button.copy")
+    button.click()
+    page.wait_for_function("() => document.querySelector('#summary button.copy').textContent === 'Copied'")
+    page.evaluate("() => Object.defineProperty(navigator, 'clipboard', { value: undefined })")
+    button.click()
+    assert "gyroscope_noise_density: " in page.evaluate("getSelection().toString()")
+    page.emulate_media(media="print")
+    assert not button.is_visible()
+
+
 def test_letters_of_figures_can_be_read_on_a_phone(opened: Any) -> None:
     page = opened("en", 390)
     sizes = page.evaluate(

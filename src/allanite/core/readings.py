@@ -273,8 +273,7 @@ def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: f
             name, value = say("{seconds:.4g} s stability", seconds=means.seconds), means.value * per
             remark = say("{count} means", count=means.count)
             if any(_spread_of(e, means) > MOSTLY * means.value for e in estimates):
-                remark = say("{means}; mostly the ramp: R x {length:.6g} s / sqrt(12)", means=remark,
-                             length=means.count * means.seconds)  # fmt: skip
+                remark = say("{means}; mostly the ramp R", means=remark)
             found.append(DataSheetRow(name, value, None, None, unit, means.seconds, remark))
     return found if fit is None else [*found, _bandwidth(fit, rate)]
 

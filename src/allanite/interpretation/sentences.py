@@ -175,7 +175,7 @@ def sentences(fit: Fit, readings: Readings | None = None, *, rate: float, length
     >>> model = N(0.1, "deg/sqrt(h)") + R(3000.0, "deg/h^2")
     >>> record = simulate(model, 6000, 10.0, rng=np.random.default_rng(1))
     >>> sentences(identify(record), rate=10.0, length=600.0)[0]  # doctest: +ELLIPSIS
-    'White noise (angle random walk) dominates up to 4.66 s: averaging longer reduces the error more slowly ...'
+    'White noise (angle random walk) dominates up to 4.66 s: beyond that, averaging longer reduces the error ...'
     """
     if fit.valid is None or not fit.validity:
         return ()
@@ -235,7 +235,7 @@ def _white(span: Span, found: dict[str, Estimate], limits: tuple[float, float]) 
         where = say("White noise ({term}) dominates from {start} to {end}", term=title, start=start, end=end)
     else:
         where = say("White noise ({term}) dominates up to {end}", term=title, end=end)
-    slower = say("averaging longer reduces the error more slowly than with the square root of time")
+    slower = say("beyond that, averaging longer reduces the error more slowly than with the square root of time")
     return join(": ", (where, slower))
 
 

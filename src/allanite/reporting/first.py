@@ -61,6 +61,7 @@ class ChannelRow:
     rank: int = 0  # how soon it is left out where there is too little room: 0 never
     short: str = ""  # its name where there is none for symbols
     narrow: Sequence[str] = ()  # its cells where there is less room, in a row for each channel
+    marks: Sequence[str] = ()  # of each cell on a page: the status of a coefficient, the level of a verdict
 
     @property
     def label(self) -> str:
@@ -147,6 +148,21 @@ class First:
     legend: Sequence[tuple[str, str]] = ()
     read: Sequence[str] = ()  # how the file was read, the most important first
     after: Sequence[tuple[str, str]] = (DETAILS,)  # what next
+
+    @property
+    def tables(self) -> "list[Channels]":
+        """The tables of channels in the answer."""
+        return [part for part in self.answer if isinstance(part, Channels)]
+
+    def key(self, lines: Iterable[str]) -> list[str]:
+        """What the signs in these lines mean."""
+        shown = list(lines)
+        return [meaning for sign, meaning in self.legend if any(re.search(sign, line) for line in shown)]
+
+    @property
+    def signs(self) -> Phrase:
+        """What the signs in its tables mean."""
+        return join(" ", self.key(cell for table in self.tables for row in table.rows for cell in row.cells))
 
     def brief(self) -> list[str]:
         """A line for each channel, or for each row of the answer."""

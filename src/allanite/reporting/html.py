@@ -1,8 +1,10 @@
-"""Sheets as one HTML page that needs nothing else: no script, no font, no request."""
+"""Sheets as one HTML page that needs nothing else: no font, no request; a script of its own copies text."""
 
 import base64
+import hashlib
 import re
 from functools import cache
+from importlib.resources import files
 from itertools import count
 from typing import TYPE_CHECKING
 
@@ -12,7 +14,7 @@ from markupsafe import Markup, escape
 from allanite.phrases.phrase import join, say, say_count
 from allanite.terms import TERMS
 
-from .digits import printable, printed, printed_heading
+from .digits import printable, printed, printed_heading, printed_unit
 from .language import spoken, tr
 from .matplotlib_svg import drawer, picture, variable, within
 from .sheet import Code, Column, Drawing, Face, Fold, Note, Table, on_page
@@ -35,7 +37,14 @@ def render(face: Face) -> str:
 
     grounds = [{variable(c): c for c in DARK}, {variable(c): dark for c, dark in DARK.items()}]
     template = _environment().get_template("page.html.j2")
-    return template.render(face=face, draw=drawer(), grounds=grounds, lang=spoken())
+    return template.render(face=face, draw=drawer(), grounds=grounds, lang=spoken(), copy=_script())
+
+
+@cache
+def _script() -> tuple[Markup, str]:
+    """The script of the page, and its digest, by which a browser knows it."""
+    text = (files("allanite.reporting") / "copy.js").read_text("utf-8")
+    return Markup(text), base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()  # noqa: S704 - our own
 
 
 def fragment(face: Face, figure: "Figure | None" = None) -> str:
@@ -47,14 +56,17 @@ def fragment(face: Face, figure: "Figure | None" = None) -> str:
 def pieces(face: Face) -> tuple[str, list[str]]:
     """What a face has besides its sheets, and each of these, without figures; colors of terms as ``data-color``."""
     template = _environment().get_template("sheet.html.j2")
-    rest = template.render(one=None, items=(*face.parts, *face.close))
-    made = [rest, *(template.render(one=sheet, items=()) for sheet in face.sheets)]
+    rest = template.render(face=face, one=None, items=(*face.parts, *face.close))
+    made = [rest, *(template.render(face=face, one=sheet, items=()) for sheet in face.sheets)]
     plain = [_STYLE.sub(lambda found: f' data-color="{found[1]}"', text) for text in made]
     return plain[0], plain[1:]
 
 
 _STYLE = re.compile(r' style="color: var\([^,"]*, (#[0-9A-Fa-f]{6})\)"')
 
+
+_BREAK = re.compile(r"(?<!,) (?!\()")
+"""Where a cell of the summary is not broken: anywhere but before an interval and after a comma."""
 
 _NAME = re.compile(r"--[a-z][a-z-]*(?: [\w./^-]+)?")
 """An option in a sentence with its value, which are not to be broken."""
@@ -81,6 +93,8 @@ def _environment() -> Environment:
     env.filters["clean"] = _clean
     env.filters["prose"] = _prose
     env.filters["heading"] = lambda text: printed_heading(tr(text))
+    env.filters["unit"] = printed_unit
+    env.filters["firm"] = lambda text: _BREAK.sub("\N{NO-BREAK SPACE}", _clean(text))
     env.filters["made"] = _made
     env.filters["capital"] = capital
     env.filters["base64"] = lambda data: base64.b64encode(data).decode()

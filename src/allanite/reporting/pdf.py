@@ -10,13 +10,15 @@ from allanite.phrases.phrase import join, say
 
 from .digits import printable
 from .language import tr
-from .sheet import Card, Drawing, Face, Fold, Part, Picture, Table, on_page
+from .sheet import Drawing, Face, Fold, Part, Picture, Table, on_page
 from .text import text_of, wrapped
 from .words import capital
 
 if TYPE_CHECKING:
     from matplotlib.backends.backend_pdf import PdfPages
     from matplotlib.figure import Figure
+
+    from .first import First
 
 PAPER = (8.27, 11.69)  # a4, in inches
 PAGE_COLUMNS, PAGE_LINES = 128, 94  # characters of a line and lines of a page
@@ -143,15 +145,10 @@ def _figure(drawing: Drawing) -> "Figure":
 def _blocks(face: Face) -> Iterator[Line | Drawing]:
     for line in (" · ".join(map(tr, face.facts)), *(f"{tr(key)}: {value}" for key, value in face.device.items())):
         yield from _plain(line)
-    cards = [(sheet.name, sheet.card) for sheet in face.sheets if sheet.card]
-    if cards:
-        yield from _heading(say("Summary"))
-    for name, card in cards:
-        yield from _card(name, card)
-    if not cards:
-        for sheet in face.sheets:
-            for verdict in sheet.verdicts:
-                yield from _plain(verdict)
+    if face.summary is not None:
+        yield from _summary(face.summary)
+    for verdict in (verdict for sheet in face.sheets for verdict in sheet.verdicts):
+        yield from _plain(verdict)
     yield from _parts(face.parts)
     for sheet in face.sheets:
         yield from _heading(sheet.name or say("channel"))
@@ -181,11 +178,13 @@ def _made(face: Face) -> Iterator[Line]:
                 yield from _plain(line)
 
 
-def _card(name: str, card: Card) -> Iterator[Line]:
-    yield from _plain(join("  ", filter(None, (name or say("channel"), card.badge))))
-    for row in card.rows:
-        yield from _plain(join(": ", row), "  ")
-    yield from _plain(card.note, "  ")
+def _summary(first: "First") -> Iterator[Line]:
+    """The tables of the first screen."""
+    yield from _heading(join(": ", filter(None, (say("Summary"), first.verdict))))
+    for table in first.tables:
+        for line in (*text_of([table.table()], PAGE_COLUMNS).splitlines(), ""):
+            yield line, False
+    yield from _plain(first.signs)
 
 
 def _parts(parts: Iterable[Part]) -> Iterator[Line | Drawing]:

@@ -131,8 +131,8 @@ class _Screen:
         limits = any(row.rank for part in first.answer if isinstance(part, Channels) for row in part.rows)
         below = len(self.foot(replace(first, legend=()))) + bool(first.legend or limits)
         answer = [(line, "") for line in self.answer(first.answer, LINES - len(head) - below - _wanted(told))]
-        used = [(sign, why) for sign, why in first.legend if any(re.search(sign, line) for line, _ in answer)]
-        foot = [(line, "dim") for line in self.foot(replace(first, legend=used))]
+        used = first.key(line for line, _ in answer)
+        foot = [(line, "dim") for line in self.foot(replace(first, legend=[("", why) for why in used]))]
         remarks = self.remarks(told, LINES - len(head) - len(foot) - len(answer))
         parts = [part for part in (answer, remarks, foot) if part]
         blanks = LINES - len(head) - sum(map(len, parts))

@@ -12,6 +12,7 @@ from allanite.phrases.phrase import join, say
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from .first import First
     from .sketch.chart import Chart
 
 Kind = Literal["name", "symbol", "number", "interval", "unit", "text", "status", "formula"]
@@ -166,16 +167,6 @@ def on_page(parts: "Iterable[Part]") -> "Iterator[Part]":
 
 
 @dataclass(frozen=True)
-class Card:
-    """The main numbers of a channel at the top of the page."""
-
-    badge: str  # how well the model explains the record, in two or three words
-    level: Literal["good", "fair", "alert", ""]  # "good", "fair", "alert", or "" where that was not tested
-    rows: Sequence[tuple[str, str]] = ()
-    note: str = ""  # what was not found, or why there are no numbers
-
-
-@dataclass(frozen=True)
 class Sheet:
     """The results of one channel."""
 
@@ -183,10 +174,7 @@ class Sheet:
     about: Sequence[str] = ()
     parts: Sequence[Part] = ()
     verdicts: Sequence[str] = ()  # at the top of the page, with the name before them
-    # how verdicts are marked
-    doubt: bool = False
-    fair: bool = False
-    card: Card | None = None  # in place of the verdicts
+    level: str = ""  # how verdicts are marked: "alert", "fair"
 
 
 @dataclass(frozen=True)
@@ -209,6 +197,7 @@ class Face:
     facts: Sequence[str] = ()  # sensor, sampling rate, length: one line below the title of the page
     command: str = ""  # the command line that made the page; empty if none did
     data: bytes = b""  # the whole result as JSON, compressed
+    summary: "First | None" = None  # the first screen, whose tables begin the page
 
 
 def one_sheet(

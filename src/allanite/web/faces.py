@@ -43,9 +43,8 @@ def described(value: Any, lang: str) -> dict[str, Any]:
         made = []
         for i, (sheet, text) in enumerate(zip(face.sheets, sheets, strict=True)):
             quality = getattr(channels[i], "quality", None) if len(channels) == len(sheets) else None
-            level = sheet.card.level if sheet.card else "alert" if sheet.doubt else "fair" if sheet.fair else ""
             findings = [_finding(finding) for finding in quality.findings] if quality is not None else []
-            made.append({"name": tr(sheet.name), "html": text, "findings": findings, "level": level})
+            made.append({"name": tr(sheet.name), "html": text, "findings": findings})
         return {
             "title": tr(face.title), "facts": [tr(fact) for fact in face.facts],
             "notes": [tr(note) for note in face.notes], "html": html, "channels": made,

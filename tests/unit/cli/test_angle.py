@@ -67,7 +67,7 @@ def test_everything_is_written(gimbal, tmp_path):
     assert page.startswith("<!DOCTYPE html>")
     assert "--ink" in page
     assert page.count("<figure") == 4
-    assert "<script" not in page
+    assert page.count("<script") == 1  # its own
     assert "harmonic 128 of h: 3." in page
     data = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert (data["type"], [h["name"] for h in data["harmonics"]]) == ("Calibration", ["h", "q"])

@@ -109,4 +109,4 @@ def test_a_stability_that_a_ramp_makes_says_so(ramp, told):
     fit = fit_of(estimate(term("N", 0.12, "deg/sqrt(h)"), 0.98, 1.03), estimate(term("R", ramp, "deg/h^2"), 0.9, 1.1))
     found = lines(data_sheet(fit, readings_of(signal, math.radians(3.0) / 3600), 100.0))
     remark = found["10 s stability", "deg/h"].remark
-    assert remark == "36 means" + "; mostly the ramp: R x 360 s / sqrt(12)" * told
+    assert remark == "36 means" + "; mostly the ramp R" * told

@@ -2,6 +2,7 @@
 
 import base64
 import gzip
+import html
 import json
 import re
 from dataclasses import replace
@@ -17,6 +18,7 @@ from allanite.cli import main
 from allanite.core.errors import UsageError
 from allanite.reporting import page, table
 from allanite.reporting.language import tr
+from allanite.reporting.views import view_of
 from allanite.reporting.views.datasheet import alternative
 from allanite.study.analysis import analyze
 from allanite.study.recipe import Recipe
@@ -97,17 +99,17 @@ def test_text_has_contrast_on_both_grounds(text, ground):
 
 
 def test_the_page_tells_of_channels_device_command_and_data(text, study):
-    cards = [
-        re.sub(r"<[^>]+>|\s+", " ", card)
-        for card in re.findall(r'<article class="card">.*?</article>', text, re.DOTALL)
-    ]
-    assert "✓ explained" in cards[0]
-    assert "0.0500 °/√h ± 4 %" in cards[0]
-    assert re.search(r"Not identified in 60 s: Q &lt; \S+ arcsec, .*K &lt; \S+ °/h/√h", cards[0])
-    assert "✗ not explained" in cards[1]
-    assert "°/√h" not in cards[1]
-    assert "✗ no result" in cards[2]
-    assert "never changes" in cards[2]
+    # the cells of the first screen, in the classes of what they say
+    shown = re.search(r'<div class="channels">.*?</table>', text, re.DOTALL)[0].replace("\N{NO-BREAK SPACE}", " ")
+    assert re.findall(r'<a href="#(s\d)">(\w+)</a>', shown) == [("s1", "gx"), ("s2", "gy"), ("s3", "gz")]
+    cells = [re.findall(r'<td class="([\w-]*)">([^<]*)', row) for row in shown.split("<tr>")[2:]]
+    (table_of,) = view_of(study).first(study, 0.95).tables
+    assert [[html.unescape(cell) for _, cell in row] for row in cells] == [list(row.cells) for row in table_of.rows]
+    assert cells[0] == [("identified", "0.0500 ± 4 %"), ("", ""), ("", "")]
+    assert cells[2][0] == ("absent", "&lt; 2.1")
+    assert cells[-1] == [("good", "fits, p 0.4"), ("alert", "DOES NOT FIT"), ("alert", "no result")]
+    summary = text[text.index('id="summary"') : text.index('id="s1"')]
+    assert summary.index("<figure") < summary.index('role="note"') < summary.index("never changes")
     # the header names the device
     words = "".join(Tags(text).text)
     for part in ("serial", "SN 12", HOSTILE, "23.5 degC", "10 Hz", "60 s"):

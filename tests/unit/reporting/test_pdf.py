@@ -51,7 +51,7 @@ def written(monkeypatch, study):
 def test_figures_have_the_order_of_the_page_and_lie_on_nothing(study, written):
     words = "\n".join(line for lines, _ in written for line in lines)
     order = (
-        "Summary", "✓ explained", "explained", "angle random walk", "Data sheet", "does the model",
+        "Summary: model fits", "±: 95 % half width", "explained", "angle random walk", "Data sheet", "does the model",
         "Record and spectrum", "gz", "no result", "How this was computed", "Command line", "Recipe", "Provenance",
     )  # fmt: skip
     places = [0]

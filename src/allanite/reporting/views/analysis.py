@@ -11,22 +11,22 @@ from allanite.core.estimate import STATUSES
 from allanite.core.fit import Fit
 from allanite.core.readings import MINIMUM, minimum_title
 from allanite.core.record import Record
-from allanite.core.validity import APPROXIMATE
 from allanite.identification.methods import METHODS
 from allanite.interpretation.sentences import Meaning
 from allanite.phrases.phrase import Phrase, join, say, say_count, spelled
 from allanite.reporting import figures, words
+from allanite.reporting.first import First
 from allanite.reporting.sheet import Column, Drawing, Face, Fold, Note, Part, Plot, Sheet, Table, header_of
 from allanite.study.results import Channel, Study
 
 from . import Rows, view
 from .channels import first_of
-from .datasheet import DATA_SHEET, alternative, card_of, data_sheet_table
+from .datasheet import DATA_SHEET, alternative, data_sheet_table
 from .details import details, fitness, over_time, overlay
 from .expectation import causes, meaning_notes, meaning_of, meanings
-from .export import filter_table
+from .export import filter_parts
 from .fit import coefficients, definitions
-from .jobs import channel_sheet, job_face, source_of
+from .jobs import channel_sheet, job_face, remark_notes, source_of
 from .values import readings_table, rows_of
 
 BRAND = say("noise coefficients of an inertial sensor")
@@ -77,12 +77,9 @@ SHARED = say(
 def _sheet(
     channel: Channel, level: float, panel: "figures.CurvePanel | None" = None, meant: Meaning | None = None
 ) -> Sheet:
-    doubt = channel.noise is None or not channel.explained
-    fair = channel.noise is not None and channel.noise.validity == APPROXIMATE
     if panel is None:
         panel = next(iter(figures.panels_of(channel, demand=False)), None)
-    sheet = channel_sheet(channel, _parts(channel, level, panel, meant), doubt=doubt, fair=fair)
-    return replace(sheet, card=card_of(channel, level))
+    return channel_sheet(channel, _parts(channel, level, panel, meant))
 
 
 def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None", meant: Meaning | None) -> Iterator[Part]:
@@ -95,7 +92,8 @@ def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None", m
     points = channel.noise.statement.points if channel.noise else ()
     warned = tuple(finding.what for finding in channel.quality.warnings)
     untold = (note for note in channel.fit.advice if not note.startswith(warned))
-    yield from (Note(note, "remark") for note in untold if not any(point.startswith(note) for point in points))
+    advice = [note for note in untold if not any(point.startswith(note) for point in points)]
+    yield from (Note(note, "remark", "text") for note in advice)
     yield from coefficients(channel.fit, level)
     if channel.curve is not None and panel is not None:
         supposed = channel.curve.supposed
@@ -108,14 +106,14 @@ def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None", m
         table = readings_table(channel.readings, level)
         yield from () if channel.explained else (replace(table, where="text"),)  # where there is no data sheet
         yield Fold(say("read off the curve"), [table], shut=True)
-    yield from details(channel, level, panel)
+    yield from details(channel, level, panel, advice)
 
 
-def _together(study: Study, panels: "Sequence[figures.CurvePanel]", level: float) -> Iterator[Part]:
-    """All channels in one figure, and how they are correlated."""
-    if study.shared is not None:
-        yield from (Note(str(finding), "warning") for finding in study.shared.findings)
+def _together(study: Study, panels: "Sequence[figures.CurvePanel]", first: First, level: float) -> Iterator[Part]:
+    """All channels in one figure, their values for a filter, the remarks of the first screen, the correlation."""
     yield from overlay(panels, level)
+    yield from filter_parts(study)
+    yield from remark_notes(first.remarks)
     if study.shared is not None:
         heads = (
             Column(say("channel"), "name"), Column(say("and"), "name"), Column(say("fast"), form="+.3f"),
@@ -207,7 +205,7 @@ def study_view(study: Study, level: float) -> Face:
         for channel, meaning in zip(study.channels, meant, strict=True)
     ]
     method = say(", method {method}", method=study.recipe.method)
-    # sensors, sampling rate, length and program in a line
+    # sensors, sampling rate and length in a line
     records = [channel.record for channel in study.channels]
     sensors = Counter(record.signal.a_sensor for record in records)
     counted = [
@@ -216,19 +214,20 @@ def study_view(study: Study, level: float) -> Face:
     ]
     same = {(f"{r.rate:.8g} Hz", words.duration(r.duration), say("{count} samples", count=r.size)) for r in records}
     facts = [*counted, *(next(iter(same)) if len(same) == 1 else ())]
-    facts += [f"allanite {study.provenance['allanite']}"] if study.provenance.get("allanite") else []
-    digest = study.provenance.get("sha256", "")
-    return job_face(
+    first, shared = first_of(study, level), () if study.shared is None else study.shared.findings
+    face = job_face(
         study, (say("Noise of {source}", source=source_of(study)), BRAND), sheets,
-        [
-            *_together(study, list(panels.values()), level),
-            *causes([meaning for meaning in meant if meaning is not None]),
-        ],
+        (Note(str(finding), "warning") for finding in shared),
         header=header_of(study.provenance, study.notes, method if fitted else ""),
-        close=[*filter_table(study), *meanings(meant), *_statuses(study)],
-        how=list(_how(study)), device=study.recipe.labels,
-        facts=[*facts, f"sha256 {digest[:12]}…"] if digest else facts,
+        close=[*meanings(meant), *_statuses(study)], how=list(_how(study)), device=study.recipe.labels, facts=facts,
+        summary=first,
     )  # fmt: skip
+    parts = [
+        *_together(study, list(panels.values()), first, level),
+        *(replace(part, where="text") for part in face.parts),  # on a page the remarks say it
+        *causes([meaning for meaning in meant if meaning is not None]),
+    ]
+    return replace(face, parts=parts)
 
 
 @view(_plot)

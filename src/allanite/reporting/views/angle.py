@@ -250,7 +250,7 @@ def result_view(result: Result, level: float) -> Face:
         about.append(join("; ", spans))
     doubt = bool(solution.warnings)
     verdicts = (_verdict(result, level, doubt),)
-    sheet = Sheet(names, about, tuple(_parts(result, solution, level)), verdicts, doubt)
+    sheet = Sheet(names, about, tuple(_parts(result, solution, level)), verdicts, "alert" if doubt else "")
     model = GIMBAL if isinstance(result, Calibration) else AGAINST
     return Face(title, BRAND, (sheet,), how=(Note(model), Note(RECURSIVE if solution.prior is None else INFORMED)))
 

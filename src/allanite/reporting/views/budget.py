@@ -5,14 +5,13 @@ from typing import Any
 
 from allanite.applications.signals import Budget, StageNoise, TorqueScale
 from allanite.applications.signals.budgeting import BudgetChannel, BudgetStudy
-from allanite.core.validity import APPROXIMATE, UNEXPLAINED
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.digits import printable
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, header_of, known
 
 from . import Rows, view
-from .jobs import channel_sheet, job_face, source_of
+from .jobs import LEVELS, channel_sheet, job_face, source_of
 
 BRAND = say("what rounding adds to the noise")
 HOW = (
@@ -81,9 +80,8 @@ def _sheet(channel: BudgetChannel) -> Sheet:
     budget, name = channel.budget, channel.record.name
     if budget is None:
         refused = say("{channel}: no result: {reason}", channel=name, reason=channel.refusal)
-        return channel_sheet(channel, (), (refused,), doubt=True)
+        return channel_sheet(channel, (), (refused,), "alert")
     named = tuple(join(": ", (name or say("channel"), sentence(s))) for s in budget.stages)
-    grade = budget.noise.validity
     sentences = (Note(sentence(s), where="text") for s in budget.stages)
     drawing = Drawing(lambda: figures.plot_budgets([budget]), say("noise of rounding by bits"), CAPTION)
     rows = []
@@ -93,11 +91,9 @@ def _sheet(channel: BudgetChannel) -> Sheet:
             measured = f"< {_number(s.to(s.limit))}"
         rows.append([stage, bits, f"+-{s.stage.reach:g} {unit}", f"{step:.4g} {unit}", symbol, size, measured, *rest])
     table = Table(COLUMNS, rows)
-    table = table.only(
-        [i for i in range(len(COLUMNS)) if any(row[i] for row in table.rows)]
-    )  # some are empty everywhere
+    table = table.only([i for i in range(len(COLUMNS)) if any(row[i] for row in table.rows)])  # not those without cells
     parts: tuple[Part, ...] = (*sentences, table, drawing)
-    return channel_sheet(channel, parts, named, doubt=grade == UNEXPLAINED, fair=grade == APPROXIMATE)
+    return channel_sheet(channel, parts, named, LEVELS.get(budget.noise.validity, ""))
 
 
 def _found(*studies: BudgetStudy) -> list[Budget]:

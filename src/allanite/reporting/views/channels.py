@@ -23,7 +23,7 @@ from allanite.study.results import Channel, Noise, Study
 from allanite.terms import TERMS
 
 from .export import filter_line
-from .jobs import alerts, doubts, mean_and_spread, reservations, source_of, weighed, without_repeats
+from .jobs import LEVELS, alerts, doubts, mean_and_spread, reservations, source_of, weighed, without_repeats
 
 MAIN = ("N", "B", "K")  # terms whose limits are told as long as there is room for any
 
@@ -112,14 +112,17 @@ def _quantities(channels: Sequence[Channel], signal: Signal, level: float) -> It
         cells = [cell_of(fit[symbol], level) if symbol in fit else "" for fit in fits]
         rank = 0 if any(e.valued for e in estimates) else 1 if symbol in MAIN else 2
         if any(cells):
-            yield ChannelRow(words.title(symbol, signal), symbol, estimates[0].sheet_unit, cells, rank)
+            marks = [fit[symbol].status.replace(" ", "-") if symbol in fit else "" for fit in fits]
+            unit = estimates[0].sheet_unit
+            yield ChannelRow(words.title(symbol, signal), symbol, unit, cells, rank, marks=marks)
     unit = next((c.readings.shown_unit(0) for c in channels if c.readings is not None), signal.sheet[0])
     least = [lowest_cell(channel, level) for channel in channels]
     if any(least):
         narrow = [re.sub(r" \(.*\)", "", cell) for cell in least]  # without intervals
         yield ChannelRow(IN_RUN, "", unit, least, short=IN_RUN_SHORT, narrow=narrow)
     words_of = [fit_words(channel.noise, channel.refusal) for channel in channels]
-    yield ChannelRow(say("model fit"), "", "", words_of, short=say("model"))
+    grades = ["alert" if c.refusal else LEVELS.get(c.noise.validity, "") if c.noise else "" for c in channels]
+    yield ChannelRow(say("model fit"), "", "", words_of, short=say("model"), marks=grades)
 
 
 def names_in_order(symbols: Iterable[str]) -> list[str]:

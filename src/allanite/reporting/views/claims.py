@@ -185,7 +185,7 @@ def _sheets(value: ClaimCheck) -> Iterator[Sheet]:
     """A table for each channel of which something is claimed."""
     for channel in value.checked:
         rows = [row for row in value.terms if row.channel == channel.record.name]
-        yield channel_sheet(channel, [_table(rows)], doubt=any(row.contradicts for row in rows))
+        yield channel_sheet(channel, [_table(rows)])
 
 
 def _claim_rows(value: ClaimedNoise, _: float) -> Rows:

@@ -173,7 +173,7 @@ def sheet_of(result: Pair | PooledChannel, names: Sequence[str], doubt: bool, ta
     verdict = Note(result.verdict, "alert" if result.refusal else "strong")
     parts: list[Part] = [*(Note(alert, "alert") for alert in result.alerts), verdict, *tables]
     sentence = join(": ", (result.name, result.verdict)) if result.name else result.verdict
-    return Sheet(result.name, about, parts, (sentence,), doubt or bool(result.refusal))
+    return Sheet(result.name, about, parts, (sentence,), "alert" if doubt or result.refusal else "")
 
 
 def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:

@@ -172,7 +172,7 @@ def _sheet(channel: Compensated, level: float, source: str = "") -> Sheet:
     useful = regression is not None and regression.useful
     doubt = not useful if gain is None else gain.met is False or gain.explained < 0
     of = say("noise before the correction")
-    sheet = channel_sheet(channel, _parts(channel, level), (sentence,), doubt=doubt, of=of)
+    sheet = channel_sheet(channel, _parts(channel, level), (sentence,), "alert" if doubt else "", of)
     if not source:
         return sheet
     name = channel.record.name or say("channel")

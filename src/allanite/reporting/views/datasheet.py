@@ -7,29 +7,25 @@ import numpy as np
 from allanite.comparison.sheet import Measured, SheetComparison
 from allanite.core.curve import Curve
 from allanite.core.display_units import readable_unit
-from allanite.core.estimate import Estimate
 from allanite.core.readings import FALLING_SIGN, IN_RUN, DataSheetRow
 from allanite.core.units import signal_named
-from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
 from allanite.phrases.phrase import join, say
 from allanite.planning.datasheets import QUANTITIES, SENSOR_TYPES, Claim, DataSheet
 from allanite.reporting import words
 from allanite.reporting.digits import digits, printed_unit, rounded
 from allanite.reporting.first import DETAILS, ChannelRow, Channels, First, Remark, merged, plus_minus
-from allanite.reporting.sheet import Card, Column, Face, Mark, Note, Part, Table, known, one_sheet
+from allanite.reporting.sheet import Column, Face, Mark, Note, Part, Table, known, one_sheet
 from allanite.statistics import statistic_named
 from allanite.study.results import Channel
 
 from . import Rows, view
-from .channels import cell_of
-from .jobs import LEVELS, OUTCOME_WORDS, channel_sheet, job_face, source_of
+from .jobs import OUTCOME_WORDS, channel_sheet, job_face, source_of
 
 DATA_SHEET = say(
     "N is the square root of the two-sided power spectral density of white noise; a one-sided density, as of most "
     "spectrum analyzers and many data sheets, is larger by the square root of 2. The flat part of an Allan deviation "
     "lies at 0.664 B. N-second stability is the standard deviation of successive means."
 )
-SIGNS = {EXPLAINED: "✓", APPROXIMATE: "≈", UNEXPLAINED: "✗"}
 
 
 def data_sheet_table(channel: Channel, level: float) -> Table:
@@ -56,44 +52,6 @@ def data_sheet_table(channel: Channel, level: float) -> Table:
     return Table(heads, rows, say("data sheet"), marks=marks)
 
 
-def card_of(channel: Channel, level: float) -> Card | None:
-    """The main numbers of a channel; None where nothing was asked."""
-    if channel.fit is None:
-        return Card(say("✗ no result"), "alert", note=channel.refusal) if channel.refusal else None
-    minimum = tuple((words.capital(name), value) for name, value in _minimum(channel, level))
-    grade = channel.noise.validity if channel.noise else ""
-    badge = join(" ", (SIGNS[grade], graded(grade, channel.fit.scope))) if grade else ""
-    if grade == UNEXPLAINED:
-        points = channel.noise.statement.points if channel.noise else ()
-        return Card(badge, "alert", minimum, join("; ", (say("Coefficients not valid"), *points[:1])))
-    rows = []
-    for e in (e for e in channel.fit if e.valued):
-        # with the half width of its interval as a share: ``0.119 deg/√h ± 1 %``
-        low, high = e.interval(level)
-        share = 50 * (high - low) / abs(e.value or np.nan)
-        number: str = words.number(e, level) + (f" ± {share:.2g} %" if np.isfinite(share) else "")
-        number = say("{value}, weak", value=number) if e.status == "weak" else number
-        name = say("{term} ({symbol})", term=words.title(e.symbol, e.signal), symbol=words.symbol(e))
-        rows.append((words.capital(name), number))
-    others = [_without_value(e, level) for e in channel.fit if not e.valued]
-    length = words.duration(channel.record.duration)
-    note = say("Not identified in {length}: {symbols}", length=length, symbols=join(", ", others)) if others else ""
-    return Card(badge, LEVELS.get(grade, ""), (*rows, *minimum), note)
-
-
-def _without_value(estimate: Estimate, level: float) -> str:
-    """A term that was not identified: its limit, or why there is none."""
-    cell, symbol = cell_of(estimate, level), words.symbol(estimate)
-    limited = estimate.rounded_limit(estimate.sheet_unit) is not None
-    lead = "" if cell.startswith("|") else symbol
-    return join(" ", filter(None, (lead, cell, printed_unit(estimate.sheet_unit) if limited else "")))
-
-
-def _minimum(channel: Channel, level: float) -> list[tuple[str, str]]:
-    lowest = "" if channel.readings is None else channel.readings.lowest_words(level, pretty=True)
-    return [(IN_RUN, lowest)] if lowest else []
-
-
 def alternative(channel: Channel, curve: Curve, level: float) -> str:
     """Description of a figure: the ends of the curve, its minimum, the coefficients."""
     shown = curve.to(readable_unit(curve.unit))
@@ -104,7 +62,8 @@ def alternative(channel: Channel, curve: Curve, level: float) -> str:
         first=shown.deviation[0], start=shown.tau[0], last=shown.deviation[-1], end=shown.tau[-1],
     )  # fmt: skip
     sentences: list[str] = [words.capital(ends)]
-    sentences += [join(" ", row) for row in _minimum(channel, level)]
+    lowest = "" if channel.readings is None else channel.readings.lowest_words(level, pretty=True)
+    sentences += [join(" ", (IN_RUN, lowest))] if lowest else []
     if channel.fit is not None:
         sentences += [
             join(" = ", (words.symbol(e), words.in_print(e, e.sheet_unit, level))) for e in channel.fit if e.claimed

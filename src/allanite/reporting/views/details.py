@@ -69,11 +69,13 @@ def overlay(panels: Sequence[figures.CurvePanel], level: float) -> Iterator[Part
     names = ", ".join(panel.name for panel in panels)
     title = statistic_named(panels[0].curve.statistic).title
     label = say("{statistic} of {channels} in one panel", statistic=title, channels=names)
-    yield Drawing(lambda: figures.plot_overlay(panels, level=level), label, "", say("all channels"))
+    yield Drawing(lambda: figures.plot_overlay(panels, level=level), label)
 
 
-def details(channel: Channel, level: float, panel: "figures.CurvePanel | None") -> Iterator[Part]:
-    """Residuals, record and spectrum; on the page only."""
+def details(
+    channel: Channel, level: float, panel: "figures.CurvePanel | None", advice: Sequence[str]
+) -> Iterator[Part]:
+    """Residuals, what else the record may be, the samples and their spectrum; on the page only."""
     assert channel.fit is not None  # noqa: S101 - the caller has looked
     checked = list(goodness_parts(channel.fit, channel.residuals))
     if channel.curve is not None and channel.fit.valid is not None and panel is not None:
@@ -89,6 +91,7 @@ def details(channel: Channel, level: float, panel: "figures.CurvePanel | None") 
         rows = [[symbol, *fit.correlation[i, known]] for symbol, i in zip(symbols, known, strict=True)]
         table = Table(heads, rows, say("correlation of the estimates"), key=CORRELATION)
         checked += [table] if len(known) > 1 else []
+    checked += map(Note, advice)
     yield from [Fold(say("residuals: does the model explain the record?"), checked, shut=True)] if checked else []
     record = channel.record
     if isinstance(record, Record):

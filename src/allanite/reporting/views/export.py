@@ -1,6 +1,7 @@
 """How files for other programs are shown: their fields, what they leave out, and what fields mean."""
 
 import math
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
@@ -19,7 +20,7 @@ from allanite.exporting.target import ACCELEROMETER, GYRO, Target
 from allanite.interpretation.glossary import Word, words
 from allanite.phrases.phrase import Phrase, join, say
 from allanite.planning.datasheets import DATASHEETS
-from allanite.reporting import figures
+from allanite.reporting import figures, sheet
 from allanite.reporting.digits import digits, printed_unit
 from allanite.reporting.first import DETAILS, Channels, First, Remark, condensed, plus_minus
 from allanite.reporting.sheet import Code, Column, Drawing, Face, Note, Part, Plot, Sheet, Table, header_of, one_sheet
@@ -69,10 +70,10 @@ def filter_line(study: Study) -> Iterator[Phrase]:
     # what motion adds to a curve is not noise
     if not signals.issuperset(SENSORS) or any(not c.explained and c.quality.moved for c in study):
         return
-    command, made = f"allanite export FILE --to {FILTER.name}", for_filter(study, How())
+    command, made = f"allanite export FILE --to {FILTER.name}", for_filter(study, How())[0]
     what, known = say("{filter}, gyro; accelerometer", filter=FILTER.name), made is not None
     if made is None:
-        made, command = for_filter(study, How(from_curve=True)), f"{command} --from-curve"
+        made, command = for_filter(study, How(from_curve=True))[0], f"{command} --from-curve"
         what = say("{filter}, bounds", filter=FILTER.name)
     if made is not None:
         sizes = [(e.sensor, _size(e, limit=known and not (e.measured or e.covers))) for e in made.entries]
@@ -85,19 +86,32 @@ def _size(entry: Entry, *, limit: bool) -> str:
     return "< " * limit + digits(entry.values[0], figures=2 if limit else 3).plain()[0]
 
 
-def filter_table(study: Study) -> Iterator[Table]:
-    """The values of a study for a filter, beside those that were identified."""
-    made = for_filter(study, How(partial=True))
+def filter_parts(study: Study) -> Iterator[Part]:
+    """The values of a study for a filter beside those that were identified, its file, and what prevents it."""
+    if not any(channel.record.signal.inertial for channel in study if channel.fit is not None):
+        return
+    title = say("For filters ({filter})", filter=FILTER.name)
+    made, why = for_filter(study, How())
+    made = made or for_filter(study, How(partial=True))[0]
     if made is not None:
-        yield replace(_fields(made, say("For filters ({filter})", filter=FILTER.name)), where="page")
+        command = f"allanite export FILE --to {made.target}"
+        writes = say("{command} writes the values of the worst axis", command=command)
+        key = "" if why else join("; ", (writes, *made.notes[: any(entry.covers for entry in made.entries)]))
+        fields = _fields(made, title)
+        kept = [i for i, column in enumerate(fields.columns) if column.heading != "formula"]
+        yield replace(fields.only(kept), key=key, where="page")
+        body = re.sub(r"\A(#.*\n)*", "", made.text)
+        yield sheet.Fold(say("file for {filter}", filter=FILTER.name), [Code(body.rstrip())], shut=True)
+    if why:
+        yield Note(why if made is not None else join(": ", (title, why)), where="page")
 
 
-def for_filter(study: Study, how: How) -> Export | None:
-    """The values for the usual filter; None if the study has none."""
+def for_filter(study: Study, how: How) -> tuple[Export | None, str]:
+    """The values for the usual filter, or why there are none."""
     try:
-        return exported(FILTER, study, how, FILTER.form(""))
-    except DataError:  # its sheets say why
-        return None
+        return exported(FILTER, study, how, FILTER.form("")), ""
+    except DataError as error:
+        return None, str(error)
 
 
 def first_of_models(models: Iterable[Model], texts: Sequence[str]) -> First:

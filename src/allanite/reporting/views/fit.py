@@ -102,8 +102,8 @@ def definitions(fits: Iterable[Fit]) -> Table:
 def fit_parts(fit: Fit, level: float) -> Iterator[Part]:
     """Doubts, coefficients and notes of a fit."""
     yield from statement_note(statement(fit.validity, fit, None))
-    yield from (Note(note, "remark") for note in fit.advice)
     yield from coefficients(fit, level)
+    yield from (Note(note, "remark") for note in fit.advice)
 
 
 def coefficients(fit: Fit, level: float) -> Iterator[Part]:

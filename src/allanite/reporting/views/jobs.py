@@ -14,7 +14,7 @@ from allanite.core.units import convert
 from allanite.core.validity import APPROXIMATE, EXPLAINED, MOTION, UNEXPLAINED, Finding
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import words
-from allanite.reporting.first import ABOVE, Remark, channels_named, kinds, told_of
+from allanite.reporting.first import ABOVE, Remark, channels_named, kinds, shown, told_of
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of
 from allanite.study.job import Job
 from allanite.study.results import Channel, Noise
@@ -58,16 +58,9 @@ def split_common(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:
     for note, names in common.items():
         which = say("all channels") if len(names) == len(sheets) else say("channels {names}", names=", ".join(names))
         once.append(replace(note, text=say("{channels}: {warning}", channels=which, warning=note.text)))
-    kept = []
-    for sheet in sheets:
-        parts: list[Part] = []
-        for part in sheet.parts:
-            if not (_warns(part) and part in common):
-                parts.append(part)
-            elif part.text.startswith(REFUSED):
-                parts.append(ABOVE)
-        kept.append(replace(sheet, parts=parts))
-    return once, kept
+    rest: dict[Part, list[Part]] = {note: [ABOVE] * note.text.startswith(REFUSED) for note in common}
+    kept = ([own for p in sheet.parts for own in (rest.get(p, [p]) if _warns(p) else [p])] for sheet in sheets)
+    return once, [replace(sheet, parts=parts) for sheet, parts in zip(sheets, kept, strict=True)]
 
 
 def _warns(part: Part) -> TypeGuard[Note]:
@@ -75,18 +68,12 @@ def _warns(part: Part) -> TypeGuard[Note]:
 
 
 def channel_sheet(
-    channel: Any,
-    parts: Iterable[Part],
-    verdicts: Sequence[str] = (),
-    *,
-    doubt: bool = False,
-    fair: bool = False,
-    of: str = "",
+    channel: Any, parts: Iterable[Part], verdicts: Sequence[str] = (), level: str = "", of: str = ""
 ) -> Sheet:
     """The sheet of a channel: its record, warnings and parts."""
     record = channel.record
     about = (words.about(record), *record.history)
-    return Sheet(record.name, about, (*warnings(channel, of), *parts), verdicts, doubt, fair)
+    return Sheet(record.name, about, (*warnings(channel, of), *parts), verdicts, level)
 
 
 def statement_note(statement: Statement, before: str = "") -> Iterator[Note]:
@@ -104,6 +91,15 @@ def warnings(channel: Any, of: str = "") -> Iterator[Part]:
     yield from (Note(alert, "warning") for alert in channel.alerts if alert not in told)
     if channel.refusal:
         yield Note(say("no result: {reason}", reason=channel.refusal), "alert")
+
+
+def remark_notes(remarks: Iterable[Remark]) -> Iterator[Note]:
+    """Remarks in full on a page: each one that is grave, and the others in a box."""
+    made = [(remark, shown(replace(remark, command=""))) for remark in remarks]
+    texts = [(r.grave, text if r.command in text else shown(r)) for r, text in made]
+    yield from (Note(text, "alert", "page") for grave, text in texts if grave)
+    mild = [text for grave, text in texts if not grave]
+    yield from [Note("", "fair", "page", mild)] if mild else []
 
 
 MILD = ("quantized", "heavy tails", "outliers", "lines", "shared")

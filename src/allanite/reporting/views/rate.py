@@ -231,8 +231,8 @@ def study_view(study: RateStudy, level: float) -> Face:
             verdict = experiments.told(experiment.ranking)
         verdicts = (join(", ", (name or say("the channel"), verdict)),) if verdict else ()
         known = given is not None or channel.certain or (channel.noise is not None and channel.noise.explained)
-        doubt = bool(channel.refusal) or not known
-        sheets.append(channel_sheet(channel, _parts(channel, study.settings, level), verdicts, doubt=doubt))
+        grade = "" if known and not channel.refusal else "alert"
+        sheets.append(channel_sheet(channel, _parts(channel, study.settings, level), verdicts, grade))
     title = say("Rate of {source}", source=source_of(study))
     return job_face(study, (title, experiments.BRAND), sheets, how=[METHODS])
 
