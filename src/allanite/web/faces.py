@@ -85,7 +85,7 @@ def drawn(panel: CurvePanel, level: float, lang: str) -> dict[str, Any]:
             "edf": None if shown.edf is None else listed(shown.edf), "supposed": tr(panel.curve.supposed),
             "validity": panel.fit.validity if panel.fit is not None else "",
             "times": None if scope is None else [_plain(time) for time in scope.times],
-            "model": None if model is None else {"tau": listed(tau), "deviation": listed(panel.whole(model, tau))},
+            "model": None if model is None else {"tau": listed(tau), "deviation": listed(panel.whole(tau))},
             "terms": [] if model is None else [_term(panel, term, tau, level) for term in model],
             "guides": _guides(panel, tau),
         }  # fmt: skip

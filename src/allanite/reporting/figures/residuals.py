@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import MaxNLocator
 
 from allanite.core.errors import UsageError
 from allanite.core.fit import Goodness, chance
@@ -16,10 +16,10 @@ from allanite.phrases.phrase import join, say
 from allanite.reporting import style
 from allanite.reporting.digits import printable
 
+from .drawing import ratio_axis
 from .record import time_scale
 
 MIN_MARKED_SIGMAS = 3.0  # standard deviations beyond which a cell is marked: one in 370 by chance
-MIN_RATIO = 0.05  # ratio below which a cell is drawn at the edge
 
 
 @style.plotted
@@ -40,22 +40,13 @@ def plot_goodness(new_figure: style.NewFigure, goodness: Goodness, name: str = "
 
 def draw_ratio(ax: Axes, goodness: Goodness) -> None:
     """Observed over expected power of every cell."""
-    ax.set(xscale="log", yscale="log", ylabel=say("observed /\nexpected power"))
-    style.grid(ax, fine=False)
-    ax.axhline(1.0, color=style.INK, lw=1.0, zorder=2)
+    ax.set(xscale="log", ylabel=say("observed /\nexpected power"))
     low, high = goodness.frequency[:-1], goodness.frequency[1:]
-    # a cell of one coefficient may be as good as empty by chance: it stands at the edge, with an arrow
-    ratio = np.maximum(np.nan_to_num(goodness.ratio), MIN_RATIO)
     odd = np.abs(goodness.z) > MIN_MARKED_SIGMAS
+    # a cell of one coefficient may be as good as empty by chance
+    ratio = ratio_axis(ax, np.sqrt(low * high), np.nan_to_num(goodness.ratio), odd)
     for where, color in ((~odd, style.DATA), (odd, style.ALARM)):
         ax.hlines(ratio[where], low[where], high[where], color=color, lw=2.2, zorder=3)
-        edge = where & (ratio == MIN_RATIO)
-        ax.plot(np.sqrt(low * high)[edge], ratio[edge], "v", color=color, ms=5, zorder=3)
-    ax.set_ylim(min(0.5, ratio.min() / 1.2), max(2.0, 1.3 * ratio.max()))
-    wide = ratio.max() / ratio.min() > 300
-    ax.yaxis.set_major_locator(LogLocator(subs=(1.0,) if wide else (1.0, 2.0, 5.0)))
-    ax.yaxis.set_minor_formatter(NullFormatter())
-    style.plain_ticks(ax.yaxis)
 
 
 def draw_surprise(ax: Axes, goodness: Goodness) -> None:

@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import svg as ink
-from .axes_box import LABEL, TICK, Box, Legend, PanelFrame
+from .axes_box import LABEL, TICK, Box, PanelFrame
 from .axis import Side, Unsketched, limited
+from .legend import Legend
 from .marks import Artist
 from .panel import Panel
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from html import escape
 from typing import Any, Protocol
 
 import numpy as np
@@ -58,6 +59,8 @@ SHAPES: dict[str, Callable[[float], str]] = {
     ".": lambda r: SHAPES["o"](r / 2),
 }  # fmt: skip
 """Markers as relative paths, by half their size."""
+
+REACH = 8.0  # points at most from an abscissa to the edge of the strip in which its hint is shown
 
 BARE = "|_"  # markers that have no inside
 
@@ -263,6 +266,37 @@ class Words:
 
     def key(self, x: float, y: float, width: float, size: float) -> str:
         """Text is in no legend."""
+        return ""
+
+
+@dataclass(frozen=True, eq=False)
+class Hints:
+    """What is shown under the cursor: a text for a strip about each abscissa; nothing for screen readers."""
+
+    x: FloatArray
+    texts: Sequence[str]
+    z: float = 9.0
+    label: str = ""
+
+    def extent(self) -> Points:
+        """See `Artist`."""
+        return NOTHING, NOTHING
+
+    def draw(self, place: Place) -> str:
+        """See `Artist`."""
+        x, _ = place(self.x, np.zeros(len(self.x)), BLEND)
+        _, (foot, top) = place(np.zeros(2), np.array([0.0, 1.0]), AXES)
+        between = (x[1:] + x[:-1]) / 2
+        left, right = np.maximum(x - REACH, np.r_[-np.inf, between]), np.minimum(x + REACH, np.r_[between, np.inf])
+        strips = (
+            f'<path d="M{ink.number(a)} {ink.number(top)}H{ink.number(b)}V{ink.number(foot)}H{ink.number(a)}z">'
+            f"<title>{escape(chr(10).join(ink.shown(text)))}</title></path>"
+            for a, b, text in zip(left.tolist(), right.tolist(), self.texts, strict=True)
+        )
+        return f'<g aria-hidden="true" {ink.style(fill="transparent")}>{"".join(strips)}</g>'
+
+    def key(self, x: float, y: float, width: float, size: float) -> str:
+        """Hints are in no legend."""
         return ""
 
 
