@@ -29,12 +29,13 @@ from .drawing import (
     label_of,
     label_size,
     pairs,
+    place,
     together,
 )
 from .panels import CurvePanel, DrawnPoints
 
 MIN_RUN = 8  # points of a term's line, of 300, below which a part of it between masked times is not drawn
-SLOPE_POINTS = 8.0  # size of letters of slopes
+SLOPE_POINTS, MAX_SLOPE_DISTANCE = 8.0, 0.12  # letters of slopes, and how far from their line, of the panel
 SLOPES = {-1.5: "−1½", -1.0: "−1", -0.5: "−½", 0.0: "0", 0.5: "+½", 1.0: "+1", 1.5: "+1½", 2.0: "+2"}
 """Slopes of the lines in print."""
 
@@ -73,9 +74,10 @@ def draw_model(ax: Axes, panel: CurvePanel, drawn: DrawnPoints, placed: list[Lab
     points = (pairs(drawn.tau, drawn.deviation), pairs(lines.tau[inside], lines.whole[inside])[::4])
     curves = together(fractions(ax, part) for part in points)
     paths = {symbol: fractions(ax, pairs(lines.tau, line)) for symbol, line in lines.parts.items()}
+    obstacles = together([curves, *(path[::4] for path in paths.values())])
     named = _labels(panel, model, level)
-    _draw_labels(ax, panel, [n for n in named if n.symbol in paths], (lines, curves, paths), placed)
-    draw_minimum(ax, panel, together([curves, *(path[::4] for path in paths.values())]), placed, level)
+    _draw_labels(ax, panel, [n for n in named if n.symbol in paths], (lines, obstacles, paths), placed)
+    draw_minimum(ax, panel, obstacles, placed, level)
     for symbol, path in () if panel.brief else paths.items():
         line = lines.parts[symbol]
         known = np.isfinite(line)
@@ -85,8 +87,7 @@ def draw_model(ax: Axes, panel: CurvePanel, drawn: DrawnPoints, placed: list[Lab
         steep = round(2 * float(np.median(np.diff(np.log(line[known])) / np.diff(np.log(lines.tau[known]))))) / 2
         slope = SLOPES.get(steep, "")
         if slope:
-            others = [other[::4] for name, other in paths.items() if name != symbol]
-            _draw_slope(ax, (symbol, slope), path, together([curves, *others]), placed)
+            _draw_slope(ax, (symbol, slope), path, obstacles, placed)
 
 
 def _lines(ax: Axes, panel: CurvePanel, model: Model) -> ModelLines:
@@ -130,13 +131,13 @@ def _draw_labels(
     drawn: tuple[ModelLines, FloatArray, dict[str, FloatArray]],
     placed: list[LabelBox],
 ) -> None:
-    lines, curves, paths = drawn
+    lines, obstacles, paths = drawn
     for symbol in (symbol for symbol in paths if TERMS[symbol].periodic and panel.fit is not None):
         # the word at the highest hump of the sinusoids, if the model holds anywhere near
         path = paths[symbol]
         top = path[path[:, 1].argmax()] if len(path) else np.array([-1.0, -1.0])
         if ((top > 0.01) & (top < 0.99)).all():
-            placed.append(draw_label(ax, (symbol, say("sinusoids taken out")), top[None, :], curves, placed))
+            placed.append(draw_label(ax, (symbol, say("sinusoids taken out")), top[None, :], obstacles, placed))
     for label in named:
         mark = None if label.term is None else _mark(ax, panel, label.term, label.unit)
         line = lines.parts[label.symbol]
@@ -146,29 +147,24 @@ def _draw_labels(
             ax.plot(*mark, "D", ms=5.5, mfc="white", mec=color_of(label.symbol), mew=1.3, zorder=5)
             anchors = fractions(ax, np.array([mark]))
         near = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]
-        avoid = together([curves, *(path[::4] for path in paths.values())])
         if len(near):
             text = _label(panel, label, line, mark)
-            placed.append(draw_label(ax, (label.symbol, text), near[::8], avoid, placed))
+            placed.append(draw_label(ax, (label.symbol, text), near[::8], obstacles, placed))
 
 
-def _draw_slope(ax: Axes, named: tuple[str, str], path: FloatArray, curves: FloatArray, placed: list[LabelBox]) -> None:
-    """The slope on the line of a term, where it hides no point, line, label or leader; nowhere if there is no room."""
-    symbol, slope = named
-    text = say("slope {slope}", slope=slope)
-    size = label_size(ax, text, SLOPE_POINTS)
+def _draw_slope(ax: Axes, named: tuple[str, str], path: FloatArray, lines: FloatArray, placed: list[LabelBox]) -> None:
+    """The slope beside the line of a term, where it hides nothing; nowhere if there is no room."""
+    text = say("slope {slope}", slope=named[1])
     visible = path[((path > 0.06) & (path < 0.94)).all(axis=1)][::6]
-    leaders = [np.linspace((box.x, box.y), box.anchor, 12) for box in placed if box.anchor is not None]
-    obstacles = together([curves, *leaders])
-    boxes = [LabelBox(float(x), float(y), *size) for x, y in visible]
-    free = [freedom(box, obstacles, placed) for box in boxes]
-    if max(free, default=0.0) <= 1:
+    if not len(visible):
         return
-    box = boxes[free.index(max(free))]
-    placed.append(box)
+    box = place(visible, label_size(ax, text, SLOPE_POINTS), lines, placed)
+    if freedom(box, lines, placed) < 1 or math.dist(box.anchor or visible[0], (box.x, box.y)) > MAX_SLOPE_DISTANCE:
+        return
+    placed.append(box._replace(anchor=None))
     ax.text(
         box.x, box.y, text, transform=ax.transAxes, ha="center", va="center", fontsize=SLOPE_POINTS,
-        color=color_of(symbol), zorder=5, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
+        color=color_of(named[0]), zorder=5,
     )  # fmt: skip
 
 
