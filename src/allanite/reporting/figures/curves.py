@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
 from allanite.reporting.digits import printable
+from allanite.reporting.sketch.panel import Panel
 from allanite.statistics import statistic_named
 
 from . import drawing
@@ -22,19 +23,6 @@ WEIGHS = 0.37  # frequency times averaging time where the Allan deviation is mos
 
 FILTERED = say("lowered by the filter")
 """What is shaded at averaging times at which the filter, which the model includes, has not settled."""
-
-
-def _hint(ax: Axes, panels: dict[str, CurvePanel], level: float) -> None:
-    """Show the values of curves under the cursor, by what each is called."""
-    texts: dict[float, list[str]] = {}
-    for name, panel in panels.items():
-        for point in samples(panel, level):
-            values = (point.size, *([join(" ", (drawing.MODEL, point.expected))] if point.expected else ()))
-            texts.setdefault(point.tau, []).append(join(": ", [*filter(None, [name]), join("; ", values)]))
-    between = ": " if len(panels) == 1 else "\n"
-    hints = [join(between, (f"τ = {words.averaging(tau)}", *texts[tau])) for tau in sorted(texts)]
-    drawing.hint(ax, np.array(sorted(texts)), hints)
-
 
 LANDMARKS = ((60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 d"))
 
@@ -121,6 +109,18 @@ def _draw_panel(ax: Axes, panel: CurvePanel, level: float) -> None:
     if not panel.brief:
         _hint(ax, {"": panel}, level)
     ax.set_ylabel(drawing.with_unit(statistic_named(panel.curve.statistic).title, panel.unit))
+
+
+def _hint(ax: Axes, panels: dict[str, CurvePanel], level: float) -> None:
+    """Show the values of curves under the cursor, by what each is called."""
+    texts: dict[float, list[str]] = {}
+    for name, panel in panels.items():
+        for tau, text in samples(panel, level).items():
+            texts.setdefault(tau, []).append(join(": ", filter(None, (name, text))))
+    between = ": " if len(panels) == 1 else "\n"
+    hints = [join(between, (f"τ = {words.averaging(tau)}", *texts[tau])) for tau in sorted(texts)]
+    if isinstance(ax, Panel):  # of a page
+        ax.hint(sorted(texts), hints)
 
 
 def _draw_landmarks(ax: Axes) -> list[drawing.LabelBox]:

@@ -19,7 +19,6 @@ from allanite.phrases.phrase import Phrase, join, say
 from allanite.reporting import style, words
 from allanite.reporting.digits import printable
 from allanite.reporting.language import tr
-from allanite.reporting.sketch.panel import Panel
 from allanite.reporting.sketch.svg import wide
 from allanite.terms import TERMS
 
@@ -283,12 +282,6 @@ def fractions(ax: Axes, points: FloatArray) -> FloatArray:
     """Points as fractions of the panel."""
     low, high = np.log(np.array([ax.get_xlim(), ax.get_ylim()]).T)
     return np.asarray((np.log(points) - low) / (high - low))
-
-
-def hint(ax: Axes, x: FloatArray, texts: Sequence[str]) -> None:
-    """Show texts under the cursor, each about its abscissa, on a page."""
-    if isinstance(ax, Panel):
-        ax.hint(x, texts)
 
 
 def draw_legend(figure: Figure, *, marks: bool = True, columns: int = 3, apart: bool = False) -> None:

@@ -15,9 +15,12 @@ from allanite.core.fit import Fit
 from allanite.core.model import Model, Term, model_of
 from allanite.core.readings import Readings
 from allanite.core.units import convert, unit_of
+from allanite.phrases.phrase import join
 from allanite.reporting import words
 from allanite.reporting.digits import digits, printed_unit
 from allanite.statistics import expected, statistic_named
+
+from .drawing import MODEL
 
 MAX_CURVE_POINTS = 400  # points of a curve that are drawn: more are not seen, but weigh
 
@@ -90,25 +93,18 @@ def printed_model(fit: Fit) -> Model | None:
 MAX_HINTS = 120  # points of a curve whose values are shown under the cursor
 
 
-class Sample(NamedTuple):
-    """Values of a curve in the unit that is shown, with limits and what the model expects."""
-
-    tau: float
-    size: str
-    expected: str
-
-
-def samples(panel: CurvePanel, level: float) -> list[Sample]:
-    """What is shown of the points of a curve under the cursor, as the table of its numbers has them."""
+def samples(panel: CurvePanel, level: float) -> dict[float, str]:
+    """Points of a curve by averaging time, as the table of its numbers has them, with what the model expects there."""
     drawn = points(panel, level)
     expected, nothing = panel.whole(drawn.tau), np.full(drawn.tau.size, np.nan)
     low, high = (nothing if limit is None else limit for limit in (drawn.low, drawn.high))
-    made = []
+    made: dict[float, str] = {}
     for i in np.unique(np.rint(np.linspace(0, drawn.tau.size - 1, min(drawn.tau.size, MAX_HINTS))).astype(np.int64)):
-        value, half, model = drawn.deviation[i], (high[i] - low[i]) / 2, float(expected[i])
+        model, half = float(expected[i]), (high[i] - low[i]) / 2
         near = digits(model, model - half, model + half)
-        size = f"{digits(value, low[i], high[i]).pretty()} {printed_unit(panel.unit)}"
-        made.append(Sample(float(drawn.tau[i]), size, near.value + near.power if math.isfinite(model) else ""))
+        parts = [f"{digits(drawn.deviation[i], low[i], high[i]).pretty()} {printed_unit(panel.unit)}"]
+        parts += [join(" ", (MODEL, near.value + near.power))] if math.isfinite(model) else []
+        made[float(drawn.tau[i])] = join("; ", parts)
     return made
 
 

@@ -26,16 +26,19 @@ MIN_MARKED_SIGMAS = 3.0  # standard deviations beyond which a cell is marked: on
 def plot_goodness(new_figure: style.NewFigure, goodness: Goodness, name: str = "") -> Figure:
     """Two strips over frequency: the ratio of powers, and how surprising it is."""
     figure = new_figure(7.2, 3.6)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
-    title = join("   ", filter(None, (printable(name), say("goodness of fit p = {p:.2g}", p=goodness.p))))
     color = style.ALARM if goodness.grade == UNEXPLAINED else style.INK
+    _draw_goodness(figure, goodness, (name, say("goodness of fit p = {p:.2g}", p=goodness.p)), color)
+    return figure
+
+
+def _draw_goodness(figure: Any, goodness: Goodness, named: tuple[str, str], color: str) -> None:
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
+    title = join("   ", filter(None, (printable(named[0]), named[1])))
     upper.set_title(title, loc="left", fontweight="bold", color=color, parse_math=False)
     draw_ratio(upper, goodness)
     draw_surprise(lower, goodness)
-    lower.set_xlabel(say("frequency (Hz)"))
-    lower.set_xlim(goodness.frequency[0], goodness.frequency[-1])
+    lower.set(xlabel=say("frequency (Hz)"), xlim=goodness.frequency[[0, -1]])
     style.plain_ticks(lower.xaxis)
-    return figure
 
 
 def draw_ratio(ax: Axes, goodness: Goodness) -> None:
@@ -90,14 +93,8 @@ def plot_residuals(new_figure: style.NewFigure, residuals: Residuals) -> Figure:
     statement = residuals.statement
     color = {EXPLAINED: style.INK, APPROXIMATE: style.FAIR, UNEXPLAINED: style.ALARM}[statement.grade]
     if residuals.goodness is not None:
-        upper, lower = above.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
         title = say("{grade}, goodness of fit {p}", grade=graded(statement.grade), p=chance(residuals.goodness.p))
-        title = join("   ", filter(None, (printable(residuals.name), title)))
-        draw_ratio(upper, residuals.goodness)
-        draw_surprise(lower, residuals.goodness)
-        lower.set(xlabel=say("frequency (Hz)"), xlim=residuals.goodness.frequency[[0, -1]])
-        style.plain_ticks(lower.xaxis)
-        upper.set_title(title, loc="left", fontweight="bold", color=color, parse_math=False)
+        _draw_goodness(above, residuals.goodness, (residuals.name, title), color)
     _draw(below.subplots(1, 3, width_ratios=[1.9, 1.0, 1.0]), residuals)
     return figure
 

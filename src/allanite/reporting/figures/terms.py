@@ -31,7 +31,7 @@ from .drawing import (
     pairs,
     place,
     together,
-)
+)  # fmt: skip
 from .panels import CurvePanel, DrawnPoints
 
 MIN_RUN = 8  # points of a term's line, of 300, below which a part of it between masked times is not drawn
@@ -66,8 +66,8 @@ def draw_model(ax: Axes, panel: CurvePanel, drawn: DrawnPoints, placed: list[Lab
     lines = _lines(ax, panel, model)
     shortest = fit.scope.times[0] if fit is not None and fit.scope else 0.0
     inside = (lines.tau >= max(drawn.tau[0] / 1.01, shortest)) & (lines.tau <= drawn.tau[-1] * 1.01)
-    label = MODEL if fit is None or tuple(fit.valid or ()) == tuple(model) else REDUCED
-    label = label if np.isfinite(lines.whole[inside]).any() else ""
+    name = MODEL if fit is None or tuple(fit.valid or ()) == tuple(model) else REDUCED
+    label = name if np.isfinite(lines.whole[inside]).any() else ""
     ax.plot(lines.tau[inside], lines.whole[inside], color=style.INK, lw=1.3, zorder=3, label=label)
     for symbol, line in lines.parts.items():
         ax.plot(lines.tau, line, color=color_of(symbol), lw=1.2, ls=dashes(symbol), zorder=2.5)

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import svg as ink
 from .axis import Ticks
-from .legend import LEADING
+from .marks import LEADING
 from .panel import Panel, place_in
 
 TICK, LABEL = 9.0, 9.0  # sizes of letters: at ticks, and of the names of axes
@@ -78,11 +78,9 @@ class PanelFrame:
         legend = ""
         if self.panel.legends is not None:
             key, corner = self.panel.legends
-            left = self.box.left + (
-                self.box.width - key.width - IN_CORNER if corner else (self.box.width - key.width) / 2
-            )
-            top = self.box.top + (IN_CORNER / LEADING if corner else -key.height)
-            legend = key.svg(left, top, self.panel.ink)
+            free = self.box.width - key.width
+            at = (free - IN_CORNER, IN_CORNER / LEADING) if corner else (free / 2, -key.height)
+            legend = key.svg(self.box.left + at[0], self.box.top + at[1], self.panel.ink)
         return "".join(
             (
                 f'<clipPath id="c{number}"><rect{rectangle}/></clipPath>', *self._grid(),

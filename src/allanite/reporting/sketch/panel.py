@@ -8,8 +8,7 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 
 from .axis import Side, Unsketched, limited
-from .legend import Legend
-from .marks import AXES, BLEND, DASHES, DATA, DOT, EDGE, Area, Artist, Boxes, Hints, LineMark, Words, line_of
+from .marks import AXES, BLEND, DASHES, DATA, DOT, EDGE, Area, Artist, Boxes, Hints, Legend, LineMark, Words, line_of
 
 CORNER, ABOVE = "upper right", "lower center"  # where a legend stands: of a panel in its corner, or of a point above it
 
