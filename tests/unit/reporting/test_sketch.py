@@ -119,11 +119,11 @@ def test_error_bars_reach_as_far_as_those_of_matplotlib():
     panel, axes = made.subplots(), Figure().subplots()
     panel.errorbar(x, y, error, **look)
     container = axes.errorbar(x, y, error, **look)
-    bars, low, high, points = panel.lines
+    bars, low, high, points = (np.column_stack([mark.x, mark.y]) for mark in panel.marks)
     data, caps, (segments,) = container
-    np.testing.assert_allclose(bars.get_xydata().reshape(3, 3, 2)[:, :2], segments.get_segments())
+    np.testing.assert_allclose(bars.reshape(3, 3, 2)[:, :2], segments.get_segments())
     for own, other in zip((low, high, points), (*caps, data), strict=True):
-        np.testing.assert_allclose(own.get_xydata(), other.get_xydata())
+        np.testing.assert_allclose(own, other.get_xydata())
     assert panel.get_legend_handles_labels()[1] == ["ratio"]
     assert panel.get_ylim() == pytest.approx(axes.get_ylim())
     assert made.svg().count("<path") > 4

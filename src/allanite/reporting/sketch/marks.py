@@ -105,10 +105,6 @@ class LineMark:
     reach: Points = field(default=(NOTHING, NOTHING))
     alpha: float | None = None
 
-    def get_xydata(self) -> FloatArray:
-        """The points, shape (k, 2)."""
-        return np.column_stack([self.x, self.y])
-
     def extent(self) -> Points:
         """See `Artist`."""
         return (self.x, self.y) if self.meaning == DATA else self.reach

@@ -163,11 +163,6 @@ class Panel:
         named = [mark for mark in self.marks if mark.label]
         return named, [mark.label for mark in named]
 
-    @property
-    def lines(self) -> list[LineMark]:
-        """The lines."""
-        return [mark for mark in self.marks if isinstance(mark, LineMark)]
-
     def plot(self, x: Any, y: Any, form: str = "", **look: Any) -> None:
         """A line, markers, or both."""
         self._add(line_of(x, y, form, **{"color": look.get("mec") or self.ink} | look))
