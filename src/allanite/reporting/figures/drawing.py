@@ -303,7 +303,7 @@ def draw_legend(figure: Figure, *, marks: bool = True, columns: int = 3, apart: 
 
 
 def _entries(figure: Figure, axes: Sequence[Axes], marks: bool) -> dict[str, Artist]:
-    """Handles by labels in the order of the panels, and what stands for several lines last."""
+    """Handles by labels in the order of the panels; keys that several lines share are last."""
     entries: dict[str, Artist] = {}
     for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
