@@ -76,7 +76,7 @@ def drawn(panel: CurvePanel, level: float, lang: str) -> dict[str, Any]:
             "low": None if shown.low is None else listed(shown.low),
             "high": None if shown.high is None else listed(shown.high),
             "validity": panel.fit.validity if panel.fit is not None else "",
-            "model": None if model is None else {"tau": listed(tau), "deviation": listed(panel.whole(model, tau))},
+            "model": None if model is None else {"tau": listed(tau), "deviation": listed(panel.whole(tau))},
             "terms": [] if model is None else [_term(panel, term, tau, level) for term in model],
             "guides": _guides(panel, tau),
         }  # fmt: skip

@@ -1,6 +1,7 @@
 """Figures of pages: what they draw is what matplotlib draws."""
 
 import re
+from dataclasses import replace
 from itertools import combinations, pairwise
 from xml.etree import ElementTree
 
@@ -15,7 +16,10 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.reporting import style
-from allanite.reporting.figures.drawing import draw_titles
+from allanite.reporting.digits import digits
+from allanite.reporting.figures import panels_of, plot_overlay, plot_panels
+from allanite.reporting.figures.drawing import draw_titles, ratio_axis
+from allanite.reporting.figures.panels import MAX_HINTS, printed_model
 from allanite.reporting.matplotlib_svg import drawn
 from allanite.reporting.sheet import Drawing, Fold
 from allanite.reporting.sketch.axis import Side, Unsketched, plain
@@ -112,6 +116,38 @@ def test_a_name_of_any_length_leaves_room_for_the_grade(study, name, inches):
     assert "".join(name.split()) in "".join(shown.split())
 
 
+@pytest.mark.slow("takes more than half a second")
+def test_values_stand_under_the_cursor_and_each_sensor_has_its_own_legend(study):
+    panels = panels_of(study)
+    picture = drawn(Drawing(lambda: plot_panels(panels[:1], titled=False), "curve"))
+    (group,) = [part for part in ElementTree.fromstring(picture.text).iter(f"{SVG}g") if part.get("aria-hidden")]
+    hints, curve = [title.text for title in group.iter(f"{SVG}title")], study.channels[0].curve
+    assert len(hints) == min(curve.tau.size, MAX_HINTS)
+    shown = curve.to("deg/h")
+    size = digits(shown.deviation[0], *(limit[0] for limit in shown.interval(0.95))).pretty()
+    assert re.fullmatch(rf"τ = 0.05 s: {re.escape(size)} °/h; model [\d.]+", hints[0])
+    assert "<title>" not in picture.narrow.text
+    gyros, _ = plot_overlay([*panels, panels[-1]]).sketched().axes
+    assert gyros.legends[0].labels == ["g0 $x_{<&", "g1 $x_{<&", "expected by the model"]
+
+
+def test_a_term_that_is_absent_is_not_drawn(study):
+    fit = study.channels[0].fit
+    wider = replace(fit, model=al.Model((*fit.model, al.B(5, "deg/h"))))
+    assert "B" in {term.symbol for term in wider.valid} - {e.symbol for e in fit if e.valued}
+    assert tuple(printed_model(wider)) == tuple(printed_model(fit))
+
+
+@rows(("far", "end"), [(1, 3.0), (4, 34.5)])
+def test_ratios_have_an_axis_about_one_and_few_of_them_beyond_it_an_arrow(far, end):
+    panel, ratio = chart().subplots(), np.r_[np.ones(30), np.full(far, 30.0)]
+    shown = ratio_axis(panel, np.arange(1.0, ratio.size + 1), ratio)
+    assert panel.get_ylim() == pytest.approx((1 / end, end))
+    assert shown.max() == pytest.approx(min(end, 30.0))
+    arrows = [mark for mark in panel.marks if getattr(mark, "marker", None)]
+    assert [mark.x.tolist() for mark in arrows] == ([[31.0]] if far == 1 else [])
+
+
 def test_error_bars_reach_as_far_as_those_of_matplotlib():
     x, y, error = np.array([1.0, 2.0, 4.0]), np.array([3.0, 5.0, 4.0]), np.array([[1.0, 0.5, 2.0], [2.0, 0.1, 1.0]])
     look = {"fmt": "o", "ms": 3.6, "mew": 0, "color": BLUE, "elinewidth": 1.0, "capsize": 2.0, "label": "ratio"}
@@ -119,11 +155,11 @@ def test_error_bars_reach_as_far_as_those_of_matplotlib():
     panel, axes = made.subplots(), Figure().subplots()
     panel.errorbar(x, y, error, **look)
     container = axes.errorbar(x, y, error, **look)
-    bars, low, high, points = panel.lines
+    bars, low, high, points = (np.column_stack([mark.x, mark.y]) for mark in panel.marks)
     data, caps, (segments,) = container
-    np.testing.assert_allclose(bars.get_xydata().reshape(3, 3, 2)[:, :2], segments.get_segments())
+    np.testing.assert_allclose(bars.reshape(3, 3, 2)[:, :2], segments.get_segments())
     for own, other in zip((low, high, points), (*caps, data), strict=True):
-        np.testing.assert_allclose(own.get_xydata(), other.get_xydata())
+        np.testing.assert_allclose(own, other.get_xydata())
     assert panel.get_legend_handles_labels()[1] == ["ratio"]
     assert panel.get_ylim() == pytest.approx(axes.get_ylim())
     assert made.svg().count("<path") > 4

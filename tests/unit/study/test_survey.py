@@ -210,7 +210,7 @@ def test_statistics_of_one_channel_share_a_panel_with_the_model(record, fit):
     assert len(figure.axes) == 1
     assert figure.axes[0].get_title("left") == "gz"
     assert labels(figure) == [
-        "Allan deviation", "expected by the model", "overlapping Allan deviation",
+        "Allan deviation", "overlapping Allan deviation", "expected by the model",
     ]  # fmt: skip
     drawn = {line.get_label(): line.get_ydata() for line in figure.axes[0].lines}
     np.testing.assert_allclose(drawn["Allan deviation"], curves[0].to("deg/h").deviation)

@@ -12,6 +12,7 @@ from allanite.applications.angle import Gimbals, Harmonics, Scan, Solution
 from allanite.applications.angle.calibration import Result, parts_of
 from allanite.applications.angle.harmonics import waves
 from allanite.applications.angle.solve import quantile
+from allanite.core.arrays import FloatArray
 from allanite.phrases.phrase import say
 from allanite.reporting import style
 from allanite.reporting.words import ARCSEC, percent
@@ -34,10 +35,7 @@ def plot_errors(new_figure: style.NewFigure, result: Result, level: float = 0.95
         common = math.gcd(*harmonics.orders)
         period = 2 * math.pi / common
         angle = np.linspace(0, period, max(400, 16 * max(harmonics.orders) // common))
-        rows = waves(angle, harmonics.orders)
-        error = harmonics.at(angle) / ARCSEC
-        spread = np.sqrt(np.einsum("ij,jk,ik->i", rows, harmonics.covariance, rows)) / ARCSEC
-        half = quantile(level, harmonics.freedom) * spread
+        error, half = _error(harmonics, angle, level)
         style.grid(ax)
         ax.fill_between(
             np.degrees(angle), error - half, error + half, color=style.DATA, alpha=0.2, lw=0,
@@ -62,10 +60,7 @@ def plot_error_in_time(
     for ax, (sensor, part) in zip(axes, panels, strict=True):
         keep = part[np.linspace(0, part.size - 1, min(part.size, MAX_INNOVATIONS)).astype(np.int64)]
         time, angle = gimbals.time[keep] / 60, np.asarray(getattr(gimbals, sensor.name))[keep]
-        rows = waves(angle, sensor.orders)
-        error = sensor.at(angle) / ARCSEC
-        spread = np.sqrt(np.einsum("ij,jk,ik->i", rows, sensor.covariance, rows)) / ARCSEC
-        half = quantile(level, sensor.freedom) * spread
+        error, half = _error(sensor, angle, level)
         style.grid(ax)
         crowded = part.size == gimbals.time.size and len(panels) > len(harmonics)
         ax.plot(time, error, color=style.DATA, lw=0.5 if crowded else 1.1)
@@ -82,6 +77,13 @@ def plot_error_in_time(
         style.title(ax, sensor.name)
     axes[-1].set_xlabel(say("time (min)"))
     return figure
+
+
+def _error(sensor: Harmonics, angle: FloatArray, level: float) -> tuple[FloatArray, FloatArray]:
+    """The error at angles and the half width of its band, arcsec."""
+    rows = waves(angle, sensor.orders)
+    spread = np.sqrt(np.einsum("ij,jk,ik->i", rows, sensor.covariance, rows))
+    return sensor.at(angle) / ARCSEC, quantile(level, sensor.freedom) * spread / ARCSEC
 
 
 def _parts(gimbals: Gimbals, found: Harmonics) -> list[NDArray[np.int64]]:

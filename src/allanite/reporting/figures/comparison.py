@@ -7,11 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from allanite.comparison.comparison import Comparison, Pair
 from allanite.comparison.pooled import Pool, PooledChannel
-from allanite.core.arrays import FloatArray
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.curve import Curve
 from allanite.core.display_units import readable_unit
 from allanite.core.errors import UsageError
@@ -22,13 +21,10 @@ from allanite.reporting.digits import printable
 from allanite.statistics import statistic_named
 from allanite.terms import TERMS
 
-from .drawing import TIME, draw_legend, stacked, with_unit
+from .drawing import TIME, draw_legend, ratio_axis, stacked, with_unit
 from .panels import CurvePanel, span, thinned
 
-BoolArray = NDArray[np.bool_]
-
 COLORS = (0, 3)  # colors of the series before and after; neither is the red that marks a change
-MIN_AXIS_RATIO = 2.0  # ratio within which the axis of ratios always reaches
 
 
 @style.plotted
@@ -65,7 +61,7 @@ def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: tuple[Axe
     apart = ratios.p <= pair.alpha
     low, high = ratios.interval(level)
     ratio = ratios.ratio
-    below.axhline(1.0, color=style.INK, lw=0.9, zorder=2)
+    _ratio_frame(below, ratios.tau, ratio, apart)
     for chosen, color, label in ((~apart, style.OTHER, say("no change")), (apart, style.ALARM, say("changed"))):
         if chosen.any():
             error = np.abs(np.array([low[chosen], high[chosen]]) - ratio[chosen])
@@ -73,7 +69,6 @@ def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: tuple[Axe
                 ratios.tau[chosen], ratio[chosen], error, fmt="o", ms=3.6, mew=0, color=color, elinewidth=1.0,
                 capsize=2.0, zorder=3, label=label,
             )  # fmt: skip
-    _ratio_frame(below, ratio)
     before, after = map(printable, names)
     below.set_ylabel(say("variance of {after}\nover {before}", after=after, before=before), parse_math=False)
 
@@ -102,13 +97,10 @@ def frame_curves(ax: Axes, curve: Curve, name: str, curves: Sequence[Curve]) -> 
     ax.set_ylabel(with_unit(statistic_named(curve.statistic).title, unit))
 
 
-def _ratio_frame(ax: Axes, ratio: FloatArray) -> None:
-    ax.set(
-        xscale="log", yscale="log",
-        ylim=(min(1 / MIN_AXIS_RATIO, float(ratio.min()) / 1.6), max(MIN_AXIS_RATIO, float(ratio.max()) * 1.6)),
-    )  # fmt: skip
-    style.plain_ticks(ax.xaxis, ax.yaxis)
-    style.grid(ax)
+def _ratio_frame(ax: Axes, tau: FloatArray, ratio: FloatArray, apart: BoolArray | None = None) -> None:
+    ax.set(xscale="log")
+    ratio_axis(ax, tau, ratio, apart)
+    style.plain_ticks(ax.xaxis)
 
 
 def _draw_pooled(channel: PooledChannel, names: tuple[str, ...], level: float, axes: tuple[Axes, Axes]) -> None:
@@ -128,8 +120,8 @@ def _draw_pooled(channel: PooledChannel, names: tuple[str, ...], level: float, a
         whole.tau, size / high**2, size / low**2, color=style.DATA, alpha=0.16, lw=0, zorder=2,
         label=say("where {share} of equal runs lie", share=words.percent(level)),
     )  # fmt: skip
-    below.axhline(1.0, color=style.INK, lw=0.9, zorder=2)
-    _ratio_frame(below, np.concatenate([curve.variance / whole.variance for curve in channel.curves]))
+    ratios = np.concatenate([curve.variance / whole.variance for curve in channel.curves])
+    _ratio_frame(below, np.concatenate([curve.tau for curve in channel.curves]), ratios)
     below.set_ylabel(say("variance of a run\nover that of all"))
 
 

@@ -8,14 +8,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from allanite.core.units import convert
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
-from allanite.reporting.digits import digits, printable
+from allanite.reporting.digits import printable
+from allanite.reporting.sketch.panel import Panel
 from allanite.statistics import statistic_named
 
 from . import drawing
-from .panels import CurvePanel, columns_of, points, span
+from .panels import CurvePanel, columns_of, points, samples, span
 from .terms import draw_model
 
 MIN_FILLED_EDF = 2.0  # equivalent degrees of freedom below which a point is drawn open
@@ -105,35 +105,22 @@ def _draw_panel(ax: Axes, panel: CurvePanel, level: float) -> None:
             masks = ((WEIGHS / high, WEIGHS / low) for low, high in fit.scope.masks)
             drawing.shade(ax, ((0.0, shortest),), FILTERED if fit.scope.filter else drawing.UNREAD)
             drawing.shade(ax, (*masks, (longest, math.inf)), drawing.UNREAD)
-    if panel.drawn is not None:
-        draw_model(ax, panel, drawn, placed, level)
-    _draw_minimum(ax, panel, placed, level)
+    draw_model(ax, panel, drawn, placed, level)
+    if not panel.brief:
+        _hint(ax, {"": panel}, level)
     ax.set_ylabel(drawing.with_unit(statistic_named(panel.curve.statistic).title, panel.unit))
 
 
-def _draw_minimum(ax: Axes, panel: CurvePanel, placed: list[drawing.LabelBox], level: float) -> None:
-    """The minimum of the Allan deviation with its averaging time, as data sheets quote it."""
-    readings = panel.readings
-    if readings is None or readings.minimum is None or panel.curve.statistic != "oadev":
-        return
-    if not readings.minimum.deviation > 0:  # logarithmic axes have no place for it
-        return
-    low, high = readings.minimum.interval(level)
-    factor = convert(1.0, readings.unit, panel.unit)
-    deviation = readings.minimum.deviation * factor
-    rounded = digits(deviation, low * factor, high * factor)
-    number = rounded.value + rounded.power if panel.brief else rounded.pretty()
-    size = {"value": f"{number} {panel.unit}", "tau": words.averaging(readings.minimum.tau)}
-    text, shape = say("minimum {value}\nat τ = {tau}", **size), "v"
-    if not readings.inside:
-        text, shape = say("last well-determined point:\n{value} at τ = {tau}", **size), "s"
-    ax.plot(readings.minimum.tau, deviation, shape, ms=6.5, color=style.INK, zorder=5)
-    anchor = drawing.fractions(ax, np.array([[readings.minimum.tau, deviation]]))
-    data = (np.asarray(line.get_xydata()) for line in ax.lines)
-    drawn = np.concatenate([points for points in data if len(points) > 2])  # no rules, whose ordinates are fractions
-    placed.append(
-        drawing.draw_label(ax, ("", text), anchor, drawing.fractions(ax, drawn[(drawn > 0).all(axis=1)]), placed)
-    )
+def _hint(ax: Axes, panels: dict[str, CurvePanel], level: float) -> None:
+    """Show the values of curves under the cursor, by what each is called."""
+    texts: dict[float, list[str]] = {}
+    for name, panel in panels.items():
+        for tau, text in samples(panel, level).items():
+            texts.setdefault(tau, []).append(join(": ", filter(None, (name, text))))
+    between = ": " if len(panels) == 1 else "\n"
+    hints = [join(between, (f"τ = {words.averaging(tau)}", *texts[tau])) for tau in sorted(texts)]
+    if isinstance(ax, Panel):  # of a page
+        ax.hint(sorted(texts), hints)
 
 
 def _draw_landmarks(ax: Axes) -> list[drawing.LabelBox]:
@@ -167,27 +154,34 @@ def plot_overlay(new_figure: style.NewFigure, panels: Sequence[CurvePanel], *, l
         spans = [span(drawn)[0] for group in column for drawn in group]
         for ax, group in zip(axes, column, strict=True):
             ax.set(xscale="log", xlim=(min(low for low, _ in spans), max(high for _, high in spans)))
-            _draw_group(ax, group, level)
+            called = _draw_group(ax, group, level)
+            if math.isinf(new_figure.room):
+                _hint(ax, called, level)
         axes[-1].set_xlabel(drawing.TIME)
-    drawing.draw_legend(figure, marks=False)
+    apart = single and len(columns) > 1 and all(len(group) > 1 for column in columns for group in column)
+    drawing.draw_legend(figure, marks=False, apart=apart)
     return figure
 
 
-def _draw_group(ax: Axes, group: Sequence[CurvePanel], level: float) -> None:
+def _draw_group(ax: Axes, group: Sequence[CurvePanel], level: float) -> dict[str, CurvePanel]:
+    """Draw curves in one panel, and say what they are called."""
     spans = [span(panel)[1] for panel in group]
     ax.set(yscale="log", ylim=(min(low for low, _ in spans), max(high for _, high in spans)))
     style.plain_ticks(ax.xaxis)
     style.plain_ticks(ax.yaxis, most=3000)
     style.grid(ax)
     names, titles = (dict.fromkeys(texts) for texts in zip(*map(_called, group), strict=True))
+    called: dict[str, CurvePanel] = {}
     for i, panel in enumerate(group):
         name, title = _called(panel)
         told = [part for part, known in ((name, names), (title, titles)) if len(known) > 1]
         label = join(", ", told) or title or name
+        called[label] = panel
         _draw_curve(ax, panel, (i, label), level if len(group) <= MAX_BANDS else None)
     ax.set_title(next(iter(names)) if len(names) == 1 else "", loc="left", fontweight="bold", parse_math=False)
     what = next(iter(titles)) if len(titles) == 1 else say("deviation")
     ax.set_ylabel(drawing.with_unit(what, group[0].unit))
+    return called
 
 
 def _called(panel: CurvePanel) -> tuple[str, str]:
@@ -202,14 +196,6 @@ def _draw_curve(ax: Axes, panel: CurvePanel, label: tuple[int, str], level: floa
         ax.fill_between(drawn.tau, drawn.low, drawn.high, color=color, alpha=0.14, lw=0, zorder=2)
     size = 3.4 if drawn.tau.size <= 40 else 0.0
     ax.plot(drawn.tau, drawn.deviation, color=color, lw=1.1, marker=marker, ms=size, mew=0, zorder=3, label=text)
-    if panel.fit is not None and panel.fit.valid is not None:
+    if panel.fit is not None and panel.drawn is not None:
         tau = np.geomspace(drawn.tau[0], drawn.tau[-1], 200)
-        ax.plot(
-            tau,
-            panel.whole(panel.fit.valid, tau),
-            color=color,
-            lw=1.0,
-            ls=(0, (5, 3)),
-            zorder=2.5,
-            label=drawing.EXPECTED,
-        )
+        ax.plot(tau, panel.whole(tau), color=color, lw=1.0, ls=(0, (5, 3)), zorder=2.5, label=drawing.EXPECTED)

@@ -1,14 +1,15 @@
 """What figures share: colors, places in a panel, the legend, and where the label of a line goes."""
 
+import math
 import textwrap
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from rich.cells import cell_len
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.estimate import Estimate
@@ -26,73 +27,92 @@ MARGIN = 0.015
 ENOUGH_DISTANCE = 1.25
 """Distance to the nearest thing, in label sizes, beyond which farther away is no better; below 1 it is touched."""
 
-CELLS = 50  # cells of the panel along each axis, by which it is known where the curves are
-LINE = np.linspace(0.0, 1.0, 20)  # steps along that line
-
-NEAR = np.array([(dx, dy) for dx in (0.0, 0.58, -0.58) for dy in (0.9, -0.9, 1.7, -1.7)])
+NEAR = np.array([(dx, dy) for dx in (0.0, 0.58, -0.58) for dy in (0.9, -0.9, 1.7, -1.7, 2.6, -2.6)])
 """Where a label may stand: shift from its anchor in widths and heights; beside these, on a grid over the panel."""
 
-GRID = np.array(np.meshgrid(np.linspace(0, 1, 13), np.linspace(0, 1, 15))).reshape(2, -1).T
+GRID = np.array(np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 27))).reshape(2, -1).T
+SHORTLIST = 250  # freest and nearest places whose leaders are looked at
+FREE_END = 0.02  # part of a leader at its anchor, in fractions of the panel, where it may touch what it is about
+BREAK = np.full((1, 2), np.nan)  # where one line of the obstacles ends
 
 
 class LabelBox(NamedTuple):
-    """A label's centre and size."""
+    """A label's centre and size, and the end of its leader."""
 
     x: float
     y: float
     width: float
     height: float
+    anchor: tuple[float, float] | None = None
 
 
-def place(anchors: FloatArray, size: tuple[float, float], obstacles: FloatArray, taken: Sequence[LabelBox]) -> LabelBox:
-    """The freest place above or below one of the anchors."""
+def together(paths: Iterable[FloatArray]) -> FloatArray:
+    """Lines as one array, with a break behind each."""
+    return np.concatenate([BREAK, *(part for path in paths for part in (path, BREAK))])
+
+
+def place(anchors: FloatArray, size: tuple[float, float], lines: FloatArray, taken: Sequence[LabelBox]) -> LabelBox:
+    """The freest place near one of the anchors, whose leader crosses no line, no label and no other leader."""
     shape = np.array(size)
     wanted = (anchors[:, None] + NEAR * shape).reshape(-1, 2)
     low, high = MARGIN + shape / 2, 1 - MARGIN - shape / 2
     centres = np.minimum(np.maximum(np.concatenate((wanted, GRID)), low), high)
+    # earlier anchors are preferred
     away = np.hypot(*(anchors[:, None] - centres).T) + 0.002 * np.arange(len(anchors))
     at = anchors[away.argmin(axis=1)]
-    far = np.hypot(*(at - centres).T)
-    # whether the line from a label to its anchor runs across another label, shape (n,)
-    line = at + LINE[:, None, None] * (centres - at)
-    crossed = np.zeros(len(centres), np.bool_)
-    for b in taken:
-        crossed |= (np.abs(line - (b.x, b.y)) < (b.width / 2, b.height / 2)).all(axis=2).any(axis=0)
-    across = _across(line, shape, obstacles)
-    worth = _freedom(centres, size, obstacles, taken) - far - 0.4 * crossed - 0.4 * across
-    x, y = centres[int(worth.argmax())].tolist()
-    return LabelBox(x, y, *size)
+    free = _freedom(centres, size, lines, taken)
+    worth = free - (free < 1) - np.hypot(*(at - centres).T)
+    few = np.argsort(-worth, kind="stable")[:SHORTLIST]
+    crossed = _crossed(centres[few], at[few], shape, lines, taken)
+    best = few[int((worth[few] - 0.7 * np.minimum(crossed, 3)).argmax())]
+    (x, y), (end, height) = centres[best].tolist(), at[best].tolist()
+    return LabelBox(x, y, *size, (end, height))
 
 
-def _across(line: FloatArray, shape: FloatArray, obstacles: FloatArray) -> BoolArray:
-    """Whether lines from anchors to labels, shape (steps, n, 2), run across obstacles away from both ends."""
-    on = np.zeros((CELLS, CELLS), np.bool_)
-    x, y = np.clip(obstacles.T * CELLS, 0, CELLS - 1).astype(np.int64)
-    on[x, y] = True
-    x, y = (line.T * CELLS).astype(np.int64)
-    from_anchor = np.hypot(*(line - line[0]).T)
-    from_label = np.abs((line - line[-1]) / shape).max(axis=2).T - 0.5
-    return np.asarray((on[x, y] & (from_anchor > 2 / CELLS) & (from_label > 2 / CELLS)).any(axis=1))
+def _crossed(
+    centres: FloatArray, at: FloatArray, shape: FloatArray, lines: FloatArray, taken: Sequence[LabelBox]
+) -> FloatArray:
+    """How many lines, labels and leaders each leader crosses, and how many leaders each label."""
+    way = at - centres
+    start = at - way * np.minimum(1, FREE_END / np.maximum(np.hypot(*way.T), 1e-9))[:, None]
+    count = _meetings(start, centres, lines[:-1], lines[1:])
+    for box in taken:
+        corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (box.width / 2, box.height / 2) + (box.x, box.y)
+        count += _meetings(start, centres, corners, np.roll(corners, 1, axis=0)) > 0
+        if box.anchor is not None:
+            ends = np.array([box.anchor]), np.array([[box.x, box.y]])
+            count += _meetings(start, centres, *ends)
+            half = shape / 2
+            count += (_meetings(centres - half, centres + half, *ends) > 0) | (
+                _meetings(centres - half * (1, -1), centres + half * (1, -1), *ends) > 0
+            )
+    return count
 
 
-def nearest(anchors: FloatArray, box: LabelBox) -> FloatArray:
-    """The anchor that is nearest to a label; earlier ones are preferred."""
-    away = np.hypot(*(anchors - (box.x, box.y)).T) + 0.002 * np.arange(len(anchors))
-    return np.asarray(anchors[int(away.argmin())])
+def _meetings(start: FloatArray, end: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray:
+    """How many of the segments from a to b, shape (m, 2), each of those from start to end crosses, shape (n,)."""
+    (dx, dy), (ex, ey) = (end - start).T[:, :, None], (b - a).T
+    apart = a - start[:, None]
+    of_start = ex * apart[..., 1] - ey * apart[..., 0]
+    of_end = of_start + dx * ey - dy * ex
+    of_a = dx * apart[..., 1] - dy * apart[..., 0]
+    of_b = of_a + dx * ey - dy * ex
+    return np.asarray(((of_start * of_end < 0) & (of_a * of_b < 0)).sum(axis=1), dtype=np.float64)
 
 
-def freedom(box: LabelBox, obstacles: FloatArray, taken: Sequence[LabelBox]) -> float:
+def freedom(box: LabelBox, lines: FloatArray, taken: Sequence[LabelBox]) -> float:
     """Distance to the nearest thing in label sizes, at most `ENOUGH_DISTANCE`."""
-    return float(_freedom(np.array([[box.x, box.y]]), (box.width, box.height), obstacles, taken)[0])
+    return float(_freedom(np.array([[box.x, box.y]]), (box.width, box.height), lines, taken)[0])
 
 
 def _freedom(
-    centres: FloatArray, size: tuple[float, float], obstacles: FloatArray, taken: Sequence[LabelBox]
+    centres: FloatArray, size: tuple[float, float], lines: FloatArray, taken: Sequence[LabelBox]
 ) -> FloatArray:
     """Distance of labels of a size to the nearest thing in label sizes, at most `ENOUGH_DISTANCE`, shape (n,)."""
     free, half = np.full(len(centres), ENOUGH_DISTANCE), np.array(size) / 2
-    if obstacles.size:
-        x, y = (np.abs(obstacles[:, None, i] - centres[:, i]) / half[i] for i in range(2))
+    known = lines[np.isfinite(lines).all(axis=1)]
+    if known.size:
+        x, y = (np.abs(known[:, None, i] - centres[:, i]) / half[i] for i in range(2))
         free = np.minimum(free, np.maximum(x, y, out=x).min(axis=0))
     for other in taken:
         apart = np.abs(centres - (other.x, other.y)) / (half + np.array([other.width, other.height]) / 2)
@@ -104,7 +124,7 @@ def _freedom(
 TIME = say("averaging time τ (s)")  # what the abscissa of a deviation is called
 UNREAD = say("not used by the fit")  # what is shaded where the fit reads nothing
 
-MODEL, EXPECTED = say("model"), say("expected by the model")
+MODEL, REDUCED, EXPECTED = say("model"), say("model without absent terms"), say("expected by the model")
 """Labels of lines that the legend explains."""
 
 
@@ -180,10 +200,45 @@ def shade(ax: Axes, spans: Iterable[tuple[float, float]], why: str) -> None:
             ax.axvspan(a, b, color=style.SHADE, lw=0, zorder=0.5, label=why)
 
 
+RATIO_ENDS = 3.0, 1000.0  # ratios at the ends of an axis: at least, and at most
+RATIO_SHARE = 0.95  # part of the points that are within it
+
+
+def ratio_axis(ax: Axes, x: FloatArray, ratio: FloatArray, odd: BoolArray | None = None) -> FloatArray:
+    """A logarithmic ordinate about 1 for ratios, which come back: those beyond it at its edge, marked by arrows."""
+    least, most = RATIO_ENDS
+    size = np.abs(np.log(np.clip(ratio, 1 / most, most)))
+    size = np.sort(size[np.isfinite(size)])
+    needed = float(size[math.ceil(RATIO_SHARE * len(size)) - 1]) if len(size) else 0.0
+    end = max(least, 1.15 * math.exp(needed))
+    ax.set(yscale="log", ylim=(1 / end, end))
+    style.grid(ax, fine=False)
+    ax.axhline(1.0, color=style.INK, lw=1.0, zorder=2)
+    ax.yaxis.set_major_locator(LogLocator(subs=(1.0,) if end > 20 else (1.0, 2.0, 5.0)))
+    style.plain_ticks(ax.yaxis)
+    ax.yaxis.set_minor_formatter(NullFormatter())
+    odd = np.zeros(len(ratio), np.bool_) if odd is None else odd
+    for beyond, edge, arrow in ((ratio > end, end / 1.08, "^"), (ratio < 1 / end, 1.08 / end, "v")):
+        for where, color in ((beyond & ~odd, style.DATA), (beyond & odd, style.ALARM)):
+            if where.any():
+                ax.plot(x[where], np.full(where.sum(), edge), arrow, color=color, ms=5, zorder=4)
+    return np.clip(ratio, 1 / end, end)
+
+
 def by_share(line: FloatArray, whole: FloatArray) -> IntArray:
     """Indices of the points of a term's line, first where it has most to say."""
     known = np.isfinite(line)
     return np.argsort(-(line / whole)[known], kind="stable")
+
+
+LABEL_POINTS = 8.5  # size of letters beside lines
+
+
+def label_size(ax: Axes, text: str, points: float) -> tuple[float, float]:
+    """Width and height of a text in letters of a size, as fractions of the panel."""
+    width, height = _inside(ax)
+    lines = tr(text).splitlines()
+    return (points * max(map(wide, lines)) + 3) / width, (1.25 * points * len(lines) + 2) / height
 
 
 def draw_label(
@@ -191,13 +246,11 @@ def draw_label(
 ) -> LabelBox:
     """Write (symbol, text) where it is free, with a line to its anchor if that is farther off, and say where it is."""
     symbol, text = label
-    width, height = _inside(ax)
-    lines = tr(text).splitlines()  # whose letters, of 8.5 points, are 5.3 points wide
-    box = place(anchors, (max(map(cell_len, lines)) * 5.3 / width, 11.5 * len(lines) / height), avoid, placed)
-    at = nearest(anchors, box)
+    box = place(anchors, label_size(ax, text, LABEL_POINTS), avoid, placed)
+    assert box.anchor is not None  # noqa: S101 - as `place` makes it
     ax.annotate(
-        text, (at[0], at[1]), (box.x, box.y), xycoords="axes fraction", textcoords="axes fraction", ha="center",
-        va="center", fontsize=8.5, parse_math=False, linespacing=1.25, color=color_of(symbol), zorder=6,
+        text, box.anchor, (box.x, box.y), xycoords="axes fraction", textcoords="axes fraction", ha="center",
+        va="center", fontsize=LABEL_POINTS, parse_math=False, linespacing=1.25, color=color_of(symbol), zorder=6,
         bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.0},
         arrowprops={"arrowstyle": "-", "color": color_of(symbol), "lw": 0.8, "shrinkA": 0, "shrinkB": 4},
     )  # fmt: skip
@@ -231,26 +284,35 @@ def fractions(ax: Axes, points: FloatArray) -> FloatArray:
     return np.asarray((np.log(points) - low) / (high - low))
 
 
-def draw_legend(figure: Figure, *, marks: bool = True, columns: int = 3) -> None:
-    """One legend for all panels, above them; with `marks`, the one where coefficients are read off."""
+def draw_legend(figure: Figure, *, marks: bool = True, columns: int = 3, apart: bool = False) -> None:
+    """One legend for all panels, above them, or `apart` one above each; with `marks`, the one of read coefficients."""
+    for ax in figure.axes if apart else figure.axes[:1]:
+        width = _inside(ax)[0] if apart else 72 * figure.get_figwidth()
+        entries = _entries(figure, [ax] if apart else figure.axes, marks)
+        # points of a label of 8 points with its line and the space beside it
+        points = [8 * wide(tr(label)) + 38 for label in entries]
+        widths = {n: sum(max(points[i::n]) for i in range(n)) for n in range(2, len(points) + 1)}
+        count = next((n for n in range(min(columns, len(points)), 1, -1) if widths[n] <= width), 1)
+        labels = [label for i in range(count) for label in list(entries)[i::count]]  # read in rows, filled by columns
+        handles = [entries[label] for label in labels]
+        owner: Any = ax if apart else figure
+        where = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0)} if apart else {"loc": "outside upper center"}
+        legend = owner.legend(handles, labels, ncols=count, columnspacing=1.6, **where)
+        for text in legend.get_texts():  # names are the user's, and no formulas
+            text.set_parse_math(False)
+
+
+def _entries(figure: Figure, axes: Sequence[Axes], marks: bool) -> dict[str, Artist]:
+    """Handles by labels in the order of the panels; keys that several lines share are last."""
     entries: dict[str, Artist] = {}
-    for ax in figure.axes:
+    for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
-    if MODEL in entries:
+    if MODEL in entries or REDUCED in entries:
         entries[say("each term alone")] = style.key(figure, color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
         if marks:
             mark = style.key(figure, ls="", marker="D", ms=5, mfc="white", color=style.OTHER, mew=1.3)
             entries[say("where its coefficient is read off")] = mark
-    if EXPECTED in entries:
+    if entries.pop(EXPECTED, None) is not None:
         entries[EXPECTED] = style.key(figure, color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
-    # points of a label of 8 points with its line and the space beside it; columns are filled one by one
-    points = [8 * wide(tr(label)) + 38 for label in entries]
-    widths = {n: sum(float(part.max()) for part in np.array_split(points, n)) for n in range(2, len(points) + 1)}
-    fitting = (n for n in range(min(columns, len(points)), 1, -1) if widths[n] <= 72 * figure.get_figwidth())
-    columns = next(fitting, 1)
-    legend = figure.legend(
-        list(entries.values()), list(entries), loc="outside upper center", ncols=columns, columnspacing=1.6
-    )
-    for text in legend.get_texts():  # names are the user's, and no formulas
-        text.set_parse_math(False)
+    return entries

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from allanite.claims.drift import Drift
 from allanite.claims.result import ClaimCheck
+from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.display_units import readable_unit
 from allanite.core.errors import UndrawnError, UsageError
@@ -42,40 +43,40 @@ def _draw_deviations(ax: Axes, value: StatedNoise) -> None:
     signal = value.noise.signal
     unit = readable_unit(signal.unit)
     size = unit_of(unit).factor
-    ax.set(xscale="log", yscale="log", xlabel=TIME, ylabel=with_unit(say("Allan deviation"), printed_unit(unit)))
     for i, curve in enumerate(value.curves):
         near = (curve.tau >= value.span[0] / 3) & (curve.tau <= 3 * value.span[1])
         measured = curve.to(signal.unit).deviation[near] / size
         label = say("measured") if not i else "_"
         ax.plot(curve.tau[near], measured, ".", color=style.OTHER, ms=3, label=label)
-    for deviation, label, color, line in (
-        (value.upper, UPPER, style.FAIR, "--"), (value.identified, IDENTIFIED, style.INK, "-"),
-        (value.deviation, FILE, style.ALARM, "-"),
-    ):  # fmt: skip
-        ax.plot(value.tau, deviation / size, line, color=color, lw=1.3, label=label)
-    style.grid(ax)
-    ax.legend(loc="best")
-    style.title(ax, value.label)
+    lines = (
+        (value.upper / size, UPPER, style.FAIR, "--"), (value.identified / size, IDENTIFIED, style.INK, "-"),
+        (value.deviation / size, FILE, style.ALARM, "-"),
+    )  # fmt: skip
+    _draw_lines(ax, value.tau, lines, value.label, (TIME, with_unit(say("Allan deviation"), printed_unit(unit))))
 
 
 def _draw_errors(ax: Axes, value: StatedNoise) -> None:
-    signal = value.noise.signal
-    unit = readable_unit(signal.si[1])
+    unit = readable_unit(value.noise.signal.si[1])
     size = unit_of(unit).factor
-    ax.set(
-        xscale="log",
-        yscale="log",
-        xlabel=say("time without aid (s)"),
-        ylabel=with_unit(say("error"), printed_unit(unit)),
+    lines = (
+        (value.best / size, say("of the best filter"), style.INK, "-"),
+        (value.actual / size, say("with the file"), style.ALARM, "-"),
+        (value.predicted / size, say("predicted with the file"), style.ALARM, "--"),
     )
-    for errors, label, color, line in (
-        (value.best, say("of the best filter"), style.INK, "-"), (value.actual, say("with the file"), style.ALARM, "-"),
-        (value.predicted, say("predicted with the file"), style.ALARM, "--"),
-    ):  # fmt: skip
-        ax.plot(value.times, errors / size, line, color=color, lw=1.3, label=label)
+    names = say("time without aid (s)"), with_unit(say("error"), printed_unit(unit))
+    _draw_lines(ax, value.times, lines, say("standard deviation of the error, by the time without aid"), names)
+
+
+def _draw_lines(
+    ax: Axes, x: FloatArray, lines: Sequence[tuple[FloatArray, str, str, str]], title: str, names: tuple[str, str]
+) -> None:
+    """Lines (values, label, color, style) over a common abscissa, with the names of both axes."""
+    for values, label, color, line in lines:
+        ax.plot(x, values, line, color=color, lw=1.3, label=label)
+    ax.set(xscale="log", yscale="log", xlabel=names[0], ylabel=names[1])
     style.grid(ax)
     ax.legend(loc="best")
-    style.title(ax, say("standard deviation of the error, by the time without aid"))
+    style.title(ax, title)
 
 
 TIMES_PER_OCTAVE = 4  # averaging times of the lines

@@ -15,8 +15,12 @@ from allanite.core.fit import Fit
 from allanite.core.model import Model, Term, model_of
 from allanite.core.readings import Readings
 from allanite.core.units import convert, unit_of
+from allanite.phrases.phrase import join
 from allanite.reporting import words
+from allanite.reporting.digits import digits, printed_unit
 from allanite.statistics import expected, statistic_named
+
+from .drawing import MODEL
 
 MAX_CURVE_POINTS = 400  # points of a curve that are drawn: more are not seen, but weigh
 
@@ -39,11 +43,13 @@ class CurvePanel(NamedTuple):
     @property
     def drawn(self) -> Model | None:
         """The model whose terms are drawn; None if there is none, or it explains nothing."""
-        return self.fit.valid if self.fit is not None else self.model
+        return printed_model(self.fit) if self.fit is not None else self.model
 
-    def whole(self, model: Model, tau: FloatArray) -> FloatArray:
+    def whole(self, tau: FloatArray) -> FloatArray:
         """The deviation expected under the model that is drawn, with the warm-up that was found; see `expected`."""
-        return self.expected(model if self.fit is None else self.fit.complete(model), tau)
+        if self.drawn is None:
+            return np.full_like(tau, np.nan)
+        return self.expected(self.drawn if self.fit is None else self.fit.complete(self.drawn), tau)
 
     @property
     def unit(self) -> str:
@@ -75,6 +81,31 @@ class CurvePanel(NamedTuple):
     def shown(self, values: FloatArray) -> FloatArray:
         """Values of the curve in the unit that is shown."""
         return values * convert(1.0, self.curve.unit, self.unit)
+
+
+def printed_model(fit: Fit) -> Model | None:
+    """The terms whose coefficients are printed, without those of which only a limit is known; None if there is none."""
+    limited = {e.symbol for e in fit if e.value is None} - {e.symbol for e in fit if e.value is not None}
+    kept = tuple(term for term in fit.valid or () if term.symbol not in limited)
+    return Model(kept) if kept else None
+
+
+MAX_HINTS = 120  # points of a curve whose values are shown under the cursor
+
+
+def samples(panel: CurvePanel, level: float) -> dict[float, str]:
+    """Points of a curve by averaging time, as the table of its numbers has them, with what the model expects there."""
+    drawn = points(panel, level)
+    expected, nothing = panel.whole(drawn.tau), np.full(drawn.tau.size, np.nan)
+    low, high = (nothing if limit is None else limit for limit in (drawn.low, drawn.high))
+    made: dict[float, str] = {}
+    for i in np.unique(np.rint(np.linspace(0, drawn.tau.size - 1, min(drawn.tau.size, MAX_HINTS))).astype(np.int64)):
+        model, half = float(expected[i]), (high[i] - low[i]) / 2
+        near = digits(model, model - half, model + half)
+        parts = [f"{digits(drawn.deviation[i], low[i], high[i]).pretty()} {printed_unit(panel.unit)}"]
+        parts += [join(" ", (MODEL, near.value + near.power))] if math.isfinite(model) else []
+        made[float(drawn.tau[i])] = join("; ", parts)
+    return made
 
 
 class DrawnPoints(NamedTuple):

@@ -21,7 +21,7 @@ from allanite.reporting import style, words
 from allanite.reporting.digits import printed_unit
 from allanite.statistics import statistic_named
 
-from .drawing import TIME, draw_legend, with_unit
+from .drawing import TIME, draw_legend, ratio_axis, with_unit
 from .panels import CurvePanel, points
 
 STRETCHES = 480  # stretches of a record whose least and largest sample are drawn: more are not seen
@@ -113,19 +113,17 @@ def _draw_record(ax: Axes, record: Record, size: float) -> None:
 def plot_strip(new_figure: style.NewFigure, panel: CurvePanel, *, level: float = 0.95) -> Figure:
     """The deviation over that expected under the model, with its band, by averaging time."""
     drawn = points(panel, level)
-    assert panel.fit is not None and panel.fit.valid is not None  # noqa: S101, PT018 - the caller has looked
-    expected = panel.expected(panel.fit.valid, drawn.tau)
+    expected = panel.whole(drawn.tau)
     figure = new_figure(7.2, 1.9)
     ax = figure.subplots()
-    ax.set(xscale="log", yscale="log", xlabel=TIME, ylabel=say("observed /\nexpected"))
-    style.grid(ax, fine=False)
-    ax.axhline(1.0, color=style.INK, lw=1.0)
+    ax.set(xscale="log", xlabel=TIME, ylabel=say("observed /\nexpected"))
+    ratio = drawn.deviation / expected
+    shown = ratio_axis(ax, drawn.tau, ratio)
     if drawn.low is not None and drawn.high is not None:
         ax.fill_between(drawn.tau, drawn.low / expected, drawn.high / expected, color=style.DATA, alpha=0.18, lw=0)
-    ax.plot(drawn.tau, drawn.deviation / expected, "o-", color=style.DATA, ms=2.8, mew=0, lw=0.9)
-    ratio = (drawn.deviation / expected)[np.isfinite(drawn.deviation / expected) & (drawn.deviation > 0)]
-    ax.set_ylim(min(0.45, ratio.min(initial=1.0) / 1.2), max(2.2, ratio.max(initial=1.0) * 1.2))
-    style.plain_ticks(ax.xaxis, ax.yaxis)
+    ax.plot(drawn.tau, shown, "-", color=style.DATA, lw=0.9)
+    ax.plot(drawn.tau, np.where(shown == ratio, ratio, np.nan), "o", color=style.DATA, ms=2.8, mew=0)
+    style.plain_ticks(ax.xaxis)
     return figure
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import MaxNLocator
 
 from allanite.core.errors import UsageError
 from allanite.core.fit import Goodness, chance
@@ -16,46 +16,40 @@ from allanite.phrases.phrase import join, say
 from allanite.reporting import style
 from allanite.reporting.digits import printable
 
+from .drawing import ratio_axis
 from .record import time_scale
 
 MIN_MARKED_SIGMAS = 3.0  # standard deviations beyond which a cell is marked: one in 370 by chance
-MIN_RATIO = 0.05  # ratio below which a cell is drawn at the edge
 
 
 @style.plotted
 def plot_goodness(new_figure: style.NewFigure, goodness: Goodness, name: str = "") -> Figure:
     """Two strips over frequency: the ratio of powers, and how surprising it is."""
     figure = new_figure(7.2, 3.6)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
-    title = join("   ", filter(None, (printable(name), say("goodness of fit p = {p:.2g}", p=goodness.p))))
     color = style.ALARM if goodness.grade == UNEXPLAINED else style.INK
+    _draw_goodness(figure, goodness, (name, say("goodness of fit p = {p:.2g}", p=goodness.p)), color)
+    return figure
+
+
+def _draw_goodness(figure: Any, goodness: Goodness, named: tuple[str, str], color: str) -> None:
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
+    title = join("   ", filter(None, (printable(named[0]), named[1])))
     upper.set_title(title, loc="left", fontweight="bold", color=color, parse_math=False)
     draw_ratio(upper, goodness)
     draw_surprise(lower, goodness)
-    lower.set_xlabel(say("frequency (Hz)"))
-    lower.set_xlim(goodness.frequency[0], goodness.frequency[-1])
+    lower.set(xlabel=say("frequency (Hz)"), xlim=goodness.frequency[[0, -1]])
     style.plain_ticks(lower.xaxis)
-    return figure
 
 
 def draw_ratio(ax: Axes, goodness: Goodness) -> None:
     """Observed over expected power of every cell."""
-    ax.set(xscale="log", yscale="log", ylabel=say("observed /\nexpected power"))
-    style.grid(ax, fine=False)
-    ax.axhline(1.0, color=style.INK, lw=1.0, zorder=2)
+    ax.set(xscale="log", ylabel=say("observed /\nexpected power"))
     low, high = goodness.frequency[:-1], goodness.frequency[1:]
-    # a cell of one coefficient may be as good as empty by chance: it stands at the edge, with an arrow
-    ratio = np.maximum(np.nan_to_num(goodness.ratio), MIN_RATIO)
     odd = np.abs(goodness.z) > MIN_MARKED_SIGMAS
+    # a cell of one coefficient may be as good as empty by chance
+    ratio = ratio_axis(ax, np.sqrt(low * high), np.nan_to_num(goodness.ratio), odd)
     for where, color in ((~odd, style.DATA), (odd, style.ALARM)):
         ax.hlines(ratio[where], low[where], high[where], color=color, lw=2.2, zorder=3)
-        edge = where & (ratio == MIN_RATIO)
-        ax.plot(np.sqrt(low * high)[edge], ratio[edge], "v", color=color, ms=5, zorder=3)
-    ax.set_ylim(min(0.5, ratio.min() / 1.2), max(2.0, 1.3 * ratio.max()))
-    wide = ratio.max() / ratio.min() > 300
-    ax.yaxis.set_major_locator(LogLocator(subs=(1.0,) if wide else (1.0, 2.0, 5.0)))
-    ax.yaxis.set_minor_formatter(NullFormatter())
-    style.plain_ticks(ax.yaxis)
 
 
 def draw_surprise(ax: Axes, goodness: Goodness) -> None:
@@ -99,14 +93,8 @@ def plot_residuals(new_figure: style.NewFigure, residuals: Residuals) -> Figure:
     statement = residuals.statement
     color = {EXPLAINED: style.INK, APPROXIMATE: style.FAIR, UNEXPLAINED: style.ALARM}[statement.grade]
     if residuals.goodness is not None:
-        upper, lower = above.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
         title = say("{grade}, goodness of fit {p}", grade=graded(statement.grade), p=chance(residuals.goodness.p))
-        title = join("   ", filter(None, (printable(residuals.name), title)))
-        draw_ratio(upper, residuals.goodness)
-        draw_surprise(lower, residuals.goodness)
-        lower.set(xlabel=say("frequency (Hz)"), xlim=residuals.goodness.frequency[[0, -1]])
-        style.plain_ticks(lower.xaxis)
-        upper.set_title(title, loc="left", fontweight="bold", color=color, parse_math=False)
+        _draw_goodness(above, residuals.goodness, (residuals.name, title), color)
     _draw(below.subplots(1, 3, width_ratios=[1.9, 1.0, 1.0]), residuals)
     return figure
 

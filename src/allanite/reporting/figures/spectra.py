@@ -18,6 +18,7 @@ from allanite.reporting import style, words
 from allanite.terms import TERMS, WHITE
 
 from . import drawing
+from .panels import printed_model
 
 MAX_BAND_POINTS = 200  # values that are drawn as points in a band; more are a line, and its band would hide it
 
@@ -53,9 +54,10 @@ def plot_spectra(
             label = say("spectrum")
             ax.plot(f, amplitude, color=style.DATA, lw=width, marker="o", ms=size, mew=0, zorder=3, label=label)
             drawing.draw_titles(ax, (spectrum.name,), fit, before=spectrum.method)
-            if fit is not None and fit.valid is not None:
+            model = None if fit is None else printed_model(fit)
+            if fit is not None and model is not None:
                 drawing.shade(ax, fit.scope.unread if fit.scope else (), drawing.UNREAD)
-                _draw_model(ax, shown, fit, level)
+                _draw_model(ax, shown, (fit, model), level)
             sides, unit = SIDED[spectrum.sides], shown.amplitude_unit
             ax.set_ylabel(say("{sides} amplitude\nspectral density ({unit})", sides=sides, unit=unit))
         axes[-1].set_xlabel(say("frequency (Hz)"))
@@ -63,26 +65,24 @@ def plot_spectra(
     return figure
 
 
-def _draw_model(ax: Axes, spectrum: Spectrum, fit: Fit, level: float) -> None:
+def _draw_model(ax: Axes, spectrum: Spectrum, fitted: tuple[Fit, Model], level: float) -> None:
+    fit, model = fitted
     f = np.geomspace(ax.get_xlim()[0], spectrum.rate / 2, 300)
-    assert fit.valid is not None  # noqa: S101 - the caller has looked
     behind = fit.scope.filter if fit.scope else None
-    whole = _expected(spectrum, fit.valid, f)
+    whole = _expected(spectrum, model, f)
     if behind is not None:
         whole = whole * np.sqrt(FILTERS[behind.row].gain(f / spectrum.rate, behind.cutoff / spectrum.rate))
     ax.plot(f, whole, color=style.INK, lw=1.3, zorder=4, label=drawing.MODEL)
-    lines = {term.symbol: _expected(spectrum, term, f) for term in fit.valid if term.row.waveform is None}
+    lines = {term.symbol: _expected(spectrum, term, f) for term in model if term.row.waveform is None}
     for symbol, line in lines.items():
         ax.plot(f, line, color=drawing.color_of(symbol), lw=1.2, ls=drawing.dashes(symbol), zorder=2.5)
     paths = {symbol: drawing.fractions(ax, drawing.pairs(f, line)) for symbol, line in lines.items()}
-    drawn = drawing.fractions(
-        ax, np.vstack([drawing.pairs(spectrum.frequency, spectrum.amplitude), drawing.pairs(f, whole)])
-    )
+    curves = (drawing.pairs(spectrum.frequency, spectrum.amplitude), drawing.pairs(f, whole)[::4])
+    avoid = drawing.together([*(drawing.fractions(ax, c) for c in curves), *(path[::4] for path in paths.values())])
     placed: list[drawing.LabelBox] = []
     for e in (e for e in fit if e.value is not None and e.symbol in lines):
         anchors = paths[e.symbol][drawing.by_share(lines[e.symbol], whole)]
         visible = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]
-        avoid = np.concatenate([drawn, *(path[::4] for path in paths.values())])
         if len(visible):
             text = drawing.label_of(e, level)
             if TERMS[e.symbol].slope == WHITE:

@@ -10,15 +10,32 @@ from matplotlib.axes import Axes
 
 from allanite.core.arrays import FloatArray
 from allanite.core.model import Model, Term
-from allanite.core.units import unit_of
+from allanite.core.units import convert, unit_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
-from allanite.reporting.digits import printed_unit
+from allanite.reporting.digits import digits, printed_unit
 from allanite.terms import TERMS
 
-from .drawing import MODEL, LabelBox, by_share, color_of, dashes, draw_label, fractions, freedom, label_of, pairs
+from .drawing import (
+    MODEL,
+    REDUCED,
+    LabelBox,
+    by_share,
+    color_of,
+    dashes,
+    draw_label,
+    fractions,
+    freedom,
+    label_of,
+    label_size,
+    pairs,
+    place,
+    together,
+)  # fmt: skip
 from .panels import CurvePanel, DrawnPoints
 
+MIN_RUN = 8  # points of a term's line, of 300, below which a part of it between masked times is not drawn
+SLOPE_POINTS, MAX_SLOPE_DISTANCE = 8.0, 0.12  # letters of slopes, and how far from their line, of the panel
 SLOPES = {-1.5: "−1½", -1.0: "−1", -0.5: "−½", 0.0: "0", 0.5: "+½", 1.0: "+1", 1.5: "+1½", 2.0: "+2"}
 """Slopes of the lines in print."""
 
@@ -41,20 +58,26 @@ class Named(NamedTuple):
 
 
 def draw_model(ax: Axes, panel: CurvePanel, drawn: DrawnPoints, placed: list[LabelBox], level: float) -> None:
-    """The whole model, each of its terms, and a label on each term that was found."""
+    """The whole model, each of its terms, a label on each term that was found, and the slopes where there is room."""
     fit, model = panel.fit, panel.drawn
-    assert model is not None  # noqa: S101 - the caller has looked
+    if model is None:
+        draw_minimum(ax, panel, fractions(ax, pairs(drawn.tau, drawn.deviation)), placed, level)
+        return
     lines = _lines(ax, panel, model)
     shortest = fit.scope.times[0] if fit is not None and fit.scope else 0.0
     inside = (lines.tau >= max(drawn.tau[0] / 1.01, shortest)) & (lines.tau <= drawn.tau[-1] * 1.01)
-    ax.plot(lines.tau[inside], lines.whole[inside], color=style.INK, lw=1.3, zorder=3, label=MODEL)
+    name = MODEL if fit is None or tuple(fit.valid or ()) == tuple(model) else REDUCED
+    label = name if np.isfinite(lines.whole[inside]).any() else ""
+    ax.plot(lines.tau[inside], lines.whole[inside], color=style.INK, lw=1.3, zorder=3, label=label)
     for symbol, line in lines.parts.items():
         ax.plot(lines.tau, line, color=color_of(symbol), lw=1.2, ls=dashes(symbol), zorder=2.5)
-    points = [pairs(drawn.tau, drawn.deviation), pairs(lines.tau[inside], lines.whole[inside])]
-    curves = fractions(ax, np.concatenate(points))
+    points = (pairs(drawn.tau, drawn.deviation), pairs(lines.tau[inside], lines.whole[inside])[::4])
+    curves = together(fractions(ax, part) for part in points)
     paths = {symbol: fractions(ax, pairs(lines.tau, line)) for symbol, line in lines.parts.items()}
+    obstacles = together([curves, *(path[::4] for path in paths.values())])
     named = _labels(panel, model, level)
-    _draw_labels(ax, panel, [n for n in named if n.symbol in paths], (lines, curves, paths), placed)
+    _draw_labels(ax, panel, [n for n in named if n.symbol in paths], (lines, obstacles, paths), placed)
+    draw_minimum(ax, panel, obstacles, placed, level)
     for symbol, path in () if panel.brief else paths.items():
         line = lines.parts[symbol]
         known = np.isfinite(line)
@@ -64,15 +87,21 @@ def draw_model(ax: Axes, panel: CurvePanel, drawn: DrawnPoints, placed: list[Lab
         steep = round(2 * float(np.median(np.diff(np.log(line[known])) / np.diff(np.log(lines.tau[known]))))) / 2
         slope = SLOPES.get(steep, "")
         if slope:
-            others = [other[::4] for name, other in paths.items() if name != symbol]
-            _draw_slope(ax, (symbol, slope), path, np.concatenate([curves, *others]), placed)
+            _draw_slope(ax, (symbol, slope), path, obstacles, placed)
 
 
 def _lines(ax: Axes, panel: CurvePanel, model: Model) -> ModelLines:
     tau = np.geomspace(*ax.get_xlim(), 300)
     terms = {s: Model(tuple(t for t in model if t.symbol == s)) for s in dict.fromkeys(t.symbol for t in model)}
     parts = {symbol: panel.expected(part, tau) for symbol, part in terms.items()}
-    return ModelLines(tau, panel.whole(model, tau), parts)
+    whole = panel.whole(tau)
+    for line in (whole, *parts.values()):
+        for start, end in (
+            np.flatnonzero(np.diff(np.isfinite(line), prepend=False, append=False)).reshape(-1, 2).tolist()
+        ):
+            if end - start < MIN_RUN:
+                line[start:end] = np.nan
+    return ModelLines(tau, whole, parts)
 
 
 def _labels(panel: CurvePanel, model: Model, level: float) -> list[Named]:
@@ -102,13 +131,13 @@ def _draw_labels(
     drawn: tuple[ModelLines, FloatArray, dict[str, FloatArray]],
     placed: list[LabelBox],
 ) -> None:
-    lines, curves, paths = drawn
+    lines, obstacles, paths = drawn
     for symbol in (symbol for symbol in paths if TERMS[symbol].periodic and panel.fit is not None):
         # the word at the highest hump of the sinusoids, if the model holds anywhere near
         path = paths[symbol]
         top = path[path[:, 1].argmax()] if len(path) else np.array([-1.0, -1.0])
         if ((top > 0.01) & (top < 0.99)).all():
-            placed.append(draw_label(ax, (symbol, say("sinusoids taken out")), top[None, :], curves, placed))
+            placed.append(draw_label(ax, (symbol, say("sinusoids taken out")), top[None, :], obstacles, placed))
     for label in named:
         mark = None if label.term is None else _mark(ax, panel, label.term, label.unit)
         line = lines.parts[label.symbol]
@@ -118,25 +147,46 @@ def _draw_labels(
             ax.plot(*mark, "D", ms=5.5, mfc="white", mec=color_of(label.symbol), mew=1.3, zorder=5)
             anchors = fractions(ax, np.array([mark]))
         near = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]
-        avoid = np.concatenate([curves, *(path[::4] for path in paths.values())])
         if len(near):
             text = _label(panel, label, line, mark)
-            placed.append(draw_label(ax, (label.symbol, text), near[::8], avoid, placed))
+            placed.append(draw_label(ax, (label.symbol, text), near[::8], obstacles, placed))
 
 
-def _draw_slope(ax: Axes, named: tuple[str, str], path: FloatArray, curves: FloatArray, placed: list[LabelBox]) -> None:
-    """The slope on the line of a term, where the line is far from the curve and from the labels."""
-    symbol, slope = named
+def _draw_slope(ax: Axes, named: tuple[str, str], path: FloatArray, lines: FloatArray, placed: list[LabelBox]) -> None:
+    """The slope beside the line of a term, where it hides nothing; nowhere if there is no room."""
+    text = say("slope {slope}", slope=named[1])
     visible = path[((path > 0.06) & (path < 0.94)).all(axis=1)][::6]
     if not len(visible):
         return
-    boxes = [LabelBox(float(x), float(y), 0.12, 0.05) for x, y in visible]
-    box = max(boxes, key=lambda box: freedom(box, curves, placed))
-    placed.append(box)
+    box = place(visible, label_size(ax, text, SLOPE_POINTS), lines, placed)
+    if freedom(box, lines, placed) < 1 or math.dist(box.anchor or visible[0], (box.x, box.y)) > MAX_SLOPE_DISTANCE:
+        return
+    placed.append(box._replace(anchor=None))
     ax.text(
-        box.x, box.y, say("slope {slope}", slope=slope), transform=ax.transAxes, ha="center", va="center", fontsize=8,
-        color=color_of(symbol), zorder=5, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
+        box.x, box.y, text, transform=ax.transAxes, ha="center", va="center", fontsize=SLOPE_POINTS,
+        color=color_of(named[0]), zorder=5,
     )  # fmt: skip
+
+
+def draw_minimum(ax: Axes, panel: CurvePanel, lines: FloatArray, placed: list[LabelBox], level: float) -> None:
+    """The minimum of the Allan deviation with its averaging time, as data sheets quote it."""
+    readings = panel.readings
+    if readings is None or readings.minimum is None or panel.curve.statistic != "oadev":
+        return
+    if not readings.minimum.deviation > 0:  # logarithmic axes have no place for it
+        return
+    low, high = readings.minimum.interval(level)
+    factor = convert(1.0, readings.unit, panel.unit)
+    deviation = readings.minimum.deviation * factor
+    rounded = digits(deviation, low * factor, high * factor)
+    number = rounded.value + rounded.power if panel.brief else rounded.pretty()
+    size = {"value": f"{number} {panel.unit}", "tau": words.averaging(readings.minimum.tau)}
+    text, shape = say("minimum {value}\nat τ = {tau}", **size), "v"
+    if not readings.inside:
+        text, shape = say("last well-determined point:\n{value} at τ = {tau}", **size), "s"
+    ax.plot(readings.minimum.tau, deviation, shape, ms=6.5, color=style.INK, zorder=5)
+    anchor = fractions(ax, np.array([[readings.minimum.tau, deviation]]))
+    placed.append(draw_label(ax, ("", text), anchor, lines, placed))
 
 
 def _label(panel: CurvePanel, label: Named, line: FloatArray, mark: tuple[float, float] | None) -> str:

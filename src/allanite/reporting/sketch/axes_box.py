@@ -1,6 +1,6 @@
 """A panel on the page: grid, marks, ticks, labels and titles around a box."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import cached_property
 from typing import NamedTuple
 
@@ -8,53 +8,8 @@ import numpy as np
 
 from . import svg as ink
 from .axis import Ticks
-from .marks import Artist
+from .marks import LEADING
 from .panel import Panel, place_in
-
-SIZE = 8.0  # size of the letters, points
-
-KEY, GAP, LEADING = 2.0 * SIZE, 0.8 * SIZE, 1.5 * SIZE
-"""Length of a key, room between it and its words, and from line to line."""
-
-
-class Legend:
-    """Keys with words, filled column by column; columns `spacing` letters apart."""
-
-    def __init__(self, handles: Sequence[Artist], labels: Sequence[str], columns: int, spacing: float = 2.0) -> None:
-        self.labels = [" ".join(ink.shown(label)) for label in labels]
-        count = max(1, min(columns, len(labels)))
-        self.columns = [part.tolist() for part in np.array_split(np.arange(len(labels)), count)]
-        self.handles, self.spacing = handles, spacing * SIZE
-        self.widths = [
-            max((KEY + GAP + ink.size_of([self.labels[i]], SIZE)[0] for i in column), default=0.0)
-            for column in self.columns
-        ]
-
-    def get_texts(self) -> list[str]:
-        """None that matplotlib would read as a formula."""
-        return []
-
-    @property
-    def width(self) -> float:
-        """Points."""
-        return sum(self.widths) + self.spacing * (len(self.widths) - 1)
-
-    @property
-    def height(self) -> float:
-        """Points; none without entries."""
-        return LEADING * max(map(len, self.columns)) + 4.0 if self.labels else 0.0
-
-    def svg(self, left: float, top: float, color: str) -> str:
-        """With its left upper corner there."""
-        parts, x = [], left
-        for column, width in zip(self.columns, self.widths, strict=True):
-            for i, at in enumerate(column):
-                y = top + (i + 0.5) * LEADING
-                parts.append(self.handles[at].key(x, y, KEY, SIZE))
-                parts.append(ink.words([self.labels[at]], (x + KEY + GAP, y), SIZE, color=color, va="center"))
-            x += width + self.spacing
-        return "".join(parts)
-
 
 TICK, LABEL = 9.0, 9.0  # sizes of letters: at ticks, and of the names of axes
 
@@ -108,6 +63,8 @@ class PanelFrame:
         above = TITLE_PAD + max(titles) if titles else 2.0
         if self.up.beside:
             above = max(above, TICK + PAD)
+        if self.panel.legends is not None and not self.panel.legends[1]:
+            above += self.panel.legends[0].height
         return left, above, right, below
 
     def svg(self, number: int) -> str:
@@ -120,10 +77,10 @@ class PanelFrame:
         marks = sorted(self.panel.marks, key=lambda mark: mark.z)
         legend = ""
         if self.panel.legends is not None:
-            handles, labels = self.panel.get_legend_handles_labels()
-            key = Legend(handles, labels, self.panel.legends.get("ncols", 1))
-            left = self.box.left + self.box.width - key.width - IN_CORNER
-            legend = key.svg(left, self.box.top + IN_CORNER / LEADING, self.panel.ink)
+            key, corner = self.panel.legends
+            free = self.box.width - key.width
+            at = (free - IN_CORNER, IN_CORNER / LEADING) if corner else (free / 2, -key.height)
+            legend = key.svg(self.box.left + at[0], self.box.top + at[1], self.panel.ink)
         return "".join(
             (
                 f'<clipPath id="c{number}"><rect{rectangle}/></clipPath>', *self._grid(),

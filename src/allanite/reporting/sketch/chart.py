@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import svg as ink
-from .axes_box import LABEL, TICK, Box, Legend, PanelFrame
+from .axes_box import LABEL, TICK, Box, PanelFrame
 from .axis import Side, Unsketched, limited
-from .marks import Artist
+from .marks import Artist, Legend
 from .panel import Panel
 
 EDGE_ROOM, PANEL_ROOM = 3.0, 8.0

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from html import escape
 from typing import Any, Protocol
 
 import numpy as np
@@ -59,6 +60,8 @@ SHAPES: dict[str, Callable[[float], str]] = {
 }  # fmt: skip
 """Markers as relative paths, by half their size."""
 
+REACH = 8.0  # points at most from an abscissa to the edge of the strip in which its hint is shown
+
 BARE = "|_"  # markers that have no inside
 
 
@@ -102,10 +105,6 @@ class LineMark:
     reach: Points = field(default=(NOTHING, NOTHING))
     alpha: float | None = None
 
-    def get_xydata(self) -> FloatArray:
-        """The points, shape (k, 2)."""
-        return np.column_stack([self.x, self.y])
-
     def extent(self) -> Points:
         """See `Artist`."""
         return (self.x, self.y) if self.meaning == DATA else self.reach
@@ -126,8 +125,21 @@ class LineMark:
         return line + (self.marker.at(*marked) if self.marker else "")
 
 
+class Patch:
+    """What is filled: in a legend a rectangle."""
+
+    color: str
+    alpha: float | None
+
+    def key(self, x: float, y: float, width: float, size: float) -> str:
+        """See `Artist`."""
+        ends, half = np.array([x, x + width, x + width, x]), 0.35 * size
+        around = np.array([y - half, y - half, y + half, y + half])
+        return ink.element(ink.path(ends, around, closed=True), ink.fill(self.color, self.alpha))
+
+
 @dataclass(frozen=True, eq=False)
-class Area:
+class Area(Patch):
     """What lies between two lines."""
 
     x: FloatArray
@@ -152,13 +164,9 @@ class Area:
         )
         return ink.element(d, ink.fill(self.color, self.alpha))
 
-    def key(self, x: float, y: float, width: float, size: float) -> str:
-        """See `Artist`."""
-        return _patch(x, y, width, size, ink.fill(self.color, self.alpha))
-
 
 @dataclass(frozen=True, eq=False)
-class Boxes:
+class Boxes(Patch):
     """Rectangles: bars, and spans whose other side is the whole panel; `reach` is what limits should hold of them."""
 
     left: FloatArray
@@ -191,19 +199,23 @@ class Boxes:
         )
         return ink.element(d, ink.fill(self.color, self.alpha))
 
+
+class Beside:
+    """What is in no legend, and for which no axis makes room."""
+
+    label = ""
+
+    def extent(self) -> Points:
+        """See `Artist`."""
+        return NOTHING, NOTHING
+
     def key(self, x: float, y: float, width: float, size: float) -> str:
         """See `Artist`."""
-        return _patch(x, y, width, size, ink.fill(self.color, self.alpha))
-
-
-def _patch(x: float, y: float, width: float, size: float, styled: str) -> str:
-    half = 0.35 * size
-    ends = np.array([x, x + width, x + width, x]), np.array([y - half, y - half, y + half, y + half])
-    return ink.element(ink.path(*ends, closed=True), styled)
+        return ""
 
 
 @dataclass(frozen=True, eq=False)
-class Words:
+class Words(Beside):
     """Text in a panel, on a ground of its own, with a line to what it is about."""
 
     text: str
@@ -220,11 +232,6 @@ class Words:
     opacity: float | None = None
     leader: tuple[float, float] | None = None
     z: float = 3.0
-    label: str = ""
-
-    def extent(self) -> Points:
-        """See `Artist`."""
-        return NOTHING, NOTHING
 
     def draw(self, place: Place) -> str:
         """See `Artist`."""
@@ -261,9 +268,72 @@ class Words:
         x, y = place(np.array([at[0]]), np.array([at[1]]), self.meaning)
         return float(x[0]), float(y[0])
 
-    def key(self, x: float, y: float, width: float, size: float) -> str:
-        """Text is in no legend."""
-        return ""
+
+@dataclass(frozen=True, eq=False)
+class Hints(Beside):
+    """What is shown under the cursor: a text for a strip about each abscissa; nothing for screen readers."""
+
+    x: FloatArray
+    texts: Sequence[str]
+    z: float = 9.0
+
+    def draw(self, place: Place) -> str:
+        """See `Artist`."""
+        x, _ = place(self.x, np.zeros(len(self.x)), BLEND)
+        _, (foot, top) = place(np.zeros(2), np.array([0.0, 1.0]), AXES)
+        between = (x[1:] + x[:-1]) / 2
+        left, right = np.maximum(x - REACH, np.r_[-np.inf, between]), np.minimum(x + REACH, np.r_[between, np.inf])
+        strips = (
+            f'<path d="M{ink.number(a)} {ink.number(top)}H{ink.number(b)}V{ink.number(foot)}H{ink.number(a)}z">'
+            f"<title>{escape(chr(10).join(ink.shown(text)))}</title></path>"
+            for a, b, text in zip(left.tolist(), right.tolist(), self.texts, strict=True)
+        )
+        return f'<g aria-hidden="true" {ink.style(fill="transparent")}>{"".join(strips)}</g>'
+
+
+SIZE = 8.0  # size of the letters, points
+
+KEY, GAP, LEADING = 2.0 * SIZE, 0.8 * SIZE, 1.5 * SIZE
+"""Length of a key, room between it and its words, and from line to line."""
+
+
+class Legend:
+    """Keys with words, filled column by column; columns `spacing` letters apart."""
+
+    def __init__(self, handles: Sequence[Artist], labels: Sequence[str], columns: int, spacing: float = 2.0) -> None:
+        self.labels = [" ".join(ink.shown(label)) for label in labels]
+        count = max(1, min(columns, len(labels)))
+        self.columns = [part.tolist() for part in np.array_split(np.arange(len(labels)), count)]
+        self.handles, self.spacing = handles, spacing * SIZE
+        self.widths = [
+            max((KEY + GAP + ink.size_of([self.labels[i]], SIZE)[0] for i in column), default=0.0)
+            for column in self.columns
+        ]
+
+    def get_texts(self) -> list[str]:
+        """None that matplotlib would read as a formula."""
+        return []
+
+    @property
+    def width(self) -> float:
+        """Points."""
+        return sum(self.widths) + self.spacing * (len(self.widths) - 1)
+
+    @property
+    def height(self) -> float:
+        """Points; none without entries."""
+        return LEADING * max(map(len, self.columns)) + 4.0 if self.labels else 0.0
+
+    def svg(self, left: float, top: float, color: str) -> str:
+        """With its left upper corner there."""
+        parts, x = [], left
+        for column, width in zip(self.columns, self.widths, strict=True):
+            for i, at in enumerate(column):
+                y = top + (i + 0.5) * LEADING
+                parts.append(self.handles[at].key(x, y, KEY, SIZE))
+                parts.append(ink.words([self.labels[at]], (x + KEY + GAP, y), SIZE, color=color, va="center"))
+            x += width + self.spacing
+        return "".join(parts)
 
 
 DASHES: dict[Any, tuple[float, ...]] = {"-": (), "": (), "--": (3.7, 1.6), ":": (1.0, 1.65)}

@@ -8,7 +8,9 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 
 from .axis import Side, Unsketched, limited
-from .marks import AXES, BLEND, DASHES, DATA, DOT, EDGE, Area, Artist, Boxes, LineMark, Words, line_of
+from .marks import AXES, BLEND, DASHES, DATA, DOT, EDGE, Area, Artist, Boxes, Hints, Legend, LineMark, Words, line_of
+
+CORNER, ABOVE = "upper right", "lower center"  # where a legend stands: of a panel in its corner, or of a point above it
 
 
 class GridLines(NamedTuple):
@@ -37,7 +39,7 @@ class Panel:
         self.marks: list[Artist] = []
         self.grids: dict[str, GridLines] = {}
         self.titles: dict[str, Title] = {}
-        self.legends: dict[str, Any] | None = None
+        self.legends: tuple[Legend, bool] | None = None  # and whether it stands in the corner
         self.axison, self.labelled, self.equal = True, True, False
         self.minor_length = 2.0
         self.figure: Any = None
@@ -140,21 +142,26 @@ class Panel:
             raise Unsketched("formulas")
         self.titles[loc] = Title(text, float(fontsize), color or self.ink, fontweight == "bold")
 
-    def legend(self, **options: Any) -> None:
-        """What the lines are, in a corner of the panel."""
-        if options.keys() - {"loc", "ncols"} or options.get("loc") != "upper right":
+    def legend(
+        self, handles: Sequence[Artist] | None = None, labels: Sequence[str] = (), *, loc: str, ncols: int = 1,
+        columnspacing: float = 2.0, bbox_to_anchor: tuple[float, float] | None = None,
+    ) -> Any:  # fmt: skip
+        """What the lines are: in a corner of the panel, or above it."""
+        if (loc, bbox_to_anchor) not in ((CORNER, None), (ABOVE, (0.5, 1.0))):
             raise Unsketched("legend")
-        self.legends = options
+        if handles is None:
+            handles, labels = self.get_legend_handles_labels()
+        self.legends = Legend(handles, labels, ncols, columnspacing), loc == CORNER
+        return self.legends[0]
+
+    def hint(self, x: Any, texts: Sequence[str]) -> None:
+        """Texts that are shown under the cursor, which matplotlib has not."""
+        self._add(Hints(np.asarray(x, dtype=float), texts))
 
     def get_legend_handles_labels(self) -> tuple[list[Artist], list[str]]:
         """What stands in a legend."""
         named = [mark for mark in self.marks if mark.label]
         return named, [mark.label for mark in named]
-
-    @property
-    def lines(self) -> list[LineMark]:
-        """The lines."""
-        return [mark for mark in self.marks if isinstance(mark, LineMark)]
 
     def plot(self, x: Any, y: Any, form: str = "", **look: Any) -> None:
         """A line, markers, or both."""

@@ -78,7 +78,7 @@ def details(
     """Residuals, what else the record may be, the samples and their spectrum; on the page only."""
     assert channel.fit is not None  # noqa: S101 - the caller has looked
     checked = list(goodness_parts(channel.fit, channel.residuals))
-    if channel.curve is not None and channel.fit.valid is not None and panel is not None:
+    if panel is not None and panel.drawn is not None:
         name = channel.record.name
         label = say("observed over expected deviation of {channel} by averaging time", channel=name)
         strip = Drawing(lambda: figures.plot_strip(panel, level=level), label, STRIP, say("the curve over its model"))
