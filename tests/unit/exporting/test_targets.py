@@ -110,7 +110,7 @@ REQUESTS = {
         lambda m: all(f.term == "K" for row in al.exporting.EXPORTS.values() for f in row.fields
                       if re.search(r"walk|_w$|Walk|BiasN|B_NOISE|BIAS_P|psd", f.name)),
     "LIO-SAM, LINS: which value of a data sheet goes into which field":
-        lambda m: "imuGyrBiasN density steady-state sigma sqrt(T/2) rad/s²/√Hz K gyro" in said("explain", "lio-sam"),
+        lambda m: "imuGyrBiasN K density steady-state sigma sqrt(T/2) rad/s²/√Hz gyro" in said("explain", "lio-sam"),
     "kalibr: a data sheet's ADIS16448 in kalibr's numbers":
         lambda m: "0.000191986 rad/s/√Hz" in said("convert", "0.66 deg/sqrt(h)", "--to", "kalibr"),
     "kalibr: no procedure for the random walk where only bias instability is known":
@@ -138,7 +138,7 @@ REQUESTS = {
     "NaveGo: units of the angle random walk of a STIM300":
         lambda m: "| 0.15 | | | deg/sqrt(h)" in said("convert", "0.0025 deg/s/sqrt(Hz)"),
     "NaveGo: how gb_psd is computed":
-        lambda m: "gb_psd density steady-state sigma sqrt(T/2) rad/s²/√Hz K gyro" in said("explain", "navego"),
+        lambda m: "gb_psd K density steady-state sigma sqrt(T/2) rad/s²/√Hz gyro" in said("explain", "navego"),
     "gnss-ins-sim: the drift of the bias depends on the sampling rate":
         lambda m: al.export([m.study, m.acc], "gnss-ins-sim")["gyro_b_stability"]
         == al.export([m.study, m.acc], "gnss-ins-sim", filter_rate=777.0)["gyro_b_stability"],
