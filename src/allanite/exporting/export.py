@@ -274,7 +274,7 @@ def header(target: Target, axes: Sequence[Axis], how: How) -> Iterator[str]:
         rates = ", ".join(dict.fromkeys(f"{axis.rate:.9g} Hz" for axis in group if axis.rate))
         yield f"{sensor}: {names}{f' at {rates}' if rates else ''}"
         for axis in group:
-            yield from (f"  {axis.label}: {line}" for line in _fitted(axis.fit, axis.doubt))
+            yield f"  {axis.label}: {_fitted(axis.fit, axis.doubt)}"
             yield from (f"  {axis.label}: warning: {alert}" for alert in axis.alerts)
     yield f"axis: {how.axis}" + (f"; inflation: {how.inflate:g}" if how.inflate != 1 else "")
     if target.fields:
@@ -282,17 +282,13 @@ def header(target: Target, axes: Sequence[Axis], how: How) -> Iterator[str]:
     yield from (f"note: {note}" for note in target.notes)
 
 
-def _fitted(fit: Fit, doubt: str) -> Iterator[str]:
-    if fit.method == "given":
-        yield f"{fit.model}"
-        return
-    if fit.method == READ:
-        yield BOUND
-        return
+def _fitted(fit: Fit, doubt: str) -> str:
+    if fit.method in ("given", READ):
+        return BOUND if fit.method == READ else f"{fit.model}"
     scope = fit.scope
     band = "" if scope is None else f", {scope.band[0]:.4g} to {scope.band[1]:.4g} Hz"
     grade = f", {graded(fit.validity, scope)}" if scope is not None and (scope.misfit or scope.until) else ""
-    yield f"method {fit.method}{band}{grade}{f' ({doubt})' if doubt else ''}"
+    return f"method {fit.method}{band}{grade}{f' ({doubt})' if doubt else ''}"
 
 
 def time_of(target: Target, axes: Sequence[Axis], how: How) -> str:

@@ -166,10 +166,7 @@ def first_screen(  # noqa: PLR0913 - each has a default, and is a choice of its 
     first: "First | None" = None,
     written: Collection[str] = (),
 ) -> str:
-    """The answer, or with `brief` a line for each channel; `first` is shown in place of what the view makes.
-
-    Options in `written` are not named as what comes next.
-    """
+    """The answer, or a `brief` one; `first` replaces that of the view, options in `written` do not come next."""
     from dataclasses import replace
 
     from .first import condensed

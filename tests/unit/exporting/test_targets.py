@@ -11,9 +11,10 @@ from tests.unit.exporting.test_covariance import noise
 
 import allanite as al
 from allanite.cli import main
-from allanite.exporting.content import number
+from allanite.exporting.content import Entry, number
 from allanite.exporting.imported import noise_in
 from allanite.exporting.target import LONG
+from allanite.reporting.views.export import _size
 from allanite.testing import check_target
 
 
@@ -96,6 +97,24 @@ def said(*arguments):
     done = CliRunner().invoke(main, list(arguments))
     assert done.exit_code == 0, done.output
     return " ".join(done.stdout.split())
+
+
+def test_the_first_screen_says_why_and_what_comes_next(tmp_path):
+    models = "0.3 deg/sqrt(h)", "7.2 deg/h", "N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)"
+    convert = "convert", *models, "--to", "openvins", "--rate", "200", "--cover", "1,300"
+    shown = said(*convert)
+    for words in ("×2.11, cover", "gyro: covers B 7.2 °/h from 1 to 300 s --cover=no writes", "next: --output FILE"):
+        assert words in shown
+    assert "--output FILE" not in said(*convert, "--output", str(tmp_path / "imu.yaml"))
+    assert "gyroscope_noise_density has no value (given gyro: N is not stated)" in said(
+        "convert", "8 deg/h", "--to", "kalibr"
+    )
+
+
+def test_a_limit_is_rounded_up():
+    for value, shown in ((0.00191596, "< 0.0020"), (0.0012, "< 0.0012"), (8.41e-4, "< 8.5e-4"), (9.91, "< 10")):
+        entry = Entry("", "gyro", "", "rad/s", "K", (value,), (), "", measured=False)
+        assert _size(entry, limit=True) == shown
 
 
 FLICKER = al.Model("N 1 deg/sqrt(h), B 9 deg/h")

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import groupby
 
 from allanite.core.errors import DataError, UndrawnError
 from allanite.core.fit import Fit
@@ -35,7 +36,6 @@ KEY = say(
     "random walk and flicker"
 )
 
-
 DRAWN_LABEL = say("Allan deviation of the file and of the noise")
 DRAWN = say(
     "Above, the Allan deviation of the noise model of the file beside that of the noise. Below, for a filter that knew "
@@ -54,11 +54,8 @@ def _fields(value: Export, title: str = "") -> Table:
         Column(say("why"), "text"), Column(say("channel"), "text"), Column(say("remark"), "text", aside=differs),
         Column(say("formula"), "text", aside=True),
     )  # fmt: skip
-    rows = [
-        [name, written, identified or say("none"), unit, entry.why, channels, remark, formula]
-        for entry, (name, written, identified, unit, _, remark, formula, channels)
-        in zip(value.entries, value.rows()[1], strict=True)
-    ]  # fmt: skip
+    rows = [[*row[:2], row[2] or say("none"), row[3], entry.why, row[7], *row[5:7]]
+            for entry, row in zip(value.entries, value.rows()[1], strict=True)]  # fmt: skip
     table = Table(columns, rows, title)
     named = [5] * any(entry.channels for entry in value.entries)
     return table.only([*range(5), *named, 6, 7] if differs else [0, 1, 3, *named, 6, 7])
@@ -230,13 +227,12 @@ def explanation_view(value: Explanation, _: float) -> Face:
         sheets = tuple(Sheet(title, (), (table,)) for title, table in tables)
         return Face(say("targets, statistics, noise terms and data sheets"), BRAND, sheets)
     row = row_of_file(value.target)
-    fields = []
-    for section in dict.fromkeys(f.section for f in row.fields):
+    fields = list[list[str]]()
+    for section, own in groupby(row.fields, lambda f: f.section):
         fields += [[section, *[""] * 7]] if section else []
         fields += [
             ["  " * bool(section) + f.name, f.formula, *f.nature, f.unit, SENSORS[f.sensor],
-             title_of(f.term, signal_named(f.sensor)) if f.term else ""]
-            for f in row.fields if f.section == section
+             title_of(f.term, signal_named(f.sensor)) if f.term else ""] for f in own
         ]  # fmt: skip
     columns = (Column(say("field"), "name"), Column(say("is"), "text"), Column(say("kind"), "text"),
                Column(say("often mistaken for"), "text"), Column(say("wrong by"), "text"), Column(say("unit"), "unit"),
