@@ -79,7 +79,7 @@ class Entry(Value):
     def why(self) -> str:
         """In a few words why the value is not the identified one; empty where it is."""
         reason = say("cover") if self.covers else "" if self.measured else say("upper limit")
-        return join(", ", filter(None, (self.factor and f"×{self.factor:.3g}", reason)))
+        return join(", ", filter(None, (f"×{self.factor:.3g}" if self.factor else "", reason)))
 
     def _summary(self) -> str:
         return f"{self.full} = {', '.join(map(number, self.values))} {self.unit}"
