@@ -99,7 +99,8 @@ def said(*arguments):
     return " ".join(done.stdout.split())
 
 
-def test_the_first_screen_says_why_and_what_comes_next(tmp_path):
+def test_the_first_screen_says_why_and_what_comes_next(tmp_path, monkeypatch):
+    monkeypatch.delenv("ALLANITE_DETAILS", raising=False)
     models = "0.3 deg/sqrt(h)", "7.2 deg/h", "N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)"
     convert = "convert", *models, "--to", "openvins", "--rate", "200", "--cover", "1,300"
     shown = said(*convert)
