@@ -142,7 +142,8 @@ def test_the_readme_has_examples_to_run_and_is_short_with_its_figure_in_light_an
 
 def test_the_first_screen_of_the_readme_says_for_whom_it_is_and_has_a_result():
     first = "\n".join(README.splitlines()[:60])
-    said = ("is for engineers who", "Status:", "git clone", "pip install .", "$ allanite analyze", "R  rate ramp")
+    said = ("is for engineers who", "Status:", "git clone", "pip install .", "$ allanite analyze", "R  rate ramp",
+            "](docs/kalibr.md)", "allanite export FILE --to kalibr")  # fmt: skip
     assert [words for words in said if words not in first] == []
     assert README.index("pip install .") < README.index("make ")
 

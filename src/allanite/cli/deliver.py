@@ -44,7 +44,7 @@ def text_of(value: Any, out: "Outputs", first: "Callable[[], First] | None" = No
     if out.details and not out.brief:
         text = table(value, **form)
     else:
-        text = first_screen(value, **form, brief=out.brief, first=first and first())
+        text = first_screen(value, **form, brief=out.brief, first=first and first(), written=out.paths)
     # characters that the terminal cannot encode are escaped, not an error
     return text.encode(encoding, "backslashreplace").decode(encoding)
 

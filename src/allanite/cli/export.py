@@ -16,7 +16,6 @@ from .options import IDENTIFYING, RECORDING, SHOWN, options
 
 FILE = ("written file", "plot", "json", *SHOWN)
 
-
 USUAL = "datasheet"  # the target where none is named
 
 
@@ -34,7 +33,6 @@ def export(
     accelerometer. Without --output, the fields are printed. A coefficient that was not identified is written as its
     upper limit, and the file says so. 'allanite explain' lists the targets.
     """
-    from allanite.core.errors import UsageError
     from allanite.exporting.export import exported, prepared
     from allanite.exporting.fields import How
     from allanite.exporting.imported import load

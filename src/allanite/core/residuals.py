@@ -139,17 +139,22 @@ def statement(grade: str, fit: Fit | None, left: Residuals | None) -> Statement:
     contradicted = (e for e in fit or () if e.status == "not valid" and e.reason != REJECTED)
     wrong = tuple(say("{symbol} is not valid: {reason}", symbol=e.symbol, reason=e.reason) for e in contradicted)
     if grade == UNEXPLAINED:
-        head, tried = _rejection(good, scope)
+        found = (*(() if left is None else left.findings), *(() if fit is None else fit.findings))
+        cause = next((finding for finding in found if finding.fatal), None)
+        head, tried = _rejection(good, scope, "" if cause is None else cause.what)
+        more = "" if cause is None else join("; ", filter(None, (cause.consequence, cause.remedy)))
+        why = tuple(filter(None, (more if cause is not None and text == str(cause) else text for text in why)))
         return Statement(grade, head, (*why, *wrong, *tried, *remarks))
     widened = (say("the intervals allow for the misfit"),) if scope is not None and scope.misfit else ()
     supposed = (*(() if scope is None else scope.sentences), *(() if fit is None else fit.supposed))
     return Statement(grade, tested(grade, scope, good), (*wrong, *widened, *why, *supposed, *remarks))
 
 
-def _rejection(good: Goodness | None, scope: Scope | None) -> tuple[Phrase, tuple[Phrase, ...]]:
+def _rejection(good: Goodness | None, scope: Scope | None, cause: str) -> tuple[Phrase, tuple[Phrase, ...]]:
     """That the model does not explain the record, and what was tried, or can be."""
     if good is not None and good.grade != UNEXPLAINED:  # a p-value that does not reject the model is omitted
-        return say("not explained, although the spectrum fits"), ()
+        head = say("not explained: {why}", why=cause) if cause else say("not explained, although the spectrum fits")
+        return head, ()
     head = say("not explained: no model of these terms explains the record")
     if good is not None:
         head = say("{said} (goodness of fit {p})", said=head, p=chance(good.p))

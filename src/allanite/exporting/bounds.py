@@ -29,9 +29,7 @@ ONCE = 1.0  # averaging time of N, and the shortest of the others, s: below, a f
 
 def remedy() -> str:
     """How a file is written where no model explains the records."""
-    return say(
-        "for upper bounds read off the measured curve: {option}", option=spelled("--from-curve", "from_curve=True")
-    )
+    return say("for upper bounds: {option}", option=spelled("--from-curve", "from_curve=True"))
 
 
 def bounded(axis: Axis, *, asked: bool) -> Axis:

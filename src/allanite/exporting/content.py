@@ -9,7 +9,7 @@ from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.plain import Value
 from allanite.core.readings import Readings
-from allanite.phrases.phrase import say
+from allanite.phrases.phrase import join, say
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +74,12 @@ class Entry(Value):
         """By how much the written value is larger than the identified one; None if it is the same."""
         factor = self.values[0] / self.identified[0] if self.identified else 1.0
         return None if isclose(factor, 1.0, rel_tol=1e-6) else factor
+
+    @property
+    def why(self) -> str:
+        """In a few words why the value is not the identified one; empty where it is."""
+        reason = say("cover") if self.covers else "" if self.measured else say("upper limit")
+        return join(", ", filter(None, (f"×{self.factor:.3g}" if self.factor else "", reason)))
 
     def _summary(self) -> str:
         return f"{self.full} = {', '.join(map(number, self.values))} {self.unit}"

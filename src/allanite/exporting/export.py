@@ -256,7 +256,9 @@ def alerts_of(kept: Sequence[Axis], doubts: Sequence[Axis], studies: Sequence[St
         for alert in (*axis.alerts, *([axis.doubt] if axis.doubt else [])):
             alerts.setdefault(alert, []).append(axis.name)
     remarks = [str(finding) for study in studies for finding in study.findings]
-    remarks += [say("{names}: {alert}", names=", ".join(names), alert=alert) for alert, names in alerts.items()]
+    for alert, names in alerts.items():
+        about = say("all channels") if len(names) == len(kept) > 1 else ", ".join(names)
+        remarks.append(say("{names}: {alert}", names=about, alert=alert))
     remarks += [say("{name} is left out: {reason}", name=axis.name, reason=axis.doubt) for axis in doubts]
     refused = [channel for study in studies for channel in study if channel.refusal]
     return remarks + [say("{name} is left out: {reason}", name=c.record.name, reason=c.refusal) for c in refused]
@@ -272,25 +274,21 @@ def header(target: Target, axes: Sequence[Axis], how: How) -> Iterator[str]:
         rates = ", ".join(dict.fromkeys(f"{axis.rate:.9g} Hz" for axis in group if axis.rate))
         yield f"{sensor}: {names}{f' at {rates}' if rates else ''}"
         for axis in group:
-            yield from (f"  {axis.label}: {line}" for line in _fitted(axis.fit, axis.doubt))
+            yield f"  {axis.label}: {_fitted(axis.fit, axis.doubt)}"
             yield from (f"  {axis.label}: warning: {alert}" for alert in axis.alerts)
-    yield f"axis: {how.axis}; inflation: {how.inflate:g}"
+    yield f"axis: {how.axis}" + (f"; inflation: {how.inflate:g}" if how.inflate != 1 else "")
     if target.fields:
         yield f"values: {time_of(target, axes, how)}"
     yield from (f"note: {note}" for note in target.notes)
 
 
-def _fitted(fit: Fit, doubt: str) -> Iterator[str]:
-    if fit.method == "given":
-        yield f"{fit.model}"
-        return
-    if fit.method == READ:
-        yield BOUND
-        return
+def _fitted(fit: Fit, doubt: str) -> str:
+    if fit.method in ("given", READ):
+        return BOUND if fit.method == READ else f"{fit.model}"
     scope = fit.scope
     band = "" if scope is None else f", {scope.band[0]:.4g} to {scope.band[1]:.4g} Hz"
-    grade = f", {graded(fit.validity, scope)}" if fit.validity else ""
-    yield f"method {fit.method}{band}{grade}{f' ({doubt})' if doubt else ''}"
+    grade = f", {graded(fit.validity, scope)}" if scope is not None and (scope.misfit or scope.until) else ""
+    return f"method {fit.method}{band}{grade}{f' ({doubt})' if doubt else ''}"
 
 
 def time_of(target: Target, axes: Sequence[Axis], how: How) -> str:
@@ -314,5 +312,6 @@ def left_out(target: Target, axes: Sequence[Axis]) -> Iterator[str]:
             name = title_of(e.symbol, e.signal)
             yield say("{axis}: no field for {symbol} ({name}), {words}",
                       axis=axis.label, symbol=e.symbol, name=name, words=e.words(level=axis.level))  # fmt: skip
-        for line in axis.fit.lines:
-            yield say("{axis}: no field for the sinusoid at {line}", axis=axis.label, line=line.words())
+        if axis.fit.lines:
+            every = ", ".join(f"{line.frequency:.4g}" for line in axis.fit.lines)
+            yield say("{axis}: no field for sinusoids at {frequencies} Hz", axis=axis.label, frequencies=every)

@@ -97,15 +97,9 @@ def with_identified(entries: Iterable[Entry], target: Target, axes: Sequence[Axi
 
 
 def without_cover(entries: Sequence[Entry]) -> Iterator[str]:
-    """How the identified values are written, or which of them do not exist."""
-    covering = [entry for entry in entries if entry.covers]
-    if not covering:
-        return
-    option = spelled("--cover=no", "cover=False")
-    how = say("{option} writes the identified values", option=option)
-    absent = [entry.full for entry in covering if not entry.identified]
-    none = say("{how}; {fields}: none", how=how, fields=", ".join(absent))
-    yield how if not absent else none if len(absent) < len(covering) else say("{option} omits the cover", option=option)
+    """How the identified values are written."""
+    if any(entry.covers for entry in entries):
+        yield say("{option} writes the identified values", option=spelled("--cover=no", "cover=False"))
 
 
 def _demand_sensors(target: Target, groups: Mapping[str, Sequence[Axis]], axes: Sequence[Axis]) -> None:

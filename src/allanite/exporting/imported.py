@@ -23,7 +23,7 @@ from allanite.terms import TERMS
 
 from .choice import Source
 from .exports import EXPORTS, row_of_file, target_named
-from .target import LONG, Target, TargetField
+from .target import ACCELEROMETER, GYRO, LONG, Target, TargetField
 
 COEFFICIENTS = "NKBQR"  # the terms that a value with a unit may be, by the dimension of its unit
 
@@ -119,7 +119,7 @@ class Explanation(Value):
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 _VALUES = rf"[\"']?[\s:=,>(]*(?:np\.array\()?\s*(?:\[\s*({_NUMBER}(?:[\s,;]+{_NUMBER})*)\s*\]|({_NUMBER}))"
-_SENSORS = ("gyro", "accelerometer")
+_SENSORS = (GYRO, ACCELEROMETER)
 _RATES = ("update_rate", "IMU.Frequency")
 
 

@@ -171,11 +171,21 @@ def pair(gyro: str, accelerometer: str, like: TargetField, unit: str) -> tuple[T
     return replace(like, name=gyro), replace(like, name=accelerometer, sensor=ACCELEROMETER, unit=unit)
 
 
+def sectioned(gyro: str, accelerometer: str, *fields: tuple[str, TargetField, str]) -> tuple[TargetField, ...]:
+    """Fields with the same names in the sections of both sensors: name, that of the gyro, the accelerometer's unit."""
+    pairs = [pair(name, name, like, unit) for name, like, unit in fields]
+    own, other = zip(*pairs, strict=True)
+    return *(replace(f, section=gyro) for f in own), *(replace(f, section=accelerometer) for f in other)
+
+
 DENSITY = TargetField("", GYRO, "N", "rad/s/sqrt(Hz)"), "m/s^2/sqrt(Hz)"
 """A field that is N itself, in SI, and its unit for accelerometers."""
 
 WALK = TargetField("", GYRO, "K", "rad/s^2/sqrt(Hz)"), "m/s^3/sqrt(Hz)"
 """A field that is K itself, in SI, and its unit for accelerometers."""
+
+TIME = TargetField("", GYRO, "", "s", time=2), "s"
+"""A field that is a correlation time."""
 
 
 def demand_rate(target: Target, rate: float | None) -> None:

@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.aliases import public
@@ -154,7 +154,7 @@ def table(value: Any, *, level: float | None = None, lang: str = "en", **form: A
         return render(view_of(value).face(value, level_of(value, level)), **form)
 
 
-def first_screen(
+def first_screen(  # noqa: PLR0913 - each has a default, and is a choice of its own
     value: Any,
     *,
     level: float | None = None,
@@ -164,8 +164,11 @@ def first_screen(
     ascii: bool = False,  # noqa: A002 - as in repr
     brief: bool = False,
     first: "First | None" = None,
+    written: Collection[str] = (),
 ) -> str:
-    """The answer, or with `brief` a line for each channel; `first` is shown in place of what the view makes."""
+    """The answer, or a `brief` one; `first` replaces that of the view, options in `written` do not come next."""
+    from dataclasses import replace
+
     from .first import condensed
     from .language import speaking
     from .screen import render, render_brief
@@ -176,6 +179,7 @@ def first_screen(
         if first is None and view.first is not None:
             first = view.first(value, level)
         first = first or condensed(view.face(value, level), drawn=view.plot is not None)
+        first = replace(first, after=[step for step in first.after if step[0].split()[0].lstrip("-") not in written])
         return render_brief(first, ascii=ascii) if brief else render(first, width=width, color=color, ascii=ascii)
 
 

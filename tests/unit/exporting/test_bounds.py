@@ -55,11 +55,10 @@ def test_the_refusal_names_what_writes_a_file(file, tmp_path):
     refused = run("export", file, "--to", "kalibr")
     assert (refused.exit_code, refused.stdout) == (3, "")
     assert refused.stderr.rstrip().endswith(
-        "To use the coefficients nevertheless: --unexplained; "
-        "for upper bounds read off the measured curve: --from-curve"
+        "To use the coefficients nevertheless: --unexplained; for upper bounds: --from-curve"
     )
     forced = run("export", file, "--to", "kalibr", "--unexplained")
-    assert forced.exit_code == 0 or "read off the measured curve: --from-curve" in forced.stderr
+    assert forced.exit_code == 0 or "for upper bounds: --from-curve" in forced.stderr
     written = run("export", file, "--to", "kalibr", "--from-curve", "--cover=no", "-o", tmp_path / "imu.yaml")
     assert written.exit_code == 0, written.stderr
     text = (tmp_path / "imu.yaml").read_text()

@@ -48,7 +48,7 @@ def test_axis_policies(axis, channel, value):
     found = al.export(six(), "kalibr", axis=axis, rate=100.0)
     entry = found.entries[0]
     assert (entry.channels, found["gyroscope_noise_density"]) == ((channel,), value)
-    assert f"# axis: {axis}; inflation: 1" in found.text
+    assert f"# axis: {axis}\n" in found.text
     assert f"N of {channel}: 95 %: {0.9 * value:.4g} to {1.1 * value:.4g}" in found.text
 
 

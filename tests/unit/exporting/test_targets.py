@@ -11,9 +11,10 @@ from tests.unit.exporting.test_covariance import noise
 
 import allanite as al
 from allanite.cli import main
-from allanite.exporting.content import number
+from allanite.exporting.content import Entry, number
 from allanite.exporting.imported import noise_in
 from allanite.exporting.target import LONG
+from allanite.reporting.views.export import _size
 from allanite.testing import check_target
 
 
@@ -98,6 +99,25 @@ def said(*arguments):
     return " ".join(done.stdout.split())
 
 
+def test_the_first_screen_says_why_and_what_comes_next(tmp_path, monkeypatch):
+    monkeypatch.delenv("ALLANITE_DETAILS", raising=False)
+    models = "0.3 deg/sqrt(h)", "7.2 deg/h", "N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)"
+    convert = "convert", *models, "--to", "openvins", "--rate", "200", "--cover", "1,300"
+    shown = said(*convert)
+    for words in ("×2.11, cover", "gyro: covers B 7.2 °/h from 1 to 300 s", "next: --output FILE"):
+        assert words in shown
+    assert "--output FILE" not in said(*convert, "--output", str(tmp_path / "imu.yaml"))
+    assert "gyroscope_noise_density has no value (given gyro: N is not stated)" in said(
+        "convert", "8 deg/h", "--to", "kalibr"
+    )
+
+
+def test_a_limit_is_rounded_up():
+    for value, shown in ((0.00191596, "< 0.0020"), (0.0012, "< 0.0012"), (8.41e-4, "< 8.5e-4"), (9.91, "< 10")):
+        entry = Entry("", "gyro", "", "rad/s", "K", (value,), (), "", measured=False)
+        assert _size(entry, limit=True) == shown
+
+
 FLICKER = al.Model("N 1 deg/sqrt(h), B 9 deg/h")
 REQUESTS = {
     "allan_variance_ros: confusion about the units":
@@ -110,7 +130,7 @@ REQUESTS = {
         lambda m: all(f.term == "K" for row in al.exporting.EXPORTS.values() for f in row.fields
                       if re.search(r"walk|_w$|Walk|BiasN|B_NOISE|BIAS_P|psd", f.name)),
     "LIO-SAM, LINS: which value of a data sheet goes into which field":
-        lambda m: "imuGyrBiasN density steady-state sigma sqrt(T/2) rad/s²/√Hz K gyro" in said("explain", "lio-sam"),
+        lambda m: "imuGyrBiasN K density steady-state sigma sqrt(T/2) rad/s²/√Hz gyro" in said("explain", "lio-sam"),
     "kalibr: a data sheet's ADIS16448 in kalibr's numbers":
         lambda m: "0.000191986 rad/s/√Hz" in said("convert", "0.66 deg/sqrt(h)", "--to", "kalibr"),
     "kalibr: no procedure for the random walk where only bias instability is known":
@@ -138,7 +158,7 @@ REQUESTS = {
     "NaveGo: units of the angle random walk of a STIM300":
         lambda m: "| 0.15 | | | deg/sqrt(h)" in said("convert", "0.0025 deg/s/sqrt(Hz)"),
     "NaveGo: how gb_psd is computed":
-        lambda m: "gb_psd density steady-state sigma sqrt(T/2) rad/s²/√Hz K gyro" in said("explain", "navego"),
+        lambda m: "gb_psd K density steady-state sigma sqrt(T/2) rad/s²/√Hz gyro" in said("explain", "navego"),
     "gnss-ins-sim: the drift of the bias depends on the sampling rate":
         lambda m: al.export([m.study, m.acc], "gnss-ins-sim")["gyro_b_stability"]
         == al.export([m.study, m.acc], "gnss-ins-sim", filter_rate=777.0)["gyro_b_stability"],

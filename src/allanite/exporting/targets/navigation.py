@@ -3,7 +3,7 @@
 from allanite.core.syntax import MATLAB as MATLAB_SYNTAX
 from allanite.core.syntax import PYTHON
 from allanite.exporting.layouts import JSON_COMMENT, JsonLayout, LineLayout
-from allanite.exporting.target import ACCELEROMETER, DENSITY, GYRO, WALK, Target, TargetField, pair
+from allanite.exporting.target import ACCELEROMETER, DENSITY, GYRO, TIME, WALK, Target, TargetField, pair, sectioned
 from allanite.phrases.phrase import say
 
 KF_GINS = Target(
@@ -33,7 +33,7 @@ NAVEGO = Target(
     fields=(
         *pair("arw", "vrw", *DENSITY),
         *pair("gb_psd", "ab_psd", *WALK),
-        *pair("gb_corr", "ab_corr", TargetField("", GYRO, "", "s", time=2), "s"),
+        *pair("gb_corr", "ab_corr", *TIME),
     ),
     forms={".m": LineLayout("imu.{name} = [{triple}];", syntax=MATLAB_SYNTAX)},
     source="ins_gnss.m: kf.Q = diag([arw, vrw, gb_psd, ab_psd].^2), of continuous time; F_update.m: the bias "
@@ -114,20 +114,14 @@ GNSS_INS_SIM = Target(
     each=True,
 )
 
-FIELDS = tuple(
-    TargetField(name, sensor, term, unit, section=section, needed=term != "B")
-    for sensor, section, units in (
-        (GYRO, "Gyroscope", ("rad/s/sqrt(Hz)", "rad/s^2/sqrt(Hz)", "rad/s")),
-        (ACCELEROMETER, "Accelerometer", ("m/s^2/sqrt(Hz)", "m/s^3/sqrt(Hz)", "m/s^2")),
-    )
-    for name, term, unit in zip(("NoiseDensity", "RandomWalk", "BiasInstability"), "NKB", units, strict=True)
-)
-
 MATLAB = Target(
     name="matlab",
     synonyms=("imusensor", "simulink"),
     title=say("parameters of MATLAB's imuSensor, for loadparams(imu, file, 'IMU')"),
-    fields=FIELDS,
+    fields=sectioned(
+        "Gyroscope", "Accelerometer", ("NoiseDensity", *DENSITY), ("RandomWalk", *WALK),
+        ("BiasInstability", TargetField("", GYRO, "B", "rad/s", needed=False), "m/s^2"),
+    ),
     forms={".json": JsonLayout(root="IMU", extra=(("NoiseType", "single-sided"),), each=True)},
     simulates=True,
     source="MathWorks, pages of gyroparams, accelparams and imuSensor, and the example of the Allan variance, "
@@ -144,4 +138,4 @@ MATLAB = Target(
     ),
     each=True,
     comments=JSON_COMMENT,
-)
+)  # fmt: skip

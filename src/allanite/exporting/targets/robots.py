@@ -5,14 +5,9 @@ from dataclasses import replace
 from allanite.core.syntax import PARAMETERS, XML
 from allanite.exporting.content import Content, number
 from allanite.exporting.layouts import JSON_COMMENT, JsonLayout, LineLayout, spread, told
-from allanite.exporting.target import ACCELEROMETER, DENSITY, GYRO, WALK, Target, TargetField, pair
+from allanite.exporting.target import ACCELEROMETER, DENSITY, GYRO, TIME, WALK, Target, TargetField, pair, sectioned
 from allanite.exporting.thermal import ThermalTarget
 from allanite.phrases.phrase import say
-
-SECTIONS = (
-    (GYRO, "angular_velocity", ("rad/s", "rad/s^2/sqrt(Hz)")),
-    (ACCELEROMETER, "linear_acceleration", ("m/s^2", "m/s^3/sqrt(Hz)")),
-)
 
 
 def sdf(content: Content) -> str:
@@ -34,14 +29,9 @@ GAZEBO = Target(
     name="gazebo",
     synonyms=("sdf", "gz"),
     title=say("noise of an IMU in SDF, for Gazebo"),
-    fields=tuple(
-        field
-        for sensor, section, (white, walk) in SECTIONS
-        for field in (
-            TargetField("stddev", sensor, "N", white, rate=1, section=section),
-            TargetField("dynamic_bias_stddev", sensor, "K", walk, section=section),
-            TargetField("dynamic_bias_correlation_time", sensor, "", "s", time=2, section=section),
-        )
+    fields=sectioned(
+        "angular_velocity", "linear_acceleration", ("stddev", TargetField("", GYRO, "N", "rad/s", rate=1), "m/s^2"),
+        ("dynamic_bias_stddev", *WALK), ("dynamic_bias_correlation_time", *TIME),
     ),
     forms={".sdf": sdf},
     simulates=True,
@@ -56,7 +46,7 @@ GAZEBO = Target(
     markov=True,
     each=True,
     comments=XML.pattern,
-)
+)  # fmt: skip
 
 GAZEBO_CLASSIC = Target(
     name="gazebo-classic",
@@ -64,8 +54,7 @@ GAZEBO_CLASSIC = Target(
     fields=(
         *pair("gyroscopeNoiseDensity", "accelerometerNoiseDensity", *DENSITY),
         *pair("gyroscopeRandomWalk", "accelerometerRandomWalk", *WALK),
-        *pair("gyroscopeBiasCorrelationTime", "accelerometerBiasCorrelationTime",
-              TargetField("", GYRO, "", "s", time=2), "s"),
+        *pair("gyroscopeBiasCorrelationTime", "accelerometerBiasCorrelationTime", *TIME),
     ),
     forms={
         ".sdf": LineLayout(
@@ -213,15 +202,9 @@ ARDUPILOT_TCAL = ThermalTarget(
 PEGASUS = Target(
     name="pegasus",
     title=say("IMU of the Pegasus Simulator in Isaac Sim"),
-    fields=tuple(
-        TargetField(name, sensor, term, unit, time=0 if term else 2, section=section)
-        for sensor, section, units in (
-            (GYRO, "gyroscope", ("rad/s/sqrt(Hz)", "rad/s^2/sqrt(Hz)", "s")),
-            (ACCELEROMETER, "accelerometer", ("m/s^2/sqrt(Hz)", "m/s^3/sqrt(Hz)", "s")),
-        )
-        for name, term, unit in zip(
-            ("noise_density", "random_walk", "bias_correlation_time"), ("N", "K", ""), units, strict=True
-        )
+    fields=sectioned(
+        "gyroscope", "accelerometer",
+        ("noise_density", *DENSITY), ("random_walk", *WALK), ("bias_correlation_time", *TIME),
     ),
     forms={".json": JsonLayout(rate="update_rate")},
     simulates=True,
@@ -237,4 +220,4 @@ PEGASUS = Target(
     ),
     rated=True,
     comments=JSON_COMMENT,
-)
+)  # fmt: skip

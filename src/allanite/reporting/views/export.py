@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import groupby
 
 from allanite.core.errors import DataError, UndrawnError
 from allanite.core.fit import Fit
@@ -36,7 +37,6 @@ KEY = say(
     "random walk and flicker"
 )
 
-
 DRAWN_LABEL = say("Allan deviation of the file and of the noise")
 DRAWN = say(
     "Above, the Allan deviation of the noise model of the file beside that of the noise. Below, for a filter that knew "
@@ -47,20 +47,22 @@ SENSORS = {GYRO: say("gyro"), ACCELEROMETER: say("accelerometer")}
 
 
 def _fields(value: Export, title: str = "") -> Table:
-    """What is written, and beside it what was identified, or given, where that differs."""
-    differs = any(entry.factor or entry.covers for entry in value.entries)
+    """What is written, and beside it what was identified, or given, where that differs, and why."""
+    differs = any(entry.why for entry in value.entries)
     columns = (
         Column(say("field"), "name"), Column(say("written")),
-        Column(say("identified") if value.recipe else say("given")), Column(say("unit"), "unit"), Column(say("factor")),
-        Column(say("remark"), "text", aside=differs), Column(say("formula"), "text", aside=True),
-        Column(say("channel"), "text", aside=True),
+        Column(say("identified") if value.recipe else say("given")), Column(say("unit"), "unit"),
+        Column(say("why"), "text"), Column(say("channel"), "text"), Column(say("remark"), "text", aside=differs),
+        Column(say("formula"), "text", aside=True),
     )  # fmt: skip
-    rows = [[f"×{cell}" if i == 4 and cell else cell or say("none") if i == 2 else cell for i, cell in enumerate(row)]
-            for row in value.rows()[1]]  # fmt: skip
+    rows = [[*row[:2], row[2] or say("none"), row[3], entry.why, row[7], *row[5:7]]
+            for entry, row in zip(value.entries, value.rows()[1], strict=True)]  # fmt: skip
     table = Table(columns, rows, title)
-    return table if differs else table.only([0, 1, 3, 5, 6, 7])
+    named = [5] * any(entry.channels for entry in value.entries)
+    return table.only([*range(5), *named, 6, 7] if differs else [0, 1, 3, *named, 6, 7])
 
 
+FUZZ = 1e-9  # share of a limit that is not rounded up
 FILTER = EXPORTS["kalibr"]  # the target whose values stand beside every result
 
 
@@ -82,8 +84,12 @@ def filter_line(study: Study) -> Iterator[Phrase]:
 
 
 def _size(entry: Entry, *, limit: bool) -> str:
-    """The first value of a field, as a limit where its coefficient was not identified."""
-    return "< " * limit + digits(entry.values[0], figures=2 if limit else 3).plain()[0]
+    """The first value of a field, as a limit, which is rounded up, where its coefficient was not identified."""
+    value = entry.values[0]
+    if limit and value > 0:
+        last = 10.0 ** (math.floor(math.log10(value)) - 1)
+        value = math.ceil(value / last * (1 - FUZZ)) * last
+    return "< " * limit + digits(value, figures=2 if limit else 3).plain()[0]
 
 
 def filter_parts(study: Study) -> Iterator[Part]:
@@ -140,7 +146,8 @@ def first_of_export(value: Export, level: float) -> First:
     if value.entries or value.suffix != ".md" or value.target != "datasheet":
         first = condensed(export_view.face(value, level))
         why = dict.fromkeys((SENSORS[e.sensor], e.remark) for e in value.entries if e.covers)
-        notes = [Remark.of("", note) for note in value.notes]
+        costs = {line for made in value.stated if made.covers for line in made.words()}
+        notes = [Remark.of("", note) for note in value.notes if note not in costs]
         own = [*(Remark.of(*reason) for reason in why), *notes[: bool(why)]]
         answer = first.answer if value.entries or not row_of_file(value.target).fields else []
         return replace(first, answer=answer, remarks=[*own, *first.remarks, *notes[bool(why) :]], after=after)
@@ -234,13 +241,15 @@ def explanation_view(value: Explanation, _: float) -> Face:
         sheets = tuple(Sheet(title, (), (table,)) for title, table in tables)
         return Face(say("targets, statistics, noise terms and data sheets"), BRAND, sheets)
     row = row_of_file(value.target)
-    fields = [
-        [f.full, *f.nature, f.unit, f.formula, SENSORS[f.sensor],
-         title_of(f.term, signal_named(f.sensor)) if f.term else ""]
-        for f in row.fields
-    ]  # fmt: skip
-    columns = (Column(say("field"), "name"), Column(say("kind"), "text"), Column(say("often mistaken for"), "text"),
-               Column(say("wrong by"), "text"), Column(say("unit"), "unit"), Column(say("is"), "text"),
+    fields = list[list[str]]()
+    for section, own in groupby(row.fields, lambda f: f.section):
+        fields += [[section, *[""] * 7]] if section else []
+        fields += [
+            ["  " * bool(section) + f.name, f.formula, *f.nature, f.unit, SENSORS[f.sensor],
+             title_of(f.term, signal_named(f.sensor)) if f.term else ""] for f in own
+        ]  # fmt: skip
+    columns = (Column(say("field"), "name"), Column(say("is"), "text"), Column(say("kind"), "text"),
+               Column(say("often mistaken for"), "text"), Column(say("wrong by"), "text"), Column(say("unit"), "unit"),
                Column(say("sensor"), "text", aside=True), Column("", "text", aside=True))  # fmt: skip
     parts: list[Part] = [Table(columns, fields), Note(KEY, "quiet")] if fields else []
     if row.step:
