@@ -40,12 +40,10 @@ RAMP = next(s for s, row in TERMS.items() if row.automatic and row.waveform is n
 
 @dataclass(frozen=True, eq=False)
 class Form:
-    """The likelihood of squared coefficients, SI, of one record; each column has its term.
+    """The likelihood of squared coefficients, SI, of one record; each column has its term."""
 
-    The first columns are the terms that are claimed, with their coefficients; then come those that may be beside them
-    (`BESIDE`), the first claimed term with a time constant, for other time constants, and a ramp, if none is claimed.
-    """
-
+    # The first columns are the terms that are claimed, with their coefficients; then come those that may be beside them
+    # (`BESIDE`), the first claimed term with a time constant, for other time constants, and a ramp, if none is claimed.
     terms: tuple[Term, ...]
     likelihood: Likelihood
     claimed: int
@@ -136,10 +134,8 @@ def _with_ramp(part: Likelihood, bins: BinnedSpectrum, term: Term) -> Likelihood
 
 
 def time_excess(forms: Sequence[Form], which: int) -> tuple[FloatArray, FloatArray]:
-    """Time constants, s, and 2 L of several records at each, less its minimum: one that all have in common.
-
-    `which` is the column of the term with the claimed time constant, which is among them.
-    """
+    """Time constants, s, and 2 L of several records at each, less its minimum: one that all have in common."""
+    # `which` is the column of the term with the claimed time constant, which is among them.
     columns = [which, *(i for i in range(forms[0].claimed, len(forms[0].terms)) if forms[0].terms[i].shape)]
     times = np.array([forms[0].terms[i].shape[0] for i in columns])
     others = [i for i in range(forms[0].claimed) if i != which]

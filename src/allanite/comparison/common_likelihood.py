@@ -68,11 +68,9 @@ def least(parts: Sequence[Likelihood], start: FloatArray | None = None) -> tuple
 
 
 def drawn(part: Likelihood, theta: FloatArray, rng: "np.random.Generator") -> Likelihood:
-    """The same likelihood for powers drawn at random under a model.
-
-    In each bin the coefficients have as many components along the directions as these span (F F' = UU), and the rest of
-    the count beside them.
-    """
+    """The same likelihood for powers drawn at random under a model."""
+    # In each bin the coefficients have as many components along the directions as these span (F F' = UU), and the rest
+    # of the count beside them.
     m = part.expectation(theta)
     value, vector = np.linalg.eigh(part.UU)
     spanned = value > RANK * np.maximum(value.max(axis=1, initial=0.0), 1e-300)[:, None]
@@ -194,10 +192,8 @@ def part_of(
 def common_band(
     records: Sequence[Record], band: tuple[float, float] | None = None, scopes: Sequence[Scope | None] = ()
 ) -> tuple[float, float]:
-    """The frequencies that all records have, Hz, within a band if one is given, and where the models hold.
-
-    For a filtered record those that the filter hardly changes: how well its cut-off is known plays no part there.
-    """
+    """The frequencies that all records have, Hz, within a band if one is given, and where the models hold."""
+    # For a filtered record those that the filter hardly changes: how well its cut-off is known plays no part there.
     low, high = max(1 / (2 * r.duration) for r in records), min(r.rate / 2 for r in records)
     for scope in filter(None, scopes):
         low, high = max(low, scope.band[0]), min(high, scope.band[1])

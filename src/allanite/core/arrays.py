@@ -47,11 +47,9 @@ def mean_and_deviation(values: FloatArray) -> tuple[float, float]:
 
 
 def samples(values: Any, unit: str, kind: str, name: str) -> NDArray[Any]:
-    """Contiguous float64, or int64 if the samples are integers or the kind is "count".
-
-    They are given as an array, a quantity of pint or astropy, which is converted to `unit`, or a column of pandas or
-    polars.
-    """
+    """Contiguous float64, or int64 if the samples are integers or the kind is "count"."""
+    # They are given as an array, a quantity of pint or astropy, which is converted to `unit`, or a column of pandas or
+    # polars.
     if hasattr(values, "to") and (hasattr(values, "magnitude") or hasattr(values, "to_value")):
         quantity = values.to(unit)
         values = quantity.magnitude if hasattr(quantity, "magnitude") else quantity.to_value()

@@ -20,16 +20,14 @@ LISTS = (*ONE, list, tuple)  # types of plain data that are one value, and that 
 
 @dataclass(frozen=True)
 class ChoiceKind:
-    """What the value of a choice is.
+    """What the value of a choice is."""
 
-    The help calls it `name` where there is no metavar. `read` makes it from text, or from the plain data of a file or a
-    request, which are of the types that it `takes`; `demand` checks a value of Python by the name of the choice. Each
-    refuses what is no such value; `form` is what is expected. It is entered as a `control` of the page: "text",
-    "number", "list", "band" or "flag". The option is repeated for each of `many` parts; `write` makes the text that is
-    read, if `written` does not. `alone` is the value of an option that is given without one, `measure` what the
-    documentation says of its unit in Python.
-    """
-
+    # The help calls it `name` where there is no metavar. `read` makes it from text, or from the plain data of a file or
+    # a request, which are of the types that it `takes`; `demand` checks a value of Python by the name of the choice.
+    # Each refuses what is no such value; `form` is what is expected. It is entered as a `control` of the page: "text",
+    # "number", "list", "band" or "flag". The option is repeated for each of `many` parts; `write` makes the text that
+    # is read, if `written` does not. `alone` is the value of an option that is given without one, `measure` what the
+    # documentation says of its unit in Python.
     name: str
     read: Callable[[Any], Any]
     demand: Callable[[str, Any], Any] = lambda name, value: value

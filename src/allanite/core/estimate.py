@@ -81,10 +81,8 @@ def averaged(models: Sequence[ModelLike], weights: Sequence[float] | FloatArray)
 
 
 def noise_choice(value: ModelLike | Literal["auto"] | None) -> Averaged | Literal["auto"] | None:
-    """The noise assumed for confidence intervals: models, "auto" for the noise of the record, None for no intervals.
-
-    A model or a term is used as given; a fit represents all models that are consistent with its record.
-    """
+    """The noise assumed for confidence intervals: models, "auto" for the noise of the record, None for no intervals."""
+    # A model or a term is used as given; a fit represents all models that are consistent with its record.
     if value is None or (isinstance(value, str) and value == "auto"):
         return value
     if isinstance(value, str):

@@ -54,10 +54,8 @@ def kinds_of(unit: str) -> tuple[str, ...]:
 
 
 def offered(unit: str, *, integers: bool = True) -> str:
-    """The meanings that samples in this unit may have, each with the choice that states it; none is advised.
-
-    Counts are offered for `integers` only.
-    """
+    """The meanings that samples in this unit may have, each with the choice that states it; none is advised."""
+    # Counts are offered for `integers` only.
     kinds = [kind for kind in kinds_of(unit) if integers or kind != "count"]
     scale = {"count": spelled(" --scale 1", ", scale=1")}
     named = ((spelled(f"--kind {kind}", f"kind={kind!r}") + scale.get(kind, ""), KINDS[kind][2]) for kind in kinds)

@@ -101,11 +101,9 @@ def minimum_title(signal: Signal) -> str:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Readings(Value):
-    """Values conventionally read off the overlapping Allan deviation, without a noise model.
+    """Values conventionally read off the overlapping Allan deviation, without a noise model."""
 
-    The intervals assume the power law identified at each averaging time.
-    """
-
+    # The intervals assume the power law identified at each averaging time.
     _also = ("unit", "random_walk", "bias_instability")
 
     signal: Signal
@@ -223,13 +221,11 @@ BANDWIDTH = say("bandwidth (-3 dB)")
 
 
 class DataSheetRow(NamedTuple):
-    """One line of a data sheet.
+    """One line of a data sheet."""
 
-    `value`, `low` and `high` are in `unit`; of a term that was not found only `high` is known, a one-sided 95 % upper
-    limit. `tau` is the averaging time in s, where the quantity has one. `coefficient`: whether it is a coefficient of
-    the model in its usual unit, as tables of coefficients have it, too.
-    """
-
+    # `value`, `low` and `high` are in `unit`; of a term that was not found only `high` is known, a one-sided 95 % upper
+    # limit. `tau` is the averaging time in s, where the quantity has one. `coefficient`: whether it is a coefficient of
+    # the model in its usual unit, as tables of coefficients have it, too.
     quantity: str
     value: float | None
     low: float | None

@@ -97,10 +97,8 @@ def automatic() -> str:
 
 
 def symbols_of(terms: str | Sequence[str]) -> tuple[str, ...]:
-    """Symbols from a list of them, or a text like ``QNGMK``: the longest match comes first; with or without commas.
-
-    A second Gauss-Markov noise, ``N,GM,GM``, is the slow one, GML.
-    """
+    """Symbols from a list of them, or a text like ``QNGMK``: the longest match comes first; with or without commas."""
+    # A second Gauss-Markov noise, ``N,GM,GM``, is the slow one, GML.
     rest = automatic() if terms == "auto" else terms if isinstance(terms, str) else ",".join(terms)
     symbols: tuple[str, ...] = ()
     known = sorted(TERMS, key=len, reverse=True)

@@ -105,10 +105,8 @@ def _panels(response: Response, t: float, period: float) -> Panels:
 
 
 def _products(response: Response, h: FloatArray, t: float) -> FloatArray:
-    """The integral of psi(a) psi(a + h) over all ages a from 0 to t - h, shape of h.
-
-    Of the real parts of x and y it takes half the real part of x y + conj(x) y.
-    """
+    """The integral of psi(a) psi(a + h) over all ages a from 0 to t - h, shape of h."""
+    # Of the real parts of x and y it takes half the real part of x y + conj(x) y.
     total = np.zeros(h.shape)
     for (c, k, nu), (d, n, mu) in product(response.kernel, repeat=2):
         for first, w in ((c, nu), (np.conj(c), -nu)):

@@ -126,11 +126,9 @@ def _noise(terms: list[Term], n: int, rate: float, rng: "np.random.Generator") -
 
 
 def _embedded(covariance: Callable[[FloatArray], FloatArray], n: int) -> tuple[int, FloatArray]:
-    """Half the length of a circulant matrix that holds the covariance of n values, and its eigenvalues.
-
-    An embedding is exact only if no eigenvalue is negative; those of quantization are zero to rounding. A longer one
-    may do where the shortest does not.
-    """
+    """Half the length of a circulant matrix that holds the covariance of n values, and its eigenvalues."""
+    # An embedding is exact only if no eigenvalue is negative; those of quantization are zero to rounding. A longer one
+    # may do where the shortest does not.
     from scipy.fft import next_fast_len, rfft
 
     for longer in LONGER:
@@ -161,11 +159,9 @@ def readout_noise(size: int, *, sigma: float, walk: float = 0.0, rng: "np.random
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Simulation(Value):
-    """The truth of a simulated recording: the noise of every channel, the seed, rate (Hz) and number of samples.
+    """The truth of a simulated recording: the noise of every channel, the seed, rate (Hz) and number of samples."""
 
-    `channels` are what the channels hold; their histories say which faults were put in.
-    """
-
+    # `channels` are what the channels hold; their histories say which faults were put in.
     model: Model
     seed: int
     rate: float

@@ -22,12 +22,10 @@ TOP = 1.892  # a process has the top of its Allan deviation at this multiple of 
 
 @dataclass(frozen=True, eq=False)
 class MarkovSum:
-    """Processes whose sum has the Allan variance of flicker with B = 1 between two averaging times.
+    """Processes whose sum has the Allan variance of flicker with B = 1 between two averaging times."""
 
-    `time_constants` in s, RMS values `sizes` relative to B; `ripple` is the largest relative deviation from the Allan
-    deviation of flicker in the range.
-    """
-
+    # `time_constants` in s, RMS values `sizes` relative to B; `ripple` is the largest relative deviation from the Allan
+    # deviation of flicker in the range.
     time_constants: FloatArray
     sizes: FloatArray
     ripple: float
@@ -133,11 +131,9 @@ class Matrices:
     P0: FloatArray
 
     def allan(self, m: IntArray) -> FloatArray:
-        """Allan variance of the measurements at averaging factors `m`, exactly, shape of m.
-
-        With the sums s_1 and s_2 of the measurements over m steps and the m steps after them, it is the variance of
-        s_2 - s_1 over 2 m^2, where s_2 - s_1 = c (A - 1) x + c w_1 + n_2 - n_1.
-        """
+        """Allan variance of the measurements at averaging factors `m`, exactly, shape of m."""
+        # With the sums s_1 and s_2 of the measurements over m steps and the m steps after them, it is the variance of
+        # s_2 - s_1 over 2 m^2, where s_2 - s_1 = c (A - 1) x + c w_1 + n_2 - n_1.
         h = self.H[0]
         noise = self.Qd @ h
         single = StepMatrices(self.Phi, h @ self.Phi, self.Qd, noise, float(h @ noise + self.R[0, 0]))

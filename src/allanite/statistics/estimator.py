@@ -27,11 +27,9 @@ class Piece(NamedTuple):
 
 
 class AngleRecord(NamedTuple):
-    """The angle of a record in units of its steps: its pieces and its length in sample intervals, gaps included.
+    """The angle of a record in units of its steps: its pieces and its length in sample intervals, gaps included."""
 
-    `scale` is what x must be multiplied with to be SI.
-    """
-
+    # `scale` is what x must be multiplied with to be SI.
     pieces: tuple[Piece, ...]
     size: int
     scale: float
@@ -98,10 +96,8 @@ class WindowMeans(NamedTuple):
 
 
 def estimate(row: Statistic, angle: AngleRecord, m: IntArray, *, divisor: int = 30, threads: int = 1) -> WindowMeans:
-    """A statistic of a record at averaging factors `m`, for a unit sample interval.
-
-    DataError where the record has gaps and the statistic no meaning there, or is too short for the ratio of a hybrid.
-    """
+    """A statistic of a record at averaging factors `m`, for a unit sample interval."""
+    # DataError where the record has gaps and the statistic no meaning there, or is too short for the ratio of a hybrid.
     if not row.parts:
         return windows(row, angle, m, threads)
     which = row.part_of(m, angle.size)

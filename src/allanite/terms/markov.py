@@ -105,10 +105,8 @@ class Exponential:
         return np.asarray(self.spectrum(f, 1.0) - self.T**2 * self.ends(k, n))
 
     def ends(self, k: Values, n: int) -> Values:
-        """What the ends of a record add to the k-th coefficient of the DCT-II of the derivative of such a process.
-
-        The sums of exp(-u h) over h < n are geometric series.
-        """
+        """What the ends of a record add to the k-th coefficient of the DCT-II of the derivative of such a process."""
+        # The sums of exp(-u h) over h < n are geometric series.
         k = np.asarray(k, dtype=np.float64)
         s = np.sin((0.5 * math.pi / n) * k) ** 2
         other = np.where(k % 2 == 0, -np.expm1(-self.u * n), 1 + np.exp(-self.u * n))  # 1 - (-1)^k exp(-u n)

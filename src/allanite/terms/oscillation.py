@@ -22,10 +22,8 @@ DAMPINGS = (0.01, 0.9)
 
 
 def modes(frequency: float, damping: float) -> list[tuple[complex, Exponential]]:
-    """Weights and exponentials whose sum is the covariance, of which the real part counts.
-
-    s1, s2 = w (z +- sqrt(z^2 - 1)), and the covariance is (s2 exp(-s1 t) - s1 exp(-s2 t)) / (s2 - s1).
-    """
+    """Weights and exponentials whose sum is the covariance, of which the real part counts."""
+    # s1, s2 = w (z +- sqrt(z^2 - 1)), and the covariance is (s2 exp(-s1 t) - s1 exp(-s2 t)) / (s2 - s1).
     w = 2 * math.pi * frequency
     z = damping if abs(damping - 1) > CRITICAL else 1 - CRITICAL
     root = cmath.sqrt(z * z - 1)

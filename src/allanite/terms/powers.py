@@ -46,10 +46,8 @@ def white_noise(N: float, h: float) -> Block:
 
 
 def integrators(names: tuple[str, ...], h: float, *, density: float = 0.0, start: float = 0.0, note: str = "") -> Block:
-    """The bias and its derivatives, the last of them driven by white noise of `density`.
-
-    `names` are those of the states; `start` is the standard deviation of the last one at the start.
-    """
+    """The bias and its derivatives, the last of them driven by white noise of `density`."""
+    # `names` are those of the states; `start` is the standard deviation of the last one at the start.
     s = len(names)
     order = np.subtract.outer(np.arange(s), np.arange(s)).T  # how often state j is integrated to give state i
     factorial = np.array([math.factorial(k) for k in range(s + 2)], dtype=np.float64)
@@ -76,10 +74,8 @@ def integrators(names: tuple[str, ...], h: float, *, density: float = 0.0, start
 
 
 def angle_noise(Q: float, h: float) -> Block:
-    """White angle noise: the mean rate over an interval gets the difference of its ends' errors, over h.
-
-    A state of discrete time: the error of the angle at the end of the interval, new in every interval.
-    """
+    """White angle noise: the mean rate over an interval gets the difference of its ends' errors, over h."""
+    # A state of discrete time: the error of the angle at the end of the interval, new in every interval.
     return Block(
         names=((say("angle error"), 1),),
         F=np.zeros((1, 1)),

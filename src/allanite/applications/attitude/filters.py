@@ -113,11 +113,9 @@ def quaternion(angles: FloatArray) -> FloatArray:
 
 
 def beta_of(data: Inertial, setting: Setting) -> float:
-    """Madgwick's gain: as given, or as fast as the time constant in noise.
-
-    Its correction turns at 2 beta whatever the error. In noise of the tilt with the standard deviation s of each angle
-    that is on average sqrt(pi / 8) / s of the error, so that beta = s / (sqrt(pi / 2) time constant).
-    """
+    """Madgwick's gain: as given, or as fast as the time constant in noise."""
+    # Its correction turns at 2 beta whatever the error. In noise of the tilt with the standard deviation s of each
+    # angle that is on average sqrt(pi / 8) / s of the error, so that beta = s / (sqrt(pi / 2) time constant).
     if setting.beta is not None:
         return setting.beta
     steps = np.diff(data.force[:, :2], axis=0) / data.gravity

@@ -56,10 +56,8 @@ def best_loop(noises: Sequence[SensorNoise], bias: Sequence[Bias]) -> Loop:
 
 
 def best_second(noises: Sequence[SensorNoise], bias: Sequence[Bias], first: Loop) -> Loop | None:
-    """The filter of second order with the least sum of squares of several angles; None if `first` is as good.
-
-    A bias is estimated in time: without a duration there is none, and with one its estimate settles ten times in it.
-    """
+    """The filter of second order with the least sum of squares of several angles; None if `first` is as good."""
+    # A bias is estimated in time: without a duration there is none, and with one its estimate settles ten times in it.
     from scipy.optimize import minimize
 
     durations = [n.duration for n in noises if n.duration is not None]
@@ -119,11 +117,9 @@ PER_OCTAVE = 128  # points of a density between which its logarithm is taken to 
 
 
 def wiener_error(noise: SensorNoise, best: Loop) -> float:
-    """Standard deviation of the angle of the optimal causal filter, rad; sinusoids and biases are taken to be known.
-
-    Computed as the ratio of its error to that of the filter of first order, both on one grid of frequencies. Without a
-    sampling rate the grid is that of a fine one.
-    """
+    """Standard deviation of the angle of the optimal causal filter, rad; sinusoids and biases are taken to be known."""
+    # Computed as the ratio of its error to that of the filter of first order, both on one grid of frequencies. Without
+    # a sampling rate the grid is that of a fine one.
     interval, longest = noise.interval or best.time_constant / STEPS, MEMORY * best.time_constant
     if noise.duration:
         longest = FINER * 2 * noise.duration

@@ -168,13 +168,12 @@ class Mixture(Value):
 
 
 def mixture(likelihood: Likelihood, symbols: str) -> tuple[FloatArray, FloatArray, Mixture]:
-    """The most likely noise, and the coefficients averaged over what the slow noise may be.
-
-    Slow noise (bias instability, rate random walk) is what hides a slow effect, and is known from a few coefficients of
-    the spectrum only. With it at its most likely value, a tenth of records show an effect that is not there. Averaged
-    over all noise allowed by the restricted likelihood, each term between zero and where 2 L has risen by `REACH`, the
-    coefficients have the wide tails of Student's t, and the intervals remain valid if the noise was not observed.
-    """
+    """The most likely noise, and the coefficients averaged over what the slow noise may be."""
+    # Slow noise (bias instability, rate random walk) is what hides a slow effect, and is known from a few coefficients
+    # of the spectrum only. With it at its most likely value, a tenth of records show an effect that is not there.
+    # Averaged over all noise allowed by the restricted likelihood, each term between zero and where 2 L has risen by
+    # `REACH`, the coefficients have the wide tails of Student's t, and the intervals remain valid if the noise was not
+    # observed.
     every = np.ones(len(symbols), dtype=bool)
     best, least = likelihood.minimise(every)
     # white rate or angle noise hides nothing slow

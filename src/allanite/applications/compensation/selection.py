@@ -129,12 +129,10 @@ def folds(design: Design, theta: FloatArray, symbols: str, blocks: int) -> list[
 
 
 def choose(design: Design, folds: Sequence[HeldBlock]) -> list[int]:
-    """The columns that are kept: all that were requested, and one after the other what held-back blocks gain from.
-
-    An optional column enters if it lowers the whitened misfit of the held-back blocks by more than one standard error
-    of that gain over the blocks, a power with those below it. What takes in fewer columns comes first: a square alone
-    may do harm where a third power beside it is wanted, too.
-    """
+    """The columns that are kept: all that were requested, and one after the other what held-back blocks gain from."""
+    # An optional column enters if it lowers the whitened misfit of the held-back blocks by more than one standard error
+    # of that gain over the blocks, a power with those below it. What takes in fewer columns comes first: a square alone
+    # may do harm where a third power beside it is wanted, too.
     kept = [i for i, optional in enumerate(design.optional) if not optional]
     columns = [(r.channel, r.power) for r in design.regressors]
     while True:

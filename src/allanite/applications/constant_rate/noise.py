@@ -38,11 +38,9 @@ FAST = ("quantized", "resampled", "lines", "slope")
 
 
 class RateNoise(NamedTuple):
-    """The noise of a channel: identified, the model that is used, alerts, findings that need no other words, notes.
+    """The noise of a channel: identified, the model that is used, alerts, findings that need no other words, notes."""
 
-    There is no model where the noise is not explained.
-    """
-
+    # There is no model where the noise is not explained.
     noise: Noise | None = None
     model: Model | None = None
     alerts: tuple[str, ...] = ()
@@ -51,12 +49,10 @@ class RateNoise(NamedTuple):
 
 
 def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model | None = None) -> RateNoise:
-    """The noise that rates of `interval` seconds are measured under; as given, or identified.
-
-    Where no model explains the record, it is that of means over blocks of samples: dither and coarse counts make lines
-    that no term describes; averaged over a second, they fold onto white angle noise, which is what they are to a
-    rate.
-    """
+    """The noise that rates of `interval` seconds are measured under; as given, or identified."""
+    # Where no model explains the record, it is that of means over blocks of samples: dither and coarse counts make
+    # lines that no term describes; averaged over a second, they fold onto white angle noise, which is what they are to
+    # a rate.
     if given is not None:
         return RateNoise(model=given, settled=("short",))
     # what a rate is estimated under are these five; dither is no line to be removed, but part of the estimator
@@ -94,10 +90,8 @@ def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model
 
 
 def _supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:
-    """The model, with the noise at its upper limits that was not identified but would matter to n samples.
-
-    Angle noise counts whatever rounding can cause: dither is that to a rate.
-    """
+    """The model, with the noise at its upper limits that was not identified but would matter to n samples."""
+    # Angle noise counts whatever rounding can cause: dither is that to a rate.
     valid = tuple(fit.valid or ())
     folded = tuple(t for t in fit.model if t.row.edge and t.symbol not in {v.symbol for v in valid})
     model = Model((*valid, *folded)) if valid or folded else fit.usable()

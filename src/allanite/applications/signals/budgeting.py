@@ -36,11 +36,9 @@ NAMES = ("wx", "wy")  # channels of the rates about x and y
 
 
 class Mixed(NamedTuple):
-    """The current that a torquer of one axis would have needed, and its scale over that of a torquer.
+    """The current that a torquer of one axis would have needed, and its scale over that of a torquer."""
 
-    `clipped` counts the samples of both currents at the ends of each stage, which cannot be seen in their sum.
-    """
-
+    # `clipped` counts the samples of both currents at the ends of each stage, which cannot be seen in their sum.
     record: Record
     gain: float
     clipped: tuple[int, ...]

@@ -138,11 +138,9 @@ class Stage(Value):
 
 
 def limits_of(record: Record, stage: Stage) -> tuple[float, float] | None:
-    """Samples of the record at and beyond which they are clipped; None if the stage is not in the record's unit.
-
-    A converter's largest code represents the full scale less one step, or less half a step, its smallest for the
-    negative full scale, or that plus half a step.
-    """
+    """Samples of the record at and beyond which they are clipped; None if the stage is not in the record's unit."""
+    # A converter's largest code represents the full scale less one step, or less half a step, its smallest for the
+    # negative full scale, or that plus half a step.
     worth = 1.0 if record.scale is None else record.scale
     if record.signal.name == "dimensionless":
         half = 2.0 ** (stage.bits - 1)

@@ -46,14 +46,12 @@ HARMLESS_SHARE = 0.05  # share of the variance of the scores below which jumps d
 
 @dataclass(frozen=True, eq=False)
 class Jumps:
-    """Scores of the windows of one length in a series.
+    """Scores of the windows of one length in a series."""
 
-    `size` of the series and `length` of the windows are in samples; `jump` is the largest, SI, in the window whose
-    middle is the sample `largest`. `deviate` is the kurtosis as a normal deviate, `chance` the reference for the
-    largest score, `at` the middles of the windows with significant jumps, `share` the part of the variance of the
-    scores due to jumps.
-    """
-
+    # `size` of the series and `length` of the windows are in samples; `jump` is the largest, SI, in the window whose
+    # middle is the sample `largest`. `deviate` is the kurtosis as a normal deviate, `chance` the reference for the
+    # largest score, `at` the middles of the windows with significant jumps, `share` the part of the variance of the
+    # scores due to jumps.
     size: int
     length: int
     jump: float
@@ -70,10 +68,8 @@ class Jumps:
 
 
 def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
-    """The windows that detect jumps best in a whitened series; None if it is too short, or the shortest are best.
-
-    The shortest windows detect outliers and heavy tails of single samples best, not lasting jumps.
-    """
+    """The windows that detect jumps best in a whitened series; None if it is too short, or the shortest are best."""
+    # The shortest windows detect outliers and heavy tails of single samples best, not lasting jumps.
     from scipy.fft import dct, idct
 
     block = max(FINEST_BLOCK, -(-u.size // MAX_BLOCKS))

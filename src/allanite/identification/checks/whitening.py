@@ -129,11 +129,9 @@ def deviations(model: Model, gaps: Gaps, rate: float) -> tuple[IntArray, FloatAr
 
 
 def memory(model: Model, size: int, rate: float) -> int:
-    """Distance in samples from an end or a gap within which an open angle matters; 0 without angle noise.
-
-    The whitening spreads what quantization has there over as many samples as the standard deviation of the fastest
-    noise exceeds that of the least.
-    """
+    """Distance in samples from an end or a gap within which an open angle matters; 0 without angle noise."""
+    # The whitening spreads what quantization has there over as many samples as the standard deviation of the fastest
+    # noise exceeds that of the least.
     if not any(t.row.edge or t.row.ends for t in model):
         return 0
     _, deviation = deviations(model, whole(size), rate)

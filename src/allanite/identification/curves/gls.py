@@ -43,14 +43,12 @@ def moments_of(names: tuple[str, ...], symbols: tuple[str, ...], m: tuple[int, .
 
 
 def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
-    """Generalized least squares of the variance with the covariance of the points under the model itself.
-
-    ``min (V - X theta)' C(theta)^-1 (V - X theta)``, theta >= 0 the squares of the coefficients, at octaves up to a
-    quarter of the record, or to half of the longest averaging time of the statistic (3/8 of the record for theo1,
-    theobr and theoh); C is iterated, beginning with relative weights (after Vaccaro and Zaki, IEEE Trans. Instrum.
-    Meas. 61, 2012, 673). Standard errors are the roots of the diagonal of ``(X' C^-1 X)^-1``; limits
-    are the values that the likelihood ratio of `inversion` does not reject.
-    """
+    """Generalized least squares of the variance with the covariance of the points under the model itself."""
+    # ``min (V - X theta)' C(theta)^-1 (V - X theta)``, theta >= 0 the squares of the coefficients, at octaves up to a
+    # quarter of the record, or to half of the longest averaging time of the statistic (3/8 of the record for theo1,
+    # theobr and theoh); C is iterated, beginning with relative weights (after Vaccaro and Zaki, IEEE Trans. Instrum.
+    # Meas. 61, 2012, 673). Standard errors are the roots of the diagonal of ``(X' C^-1 X)^-1``; limits are the values
+    # that the likelihood ratio of `inversion` does not reject.
     signal = signal_of(curve, 1)
     which = octaves(curve)
     if which.size < len(symbols):

@@ -151,11 +151,9 @@ def _scatter(moments: Moments, theta: FloatArray) -> FloatArray:
 
 
 def joint(record: Record, symbols: Sequence[str]) -> Fit:
-    """Non-negative squares of the coefficients that fit both variances at once, at octaves up to T/4.
-
-    Each point is weighted by its degrees of freedom under the fit. The points are not independent, so there are no
-    standard errors.
-    """
+    """Non-negative squares of the coefficients that fit both variances at once, at octaves up to T/4."""
+    # Each point is weighted by its degrees of freedom under the fit. The points are not independent, so there are no
+    # standard errors.
     curves = [deviation(record, name, gaps="complete") for name in PAIR]
     signal = signal_of(curves[0], 1)
     which = [early(curve, 0.25) for curve in curves]

@@ -54,10 +54,8 @@ def plain(curve: Curve) -> FloatArray:
 
 
 def columns(names: Sequence[str], symbols: Sequence[str], m: Sequence[int], size: int, rate: float) -> FloatArray:
-    """Expected variance of each term with a coefficient of 1 in SI, shape (k, t); 0 if only rounding remains.
-
-    `names` are the statistics of the points.
-    """
+    """Expected variance of each term with a coefficient of 1 in SI, shape (k, t); 0 if only rounding remains."""
+    # `names` are the statistics of the points.
     rows = [STATISTICS[name] for name in names]
     X = np.array([by_term(row, unit_model(symbols), k, size, rate) for row, k in zip(rows, m, strict=True)])
     tau = np.array(m) * [row.tau_factor for row in rows] / rate

@@ -34,10 +34,8 @@ def slopes(curve: Curve, symbols: Sequence[str]) -> Fit:
 
 
 def piecewise(curve: Curve, symbols: Sequence[str], ranges: Mapping[str, tuple[float, float]] | None = None) -> Fit:
-    """Coefficients from lines of the textbook slopes, each over a range of averaging times.
-
-    Assumes that no other term contributes there, which is rarely true: the others make every value too large.
-    """
+    """Coefficients from lines of the textbook slopes, each over a range of averaging times."""
+    # Assumes that no other term contributes there, which is rarely true: the others make every value too large.
     signal_of(curve, 2)
     given = demand_ranges(ranges) if ranges is not None else {}
     if unknown := sorted(set(given) - set(symbols)):

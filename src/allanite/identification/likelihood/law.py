@@ -59,11 +59,9 @@ def select(fitted: list[Subset], penalty: float | FloatArray = PENALTY) -> Subse
 
 @dataclass(frozen=True, eq=False)
 class ThetaProfile(Portable):
-    """The likelihood of one theta, the other terms of a subset following it.
+    """The likelihood of one theta, the other terms of a subset following it."""
 
-    `excess` is 2 (L - L at the subset's minimum).
-    """
-
+    # `excess` is 2 (L - L at the subset's minimum).
     subset: Subset
     which: int
 
@@ -108,11 +106,9 @@ class ThetaProfile(Portable):
         return 2 * (least - self.subset.value), 2 * float(self.likelihood.gradient(theta)[self.which]), theta
 
     def weighted(self, nodes: int = 32, prior: float = 1.0) -> tuple[list[FloatArray], FloatArray]:
-        """All thetas along the profile, with weights of its likelihood times a prior.
-
-        The nodes are evenly spaced in the coefficient from 0 to where nothing is left. The prior's density goes as the
-        coefficient to the power `prior`: 1 is flat in theta, 0 in the coefficient.
-        """
+        """All thetas along the profile, with weights of its likelihood times a prior."""
+        # The nodes are evenly spaced in the coefficient from 0 to where nothing is left. The prior's density goes as
+        # the coefficient to the power `prior`: 1 is flat in theta, 0 in the coefficient.
         roots = np.linspace(0.0, math.sqrt(self.upper(16.0)), nodes)
         start, thetas, excess = self.subset.theta, [], []
         for root in roots[::-1]:

@@ -206,10 +206,8 @@ class Likelihood(Portable):
         return least, float(best)
 
     def _start(self, free: BoolArray) -> FloatArray:
-        """Least squares relative to the smoothed power; no column is left at zero, so that m > 0 everywhere.
-
-        A term that is in the directions alone starts at 1.
-        """
+        """Least squares relative to the smoothed power; no column is left at zero, so that m > 0 everywhere."""
+        # A term that is in the directions alone starts at 1.
         from allanite.kernels.leastsquares import weighted_nnls
 
         columns, smooth = self.columns[:, : self.power.size], self._prepared.smooth

@@ -162,10 +162,8 @@ class BinnedSpectrum(Portable):
 
     @property
     def _long(self) -> BoolArray:
-        """Which gaps are so long that what a slow noise does during them is a step by itself.
-
-        Where pieces are read, too few low coefficients are left to tell steps apart.
-        """
+        """Which gaps are so long that what a slow noise does during them is a step by itself."""
+        # Where pieces are read, too few low coefficients are left to tell steps apart.
         return np.asarray((self.detrended and self.pieces is None) & (self.gaps.lost >= LONG_GAP * self.size))
 
     @property
@@ -295,10 +293,8 @@ def transformed(places: IntArray) -> FloatArray:
 
 
 def slope_of(y: FloatArray, places: IntArray | None) -> float:
-    """The slope of y between the means of its first and last thirds, in the unit per sample.
-
-    Near enough that a strong ramp, less this one, does not leak upwards.
-    """
+    """The slope of y between the means of its first and last thirds, in the unit per sample."""
+    # Near enough that a strong ramp, less this one, does not leak upwards.
     third = y.size // 3
     apart = y.size - third if places is None else float(places[-third:].mean() - places[:third].mean())
     return float(y[-third:].mean() - y[:third].mean()) / apart

@@ -39,10 +39,8 @@ def likelihood(spectrum: BinnedSpectrum, symbols: Sequence[str]) -> Likelihood:
 
 
 def with_warm_up(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, tau: float) -> Likelihood:
-    """A likelihood of the bins `used` with one more loose direction: a warm-up exp(-t / tau) of any size.
-
-    Tau is in samples. The direction stands behind the edges and before the ramp.
-    """
+    """A likelihood of the bins `used` with one more loose direction: a warm-up exp(-t / tau) of any size."""
+    # Tau is in samples. The direction stands behind the edges and before the ramp.
     return _with_directions(part, spectrum, used, [warm_up_direction(spectrum, tau)])
 
 
@@ -96,11 +94,9 @@ def step_coefficients(n: int, at: npt.ArrayLike) -> FloatArray:
 
 
 def step_power(spectrum: BinnedSpectrum, at: Sequence[float], size: FloatArray) -> FloatArray:
-    """Mean power of steps in the bins above the lowest coefficients, where their signs alternate within a bin.
-
-    The coefficients of steps at i and j have the product [cos(pi k (i - j) / n) - cos(pi k (i + j) / n)]
-    / (4 n sin^2(pi k / 2n)). Within a bin the sine hardly changes, and the mean of a cosine is Dirichlet's kernel.
-    """
+    """Mean power of steps in the bins above the lowest coefficients, where their signs alternate within a bin."""
+    # The coefficients of steps at i and j have the product [cos(pi k (i - j) / n) - cos(pi k (i + j) / n)] / (4 n
+    # sin^2(pi k / 2n)). Within a bin the sine hardly changes, and the mean of a cosine is Dirichlet's kernel.
     n, centre = spectrum.size, spectrum.first + (spectrum.count - 1) / 2
     half = np.pi / (2 * n) * np.array((np.subtract.outer(at, at), np.add.outer(at, at)))[..., None]
     wide = np.sinc(half * spectrum.count / np.pi) / np.sinc(half / np.pi) * np.cos(2 * half * centre)

@@ -168,10 +168,8 @@ def power_law(frame: Frame, part: Part) -> FloatArray:
 
 
 def _power_law(k: FloatArray, n: int, a: float) -> FloatArray:
-    """Variance of the DCT coefficients of the mean rates over each sample of noise of density f^-a, f in 1/sample.
-
-    The last factor is what is lost to other coefficients, for exponents from 0.6 to 1.6 within 1 %, and 3 % at k = 1.
-    """
+    """Variance of the DCT coefficients of the mean rates over each sample of noise of density f^-a, f in 1/sample."""
+    # The last factor is what is lost to other coefficients, for exponents from 0.6 to 1.6 within 1 %, and 3 % at k = 1.
     from scipy.special import zeta
 
     x = k / (2.0 * n)

@@ -82,11 +82,9 @@ def _errors(having: Sequence[Entry]) -> FloatArray:
 
 
 def cutoffs_of(f: Fitted) -> tuple[float, float]:
-    """The lowest and the highest that the cut-off of a filter may be called; cycles a sample.
-
-    That of its row before the sampling and behind it, and where the power of all that is fast falls to half: a filter
-    that no row has is described by one that other components correct.
-    """
+    """The lowest and the highest that the cut-off of a filter may be called; cycles a sample."""
+    # That of its row before the sampling and behind it, and where the power of all that is fast falls to half: a filter
+    # that no row has is described by one that other components correct.
     part = f.state.filter
     assert part is not None  # noqa: S101 - asked of models with a filter
     cutoff = part.shape[0]
@@ -96,10 +94,8 @@ def cutoffs_of(f: Fitted) -> tuple[float, float]:
 
 
 def halved(f: Fitted, lowest: float) -> float:
-    """Where the power of all but drift and narrow peaks falls to half of its highest; infinity if it does not.
-
-    From the frequency `lowest` on, cycles a sample: what is below, of whatever shape, is no filter's.
-    """
+    """Where the power of all but drift and narrow peaks falls to half of its highest; infinity if it does not."""
+    # From the frequency `lowest` on, cycles a sample: what is below, of whatever shape, is no filter's.
     frame = f.frame
     apart = np.zeros(f.theta.size, dtype=bool)
     apart[: len(frame.powers)] = frame.slow

@@ -261,10 +261,8 @@ def _weight_of(answer: Answer, symbol: str) -> float:
 
 
 def least_time_constant(answer: Answer, walk: int) -> float | None:
-    """The least time constant, in samples, of Gauss-Markov noise that could stand in the place of a random walk.
-
-    None where none within the record could.
-    """
+    """The least time constant, in samples, of Gauss-Markov noise that could stand in the place of a random walk."""
+    # None where none within the record could.
     f, frame = answer.shown, answer.result.frame
     if not f.free[walk] or len(f.state.of("noise")) >= COMPONENTS["noise"].most:
         return None

@@ -302,10 +302,8 @@ def _integrated(count: FloatArray, m: FloatArray, power: FloatArray, d: FloatArr
 
 
 def _volume(part: Likelihood, theta: FloatArray, frame: Frame) -> float:
-    """From the integral over steps and a warm-up of any size, whose unit would count, to their best sizes.
-
-    What every state has, a ramp and what a slow noise did during long gaps, stays integrated.
-    """
+    """From the integral over steps and a warm-up of any size, whose unit would count, to their best sizes."""
+    # What every state has, a ramp and what a slow noise did during long gaps, stays integrated.
     own = int(part.flat.sum() - frame.plain.flat.sum())
     if own <= 0:
         return 0.0

@@ -222,10 +222,8 @@ class Frame(Portable):
         return float(FILTERS[row].gain(f, cutoff).mean())
 
     def cosines(self, quality: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Cosines at the frequencies of a resonance, at twice these, and squares of the sine, shape (bins, points).
-
-        The mean over a bin of a peak that is as wide as `POINTS_OVER_QUALITY` says has an error below 0.1 %.
-        """
+        """Cosines at the frequencies of a resonance, at twice these, and squares of the sine, shape (bins, points)."""
+        # The mean over a bin of a peak that is as wide as `POINTS_OVER_QUALITY` says has an error below 0.1 %.
         points = next((k for k in (1, 2, 4, 8) if k > POINTS_OVER_QUALITY * quality), MOST_POINTS)
 
         def computed() -> tuple[FloatArray, FloatArray, FloatArray]:

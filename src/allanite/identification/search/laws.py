@@ -124,12 +124,10 @@ def stretch(f: Fitted, which: int) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Law(Portable):
-    """The law of the root of a size, given that it is above zero.
+    """The law of the root of a size, given that it is above zero."""
 
-    `root` and `below` are values and the probability of less; `weight` is that of the models that have it, and `parts`
-    are the models that make it with their shares and best values.
-    """
-
+    # `root` and `below` are values and the probability of less; `weight` is that of the models that have it, and
+    # `parts` are the models that make it with their shares and best values.
     root: FloatArray
     below: FloatArray
     weight: float

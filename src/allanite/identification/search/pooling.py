@@ -135,11 +135,9 @@ def in_common(results: Sequence[Searched]) -> dict[int, tuple[Common, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """Scores of channels behind a row of filters: `scores`, shape (channels, cut-offs), `at` logarithms of cut-offs.
+    """Scores of channels behind a row of filters: `scores`, shape (channels, cut-offs), `at` logarithms of cut-offs."""
 
-    `over` is the least sum of them over that of the best row.
-    """
-
+    # `over` is the least sum of them over that of the best row.
     row: str
     cutoff: float
     at: FloatArray

@@ -22,10 +22,8 @@ DAMPING = 1e-3
 
 
 def refined(f: Fitted, rounds: int = ROUNDS, *, held: BoolArray | None = None, settled: float = SETTLED) -> Fitted:
-    """The best shapes near those of a fit: Fisher scoring of sizes and shapes together, with step halving.
-
-    `held` shapes stay as they are, shape (values,).
-    """
+    """The best shapes near those of a fit: Fisher scoring of sizes and shapes together, with step halving."""
+    # `held` shapes stay as they are, shape (values,).
     x = values_of(f.state)
     moving = np.ones(x.size + f.v.size, dtype=bool)
     if held is not None:

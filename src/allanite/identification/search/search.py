@@ -105,10 +105,8 @@ def search(
 
 
 def shows_white(f: Fitted) -> bool:
-    """Whether white noise has most of the power of a half octave, where vibration or a factor stands beside it.
-
-    Else what stands beside it makes its value: it is known from a difference only.
-    """
+    """Whether white noise has most of the power of a half octave, where vibration or a factor stands beside it."""
+    # Else what stands beside it makes its value: it is known from a difference only.
     frame = f.frame
     if frame.white is None or not (f.state.of("resonance") or f.state.of("factor")):
         return True
@@ -120,10 +118,8 @@ def shows_white(f: Fitted) -> bool:
 
 
 def _recast(f: Fitted) -> list[Fitted]:
-    """A fit with one numerator for all its resonances, and without its filter: no single exchange leads there.
-
-    The skirts of resonances towards low frequencies are those of white noise behind a filter.
-    """
+    """A fit with one numerator for all its resonances, and without its filter: no single exchange leads there."""
+    # The skirts of resonances towards low frequencies are those of white noise behind a filter.
     loud, through = f.state.of("resonance"), (*f.state.of("filter"), *f.state.of("floor"))
     if not loud:
         return []
@@ -136,10 +132,8 @@ def _recast(f: Fitted) -> list[Fitted]:
 
 
 def _bare(f: Fitted) -> list[Fitted]:
-    """A fit without its resonances, and without its filter too, that may stand in the place of a factor.
-
-    Several broad resonances do, and angle noise behind a filter, which rises and falls again.
-    """
+    """A fit without its resonances, and without its filter too, that may stand in the place of a factor."""
+    # Several broad resonances do, and angle noise behind a filter, which rises and falls again.
     loud, through = f.state.of("resonance"), (*f.state.of("filter"), *f.state.of("floor"))
     rises = bool(through) and bool((f.free[: f.frame.angle.size] & f.frame.angle).any())
     states = ([f.state.lacking(*loud)] if loud else []) + ([f.state.lacking(*loud, *through)] if loud or rises else [])
@@ -149,11 +143,9 @@ def _bare(f: Fitted) -> list[Fitted]:
 def _follow(
     result: Searched, start: Fitted, ways: Sequence[Move], done: dict[object, float], moves: Sequence[Move] = ()
 ) -> None:
-    """Expand a start and then the best that each way from it leads to, whatever the others gain.
-
-    Far from a fit what gains most at first need not lead to the best state: a broad resonance may gain more than the
-    filter that was there, but for what stands behind it.
-    """
+    """Expand a start and then the best that each way from it leads to, whatever the others gain."""
+    # Far from a fit what gains most at first need not lead to the best state: a broad resonance may gain more than the
+    # filter that was there, but for what stands behind it.
     done.setdefault(start.state.form, start.score)
     result.expanded += 1
     for move in ways:

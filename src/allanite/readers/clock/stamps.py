@@ -99,11 +99,9 @@ def seconds_since(stamps: NDArray[Any], unit: str) -> FloatArray:
 
 
 def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_]]) -> SampleGrid:
-    """The grid of time stamps in seconds since the first, shape (n,); `label` is their column in messages.
-
-    `repeated` marks rows with the same samples as the row before, shape (n - 1,) or (1,); called only if time stamps
-    repeat.
-    """
+    """The grid of time stamps in seconds since the first, shape (n,); `label` is their column in messages."""
+    # `repeated` marks rows with the same samples as the row before, shape (n - 1,) or (1,); called only if time stamps
+    # repeat.
     bad = ~np.isfinite(elapsed)
     if bad.any():
         where = say("the first in row {row} of the data", row=int(np.argmax(bad)) + 1)

@@ -14,10 +14,8 @@ from . import text
 
 
 def read(frame: FrameLike, options: Options) -> Recording:
-    """The channels of a table; the names of its columns are read like the headers of a CSV file.
-
-    The index of a pandas table is a column too if it has a name or holds times. A missing value is NaN.
-    """
+    """The channels of a table; the names of its columns are read like the headers of a CSV file."""
+    # The index of a pandas table is a column too if it has a name or holds times. A missing value is NaN.
     if options.dtype is not None:
         raise UsageError("dtype, columns and offset describe raw binary files; omit them for a table in memory")
     named = list[tuple[str, Any]]()

@@ -31,11 +31,9 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 
 def read(path: str, options: Options) -> Recording:
-    """The channels of a .npy or .npz file; pickled objects in it are refused, never loaded.
-
-    A one-dimensional array is one channel; a two-dimensional one has one channel per column; the fields of a structured
-    array, and the arrays of a .npz, are named like the headers of a text file, optionally with a unit.
-    """
+    """The channels of a .npy or .npz file; pickled objects in it are refused, never loaded."""
+    # A one-dimensional array is one channel; a two-dimensional one has one channel per column; the fields of a
+    # structured array, and the arrays of a .npz, are named like the headers of a text file, optionally with a unit.
     head = _demand_numbers(path)
     with worded():
         arrays = _members(path) if head.startswith(ZIP) else [("", np.array(_mapped(path)))]

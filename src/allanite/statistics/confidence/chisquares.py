@@ -66,11 +66,9 @@ def matrices(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, siz
 
 
 def spectra(forms: FloatArray, powers: FloatArray, leading: int) -> list[Eigenvalues]:
-    """Spectra of the form under several models, whose terms have squared coefficients `powers`, shape (k, t).
-
-    They come from the form's projection on what the leading eigenvectors of the models' mean, and each term of these,
-    span (Rayleigh and Ritz).
-    """
+    """Spectra of the form under several models, whose terms have squared coefficients `powers`, shape (k, t)."""
+    # They come from the form's projection on what the leading eigenvectors of the models' mean, and each term of these,
+    # span (Rayleigh and Ritz).
     total = powers @ np.trace(forms, axis1=1, axis2=2)
     squares = np.einsum("ki,ij,kj->k", powers, np.einsum("iab,jab->ij", forms, forms), powers)
     # orthonormal columns that hold the leading eigenvectors of models near one with these squared coefficients
@@ -151,10 +149,8 @@ def quantiles(mixture: ChiSquareSum, p: float) -> FloatArray:
 
 
 def table(mixture: ChiSquareSum, deviates: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Values of V near normal deviates, which rise, and their exact deviates, shape (deviates, k) each.
-
-    The saddlepoint is taken where its root r is the deviate, by Newton's steps from one to the next.
-    """
+    """Values of V near normal deviates, which rise, and their exact deviates, shape (deviates, k) each."""
+    # The saddlepoint is taken where its root r is the deviate, by Newton's steps from one to the next.
     from scipy.special import ndtri
 
     top, points = _pole(mixture), []

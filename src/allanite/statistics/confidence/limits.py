@@ -45,12 +45,10 @@ MIN_SHARE = 1e-9  # share of a term below which it has none
 
 @dataclass(frozen=True, eq=False)
 class ModelLaw(Portable):
-    """The law under a model at every point, or one for all; a sinusoid of a model adds nothing to the scatter.
+    """The law under a model at every point, or one for all; a sinusoid of a model adds nothing to the scatter."""
 
-    It does not scatter by itself, and what it adds beside noise is less than the share that it takes: limits of the
-    noise alone are wide enough.
-    """
-
+    # It does not scatter by itself, and what it adds beside noise is less than the share that it takes: limits of the
+    # noise alone are wide enough.
     points: CurvePoints
     models: tuple[Model, ...]
 
@@ -81,13 +79,11 @@ def stacked(made: Sequence[tuple[float, ChiSquareSum]]) -> tuple[FloatArray, Chi
 
 @dataclass(frozen=True)
 class Local:
-    """What the law of a point takes from the terms of a model, whatever their sizes.
+    """What the law of a point takes from the terms of a model, whatever their sizes."""
 
-    `E` are their expectations, shape (t,), `r` their relative covariances, shape (t, t), `kept` what the scatter of a
-    hybrid's own bias ratio leaves of the degrees of freedom, shape (t,); `means` is given if incomplete
-    windows count.
-    """
-
+    # `E` are their expectations, shape (t,), `r` their relative covariances, shape (t, t), `kept` what the scatter of a
+    # hybrid's own bias ratio leaves of the degrees of freedom, shape (t,); `means` is given if incomplete windows
+    # count.
     row: Statistic
     model: Model
     m: int
@@ -205,11 +201,9 @@ def automatic_law(points: CurvePoints, angle: AngleRecord, signal: Signal) -> Mo
 
 @dataclass(frozen=True, eq=False)
 class PublishedLaw(Portable):
-    """A chi-square with the published degrees of freedom, at least 1, of the power law `alpha` at each point.
+    """A chi-square with the published degrees of freedom, at least 1, of the power law `alpha` at each point."""
 
-    UsageError where none are published.
-    """
-
+    # UsageError where none are published.
     points: CurvePoints
     alpha: IntArray
 

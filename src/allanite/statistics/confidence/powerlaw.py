@@ -66,15 +66,13 @@ def symbol_of(alpha: int) -> str:
 
 
 class PowerLaw(NamedTuple):
-    """The power law of the noise at an averaging time.
+    """The power law of the noise at an averaging time."""
 
-    `alpha` is the exponent of the spectrum of the rate: 2 and 1 white and flicker angle noise, 0, -1, -2 white,
-    flicker and random walk rate noise, -3, -4 flicker and random walk of the ramp. `symbol` is its term, or the
-    nearest safe one (`symbol_of`). `method` is "lag1" (autocorrelation), "b1" (ratio of variances) or "rn" (modified
-    over plain Allan variance). `m` is the averaging factor at which it was found; smaller than the one requested where
-    that leaves too few points.
-    """
-
+    # `alpha` is the exponent of the spectrum of the rate: 2 and 1 white and flicker angle noise, 0, -1, -2 white,
+    # flicker and random walk rate noise, -3, -4 flicker and random walk of the ramp. `symbol` is its term, or the
+    # nearest safe one (`symbol_of`). `method` is "lag1" (autocorrelation), "b1" (ratio of variances) or "rn" (modified
+    # over plain Allan variance). `m` is the averaging factor at which it was found; smaller than the one requested
+    # where that leaves too few points.
     alpha: int
     symbol: str
     method: str
@@ -214,11 +212,9 @@ def _by_ratio(angle: AngleRecord, m: int, order: int) -> int:
 
 
 def ratio_forms(starts: list[FloatArray], order: int) -> tuple[FloatArray, FloatArray]:
-    """Two quadratic forms of the means of the rate, whose ratio is B1 for order 2.
-
-    They are the variance about a constant and the Allan variance; for order 3 that about a line and the Hadamard
-    variance. The means of each piece begin at `starts`, in units of their length.
-    """
+    """Two quadratic forms of the means of the rate, whose ratio is B1 for order 2."""
+    # They are the variance about a constant and the Allan variance; for order 3 that about a line and the Hadamard
+    # variance. The means of each piece begin at `starts`, in units of their length.
     start = np.concatenate(starts)
     trend, _ = np.linalg.qr(np.vander(start - start.mean(), order - 1))
     spread = (np.eye(start.size) - trend @ trend.T) / max(start.size - order + 1, 1)

@@ -107,11 +107,9 @@ def _between(logs: FloatArray, deviates: FloatArray, x: FloatArray) -> FloatArra
 
 
 class SupposedNoise(NamedTuple):
-    """Models with their weights, or "auto" for the power law at each averaging time.
+    """Models with their weights, or "auto" for the power law at each averaging time."""
 
-    `words` describes the intervals in a short phrase.
-    """
-
+    # `words` describes the intervals in a short phrase.
     noise: Averaged | Literal["auto"]
     words: str
 
@@ -185,11 +183,9 @@ class Assumption:
 
 @dataclass(frozen=True, eq=False)
 class LaterLaw:
-    """The law `under` a noise that is identified on first use; pickled as the result.
+    """The law `under` a noise that is identified on first use; pickled as the result."""
 
-    Limits are computed once for each level, also for curves that share them: the same curve in other units.
-    """
-
+    # Limits are computed once for each level, also for curves that share them: the same curve in other units.
     suppose: Callable[[], SupposedNoise]
     under: Callable[[Averaged | Literal["auto"]], Law]
     known: dict[float, Limits] = field(default_factory=dict, init=False, repr=False)

@@ -29,10 +29,8 @@ MIN_FACTORS = 200  # averaging factors of a group that take as long directly
 
 
 def dense(x: FloatArray, m: IntArray, order: int, *, summed: bool = False) -> FloatArray:
-    """Sums of squared differences at ascending averaging factors, however many, shape of m.
-
-    The differences are of `order` 2 or 3; of the running sum of x, which has one point more, if `summed`.
-    """
+    """Sums of squared differences at ascending averaging factors, however many, shape of m."""
+    # The differences are of `order` 2 or 3; of the running sum of x, which has one point more, if `summed`.
     if m.size <= MIN_FACTORS:
         return _direct(x, m, order, summed)
     points = x.size + summed

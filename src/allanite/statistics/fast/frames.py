@@ -30,11 +30,9 @@ RADIX = 16  # blocks into which a triangle is cut
 
 
 class Edges(NamedTuple):
-    """The first points of a record, its last ones backward, and what represents the seams between frames.
+    """The first points of a record, its last ones backward, and what represents the seams between frames."""
 
-    The sum over windows is that of w(l) R(l) less the sum of sign E(edge).
-    """
-
+    # The sum over windows is that of w(l) R(l) less the sum of sign E(edge).
     edges: list[FloatArray]
     signs: list[float]
 
@@ -42,11 +40,9 @@ class Edges(NamedTuple):
 def framed(
     x: FloatArray, reach: int, degree: int, *, summed: bool = False, whole: bool = False
 ) -> tuple[FloatArray, Edges]:
-    """The products R(l) of a record at lags l = 0 .. `reach`, and its edges; in one frame if `whole`.
-
-    The record is the angle x or, with `summed`, its running sum, of one point more. The longest window covers reach + 1
-    points; the form does not see polynomials of `degree` 1 or 2.
-    """
+    """The products R(l) of a record at lags l = 0 .. `reach`, and its edges; in one frame if `whole`."""
+    # The record is the angle x or, with `summed`, its running sum, of one point more. The longest window covers reach +
+    # 1 points; the form does not see polynomials of `degree` 1 or 2.
     from scipy.fft import next_fast_len
 
     from allanite.kernels.theo import cut

@@ -36,13 +36,11 @@ Structure = Callable[[FloatArray], FloatArray]
 
 @dataclass(frozen=True, eq=False)
 class Compact:
-    """The window of one averaging factor.
+    """The window of one averaging factor."""
 
-    ``E = mean @ D(h)``, h = 1 - points, ..., points - 1. ``sum_rs w_r w_s C^i_rs(l) C^j_rs(l)`` is the inner product of
-    ``factor @ D_i(l + h)`` and the like of D_j; `factor` has the shape (k, 2 points - 1). ``moment = sum_r w_r mu_r^2``
-    with ``mu_r = sum_j f_r[j] j^q / q!``: far apart C_rs is mu_r mu_s times a derivative of D.
-    """
-
+    # ``E = mean @ D(h)``, h = 1 - points, ..., points - 1. ``sum_rs w_r w_s C^i_rs(l) C^j_rs(l)`` is the inner product
+    # of ``factor @ D_i(l + h)`` and the like of D_j; `factor` has the shape (k, 2 points - 1). ``moment = sum_r w_r
+    # mu_r^2`` with ``mu_r = sum_j f_r[j] j^q / q!``: far apart C_rs is mu_r mu_s times a derivative of D.
     mean: FloatArray
     factor: FloatArray
     moment: float
@@ -108,11 +106,9 @@ def kinked_nodes(kinks: FloatArray, end: float) -> tuple[FloatArray, FloatArray]
 
 @lru_cache(maxsize=16)
 def lattice(points: int, step: float, count: int) -> tuple[FloatArray, FloatArray]:
-    """Lags and weights of ``L^-2 sum_|l|<L (L - |l|) f(step l)`` for even f.
-
-    f has kinks at the integers up to `points` and is smooth between: there the rule is that of two nodes for sums over
-    integers, of any real number of them.
-    """
+    """Lags and weights of ``L^-2 sum_|l|<L (L - |l|) f(step l)`` for even f."""
+    # f has kinks at the integers up to `points` and is smooth between: there the rule is that of two nodes for sums
+    # over integers, of any real number of them.
     if count <= 3 * points:
         lag, weight = np.arange(float(count)), np.ones(count)
     else:

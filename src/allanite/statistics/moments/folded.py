@@ -56,10 +56,8 @@ def relative(terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
 
 
 def white_ratio(m: int, size: int) -> float:
-    """Ratio of white angle noise with itself: whole numbers, polynomials between m = n/2 and 2n/3.
-
-    Found by summing over all pairs for n < 90; two or three m at the corners differ by terms of the order of n.
-    """
+    """Ratio of white angle noise with itself: whole numbers, polynomials between m = n/2 and 2n/3."""
+    # Found by summing over all pairs for n < 90; two or three m at the corners differ by terms of the order of n.
     fold = max(2 * m - size, 0)
     pairs = 70 * size + 32 * m**2 + 112 * m - 122 - 128 * (m % 2)
     pairs += 32 * fold * (fold - 1) + 128 * max(3 * m - 2 * size, 0)

@@ -101,10 +101,8 @@ def far_difference(row: NoiseTerm, h: FloatArray) -> FloatArray:
 
 
 def line_of(row: NoiseTerm) -> tuple[float, float, float] | None:
-    """What lags 0 and 1 have beyond the straight line that the covariance of rates is from lag 2 on, and its slope.
-
-    None for other than power laws of an even exponent.
-    """
+    """What lags 0 and 1 have beyond the straight line that the covariance of rates is from lag 2 on, and its slope."""
+    # None for other than power laws of an even exponent.
     if row.alpha is None or row.alpha % 2:
         return None
     c = second_difference(row, 4) / 2

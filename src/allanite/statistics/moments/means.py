@@ -81,11 +81,9 @@ class There:
 
 @dataclass(frozen=True, eq=False)
 class JoinedWindows:
-    """Windows of a row at m that have a reading in each part.
+    """Windows of a row at m that have a reading in each part."""
 
-    `start` are their first samples, shape (w,), `count` the readings of their parts, shape (w, parts).
-    """
-
+    # `start` are their first samples, shape (w,), `count` the readings of their parts, shape (w, parts).
     row: Statistic
     m: int
     readings: There

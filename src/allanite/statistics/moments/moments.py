@@ -95,10 +95,8 @@ def variances(row: Statistic, model: Model, m: FloatArray | IntArray, size: int 
 
 
 def by_term(row: Statistic, model: Model, m: int, size: int | None, rate: float) -> FloatArray:
-    """Expected variance of each term of a model, SI, shape (t,).
-
-    UsageError where the statistic has no expectation under one of the terms, or none without the record's length.
-    """
+    """Expected variance of each term of a model, SI, shape (t,)."""
+    # UsageError where the statistic has no expectation under one of the terms, or none without the record's length.
     E = _responses(row, [t.sampled(rate) for t in model], m, size) * np.array([t.power(rate) for t in model])
     return np.asarray(E * (m * row.tau_factor / rate) ** (2.0 * row.power))
 
@@ -139,11 +137,9 @@ def _of_waveform(row: Statistic, term: NoiseTerm, m: int, size: int | None) -> f
 
 
 def _of_sinusoid(row: Statistic, term: NoiseTerm, m: int, size: int) -> float:
-    """Mean over all phases of a row's variance under a sinusoid of amplitude 1, for a unit sample interval.
-
-    A quadratic form of ``cos(wt + phase)`` has as its mean over the phase half the sum of its values at cosine and
-    sine; one window is enough, but where the windows depend on the record.
-    """
+    """Mean over all phases of a row's variance under a sinusoid of amplitude 1, for a unit sample interval."""
+    # A quadratic form of ``cos(wt + phase)`` has as its mean over the phase half the sum of its values at cosine and
+    # sine; one window is enough, but where the windows depend on the record.
     n = row.span[0] * m + row.span[1] if row.span[0] else size
     w = 2 * math.pi * term.shape[0]
     angle = w * np.arange(n + 1.0)
@@ -213,10 +209,8 @@ def relative(row: Statistic, terms: Sequence[NoiseTerm], m: int, runs: Runs) -> 
 
 
 def grouped(runs: Runs, row: Statistic, m: int) -> list[tuple[int, int]]:
-    """The runs that hold a window of m, by their number of windows, each as the shortest run with as many.
-
-    With very many different numbers, neighbours within a few per cent share the one nearest to their mean.
-    """
+    """The runs that hold a window of m, by their number of windows, each as the shortest run with as many."""
+    # With very many different numbers, neighbours within a few per cent share the one nearest to their mean.
     lengths = Counter[int]()
     for size, times in runs:
         lengths[size] += times
@@ -237,10 +231,8 @@ def grouped(runs: Runs, row: Statistic, m: int) -> list[tuple[int, int]]:
 
 
 def covariance_by_term(rows: Sequence[Statistic], model: Model, m: IntArray, size: int, rate: float) -> FloatArray:
-    """What each pair of terms of a model without sinusoids adds to the covariance of points, shape (k, k, t, t).
-
-    Each point is that of a row, of which none is a hybrid, at an averaging factor; the record has no gaps.
-    """
+    """What each pair of terms of a model without sinusoids adds to the covariance of points, shape (k, k, t, t)."""
+    # Each point is that of a row, of which none is a hybrid, at an averaging factor; the record has no gaps.
     for row in rows:
         if row.window is None or not row.overlapped or row.parts:
             raise UsageError(f"the covariance between averaging times of {row.name} is not known")

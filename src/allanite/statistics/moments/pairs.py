@@ -52,11 +52,9 @@ def whole_lattice(p: int, q: int, counts: tuple[float, float]) -> tuple[FloatArr
 
 
 def pair_lattice(half: float, step: float, counts: tuple[float, float], first: float) -> tuple[FloatArray, FloatArray]:
-    """Distances x >= 0, in units of 1/step samples, and weights of the sum over all pairs of windows.
-
-    `counts` are the numbers of windows, M1 >= M2; `half` the distance at which the windows no longer overlap, `first`
-    the distance nearest to zero. The rule is that of `compact.lattice`.
-    """
+    """Distances x >= 0, in units of 1/step samples, and weights of the sum over all pairs of windows."""
+    # `counts` are the numbers of windows, M1 >= M2; `half` the distance at which the windows no longer overlap, `first`
+    # the distance nearest to zero. The rule is that of `compact.lattice`.
     M1, M2 = counts
     start = round(2 * first) / 2
     end = (M1 + M2) / 2
@@ -150,10 +148,8 @@ class Pairs:
         return np.asarray(np.outer(scale, scale) * r)
 
     def within(self, pair: WindowPair) -> FloatArray:
-        """T_ij over the root of the terms' four expectations, shape (t, t).
-
-        As it is, reduced, or extrapolated in the ratio of the windows.
-        """
+        """T_ij over the root of the terms' four expectations, shape (t, t)."""
+        # As it is, reduced, or extrapolated in the ratio of the windows.
         if pair.whole:
             return self._whole(pair)
         a, b = pair.span

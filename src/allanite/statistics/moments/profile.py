@@ -38,12 +38,10 @@ Windows = Callable[[int], Window]
 
 
 class LagProfile(NamedTuple):
-    """c(x) of two windows whose centres are x >= 0 apart: at and between the kinks, and beyond; shape (t, t, nodes).
+    """c(x) of two windows whose centres are x >= 0 apart: at and between the kinks, and beyond; shape (t, t, nodes)."""
 
-    Over the root of the four expectations `E`, shape (2, t). `sizes` are the samples of the windows; `first` and `last`
-    are kinks, `nodes` the places in the step between two, `power` that of the fall in the end.
-    """
-
+    # Over the root of the four expectations `E`, shape (2, t). `sizes` are the samples of the windows; `first` and
+    # `last` are kinks, `nodes` the places in the step between two, `power` that of the fall in the end.
     E: FloatArray
     sizes: tuple[int, int]
     first: float
@@ -78,10 +76,8 @@ def form_of(window: Windows, m: int) -> WindowForm:
 def profile_of(
     windows: tuple[Windows, Windows], m: tuple[int, int], terms: Sequence[NoiseTerm], *, order: int, between: bool
 ) -> LagProfile:
-    """The profile of windows that are alike from both ends, under noise.
-
-    `order` is that of both differences together; `between` asks for nodes between the samples, not only at these.
-    """
+    """The profile of windows that are alike from both ends, under noise."""
+    # `order` is that of both differences together; `between` asks for nodes between the samples, not only at these.
     first, second = (form_of(window, k) for window, k in zip(windows, m, strict=True))
     sizes = len(first.A), len(second.A)
     last = sum(sizes) / 2
@@ -161,10 +157,8 @@ def _rates(term: NoiseTerm, lag: FloatArray) -> FloatArray:
 
 
 def _lagged(term: NoiseTerm, start: FloatArray, size: int, cells: int) -> FloatArray:
-    """Covariance of rates at `size` lags from each start on, shape (start, size).
-
-    The starts are equally spaced in `cells` rows, but for some at the end.
-    """
+    """Covariance of rates at `size` lags from each start on, shape (start, size)."""
+    # The starts are equally spaced in `cells` rows, but for some at the end.
     nodes = (start.size - NODES_BEYOND) // cells
     h = np.arange(size)
     C = np.empty((start.size, size))
@@ -265,10 +259,8 @@ def ends_of(row: Statistic, m: int, size: int) -> Ends:
 
 
 def crossed(rows: Sequence[Statistic], m: IntArray, size: int, terms: Sequence[NoiseTerm]) -> FloatArray:
-    """W_a' C W_b of points a, b for coefficients of 1 and a unit sample interval, shape (k, k, t).
-
-    The variances are those of the rate; windows that remove a ramp have nothing.
-    """
+    """W_a' C W_b of points a, b for coefficients of 1 and a unit sample interval, shape (k, k, t)."""
+    # The variances are those of the rate; windows that remove a ramp have nothing.
     span = np.array([row.span[0] * k for row, k in zip(rows, m.tolist(), strict=True)])
     free = [i for i in np.argsort(span, kind="stable").tolist() if rows[i].order < 3]
     short = [i for i in free if span[i] <= MAX_SAMPLES]

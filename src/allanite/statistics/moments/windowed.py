@@ -61,15 +61,11 @@ def _sum_of_inverses(k: FloatArray) -> FloatArray:
 
 
 def white_ratio(m: int, count: int) -> float:
-    """Ratio r of white angle noise with itself, for L = `count` windows.
-
-    With n(l) = max(0, L - l) and w = 1/v, every pair of points of two windows that fall together counts n(l):
-
-        T L^2 = 4 L H^2 + 2 n(2M) H^2 + 4 H sum_v w [n(2M - v) + n(v)] + sum_uv w w [2 n(2M - u - v) + 2 n(|u - v|)]
-                + sum_v w^2 [4 n(2M - v) + 4 n(v) + 10 L] - 4 sum_{v <= M/2} n(v)/v^2
-
-    except for a few pairs that fall together twice: below 0.5 % from M = 32.
-    """
+    """Ratio r of white angle noise with itself, for L = `count` windows."""
+    # With n(l) = max(0, L - l) and w = 1/v, every pair of points of two windows that fall together counts n(l):
+    #     T L^2 = 4 L H^2 + 2 n(2M) H^2 + 4 H sum_v w [n(2M - v) + n(v)] + sum_uv w w [2 n(2M - u - v) + 2 n(|u - v|)]
+    #             + sum_v w^2 [4 n(2M - v) + 4 n(v) + 10 L] - 4 sum_{v <= M/2} n(v)/v^2
+    # except for a few pairs that fall together twice: below 0.5 % from M = 32.
     M, L = m // 2, float(count)
     H = _sum_of_inverses
 
@@ -95,10 +91,8 @@ EXACT = (32, 48, 64)
 
 
 def response(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
-    """Expected variance of each term for a sample interval of 1, shape (t,), without the factor tau^(2 power).
-
-    For the total deviation, or a row with a `window` that is no difference; `size` matters to the former alone.
-    """
+    """Expected variance of each term for a sample interval of 1, shape (t,), without the factor tau^(2 power)."""
+    # For the total deviation, or a row with a `window` that is no difference; `size` matters to the former alone.
     if row.window is None:
         return folded.response(row, terms, m, size)
     scheme = row.scheme
@@ -118,10 +112,8 @@ def _norm(row: Statistic, m: int) -> float:
 
 
 def relative(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, size: int) -> FloatArray:
-    """r_ij = T_ij / (E_i E_j), shape (t, t): 1/EDF = p r p with p the terms' shares of the expected variance.
-
-    `count` windows in one run without a gap; the total deviation has none but the whole record.
-    """
+    """r_ij = T_ij / (E_i E_j), shape (t, t): 1/EDF = p r p with p the terms' shares of the expected variance."""
+    # `count` windows in one run without a gap; the total deviation has none but the whole record.
     if row.window is None:
         return folded.relative(terms, m, size)
     scheme = row.scheme

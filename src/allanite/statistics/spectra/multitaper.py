@@ -91,10 +91,8 @@ class Multitaper:
 
 
 def slepian(size: int, bandwidth: float, count: int) -> tuple[FloatArray, FloatArray]:
-    """The first tapers, of unit energy, shape (count, size), and the share of each one's power within the bandwidth.
-
-    As functions of t/T they depend on the bandwidth alone: those of a long record are interpolated.
-    """
+    """The first tapers, of unit energy, shape (count, size), and the share of each one's power within the bandwidth."""
+    # As functions of t/T they depend on the bandwidth alone: those of a long record are interpolated.
     small = min(size, LARGEST_TAPERS)
     tapers, shares = _dpss(small, bandwidth, count)
     if small < size:
@@ -118,10 +116,8 @@ def _dpss(size: int, bandwidth: float, count: int) -> tuple[FloatArray, FloatArr
 
 @lru_cache(maxsize=4)
 def _shape(bandwidth: float, weights: tuple[float, ...], size: int) -> tuple[FloatArray, float]:
-    """Overlap as in `Raw`, and the equivalent noise bandwidth in units of 1/T.
-
-    Both depend on the bandwidth alone, and are computed for a short record.
-    """
+    """Overlap as in `Raw`, and the equivalent noise bandwidth in units of 1/T."""
+    # Both depend on the bandwidth alone, and are computed for a short record.
     tapers, _ = slepian(size, bandwidth, len(weights))
     length = tapers.shape[1]
     overlap = np.zeros(length // 2 + 1)

@@ -9,13 +9,11 @@ from allanite.phrases.phrase import say
 
 
 class Raw(NamedTuple):
-    """Two-sided densities at the frequencies k df, Hz, k = first ... first + size - 1.
+    """Two-sided densities at the frequencies k df, Hz, k = first ... first + size - 1."""
 
-    `period` is the number of frequencies in the sampling rate, so that k and period - k are mirrored. `overlap` is the
-    covariance of two values over the square of their expectation, by the difference of their k, for a flat spectrum;
-    zero beyond its end. `resolution` is the equivalent noise bandwidth, Hz.
-    """
-
+    # `period` is the number of frequencies in the sampling rate, so that k and period - k are mirrored. `overlap` is
+    # the covariance of two values over the square of their expectation, by the difference of their k, for a flat
+    # spectrum; zero beyond its end. `resolution` is the equivalent noise bandwidth, Hz.
     first: int
     df: float
     period: int

@@ -174,11 +174,9 @@ class Periodograms:
 
 
 def _welch_overlap(w: FloatArray, hop: int, counts: dict[int, int]) -> FloatArray:
-    """Covariance of two values l frequencies apart over their squared expectation, for a flat spectrum.
-
-    Of two segments j hops apart the squared transforms of w(t) w(t + j hop) count, as often as there are such pairs;
-    `counts` are runs without a gap by the number of segments in each.
-    """
+    """Covariance of two values l frequencies apart over their squared expectation, for a flat spectrum."""
+    # Of two segments j hops apart the squared transforms of w(t) w(t + j hop) count, as often as there are such pairs;
+    # `counts` are runs without a gap by the number of segments in each.
     total = float(sum(size * many for size, many in counts.items()))
     size, energy = w.size, float(w @ w)
     result = np.zeros(size // 2 + 1)
