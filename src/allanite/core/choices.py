@@ -325,15 +325,7 @@ def choice(metavar: str = "", help: str = "", *, default: Any = None, **columns:
 
 
 def choices_of(kind: type[Any]) -> dict[str, ChoiceRow]:
-    """The choices of a class by the name of their field.
-
-    >>> @dataclass
-    ... class Smoothing:
-    ...     window: float = choice("S", "Length of the mean.", default=60.0)
-    >>> row = choices_of(Smoothing)["window"]
-    >>> row.options, row.text, row.read("5"), row.words(5.0)
-    (('--window',), 'Length of the mean.  [default: 60]', 5.0, ['--window', '5'])
-    """
+    """The choices of a class by the name of their field."""
     return {
         f.name: replace(
             row, name=f.name, default=None if f.default is MISSING else f.default,

@@ -237,15 +237,7 @@ class DataSheetRow(NamedTuple):
 
 
 def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: float = 0.95) -> list[DataSheetRow]:
-    """The quantities of a data sheet, each with its limits.
-
-    >>> from allanite import N, Model
-    >>> white = N(0.12, "deg/sqrt(h)")
-    >>> walk = Estimate("N", white.signal, white.value, None, "identified", None, "whittle")
-    >>> found = data_sheet(Fit((walk,), "whittle", white.signal, Model((white,))), None, 10.0)
-    >>> [f"{entry.value:.4g} {entry.unit}" for entry in found[:3]]
-    ['0.12 deg/sqrt(h)', '0.002 deg/s/sqrt(Hz)', '7.2 deg/h/sqrt(Hz)']
-    """
+    """The quantities of a data sheet, each with its limits."""
     estimates = () if fit is None else fit.estimates
     white = [e for e in estimates if TERMS[e.symbol].slope == WHITE]
     found = list[DataSheetRow]()

@@ -40,13 +40,7 @@ def shared(
     known: Sequence[Any] = (),
     begun: Callable[[int], None] = lambda _: None,
 ) -> list[Result]:
-    """``[function(item) for item in items]``, by `count` processes.
-
-    Examples
-    --------
-    >>> shared(abs, [-1, 2, -3], count=2)
-    [1, 2, 3]
-    """
+    """``[function(item) for item in items]``, by `count` processes."""
 
     def process(i: int) -> Result:
         begun(i)

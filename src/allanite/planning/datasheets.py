@@ -170,13 +170,7 @@ def data_sheet_named(name: str) -> DataSheet:
 
 
 def claimed(text: str) -> tuple[Model, ...]:
-    """The noise that a data sheet claims: that of its gyro first, or that of the sensor alone that follows its name.
-
-    >>> [str(model) for model in claimed("adis16470")]
-    ['N = 0.34 deg/sqrt(h), B = 12.04 deg/h', 'N = 0.037 m/s/sqrt(h), B = 19.57 ug']
-    >>> [str(model) for model in claimed("adis16470 accelerometer")]
-    ['N = 0.037 m/s/sqrt(h), B = 19.57 ug']
-    """
+    """The noise that a data sheet claims: that of its gyro first, or that of the sensor alone that follows its name."""
     name, _, sensor = text.strip().rpartition(" ") if text.strip().endswith(SENSOR_TYPES) else (text, "", "")
     sheet = data_sheet_named(name)
     models = tuple(filter(None, (sheet.model(sensor),))) if sensor else sheet.models

@@ -32,16 +32,10 @@ class MarkovSum:
 
 
 def flicker_sum(tau: tuple[float, float], *, ripple: float = 0.02, order: int | None = None) -> MarkovSum:
-    """The sum of Gauss-Markov processes that approximates flicker between two averaging times.
-
-    Time constants are evenly spaced in the logarithm, over a span that is searched for; the powers are found by
-    non-negative least squares of the logarithm of the Allan variance, and scaled so that the sum errs as far upwards as
-    downwards.
-
-    >>> found = flicker_sum((1.0, 1000.0), ripple=0.05)
-    >>> found.time_constants.size, found.ripple < 0.05
-    (3, True)
-    """
+    """The sum of Gauss-Markov processes that approximates flicker between two averaging times."""
+    # Time constants are evenly spaced in the logarithm, over a span that is searched for; the powers are found by
+    # non-negative least squares of the logarithm of the Allan variance, and scaled so that the sum errs as far upwards
+    # as downwards.
     low, high = tau
     if not 0 < low < high < math.inf:
         raise UsageError(f"a range of averaging times must be two numbers of s, 0 < low < high, not {low:g},{high:g}")

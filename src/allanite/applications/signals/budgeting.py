@@ -66,14 +66,6 @@ def mixed(currents: Recording, axes: Sequence[float], stages: Sequence[Stage] = 
     where an ideal pair has 0, -1, 1, 0, signs by the winding, and cross-coupling stands in the diagonal. Each row is
     given as a current of unit weight and its length, so that rounding errors of both converters, which are independent
     and alike, are those of one converter of that scale.
-
-    Examples
-    --------
-    >>> x = Record([1.0, 2.0, 3.0], rate=10.0, unit="mA", name="ix")
-    >>> y = Record([0.5, 0.0, 0.5], rate=10.0, unit="mA", name="iy")
-    >>> about_x, about_y = mixed(Recording((x, y)), (0, -1, 2, 0))
-    >>> about_x.record.values.tolist(), about_y.record.values.tolist(), about_y.gain
-    ([-0.5, 0.0, -0.5], [1.0, 2.0, 3.0], 2.0)
     """
     xx, xy, yx, yy = demand_axes(axes)
     names = ", ".join(repr(record.name) for record in currents)

@@ -178,13 +178,7 @@ class Codes(Value):
 
 
 def codes(readings: FloatArray) -> Codes | None:
-    """Codes of samples in steps, which may share an offset; None if they lie on no grid of one step.
-
-    >>> codes(np.repeat([0.0, 1.0, 3.0, 4.0], 50) + 0.3)
-    <Codes distinct=4 span=5 missing=1>
-    >>> codes(np.linspace(0.0, 3.0, 50)) is None
-    True
-    """
+    """Codes of samples in steps, which may share an offset; None if they lie on no grid of one step."""
     x = readings[np.isfinite(readings)]
     if not x.size:
         return None

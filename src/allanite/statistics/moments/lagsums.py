@@ -65,12 +65,7 @@ def lag_nodes(kinks: list[float], end: float) -> tuple[FloatArray, FloatArray]:
 
 
 def sum_nodes(first: float, count: int) -> tuple[list[float], list[float]]:
-    """Nodes and weights of the sum over first, first + 1, ..., first + count - 1.
-
-    >>> nodes, weights = sum_nodes(1.0, 100)
-    >>> len(nodes), round(sum(w * x**3 for x, w in zip(nodes, weights)))
-    (4, 25502500)
-    """
+    """Nodes and weights of the sum over first, first + 1, ..., first + count - 1."""
     if count <= 4:
         return [first + i for i in range(count)], [1.0] * count
     n2 = float(count) ** 2
