@@ -182,8 +182,7 @@ def told(change: Change) -> str:
 
 
 Compared = TypeVar("Compared", bound="ComparedChannel")
-OfTerm = TypeVar("OfTerm", bound=Any)
-"""A result for one coefficient: it has a symbol."""
+OfTerm = TypeVar("OfTerm", bound=Any)  # a result for one coefficient: it has a symbol
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -44,8 +44,7 @@ BLOCKS = (1, 8, 64, 512)
 raw and smoothed ones, are seen in the longer ones.
 """
 
-MEANS = 100
-"""Means that there must be: of so few independent ones, no correlation reaches `ALIKE`."""
+MEANS = 100  # means that there must be: of so few independent ones, no correlation reaches `ALIKE`
 
 
 def resemblance(records: tuple[Record, Record]) -> float:

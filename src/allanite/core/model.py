@@ -326,8 +326,7 @@ class HasModel(Protocol):
     def model(self) -> Model: ...  # noqa: D102
 
 
-ModelLike = Model | Term | HasModel
-"""What is accepted wherever a model is expected."""
+ModelLike = Model | Term | HasModel  # what is accepted wherever a model is expected
 
 
 def nevertheless(why: str, remedy: str) -> Phrase:

@@ -22,8 +22,7 @@ from .units import Signal, convert
 WHITE_WITHIN = 0.1
 """Largest difference of the slope from -1/2 at which the deviation at 1 s is read as an angle random walk."""
 
-FLICKER = 1 / math.sqrt(TERMS["B"].level)
-"""Bias instability over the Allan deviation of flicker noise: 1 / 0.66428."""
+FLICKER = 1 / math.sqrt(TERMS["B"].level)  # bias instability over the Allan deviation of flicker noise: 1 / 0.66428
 
 
 @dataclass(frozen=True, eq=False, repr=False)

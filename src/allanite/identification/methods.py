@@ -13,9 +13,8 @@ from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
 
-from .curves.gls import gls
-from .curves.leastsquares import joint, least_squares, nnls, whole
-from .curves.slopes import piecewise, slopes
+from .curves.leastsquares import gls, joint, least_squares, nnls, whole
+from .curves.reading import piecewise, slopes
 from .search.identify import Pending, pending
 
 

@@ -148,8 +148,7 @@ def _claim(*cells: str) -> Claim:
     return Claim(sensor, quantity, printed, float(value), unit, limit, conditions, place, size)
 
 
-DATASHEETS = Registry(_own(), "allanite.datasheets", kind=DataSheet, key="name")
-"""Data sheets by name."""
+DATASHEETS = Registry(_own(), "allanite.datasheets", kind=DataSheet, key="name")  # data sheets by name
 
 
 @public

@@ -26,9 +26,9 @@ from allanite.statistics.confidence.supposed import Assumption, AveragedLaw, Lat
 from allanite.statistics.model_curves import Expectation as Expectation
 from allanite.statistics.model_curves import Expectations as Expectations
 from allanite.statistics.model_curves import expectation as expectation
-from allanite.statistics.moments.expect import expected as expected
 from allanite.statistics.moments.moments import covariance as covariance
 from allanite.statistics.moments.moments import edf as edf
+from allanite.statistics.moments.moments import expected as expected
 from allanite.terms import WHITE
 
 from .estimator import AngleRecord, estimate, with_means

@@ -14,7 +14,7 @@ from allanite.core.model import Model, ModelLike, Term, model_of
 from allanite.core.plain import Value
 from allanite.phrases.phrase import spelled
 from allanite.statistics.grids import factors_of, times
-from allanite.statistics.moments.expect import expected
+from allanite.statistics.moments.moments import expected
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import statistic_named
 

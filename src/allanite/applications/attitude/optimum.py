@@ -29,8 +29,7 @@ MIN_TIME_CONSTANT, MAX_TIME_CONSTANT = 1e-5, 1e6  # time constants between which
 GRID_POINTS = 89  # time constants that are tried first: eight in a decade
 MIN_SETTLINGS = 10.0  # time constants of the bias of a filter of second order in the horizon, at least
 
-Bias = tuple[float, float]
-"""Constant biases of the gyro, rad/s, and of the accelerometer, m/s^2."""
+Bias = tuple[float, float]  # constant biases of the gyro, rad/s, and of the accelerometer, m/s^2
 
 
 def best_loop(noises: Sequence[SensorNoise], bias: Sequence[Bias]) -> Loop:

@@ -23,10 +23,9 @@ from allanite.extending import (
     spelled,
 )
 
-from .design import Design, design
+from .design import Design, choose, collinearity, design, folds
 from .mixture import Gain, about_line, mixture
 from .regression import Regression
-from .selection import choose, collinearity, folds
 from .settings import CompensationSettings, FitSettings
 
 MIN_RESIDUAL = 1e-11  # residual, relative to the record, at which only rounding errors remain

@@ -29,8 +29,7 @@ from allanite.extending import (
 
 Stretch = tuple[int, int]
 
-FEW = 4
-"""Stretches up to which the edges of each are directions of their own (they matter for quantization alone)."""
+FEW = 4  # stretches up to which the edges of each are directions of their own (they matter for quantization alone)
 
 
 def restricted(y: FloatArray, X: FloatArray, stretches: Sequence[Stretch], *, rate: float, symbols: str) -> Likelihood:
@@ -83,11 +82,8 @@ def _part(y: FloatArray, X: FloatArray, rate: float, symbols: str) -> tuple[Like
     return base, count, square, cross
 
 
-NODES = 16
-"""Values of each slow noise coefficient that are tried."""
-
-REACH = 14.0
-"""Excess in 2 L at which nothing is left to be tried."""
+NODES = 16  # values of each slow noise coefficient that are tried
+REACH = 14.0  # excess in 2 L at which nothing is left to be tried
 
 PRIOR = -0.5
 """Power of a slow noise coefficient by which its likelihood is weighted. Flat weights (0) let the trend of a warming

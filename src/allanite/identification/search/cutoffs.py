@@ -24,24 +24,19 @@ from .frame import LOWEST_CUTOFF, starts_of
 from .laws import Entry
 from .refining import refined
 
-HALF = 0.5
-"""Power at the cut-off, over that at low frequencies: -3 dB, a definition."""
+HALF = 0.5  # power at the cut-off, over that at low frequencies: -3 dB, a definition
 
 SHAPES = COMPONENTS["filter"].grain[0]
 """Logarithm by which the limits are widened, as far as states of the search are taken for one: filters that no row has
 exactly are described by the nearest (`benchmarks/check_settings.py`)."""
 
-CLOSE = 0.005
-"""Step in the logarithm of a cut-off at which the lowest one that a record admits is known."""
-
-BROAD_SHAPE = 5.0
-"""Quality of a resonance up to which it may describe the shape of a filter instead of vibration."""
+CLOSE = 0.005  # step in the logarithm of a cut-off at which the lowest one that a record admits is known
+BROAD_SHAPE = 5.0  # quality of a resonance up to which it may describe the shape of a filter instead of vibration
 
 SHAPE_RATIO = 16.0
 """Ratio of the cut-off and a frequency up to which power that differs may be due to the shape of the filter."""
 
-CUTOFF_GRID = 2048
-"""Frequencies up to half the sampling rate at which the cut-off of the samples is looked for."""
+CUTOFF_GRID = 2048  # frequencies up to half the sampling rate at which the cut-off of the samples is looked for
 
 
 @dataclass(frozen=True, eq=False)

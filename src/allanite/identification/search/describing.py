@@ -24,14 +24,9 @@ from .frame import Frame
 from .laws import Entry, law_of, weights_of
 from .refining import refined
 
-VISIBLE_DEVIATE = 2.0
-"""Standard deviations by which a factor must differ from 1 to be said."""
-
-LOUD = 0.5
-"""Share of the power from which vibration, or what nothing describes, hides the terms."""
-
-RISE_AT_LIMITS = 3.84
-"""Rise of the value at the 95 % limits."""
+VISIBLE_DEVIATE = 2.0  # standard deviations by which a factor must differ from 1 to be said
+LOUD = 0.5  # share of the power from which vibration, or what nothing describes, hides the terms
+RISE_AT_LIMITS = 3.84  # rise of the value at the 95 % limits
 
 
 def scope_of(

@@ -23,26 +23,16 @@ from .laws import Entry, Law, column_of, law_of, noise_part
 from .refining import refined, resized
 from .search import Searched
 
-TWO_SIDED = 1.96
-"""Standard errors from an estimate to its 95 % limits."""
+TWO_SIDED = 1.96  # standard errors from an estimate to its 95 % limits
 
 PROFILE_NODES, PRIOR = 12, 0.0
 """Models along the profile of the slowest noise, at most, and the power of the coefficient in its prior."""
 
-STATES = 3
-"""States over which a ramp is averaged, the heaviest."""
-
-LEAST_NODE_WEIGHT = 1e-3
-"""Weight of a model, over that of the heaviest, below which it is omitted."""
-
-BEGUN = 0.5
-"""Share of the lowest coefficient of a ramp that must be visible, where it is not read."""
-
-SHOWS_ANGLE = 0.6
-"""Share of half the sampling rate at which a user's band must end to show angle noise."""
-
-SEARCHED = 24
-"""Steps in which the limit of a shape is looked for."""
+STATES = 3  # states over which a ramp is averaged, the heaviest
+LEAST_NODE_WEIGHT = 1e-3  # weight of a model, over that of the heaviest, below which it is omitted
+BEGUN = 0.5  # share of the lowest coefficient of a ramp that must be visible, where it is not read
+SHOWS_ANGLE = 0.6  # share of half the sampling rate at which a user's band must end to show angle noise
+SEARCHED = 24  # steps in which the limit of a shape is looked for
 
 
 @dataclass(frozen=True)
@@ -260,11 +250,8 @@ def profile_ends(f: Fitted, part: Part, which: int, drop: float) -> tuple[float,
     return _end(excess, x[at], -1.0, math.log(LEAST_SHAPE)), _end(excess, x[at], 1.0, math.log(f.frame.size))
 
 
-EXACT = 1e-3
-"""Gain in 2 L that ends the rounds of scoring where limits are read off: 0.1 % of a standard error."""
-
-LEAST_SHAPE = 1e-4
-"""Value of a shape, samples or radians a sample, at which its lower limit is given up."""
+EXACT = 1e-3  # gain in 2 L that ends the rounds of scoring where limits are read off: 0.1 % of a standard error
+LEAST_SHAPE = 1e-4  # value of a shape, samples or radians a sample, at which its lower limit is given up
 
 
 def _end(excess: Callable[[float], float], x: float, sign: float, bound: float) -> float:

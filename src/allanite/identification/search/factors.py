@@ -14,28 +14,18 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 
-KNOT = 1.0
-"""Distance of the knots, octaves."""
-
-TOP_KNOTS = (1.0, 0.5, 0.25, 0.1, 0.0)
-"""Knots below half the sampling rate, octaves: there gains have zeros."""
-
-LENGTH = math.log(2)
-"""Length over which a factor is correlated, in the logarithm of frequency: an octave, a knot."""
-
-JUMPS = 4.0
-"""Length of the exponential correlation of `step above`, octaves of coefficients: an order that jumps."""
-
-ADDED_VARIANCE = 1e-12
-"""What is added to a covariance so that it has a root."""
+KNOT = 1.0  # distance of the knots, octaves
+TOP_KNOTS = (1.0, 0.5, 0.25, 0.1, 0.0)  # knots below half the sampling rate, octaves: there gains have zeros
+LENGTH = math.log(2)  # length over which a factor is correlated, in the logarithm of frequency: an octave, a knot
+JUMPS = 4.0  # length of the exponential correlation of `step above`, octaves of coefficients: an order that jumps
+ADDED_VARIANCE = 1e-12  # what is added to a covariance so that it has a root
 
 SLOWEST_OCTAVE = 6
 """Octave of the coefficient index below which no factor begins: what is slow has noise terms and a time constant."""
 
 KINDS = ("all", "above", "step above", "between")
 
-Place = tuple[str, float, float]
-"""Kind, and the octaves of the coefficient index between which it stands."""
+Place = tuple[str, float, float]  # kind, and the octaves of the coefficient index between which it stands
 
 
 @dataclass(frozen=True, eq=False)

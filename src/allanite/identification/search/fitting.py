@@ -30,8 +30,7 @@ from .state import State
 SHAPE_ERRORS = np.array([0.01, 0.03, 0.1, 0.3])
 """Errors of the shapes of resonances that are tried, RMS of their own power in each bin."""
 
-STEEPEST = 25.0
-"""Logarithm of a factor, at most: beyond it nothing is left to multiply."""
+STEEPEST = 25.0  # logarithm of a factor, at most: beyond it nothing is left to multiply
 
 
 @dataclass(frozen=True, eq=False)

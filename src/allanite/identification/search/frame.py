@@ -31,11 +31,8 @@ from .factors import Splines
 POINTS_OVER_QUALITY, MOST_POINTS = 0.11, 16
 """Frequencies in a bin of 1/16 octave at which the power of a resonance is computed, over its quality, and at most."""
 
-LOW = 64
-"""Coefficients of the lowest frequencies, which tell of steps and of a warm-up (`bins.SINGLE`)."""
-
-MAX_REMEMBERED = 4000
-"""Arrays of one spectrum that are kept, at most: some 20 MB."""
+LOW = 64  # coefficients of the lowest frequencies, which tell of steps and of a warm-up (`bins.SINGLE`)
+MAX_REMEMBERED = 4000  # arrays of one spectrum that are kept, at most: some 20 MB
 
 EDGES_GRID = 0.01
 """Step in the logarithm of a cut-off at which the noise at the edges of a record is computed; it changes as little."""
@@ -254,8 +251,7 @@ def frame_of(spectrum: BinnedSpectrum, symbols: Sequence[str], used: BoolArray) 
     return Frame(spectrum, powers, ramps, used, tuple(s for s in noise if TERMS[s].parameters))
 
 
-LOWEST_CUTOFF = 0.01
-"""Cycles a sample: a lower cut-off is the time constant of Gauss-Markov noise."""
+LOWEST_CUTOFF = 0.01  # cycles a sample: a lower cut-off is the time constant of Gauss-Markov noise
 
 
 @lru_cache(None)

@@ -25,7 +25,6 @@ from allanite.prepare.gaps import known_rates, refusal
 from allanite.prepare.rounding import rounding_of
 from allanite.terms import TERMS
 
-from .bias_moves import warm_ups_of
 from .components import CLAIMED, COMPONENTS, Part
 from .cutoffs import cutoff_law
 from .describing import components_of, lost_freedom, loud_in, notes_of, scope_of
@@ -34,7 +33,7 @@ from .fitting import Fitted, fitted
 from .frame import Frame, frame_of
 from .laws import entries_of, weights_of
 from .local import Move
-from .moves import MOVES, filters, floors, less, markov, resonances
+from .moves import MOVES, filters, floors, less, markov, resonances, warm_ups_of
 from .pooling import Together, behind
 from .refining import pruned
 from .search import Searched, search, shows_white
@@ -53,11 +52,8 @@ from .state import State
 SMOOTH: tuple[Move, ...] = (less, floors, markov, filters)
 """What lifts the level of noise beside sinusoids before these are removed."""
 
-MOST_ASKED = 2
-"""Terms with a shape that are looked for together."""
-
-LEAST_SHOWN = 1e-3
-"""Weight of a model from which it takes part in the expected power that is tested."""
+MOST_ASKED = 2  # terms with a shape that are looked for together
+LEAST_SHOWN = 1e-3  # weight of a model from which it takes part in the expected power that is tested
 
 
 @dataclass(frozen=True, eq=False)

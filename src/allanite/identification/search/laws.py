@@ -26,23 +26,12 @@ from .local import REACH
 from .refining import resized
 from .search import Searched
 
-TRACED_SHARE = 0.985
-"""Share of all weight that the entries have whose profiles are traced: the heaviest."""
-
-LEAST_WEIGHT = 1e-4
-"""Weight of an entry, over the heaviest, below which it is omitted."""
-
-MEMBERS = 8
-"""States of one family that take part, at most: they weigh together as much as the best of them."""
-
-POINTS = 1001
-"""Values of a coefficient at which its law is tabulated."""
-
-FARTHEST_DEVIATE = 5.0
-"""Deviates to which a profile is continued."""
-
-WIDEST = 30.0
-"""Factor by which unknown shapes widen a profile, at most: beyond it the coefficient is not known at all."""
+TRACED_SHARE = 0.985  # share of all weight that the entries have whose profiles are traced: the heaviest
+LEAST_WEIGHT = 1e-4  # weight of an entry, over the heaviest, below which it is omitted
+MEMBERS = 8  # states of one family that take part, at most: they weigh together as much as the best of them
+POINTS = 1001  # values of a coefficient at which its law is tabulated
+FARTHEST_DEVIATE = 5.0  # deviates to which a profile is continued
+WIDEST = 30.0  # factor by which unknown shapes widen a profile, at most: beyond it the coefficient is not known at all
 
 
 @dataclass(frozen=True, eq=False)

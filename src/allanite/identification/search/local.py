@@ -18,17 +18,10 @@ from .components import Part
 from .fitting import Fitted, column_of_part
 from .state import State
 
-REACH = 8.0
-"""States up to this above the least score are kept: a weight of e^-4."""
-
-FAR = 60.0
-"""Gain in 2 L above which one step is no guide."""
-
-CANDIDATES = 3
-"""Candidates of a row that are fitted, at most."""
-
-MISFIT_DEVIATE = 6.0
-"""Standard deviations of a bin's power above which a residual is a misfit."""
+REACH = 8.0  # states up to this above the least score are kept: a weight of e^-4
+FAR = 60.0  # gain in 2 L above which one step is no guide
+CANDIDATES = 3  # candidates of a row that are fitted, at most
+MISFIT_DEVIATE = 6.0  # standard deviations of a bin's power above which a residual is a misfit
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,35 +34,22 @@ from .state import State
 if TYPE_CHECKING:
     from .identify import Pending
 
-APART = ODDS
-"""Cost of a channel that is left out."""
-
-BASES = 2
-"""States of a channel whose parts are tried behind a filter, beside the best one that has a filter."""
-
-STARTS = 6
-"""States of a channel that are tried behind the filter in common, at most."""
-
-SAME_ERRORS = 3.0
-"""Standard errors within which the cut-offs of two channels are one start."""
+APART = ODDS  # cost of a channel that is left out
+BASES = 2  # states of a channel whose parts are tried behind a filter, beside the best one that has a filter
+STARTS = 6  # states of a channel that are tried behind the filter in common, at most
+SAME_ERRORS = 3.0  # standard errors within which the cut-offs of two channels are one start
 
 WHOLE = 0.2
 """Distance of a cut-off, in its logarithm, from that of a whole length that is tried beside it: half from 2 to 3."""
 
-NEAR_ERRORS = 4.0
-"""Standard errors of the common cut-off within which it is looked for."""
-
-FINE_ERRORS = 0.05
-"""Standard errors to which it is found: 0.0025 in the score."""
+NEAR_ERRORS = 4.0  # standard errors of the common cut-off within which it is looked for
+FINE_ERRORS = 0.05  # standard errors to which it is found: 0.0025 in the score
 
 LEAST_ERROR = 5e-4
 """Standard error of the logarithm of a cut-off, at least: a moving average changes its slope at whole lengths."""
 
-FOLLOWING_ROUNDS, FOLLOWING = 3, 1
-"""Rounds in which the other shapes follow a filter, and its cut-off."""
-
-SCAN_POINTS = 13
-"""Cut-offs at which the summed score is known."""
+FOLLOWING_ROUNDS, FOLLOWING = 3, 1  # rounds in which the other shapes follow a filter, and its cut-off
+SCAN_POINTS = 13  # cut-offs at which the summed score is known
 
 RIVALS, NEXT = 4.0, 1.0
 """Summed score over that of the best row up to which another one is an alternative: a weight of e^-2; what is added to

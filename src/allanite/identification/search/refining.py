@@ -8,17 +8,13 @@ from allanite.core.arrays import BoolArray, FloatArray
 
 from .fitting import Fitted, admissible, bounds_of, factor_basis, fitted, place_of, valued, values_of, with_values
 
-FARTHEST = 0.5
-"""Step in the logarithm of a shape, at most: a factor of 1.6."""
+FARTHEST = 0.5  # step in the logarithm of a shape, at most: a factor of 1.6
 
 HALVINGS, ROUNDS, SETTLED = 4, 8, 0.03
 """Times that a step is cut to a third; rounds of scoring, at most; gain in 2 L that ends them."""
 
-AT_END = 1e-6
-"""Distance from the end of its range, in the logarithm, within which a shape that tends outwards stays."""
-
-DAMPING = 1e-3
-"""Share of its information that is added to a shape's, at first."""
+AT_END = 1e-6  # distance from the end of its range, in the logarithm, within which a shape that tends outwards stays
+DAMPING = 1e-3  # share of its information that is added to a shape's, at first
 
 
 def refined(f: Fitted, rounds: int = ROUNDS, *, held: BoolArray | None = None, settled: float = SETTLED) -> Fitted:

@@ -16,26 +16,19 @@ from allanite.core.validity import Finding
 from allanite.phrases.phrase import join, longest_without, say, spelled
 from allanite.terms import TERMS, WHITE
 
-from .bias_moves import PLACES
 from .components import COMPONENTS, Part
 from .estimates import Answer, profile_ends
 from .fitting import Fitted, column_of_part, fitted
 from .laws import law_of
+from .moves import PLACES
 
 RESONANCES = COMPONENTS["resonance"].most
 """Vibrations in a record, at most: one that has so many is not described by them."""
 
-HARMLESS = 2.0
-"""Standard errors to which a warm-up has fallen where a window can begin."""
-
-USABLE = 0.75
-"""Share of the record that may be cut off."""
-
-HIGHEST_RISE = 12.0
-"""Rise of the value up to which time constants of a warm-up are looked at."""
-
-TIME_CONSTANTS = 24
-"""Time constants over which the size of a warm-up is averaged."""
+HARMLESS = 2.0  # standard errors to which a warm-up has fallen where a window can begin
+USABLE = 0.75  # share of the record that may be cut off
+HIGHEST_RISE = 12.0  # rise of the value up to which time constants of a warm-up are looked at
+TIME_CONSTANTS = 24  # time constants over which the size of a warm-up is averaged
 
 
 def sizes_of(f: Fitted, name: str) -> tuple[FloatArray, FloatArray]:

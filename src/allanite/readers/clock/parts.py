@@ -21,8 +21,7 @@ from .stamps import Damage, fit, mended, seconds_since
 LEAST_ROWS = 1024  # rows of a part whose interval is found anew; in fewer rows, that of the head is used
 LONG = 1 << 16  # missing samples at one place that are passed over, not stored as NaN
 
-Piece = tuple[int, list[NDArray[Any]]]
-"""Missing samples before a piece, and the samples of each column."""
+Piece = tuple[int, list[NDArray[Any]]]  # missing samples before a piece, and the samples of each column
 
 
 @dataclass

@@ -47,8 +47,7 @@ _LABELS |= {"m/s/s": "m/s^2"}
 _TIMES = {1e-3: "ms", 1e-6: "us", 1e-9: "ns"}
 
 Rows = NDArray[np.void]
-Units = Mapping[str, tuple[str, float]]
-"""Unit of a field, and the factor on its numbers."""
+Units = Mapping[str, tuple[str, float]]  # unit of a field, and the factor on its numbers
 
 
 @dataclass(frozen=True)

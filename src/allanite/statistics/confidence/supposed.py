@@ -114,8 +114,7 @@ class SupposedNoise(NamedTuple):
     words: str
 
 
-Limits = tuple[FloatArray, FloatArray, FloatArray]
-"""Degrees of freedom, lower and upper limits over the variance."""
+Limits = tuple[FloatArray, FloatArray, FloatArray]  # degrees of freedom, lower and upper limits over the variance
 
 Supposing = ModelLike | Literal["auto"] | Callable[[], SupposedNoise]
 """Noise that intervals assume; a function is called when they are first needed."""

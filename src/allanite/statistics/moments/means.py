@@ -23,8 +23,7 @@ from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.statistics.row import Statistic, binomials
 from allanite.terms import WHITE, NoiseTerm
 
-Places = Sequence[tuple[int, int]]
-"""(first sample, samples) of each stretch without gaps of a record."""
+Places = Sequence[tuple[int, int]]  # (first sample, samples) of each stretch without gaps of a record
 
 COMPLETE = 0.9  # share of the windows that must be complete for the others to be omitted
 QUARTERS = 4  # parts of a mean that are distinguished for slow noise, and windows that start within m
