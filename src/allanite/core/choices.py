@@ -56,11 +56,7 @@ SECONDS = " In s."
 
 
 def written(value: Any) -> str:
-    """A value as it is typed.
-
-    >>> written((100.0, 1e-3)), written(((1, 2.5),)), written({"N": (0.1, 10)}), written({"gyro": "deg/s"})
-    ('100,0.001', '1..2.5', 'N=0.1:10', 'gyro=deg/s')
-    """
+    """A value as it is typed."""
     if isinstance(value, Mapping):
         pairs = ((key, ":".join(map(written, v)) if isinstance(v, (list, tuple)) else v) for key, v in value.items())
         return ",".join(f"{key}={v}" for key, v in pairs)

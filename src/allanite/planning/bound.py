@@ -212,13 +212,7 @@ def _names(noise: list[Term], model: Model) -> list[str]:
 
 
 def name_of(t: Term, model: Model) -> str:
-    """The symbol of a term; with its shape where the symbol stands several times in the model.
-
-    >>> from allanite import GM
-    >>> model = GM(1.0, "deg/h", time_constant=10.0) + GM(1.0, "deg/h", time_constant=99.0)
-    >>> [name_of(t, model) for t in model]
-    ['GM(10 s)', 'GM(99 s)']
-    """
+    """The symbol of a term; with its shape where the symbol stands several times in the model."""
     if sum(other.symbol == t.symbol for other in model) == 1:
         return t.symbol
     return f"{t.symbol}({t.shape[0]:.4g} {t.row.parameters[0].unit})"

@@ -58,13 +58,7 @@ class Claim(Value):
 
     @property
     def term(self) -> Term | None:
-        """The coefficient that it means; None for an rms value without its bandwidth.
-
-        >>> print(Claim("gyro", "noise density", "Rate Noise Density", 0.008, "deg/s/sqrt(Hz)").term)
-        N = 0.3394 deg/sqrt(h)
-        >>> print(Claim("gyro", "bias stability", "In-Run Bias Stability", 8, "deg/h").term)
-        B = 12.04 deg/h
-        """
+        """The coefficient that it means; None for an rms value without its bandwidth."""
         how = QUANTITIES[self.quantity]
         if not how.bandwidth:
             return term(how.symbol, self.value * how.factor, self.unit)

@@ -76,11 +76,7 @@ def integrated(record: Record, order: int) -> AngleRecord:
 
 
 def stretches(values: np.ndarray[tuple[int, ...], np.dtype[np.generic]]) -> list[tuple[int, int]]:
-    """Begin and end of the stretches of finite values.
-
-    >>> stretches(np.array([np.nan, 1.0, 2.0, np.nan, 3.0]))
-    [(1, 3), (4, 5)]
-    """
+    """Begin and end of the stretches of finite values."""
     if complete(values):
         return [(0, len(values))]
     edges = np.flatnonzero(np.diff(np.isfinite(values), prepend=False, append=False)).tolist()

@@ -55,11 +55,7 @@ def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -
 
 
 def compensation(source: str, recipe: Recipe, column: str) -> str:
-    """The command that removes the dependence on a column.
-
-    >>> compensation("my day.csv", Recipe(unit="deg/s", start=10.0, channels=("gx", "gy")), "temp")
-    "allanite compensate 'my day.csv' --unit deg/s --channels gx,gy --from 10.0 --regressors temp"
-    """
+    """The command that removes the dependence on a column."""
     words = ["allanite", "compensate", source]
     for key, value in recipe.to_dict((*READING, *SELECTING)).items():
         text = ",".join(map(str, value)) if isinstance(value, list) else str(value)

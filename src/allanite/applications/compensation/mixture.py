@@ -271,10 +271,6 @@ class Gain(Value):
 
 
 def about_line(values: FloatArray, trend: FloatArray) -> FloatArray:
-    """Centred values, shape (n,) or (n, p), less their projection on the columns of `trend`, if there are any.
-
-    >>> about_line(np.array([-1.0, -0.5, 1.5]), np.array([[-1.0], [0.0], [1.0]])).round(9).tolist()
-    [0.25, -0.5, 0.25]
-    """
+    """Centred values, shape (n,) or (n, p), less their projection on the columns of `trend`, if there are any."""
     Q, _ = np.linalg.qr(trend)
     return np.asarray(values - Q @ (Q.T @ values))

@@ -68,14 +68,9 @@ def cosine_transform(y: FloatArray, slope: float = 0.0) -> FloatArray:
 
 
 def easy_size(n: int) -> int:
-    """The largest size up to n whose transform is fast: a few points less than n, at most some dozens.
+    """The largest size up to n whose transform is fast: a few points less than n, at most some dozens."""
 
-    A prime size takes more than ten times as long, and as much more memory.
-
-    >>> easy_size(65_521), easy_size(1_000_000), easy_size(999_983), easy_size(3_599_999)
-    (65521, 1000000, 999975, 3599996)
-    """
-
+    # A prime size takes more than ten times as long, and as much more memory.
     def easy(size: int) -> bool:
         return bool(_rows(size)) if size >= LONG_RECORD else pow(math.factorial(PRIME), size.bit_length(), size) == 0
 

@@ -121,12 +121,7 @@ Supposing = ModelLike | Literal["auto"] | Callable[[], SupposedNoise]
 
 
 def supposed(noise: ModelLike | Literal["auto"]) -> SupposedNoise:
-    """A choice of the noise, with its description.
-
-    >>> from allanite import N
-    >>> supposed(N(0.1, "deg/sqrt(h)")).words
-    'intervals under the given model N = 0.1 deg/sqrt(h)'
-    """
+    """A choice of the noise, with its description."""
     choice = noise_choice(noise)
     if not isinstance(choice, Averaged):
         return SupposedNoise("auto", say("intervals for the power law identified at each averaging time"))

@@ -161,11 +161,7 @@ def slower(term: NoiseTerm, step: float, D: Callable[[NoiseTerm, float], Structu
 
 
 def extrapolation(levels: Sequence[int], m: int, power: int) -> FloatArray:
-    """Weights of the values at `levels` in that at m of the polynomial in m^-power through them.
-
-    >>> extrapolation([10, 20], 10**9, 2).round(6).tolist()
-    [-0.333333, 1.333333]
-    """
+    """Weights of the values at `levels` in that at m of the polynomial in m^-power through them."""
     x, at = np.array(levels, dtype=np.float64) ** -power, float(m) ** -power
     others = ~np.eye(x.size, dtype=bool)
     return np.array([np.prod((at - x[o]) / (x[i] - x[o])) for i, o in enumerate(others)])

@@ -29,14 +29,8 @@ FAR_LAG = 30
 
 
 def lag_nodes(kinks: list[float], end: float) -> tuple[FloatArray, FloatArray]:
-    """Nodes and weights whose weighted sum is that over the lattice from the first kink to `end`, end included.
-
-    Kinks are lattice points (all integers, or all half-integers) at or below `end`, ascending.
-
-    >>> nodes, weights = lag_nodes([0.0, 10.0], 1000.0)
-    >>> len(nodes) < 60, round(float((weights * nodes**3).sum()))
-    (True, 250500250000)
-    """
+    """Nodes and weights whose weighted sum is that over the lattice from the first kink to `end`, end included."""
+    # Kinks are lattice points (all integers, or all half-integers) at or below `end`, ascending.
     nodes: list[float] = []
     weights: list[float] = []
     for kink, following in zip(kinks, [*kinks[1:], None], strict=True):

@@ -106,11 +106,7 @@ def of_raw(raw: Raw, record: Record | Header, title: str, *, sides: str = "one",
 
 
 def method_named(name: str, **settings: Any) -> SpectralEstimator:
-    """The method of `METHODS` with other settings; an unknown setting is an error that lists the known ones.
-
-    >>> method_named("welch", segment=20.0)
-    Welch(segment=20.0, window='hann')
-    """
+    """The method of `METHODS` with other settings; an unknown setting is an error that lists the known ones."""
     demand_name("method", name, METHODS)
     method: Any = METHODS[name]
     known = [field.name for field in fields(method)]
