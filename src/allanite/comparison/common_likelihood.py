@@ -1,14 +1,6 @@
-r"""Likelihoods of several records: one common model against a model for each, and a coefficient against its like.
+"""Likelihoods of several records: one common model against a model for each, and a coefficient against its like."""
 
-The records are independent, so that their likelihoods multiply. Every hypothesis is one `Likelihood` whose columns are
-those of the parts, mixed: with theta_j = H_j theta the squared coefficients of part j, S = [S_1 H_1; S_2 H_2; ...].
-
-    H_j = 1                          one common model
-    H_1 = (cos^2 phi, 1, 0), ...     one coefficient of the second record is tan(phi) times that of the first
-
-Twice the difference of log-likelihoods is the test. Coefficients end at zero, and some stand on few powers, so that it
-is no plain chi-square: its law is drawn, from the common model and the binned powers (a parametric bootstrap).
-"""
+# Derivation: docs/derivations.md.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -283,7 +283,7 @@ class PooledLaw:
 
 
 def bartlett(variance: FloatArray, edf: FloatArray) -> FloatArray:
-    """Probability that variances of shape (runs, k) with these degrees of freedom differ as much by chance, shape (k,).
+    """Probability that variances, shape (runs, k), with these degrees of freedom differ as much by chance, shape (k,).
 
     M. S. Bartlett, Proc. Royal Society A 160 (1937) 268.
     """

@@ -70,11 +70,9 @@ class Means(Value):
 
 
 class Quantity(NamedTuple):
-    """One line of a table of readings: `value`, `low` and `high` in SI units of the signal times time to the `power`.
+    """One line of a table of readings: `value`, `low`, `high` in SI units of the signal times time to the `power`."""
 
-    `power` is None for a slope, which has no unit.
-    """
-
+    # `power` is None for a slope, which has no unit.
     title: str
     tau: float
     value: float

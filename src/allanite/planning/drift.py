@@ -1,15 +1,6 @@
-r"""Variance of an angle or a velocity without aid, and of its integrals, from the structure function of the noise.
+"""Variance of an angle or a velocity without aid, and of its integrals, from the structure function of the noise."""
 
-The error of a rate is y, its integral x. The bias is removed as the mean of y over a time T before the start:
-
-    e(t) = x(t) - x(0) - (t/T) (x(0) - x(-T)).
-
-What a level axis makes of it is sum of weights times x: e(t) itself, or its integral with a kernel psi of the age
-a = t - s. With A = the sum of the weights after 0 and r = (integral of A)/T the weights of x(0) and x(-T) are -(A + r)
-and r. They remove constants and lines, and therefore the variance follows from D(t), also of noise whose D is a
-generalized function (flicker, random walk, ramp): it is -1/2 times the sum of all products of two weights and D of the
-distance between them.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Callable

@@ -1,11 +1,6 @@
-"""The gimbal angles of two free gyros: the geometry of the earth's rotation and of a ship's sway.
+"""The gimbal angles of two free gyros: the geometry of the earth's rotation and of a ship's sway."""
 
-Local axes are east, north, up. A momentum vector is (cos h sin q, cos h cos q, sin h): h is the angle of the inner
-gimbal above the base, q that of the intermediate one. The equatorial gyro's vector lies in the plane of the equator;
-time is counted from its passage of h = 0 upwards, towards the east. The polar gyro's points along the earth's axis. The
-equatorial gyro's intermediate gimbal hangs in an outer ring, which may be turned by mu about a horizontal axis; its h
-and q are angles with respect to the ring.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Callable, Iterable

@@ -1,17 +1,6 @@
-r"""The best filter of a gyro-vertical for identified noise, what detuning costs, and how far it is from the bound.
+"""The best filter of a gyro-vertical for identified noise, what detuning costs, and how far it is from the bound."""
 
-The difference of gyro angle and tilt holds no motion, only the errors x = sum n_g dt and v = n_a. Its differences have
-the density
-
-    S = S_g dt^2 + |1 - z^-1|^2 S_a = |L|^2,
-
-and with L without zeros outside the unit circle, by the cepstrum of S, the innovations are (1 - z^-1) (x - v) / L. The
-causal part C of the response from innovations to the error v of the tilt is the filter of Wiener, whose error is
-
-    (C / L) dt n_g + (1 - C (1 - z^-1) / L) n_a.
-
-Below 1 / (2 T) the densities are taken to fall steeply: a run of the length T hardly contains what is there.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Sequence

@@ -1,12 +1,6 @@
-r"""The distribution of the coefficients if the noise is known only from the same record, and what is gained.
+"""The distribution of the coefficients if the noise is known only from the same record, and what is gained."""
 
-Noise identified from the uncorrected record includes the dependence; identified from the residuals of a fit it is too
-small, because the fit has removed some of the noise, too. The restricted likelihood avoids both: the coefficients are
-directions of any size in it (see `identification.likelihood`), and for given noise it yields their generalized
-least-squares estimates and covariance. Fitting the noise to the residuals, and the coefficients under that noise, again
-and again, would end at its maximum except for the correction of degrees of freedom that it makes. Stretches between
-gaps have each its own constant.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Sequence

@@ -86,10 +86,8 @@ def _above(fit: Fit, curves: MeasuredCurve) -> dict[str, str]:
 
 
 def _below(fit: Fit, curves: MeasuredCurve) -> dict[str, str]:
-    """White noise whose upper limit lies below the curve where that falls as white noise, less the most of other noise.
-
-    Noise that is correlated over a few samples is white noise that a filter changed: it is not subtracted.
-    """
+    """White noise whose upper limit lies below the curve where that falls as white noise, less the most of the rest."""
+    # Noise that is correlated over a few samples is white noise that a filter changed: it is not subtracted.
     curve = curves.octaves
     if any(c.name == "resonance" and c.claimed for c in fit.components):  # which has such a slope beyond its period
         return {}

@@ -115,7 +115,7 @@ nnls = LeastSquares("nnls", first_tenth, lambda X, variance: solve(X, variance, 
 
 @dataclass(frozen=True)
 class Moments:
-    """Moments of the points of a curve under terms with coefficients of 1: `columns`, shape (k, t), is the expectation.
+    """Moments of the points of a curve under terms with coefficients of 1: `columns`, shape (k, t), are expectations.
 
     `products`, shape (k, k, t, t), is what each pair of terms adds to the covariance.
     """

@@ -1,14 +1,6 @@
-"""Subsets of the terms and profiles of their likelihood; the distribution of a coefficient averaged over models.
+"""Subsets of the terms and profiles of their likelihood; the distribution of a coefficient averaged over models."""
 
-A term that was not selected need not be zero, and a selected one is not certain. Each subset of the terms that contains
-the coefficient c has a profile likelihood, 2 L_s(c) with the other terms optimized; the distribution of c is
-
-    p(c) ~ sum_s exp(-(2 L_s(c) + sum of the penalties of the other terms of s) / 2),   c >= 0,
-
-flat in the coefficient. A penalty of 2 for each term is that of H. Akaike (1974, eq. 8), whose weights exp(-AIC / 2) K.
-P. Burnham and D. R. Anderson (2002, section 2.9) average over; it gives intervals that remain valid if a weak term is
-hidden.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Sequence

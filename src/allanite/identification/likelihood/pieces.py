@@ -1,18 +1,6 @@
-r"""A rate with gaps and strong angle noise: short averaging times are estimated from each piece separately.
+"""A rate with gaps and strong angle noise: short averaging times are estimated from each piece separately."""
 
-A rate y of L samples without a gap has under N and Q the covariance I + rho T, T = tridiag(-1, 2, -1) and rho = Q^2 /
-N^2, which the sine transform (DST-I) diagonalizes: 1 + 4 rho sin^2(omega/2) at omega = pi k / (L + 1). At a joint of
-what is left the angle is open, and the low coefficients of the joined record get the noise of 2 angles for each joint,
-far above N where rho is large. Therefore
-
-    c = w'y,  w = (I + rho T)^-1 1 / v',  v' = 1'(I + rho T)^-1 1     the rate of a piece, by generalized least squares,
-    d = S'(y - c)                                                       its sine transform,
-
-above a frequency omega_c the d of all pieces are pooled in bins; below it stands the transform (DCT-II) of the joined
-record whose pieces are c and the d below omega_c alone. Under N and Q what both parts have in common is one combination
-of the d of each piece, which c takes from them; no reading is counted twice. The ratio only shapes the weights:
-whatever it is, the expectations of both parts are exact (below omega_c on average over where the joints lie).
-"""
+# Derivation: docs/derivations.md.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -67,12 +67,10 @@ def _with_directions(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray
 
 
 def directions_of(spectrum: BinnedSpectrum, with_ramp: bool, more: Sequence[Pair] = ()) -> Pair:
-    """Products of the loose directions: both halves of the first sample, a warm-up, steps at long gaps, and the ramp.
-
-    The first sample has the coefficients a_k = sqrt(2/n) cos(pi k / 2n), the last one (-1)^k a_k; their even and odd
-    halves are what is orthogonal. Within a bin a_k hardly changes. The ramp needs the lowest bins only, one
-    coefficient each; without gaps only the odd ones are not zero.
-    """
+    """Products of the loose directions: both halves of the first sample, a warm-up, steps at long gaps, the ramp."""
+    # The first sample has the coefficients a_k = sqrt(2/n) cos(pi k / 2n), the last one (-1)^k a_k; their even and odd
+    # halves are what is orthogonal. Within a bin a_k hardly changes. The ramp needs the lowest bins only, one
+    # coefficient each; without gaps only the odd ones are not zero.
     centre = spectrum.first + (spectrum.count - 1) / 2
     odd = (spectrum.first + spectrum.count) // 2 - spectrum.first // 2
     a = np.sqrt(2 / spectrum.size) * np.cos(np.pi / (2 * spectrum.size) * centre)

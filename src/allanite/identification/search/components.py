@@ -1,12 +1,6 @@
-"""The one table of components: what may be in a record, where it is looked for, and what it costs.
+"""The one table of components: what may be in a record, where it is looked for, and what it costs."""
 
-The price of a component, in 2 L, is what noise alone gains by the best of its places once in 1 / alpha records: the
-quantile of chi-square at alpha / places, twice that where the size cannot be negative. The places are effective ones,
-as neighbouring shapes are correlated; `benchmarks/prices.py` measures them on records without the component. A
-component is claimed where the states that have it weigh `CLAIMED` together: where it gains `ODDS` more than it costs
-in the score. The cost is therefore the price less that, and a term that is not searched for costs 2, as in H. Akaike's
-criterion: what is not claimed takes part in the laws of the others.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Callable

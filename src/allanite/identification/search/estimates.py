@@ -278,11 +278,9 @@ def _end(excess: Callable[[float], float], x: float, sign: float, bound: float) 
 
 
 def ramp_estimate(symbol: str, answer: Answer) -> Estimate:
-    """The signed ramp: normal for given noise, averaged over the possible noise of the longest memory, and over states.
-
-    That noise is what hides a ramp, and is known from a few coefficients only: averaging gives the wide tails of
-    Student's t, and holds where the noise was not visible at all.
-    """
+    """The signed ramp: normal for given noise, averaged over possible noise of the longest memory, and over states."""
+    # That noise is what hides a ramp, and is known from a few coefficients only: averaging gives the wide tails of
+    # Student's t, and holds where the noise was not visible at all.
     scale, size = answer.scale, answer.scale.coefficient(symbol, 1.0)
     if not answer.result.frame.plain.flat.any():  # the band excludes the frequencies of a ramp
         return _absent(symbol, scale, Stored(math.inf), Stored((-math.inf, math.inf)))
@@ -322,10 +320,8 @@ def _ramp_law(f: Fitted, answer: Answer, size: float) -> NormalMixture:
 
 
 def _begins(answer: Answer, slope: float) -> bool:
-    """Whether the lowest coefficient, which has 98 % of the power of a ramp, is read, or is half of that of the ramp.
-
-    Else it is what leaks from a cycle or another motion slower than what is read.
-    """
+    """Whether the lowest coefficient, which has 98 % of the power of a ramp, is read, or is half of the ramp's."""
+    # Else it is what leaks from a cycle or another motion slower than what is read.
     frame, spectrum = answer.result.frame, answer.result.frame.spectrum
     lowest = spectrum.even[0] + spectrum.odd[0] + spectrum.slope * spectrum.ramp[0]
     return bool(frame.used[0] or lowest / (slope * spectrum.ramp[0]) > BEGUN)

@@ -1,16 +1,4 @@
-"""The fit of a state: sizes and shapes together, by Fisher scoring of one score.
-
-    m = g (S theta) exp(u) + sum_r rho_r R_r + (rounding) (1 - g),     theta, rho >= 0,  u = B L v,  v ~ N(0, 1)
-    value = 2 L + v'v + ln det(1 + J' diag(nu / 2) J),                 J = (g S theta exp(u) / m) B L
-
-L is the likelihood of the bins with the loose directions integrated out (`likelihood.likelihood`); the determinant is
-Laplace's integral over v. How well the shapes of resonances are known is integrated out, too: the logarithm of m gets
-an error of variance d = (e share)^2 in each bin, share being that of the resonances; with h = nu/2, r = I/m,
-
-    value += sum_b [ln(1 + d h) - 2 h (r - 1 - ln r) d h / (1 + d h)],    e the best of `SHAPE_ERRORS`,
-
-and theta is fitted with the weights 1 / (1 + d h).
-"""
+"""The fit of a state: sizes and shapes together, by Fisher scoring of one score (docs/derivations.md)."""
 
 import math
 from dataclasses import dataclass, replace

@@ -82,13 +82,11 @@ class Pending(Portable):
 
 
 def whittle(record: Record, symbols: Sequence[str], band: Band = "auto", **options: Any) -> Fit:
-    """Identify terms by the binned DCT-II Whittle likelihood: a search that is concluded; parameters as for `pending`.
-
-    Sinusoids are detected and removed. The components of the record, its low-pass filter, vibration, steps, a warm-up,
-    Gauss-Markov noise, are searched for by 2 L and a price for each (`search`); each coefficient is averaged over the
-    models that are consistent with the record (`laws`), with upper limits for what is absent; the signed ramp is
-    estimated by generalized least squares, averaged over what hides it.
-    """
+    """Identify terms by the binned DCT-II Whittle likelihood: a concluded search; parameters as for `pending`."""
+    # Sinusoids are detected and removed. The components of the record, its low-pass filter, vibration, steps, a
+    # warm-up, Gauss-Markov noise, are searched for by 2 L and a price for each (`search`); each coefficient is averaged
+    # over the models that are consistent with the record (`laws`), with upper limits for what is absent; the signed
+    # ramp is estimated by generalized least squares, averaged over what hides it.
     return pending(record, symbols, band, **options).fit()
 
 

@@ -1,11 +1,6 @@
-"""Laws of the coefficients: averages over the states that were kept, with the weights exp(-score / 2).
+"""Laws of the coefficients: averages over the states that were kept, with the weights exp(-score / 2)."""
 
-Every subset of the powers beside each state takes part. States that differ only in the filter's row, the numerators of
-resonances or the place of a factor are one family, which weighs as much as its best member: prices are those of the
-best of a search, and five look-alike rows must not count five times. The law of a coefficient is the sum of its
-profile likelihoods in the states that have it, each as wide as its error with the shapes unknown over that with the
-shapes known, from the information.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections import Counter

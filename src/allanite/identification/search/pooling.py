@@ -1,15 +1,6 @@
-"""One filter for the channels of one device: the score summed over them, the cut-off in common.
+"""One filter for the channels of one device: the score summed over them, the cut-off in common."""
 
-Channels of one chip share sampling and filter. What is behind the filter differs, so that each channel keeps the parts
-of its best states, and behind a filter of the row r and the cut-off c it has the score s(r, c) without the filter's
-price. That is paid once:
-
-    total(r, c) = price + sum over channels of min(s(r, c), alone + `APART`),     alone: its best score by itself
-
-A channel that is worse behind the filter is left out, at that cost; of what is left out another filter may be in
-common. The filter is taken where the total is `ODDS` less than the sum of the scores alone, also for channels that show
-none alone. Rows that nearly reach that total remain alternatives, weighed by all channels.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Iterator, Sequence

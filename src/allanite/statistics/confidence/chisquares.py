@@ -1,20 +1,6 @@
-"""Weighted sums of chi-squares: the largest eigenvalues of a statistic, and quantiles by a saddlepoint.
+"""Weighted sums of chi-squares: the largest eigenvalues of a statistic, and quantiles by a saddlepoint."""
 
-They come from few windows spread over the record, and from reduced windows where a window has many points; the degrees
-of freedom, known exactly, scale them. White angle noise is left to its own where windows meet it point by point.
-
-V = sum_j w_j chi^2(d_j) + W has the cumulant function
-
-    K(t) = c t / (1 - 2 u t) - sum_j d_j/2 ln(1 - 2 w_j t)
-
-where W, of mean c, is what a deterministic part adds to squares of weight u (a noncentral chi-square).
-
-At the saddlepoint t the value is x = K'(t), and with r = sign(t) sqrt(2 (t x - K)), v = t sqrt(K'')
-
-    P(V < x) = Phi(r) + phi(r) (1/r - 1/v)
-
-so that the quantile is found by one search over t.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Sequence

@@ -1,11 +1,4 @@
-"""The confidence intervals of a curve: degrees of freedom and limits, computed on first use.
-
-V / E[V] is a sum of chi-squares with the eigenvalues of the quadratic form for weights. With many degrees of freedom a
-single chi-square of as many is as good; with few, one or two large eigenvalues dominate a nearly constant floor, and
-the upper limit of a chi-square is up to several times too wide. There the quantiles follow from the three largest
-eigenvalues, one gamma for the rest, one for white angle noise, and the contribution of a ramp, by the saddlepoint
-method.
-"""
+"""The confidence intervals of a curve: degrees of freedom and limits, computed on first use (docs/derivations.md)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,13 +1,6 @@
-"""The noise that intervals assume, given or identified on first use, and the law of a curve averaged over models.
+"""The noise that intervals assume, given or identified on first use, and the law of a curve averaged over models."""
 
-Given a model, the truth T behind a variance V lies at T / V = F / X, with X of the model's law of V / E[V], and F the
-bias that it removes over the bias that was removed. With the models' weights, flattened, for probabilities X has the
-weighted mean of the laws, whose limits hold whichever of the models it is, and F a distribution of its own.
-
-F and 1 / X do not scatter apart: slow noise that is large in a record by chance makes V large, and the models that are
-likely as well, whose bias is larger. From their medians on the logarithms of their quantiles are added as deviations
-that correlate by `TOGETHER`.
-"""
+# Derivation: docs/derivations.md.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field

@@ -1,14 +1,6 @@
-"""Mean squares over windows in compact form: what a statistic's window makes of any structure function D(t).
+"""Mean squares over windows in compact form: what a statistic's window makes of any structure function D(t)."""
 
-With A = sum_r w_r f_r f_r' the quadratic form of one window, and two windows l samples apart,
-
-    E    = sum_r w_r C_rr(0)                                C_rs(l) = -1/2 sum_jk f_r[j] f_s[k] D(l + k - j)
-    T_ij = L^-2 sum_|l|<L (L - |l|) sum_rs w_r w_s C^i_rs(l) C^j_rs(l)          Var = 2 sum_ij T_ij for L windows
-
-E is linear and the inner sum of T bilinear in the values of D at l + h, |h| < points: one vector and one matrix, both
-sums over A along its diagonals. The matrix is kept as factor' factor, so that polynomials which the window removes are
-removed before anything is squared.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Callable, Sequence

@@ -1,17 +1,6 @@
-r"""Differences of means of the remaining samples: curves of records with gaps, using incomplete windows.
+"""Differences of means of the remaining samples: curves of records with gaps, using incomplete windows."""
 
-A window of m at sample i has 2 (Allan) or 3 (Hadamard) parts of m samples with c_p samples each, at least one. With
-b = (-1, 1) or (1, -2, 1) and the means y_p of the samples
-
-    delta_i = sum_p b_p y_p,    1/h_i = sum_p b_p^2 / c_p,    V = sum_i h_i^2 delta_i^2 / (m sum_i h_i)
-
-Under white rate noise delta_i has the variance N^2 / h_i, so that V is N^2 / m whatever is missing; without gaps
-it is the plain statistic: pairs of means weighted by their counts, the weighted least-squares estimate of N^2. For
-other ways to treat missing samples see P. Sesia and P. Tavella, Metrologia 45 (2008) S134.
-
-Expectation and covariance of the delta_i follow from the positions of the samples: exactly for angle noise and white
-rate noise; for slow noise each part is divided into four quarters, each weighted by its number of samples.
-"""
+# Derivation: docs/derivations.md.
 
 from collections.abc import Sequence
 from dataclasses import dataclass

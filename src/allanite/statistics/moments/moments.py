@@ -1,12 +1,4 @@
-"""Expectation, covariance and degrees of freedom of every statistic under any model.
-
-All of it is linear or bilinear in the terms' structure functions D(t). With E_i the expected variance of term i for a
-coefficient of 1, T_ij the covariance of the window squares, p_i the share of term i in the whole expectation,
-
-    1 / EDF = sum_ij p_i p_j r_ij,    r_ij = T_ij / (E_i E_j)
-
-where r_ij depends on the statistic, m and the number of windows only; between deterministic terms (a ramp) it is 0.
-"""
+"""Expectation, covariance and degrees of freedom of every statistic under any model (docs/derivations.md)."""
 
 import math
 from collections import Counter

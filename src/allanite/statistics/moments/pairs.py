@@ -1,13 +1,4 @@
-"""Covariance between two statistics of one record, over windows of two lengths.
-
-With c_ij(s) of two windows of which the second starts s samples after the first, as `profile` has it,
-
-    T_ij = sum_s n(s) c_ij(s) / (M1 M2)        Cov = 2 sum_ij T_ij
-
-with n(s) pairs of windows at that distance, M of each. Windows of up to `POINTS` points are taken as they are, and T is
-exact. Longer ones are replaced by shorter ones of the same ratio, extrapolated; for windows of very different
-lengths the longer one is replaced by shorter ones, and the ratio extrapolated as a power.
-"""
+"""Covariance between two statistics of one record, over windows of two lengths (docs/derivations.md)."""
 
 import math
 from collections.abc import Sequence
@@ -33,10 +24,8 @@ MIN_FACTOR = {1: 8, 2: 4}
 
 
 def whole_lattice(p: int, q: int, counts: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
-    """Distances x >= 0 of windows of p <= q samples, and weights of the sum over all pairs, one by one while they meet.
-
-    `counts` are the numbers of windows: of both, the first one starts with the record.
-    """
+    """Distances x >= 0 of windows of p <= q samples, and weights of the sum over all pairs, singly while they meet."""
+    # `counts` are the numbers of windows: of both, the first one starts with the record.
     first, end = -((q - p) // 2), math.ceil(max(counts[1], p - q + counts[0])) - 1
     near = min(end, p + SAMPLES_BEYOND)
     s, weight = np.arange(first, near + 1.0), np.ones(near + 1 - first)

@@ -1,17 +1,6 @@
-"""How two windows are correlated at any distance, and what a ramp and a noise add to it together.
+"""How two windows are correlated at any distance, and what a ramp and a noise add to it together."""
 
-With A, B the quadratic forms of the windows in the rates of the samples, and c_i the covariance of the rates under
-term i, two windows of which the second starts s samples after the first have
-
-    c_ij(s) = sum_hh' M[h, h'] c_i(s + h) c_j(s + h'),        M[h, h'] = sum_kk' A[k, k'] B[k + h, k' + h']
-
-A ramp gives every window the same output, so that its product with that of the noise, summed over the windows, is one
-weighted sum of the record's rates. With g = A x the weights that one window gives its samples, x the ramp, L windows,
-
-    W_j = sum_i g_j-i = H_j - H_j-L,    H the running sum of g,    T = W_a' C W_b
-
-H ends with the window: in the middle of the record W is zero, and the two ends are all that counts.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Callable, Sequence

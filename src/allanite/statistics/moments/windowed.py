@@ -1,11 +1,6 @@
-"""Moments of the statistics over windows (Theo1, modified and Hadamard total, parabolic), and of the total deviation.
+"""Moments of the statistics over windows (Theo1, modified and Hadamard total, parabolic), and the total deviation."""
 
-A window of m = 2M intervals holds the differences ``x_-M + x_M - x_-d - x_d``, d = M - v, of weight 1/v, v = 1..M.
-
-Up to a few tens of points a window is taken as it is. A longer one is replaced by windows of few points that last as
-long: a smooth term, D(t), is the same process however finely it is sampled, and what the sampling adds is extrapolated
-away, as a polynomial in 1/m^2 (1/m for Theo1). The number of windows and their lags stay the true ones.
-"""
+# Derivation: docs/derivations.md.
 
 from collections.abc import Sequence
 from functools import lru_cache
