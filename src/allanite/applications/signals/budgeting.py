@@ -29,8 +29,7 @@ from allanite.extending import (
 )
 
 from .rounding_noise import Budget, budget
-from .stage import Stage, demand_unclipped
-from .torque import TorqueScale, factor_of
+from .stage import Stage, TorqueScale, demand_unclipped, factor_of
 
 NAMES = ("wx", "wy")  # channels of the rates about x and y
 

@@ -28,8 +28,18 @@ from allanite.extending import (
     unit_of,
 )
 
-from .stage import Codes, Stage, codes, demand_unclipped
-from .torque import TorqueScale, ampere_of, converted, electric, factor_of, gain_of
+from .stage import (
+    Codes,
+    Stage,
+    TorqueScale,
+    ampere_of,
+    codes,
+    converted,
+    demand_unclipped,
+    electric,
+    factor_of,
+    gain_of,
+)
 
 MATTERS = 0.01  # share of the measured variance below which a stage does not matter
 

@@ -18,8 +18,8 @@ from allanite.statistics.table import STATISTICS, statistic_named
 from allanite.terms import NoiseTerm
 
 from . import lagsums, windowed
-from .pairs import Pairs
 from .profile import crossed
+from .windowed import Pairs
 
 RATIOS = 12  # number of ratios that are evaluated; the bias ratio is the mean of up to thousands, which vary smoothly
 
