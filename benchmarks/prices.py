@@ -31,8 +31,7 @@ from allanite.identification.search import moves, search
 from allanite.identification.search.components import CLAIMED, FACTORS, ODDS, cost_of
 from allanite.identification.search.fitting import Fitted, fitted
 from allanite.identification.search.frame import Frame, frame_of
-from allanite.identification.search.local import Local, Move
-from allanite.identification.search.refining import pruned, refined, resized
+from allanite.identification.search.refining import Local, Move, pruned, refined, resized
 from allanite.identification.search.state import State
 from prices_table import claims_rows, gains_rows, nulls_rows, weights_rows
 from search_cells import BEHIND, CLEAN, FOG, MEMS, RATE, SETTLING, Made, Maker, lines_of, plain, sim

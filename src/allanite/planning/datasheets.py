@@ -15,7 +15,7 @@ from allanite.core.plain import Value
 from allanite.core.readings import FLICKER, ONE_SIDED
 from allanite.phrases.phrase import say
 from allanite.plugins import Registry
-from allanite.simulation.ring_laser import RING_LASERS
+from allanite.simulation.record import RING_LASERS
 
 SENSOR_TYPES = ("gyro", "accelerometer")
 

@@ -1,4 +1,4 @@
-"""Stage: a quantizer in the signal path, the noise that it adds, clipping, and which of its codes occur."""
+"""A quantizer in the signal path, the noise that it adds, its clipping and codes; rates from a torquer's current."""
 
 import math
 from dataclasses import dataclass, fields

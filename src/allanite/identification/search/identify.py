@@ -32,10 +32,9 @@ from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate,
 from .fitting import Fitted, fitted
 from .frame import Frame, frame_of
 from .laws import entries_of, weights_of
-from .local import Move
 from .moves import MOVES, filters, floors, less, markov, resonances, warm_ups_of
 from .pooling import Together, behind
-from .refining import pruned
+from .refining import Move, pruned
 from .search import Searched, search, shows_white
 from .slow import (
     RESONANCES,

@@ -17,8 +17,7 @@ from allanite.identification.likelihood.law import Subset, traced
 
 from .components import CLAIMED, COMPONENTS, Part
 from .fitting import Fitted, admissible, column_of_part
-from .local import REACH
-from .refining import resized
+from .refining import REACH, resized
 from .search import Searched
 
 TRACED_SHARE = 0.985  # share of all weight that the entries have whose profiles are traced: the heaviest

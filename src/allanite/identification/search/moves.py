@@ -26,7 +26,7 @@ from .components import (
 )
 from .fitting import Fitted, fitted
 from .frame import LOW, Frame
-from .local import CANDIDATES, FAR, Local, Move
+from .refining import CANDIDATES, FAR, Local, Move
 from .state import State
 
 PLACES, FINE_PLACES = 512, 61  # places at which a step is looked for, and places between the neighbours of the best

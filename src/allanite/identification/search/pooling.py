@@ -16,9 +16,8 @@ from .components import COMPONENTS, ODDS, Part
 from .cutoffs import errors_of
 from .fitting import Fitted, fitted
 from .frame import LOWEST_CUTOFF, Common, Frame
-from .local import REACH
 from .moves import less
-from .refining import pruned, refined
+from .refining import REACH, pruned, refined
 from .search import Searched, search
 from .state import State
 

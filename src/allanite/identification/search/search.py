@@ -18,9 +18,8 @@ from .components import COMPONENTS, FACTORS, SIZES, Part
 from .factors import SLOWEST_OCTAVE
 from .fitting import Fitted, factor_basis, fitted, refined_values
 from .frame import Frame
-from .local import CANDIDATES, FAR, REACH, Local, Move
 from .moves import MOVES, resonances
-from .refining import pruned, refined
+from .refining import CANDIDATES, FAR, REACH, Local, Move, pruned, refined
 from .state import State, alike
 
 FACTOR_SIZES = np.array([0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64, 1.28, 2.56])

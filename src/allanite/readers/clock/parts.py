@@ -13,8 +13,7 @@ from allanite.phrases.phrase import say
 from allanite.readers.columns.table import Sense, repeated
 
 from .clocks import unwrapped
-from .findings import DRIFT, PARTS, Holes, finding
-from .grid import Places, SampleGrid
+from .findings import DRIFT, PARTS, Holes, Places, SampleGrid, finding
 from .sampling_rate import Beat, Stamped, settled, stamped
 from .stamps import Damage, fit, mended, seconds_since
 

@@ -12,8 +12,19 @@ from allanite.core.units import unit_of
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import say, say_count
 
-from .findings import Stamps, bursty, drift, duplicates, duration, finding, lost_samples, unsteady
-from .grid import Places, SampleGrid, pace
+from .findings import (
+    Places,
+    SampleGrid,
+    Stamps,
+    bursty,
+    drift,
+    duplicates,
+    duration,
+    finding,
+    lost_samples,
+    pace,
+    unsteady,
+)
 
 FAR = 3.0
 """Distance of a stamp from the middle of its neighbours, in intervals, above which it is damaged: no logger is so late

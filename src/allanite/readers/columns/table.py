@@ -23,8 +23,7 @@ from allanite.readers.clock import sampling_rate as clock
 from allanite.readers.options import Options
 
 from . import channels, headers, proposal, resolver, sensors, shapes, stated
-from .arrays import RATE_NAMES
-from .column import FileColumn, unique
+from .column import RATE_NAMES, FileColumn, unique
 
 KEY = "allanite"  # the name under which a format stores it
 SLOW = 5.0  # sampling rate, Hz, up to which sensors are seldom sampled, but logged

@@ -7,7 +7,7 @@ import numpy as np
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
 from allanite.readers.columns import parse
-from allanite.readers.columns.arrays import is_number, numbers, of_arrow
+from allanite.readers.columns.column import is_number, numbers, of_arrow
 from allanite.readers.options import FrameLike, Options
 
 from . import text

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
-from allanite.readers.columns.arrays import RATE_NAMES, column, split, turned, turned_note
-from allanite.readers.columns.column import FileColumn
+from allanite.readers.columns.column import RATE_NAMES, FileColumn, column, split, turned, turned_note
 from allanite.readers.columns.containers import WIDEST
 from allanite.readers.columns.lines import HEAD_ROWS, Parts, Rows
 from allanite.readers.columns.table import KEY, FileTable, described, keys, restored
