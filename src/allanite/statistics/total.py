@@ -116,8 +116,7 @@ MTOTDEV = Statistic(
         factor=lambda c, m, size: np.full(m.shape, c[0]),
         coefficients={2: (0.94,), 1: (0.83,), 0: (0.73,), -1: (0.70,), -2: (0.69,)},
     ),
-    scheme=Scheme(ramp=_ramp),
-    published_edf=published.modified_total,
+    scheme=Scheme(ramp=_ramp), published_edf=published.modified_total,
 )  # fmt: skip
 
 TTOTDEV = replace(

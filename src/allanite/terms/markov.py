@@ -185,14 +185,9 @@ def markov_block(size: float, T: float, h: float) -> Block:
     Q = np.array([[-math.expm1(-2 * u) * size**2, size**2 * loss**2 / u], [size**2 * loss**2 / u, var_mean]])
     return Block(
         names=((say("Gauss-Markov rate, T = {time:.6g} s", time=T), 0),),
-        F=np.array([[-1 / T]]),
-        Qc=np.array([[2 * size**2 / T]]),
-        Phi=np.array([[math.exp(-u)]]),
-        mean=np.array([loss / u]),
-        Q=Q,
-        P0=np.array([[size**2]]),
-        output=np.ones(1),
-    )
+        F=np.array([[-1 / T]]), Qc=np.array([[2 * size**2 / T]]), Phi=np.array([[math.exp(-u)]]),
+        mean=np.array([loss / u]), Q=Q, P0=np.array([[size**2]]), output=np.ones(1),
+    )  # fmt: skip
 
 
 GAUSS_MARKOV, SLOW_GAUSS_MARKOV = gauss_markov(1.0), slow_gauss_markov(1.0)
@@ -276,15 +271,11 @@ def angle_markov_block(size: float, T: float, h: float) -> Block:
     loss, driven = -math.expm1(-h / T), -math.expm1(-2 * h / T) * size**2
     return Block(
         names=((say("Gauss-Markov angle, T = {time:.6g} s", time=T), 1),),
-        F=np.array([[-1 / T]]),
-        Qc=np.array([[2 * size**2 / T]]),
-        Phi=np.array([[math.exp(-h / T)]]),
-        mean=np.array([-loss / h]),
-        Q=driven * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]),
-        P0=np.array([[size**2]]),
-        output=np.zeros(1),
+        F=np.array([[-1 / T]]), Qc=np.array([[2 * size**2 / T]]), Phi=np.array([[math.exp(-h / T)]]),
+        mean=np.array([-loss / h]), Q=driven * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]),
+        P0=np.array([[size**2]]), output=np.zeros(1),
         note=say("the error of the angle is a state: its change over the interval enters the mean rate"),
-    )
+    )  # fmt: skip
 
 
 ANGLE_MARKOV = angle_markov(1.0)

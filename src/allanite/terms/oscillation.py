@@ -56,19 +56,14 @@ def oscillation(frequency: float, damping: float) -> NoiseTerm:
         ),
         formula=r"R(t) = s^2 \exp(-\zeta \omega t) (\cos \omega_d t + (\zeta \omega / \omega_d) \sin \omega_d t)",
         reference=say("the covariance R of the rate, with its second integral in the variance; s is the RMS rate"),
-        power=0.0,
-        slope=math.nan,
-        read_at=math.nan,
-        level=math.nan,
-        **made,
+        power=0.0, slope=math.nan, read_at=math.nan, level=math.nan, **made,
         parameters=(
             Parameter("frequency", say("natural frequency"), "Hz", least=0.0, letter="f", typical=0.02, time=-1.0,
                       search=lambda n: (PERIODS / n, HIGHEST), steps=16),
             Parameter("damping", say("damping ratio"), "", least=0.0, letter="zeta", typical=0.15,
                       search=lambda n: DAMPINGS, steps=2),
         ),
-        period=1 / frequency if damping < 1 else 0.0,
-        shape=(frequency, damping),
+        period=1 / frequency if damping < 1 else 0.0, shape=(frequency, damping),
         shaped=lambda shape, rate: oscillation(shape[0] / rate, shape[1]),
         density=r"S(f) = \frac{4 \zeta \omega^3 s^2}{(\omega^2 - (2 \pi f)^2)^2 + (2 \zeta \omega \, 2 \pi f)^2}",
         origin="A loop or a structure with a resonance that noise excites: the control loop of a stabilized platform "
@@ -80,8 +75,7 @@ def oscillation(frequency: float, damping: float) -> NoiseTerm:
         "when its symbol is among the terms that are asked for. In a Kalman filter it has two states.",
         color="#9438EC",
         dark="#D3B157",
-        dash=(2.4, 1.2, 1, 1.2),
-        block=oscillation_block,
+        dash=(2.4, 1.2, 1, 1.2), block=oscillation_block,
     )  # fmt: skip
 
 
@@ -111,8 +105,7 @@ def oscillation_block(size: float, shape: tuple[float, ...], h: float) -> Block:
             (say("oscillation of {frequency:.6g} Hz", frequency=shape[0]), 0),
             (say("oscillation of {frequency:.6g} Hz, derivative", frequency=shape[0]), 0),
         ),
-        F=F, Qc=Qc,
-        Phi=Phi[:2, :2],
+        F=F, Qc=Qc, Phi=Phi[:2, :2],
         mean=Phi[2, :2] / h, Q=mean @ ((Q + Q.T) / 2) @ mean, P0=np.eye(2) * size**2,
         output=np.array([1.0, 0.0]),
     )  # fmt: skip

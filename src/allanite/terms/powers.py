@@ -63,8 +63,7 @@ def integrators(names: tuple[str, ...], h: float, *, density: float = 0.0, start
         names=tuple((name, -float(k)) for k, name in enumerate(names)),
         F=np.eye(s, k=1),
         Qc=Qc, Phi=Phi, mean=h ** np.arange(s) / factorial[1 : s + 1], Q=Q, P0=P0,
-        output=np.eye(s)[0],
-        bias=True, note=note,
+        output=np.eye(s)[0], bias=True, note=note,
     )  # fmt: skip
 
 
@@ -73,18 +72,13 @@ def angle_noise(Q: float, h: float) -> Block:
     # A state of discrete time: the error of the angle at the end of the interval, new in every interval.
     return Block(
         names=((say("angle error"), 1),),
-        F=np.zeros((1, 1)),
-        Qc=np.zeros((1, 1)),
-        Phi=np.zeros((1, 1)),
-        mean=np.array([-1 / h]),
-        Q=Q**2 * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]),
-        P0=np.array([[Q**2]]),
-        output=np.zeros(1),
+        F=np.zeros((1, 1)), Qc=np.zeros((1, 1)), Phi=np.zeros((1, 1)), mean=np.array([-1 / h]),
+        Q=Q**2 * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]), P0=np.array([[Q**2]]), output=np.zeros(1),
         note=say(
             "quantization is modelled as white Gaussian angle noise; that it is bounded by half a step, and depends on "
             "the angle itself, is neglected"
         ),
-    )
+    )  # fmt: skip
 
 
 TITLES = {

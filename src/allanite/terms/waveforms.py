@@ -76,15 +76,11 @@ def oscillator(amplitude: float, frequency: float, h: float) -> Block:
             (say("sinusoid of {frequency:.6g} Hz", frequency=frequency), 0),
             (say("sinusoid of {frequency:.6g} Hz, quadrature", frequency=frequency), 0),
         ),
-        F=np.array([[0.0, w], [-w, 0.0]]),
-        Qc=np.zeros((2, 2)),
-        Phi=np.array([[cosine, sine], [-sine, cosine]]),
-        mean=np.array([sine, 2 * math.sin(w * h / 2) ** 2]) / (w * h),
-        Q=np.zeros((3, 3)),
-        P0=np.eye(2) * amplitude**2 / 2,
-        output=np.array([1.0, 0.0]),
+        F=np.array([[0.0, w], [-w, 0.0]]), Qc=np.zeros((2, 2)), Phi=np.array([[cosine, sine], [-sine, cosine]]),
+        mean=np.array([sine, 2 * math.sin(w * h / 2) ** 2]) / (w * h), Q=np.zeros((3, 3)),
+        P0=np.eye(2) * amplitude**2 / 2, output=np.array([1.0, 0.0]),
         note=say("a sinusoid is an oscillator without noise: its frequency must be known and constant"),
-    )
+    )  # fmt: skip
 
 
 SINE = sine(0.125)

@@ -29,7 +29,7 @@ from allanite.extending import (
 )
 
 from .rounding_noise import Budget, budget
-from .stage import Stage, TorqueScale, demand_unclipped, factor_of
+from .stage import Stage, TorqueScale, demand_in_range, factor_of
 
 NAMES = ("wx", "wy")  # channels of the rates about x and y
 
@@ -73,7 +73,7 @@ def mixed(currents: Recording, axes: Sequence[float], stages: Sequence[Stage] = 
     first, second = currents
     if first.signal is not second.signal or first.signal.inertial:
         raise DataError(say("the axes of two torquers need two currents of one kind, not {channels}", channels=names))
-    clipped = tuple(demand_unclipped(first, stage) + demand_unclipped(second, stage) for stage in stages)
+    clipped = tuple(demand_in_range(first, stage) + demand_in_range(second, stage) for stage in stages)
     x, y = (record.rate_values / unit_of(first.unit).factor for record in currents)
     mixtures = []
     for name, row in zip(NAMES, ((xx, xy), (yx, yy)), strict=True):

@@ -154,7 +154,7 @@ def limits_of(record: Record, stage: Stage) -> tuple[float, float] | None:
     return -scale + 0.51 * step, scale - 1.01 * step
 
 
-def demand_unclipped(record: Record, stage: Stage) -> int:
+def demand_in_range(record: Record, stage: Stage) -> int:
     """How many samples lie at the ends of the stage's range."""
     limits = limits_of(record, stage)
     if limits is None:
@@ -327,7 +327,7 @@ def rate_from_current(
     >>> rate.values.round(12).tolist(), rate.unit, rate.history
     ([0.0002, -0.0004, 0.0001], 'rad/s', ('rate from current: 0.2 rad/s per A',))
     """
-    clipped = 0 if stage is None else demand_unclipped(record, stage)
+    clipped = 0 if stage is None else demand_in_range(record, stage)
     return converted(record, factor_of(scale), ampere_of(record, sense, stage), clipped)
 
 

@@ -1,9 +1,4 @@
-"""Low-pass filters of sensors and loggers, as factors of the expected power.
-
-The gain of a row is the power of white noise after the filter over that before it, at a frequency f in cycles per
-sample, aliases included. The other noise terms lie far below the cut-off wherever they matter, and have the same
-factor.
-"""
+"""Low-pass filters of sensors and loggers, as factors of the expected power (docs/derivations.md)."""
 
 import math
 from collections.abc import Callable

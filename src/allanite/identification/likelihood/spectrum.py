@@ -1,10 +1,4 @@
-"""From a record to binned powers of its cosine transform, and cells of neighbouring bins.
-
-One long transform goes through memory once for each of its some twenty stages, and mostly waits for it. Cut into rows
-and columns of a matrix, which the cache holds, it goes through memory five times.
-
-The DCT-II diagonalizes white noise and a random walk with unknown start exactly: no taper, no differencing, no leakage.
-"""
+"""From a record to binned powers of its cosine transform, and cells of neighbouring bins (docs/derivations.md)."""
 
 import math
 from collections.abc import Sequence

@@ -1,10 +1,6 @@
-"""The law of the cut-off: between which frequencies the power that reaches the samples is halved, over all models.
+"""The law of the cut-off: between which frequencies the power that reaches the samples is halved, over all models."""
 
-Each model with a filter gives a normal law of the logarithm of its cut-off; models without one say that there is none
-below half the sampling rate. What a data sheet calls bandwidth is the cut-off of the filter before the samples were
-taken, what a program configures may be that of the samples: near half the sampling rate the two differ, and the law of
-a model reaches from one to the other.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Sequence

@@ -15,7 +15,7 @@ from allanite.core.plain import Portable
 from allanite.core.units import Signal
 from allanite.identification.likelihood.law import Subset, ThetaProfile
 from allanite.phrases.phrase import say
-from allanite.terms import TERMS
+from allanite.terms import TERMS, WHITE
 
 from .components import CLAIMED, Part
 from .fitting import Fitted, fitted, place_of, values_of, with_values
@@ -351,3 +351,13 @@ def observable(estimate: Estimate, band: tuple[float, float], half: float, *, fi
     if not reason:
         return estimate
     return Estimate(estimate.symbol, estimate.signal, None, None, "not observable", None, "whittle", reason=reason)
+
+
+def under(a: float, estimate: Estimate) -> Estimate:
+    """The estimate if the bias drift follows another power law: only the white noise besides it is valid."""
+    row = TERMS[estimate.symbol]
+    if row.waveform is not None or estimate.status == "not observable" or row.slope == WHITE:
+        return estimate
+    return estimate.invalid(
+        say("the power spectral density falls as f^-{exponent:.2f}, like none of the terms", exponent=a)
+    )

@@ -1,10 +1,6 @@
-"""The splines of what no component describes: a factor exp(u) on the power of the terms, u = B v, v ~ N(0, C).
+"""The splines of what no component describes: a factor exp(u) on the power of the terms, u = B v, v ~ N(0, C)."""
 
-B are cubic B-splines of the logarithm of frequency with a knot an octave. The correlation of their coefficients is that
-of Matern with 3/2 and a length of an octave. A factor stands everywhere (`all`), between two octaves (`between`), or
-from one upwards (`above`, `step above`), where it begins as the square of the frequency, as the gain of any low-pass
-does: the white noise is then the plateau below, without a band being cut.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from dataclasses import dataclass

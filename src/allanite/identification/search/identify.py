@@ -28,7 +28,7 @@ from allanite.terms import TERMS
 from .components import CLAIMED, COMPONENTS, Part
 from .cutoffs import cutoff_law
 from .describing import components_of, lost_freedom, loud_in, notes_of, scope_of
-from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate, subset_of
+from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate, subset_of, under
 from .fitting import Fitted, fitted
 from .frame import Frame, frame_of
 from .laws import entries_of, weights_of
@@ -36,16 +36,7 @@ from .moves import MOVES, filters, floors, less, markov, resonances, warm_ups_of
 from .pooling import Together, behind
 from .refining import Move, pruned
 from .search import Searched, search, shows_white
-from .slow import (
-    RESONANCES,
-    WarmUp,
-    crowded_finding,
-    exponent_finding,
-    hidden_finding,
-    steps_finding,
-    under,
-    warm_up_estimate,
-)
+from .slow import RESONANCES, WarmUp, crowded_finding, exponent_finding, hidden_finding, steps_finding, warm_up_estimate
 from .state import State
 
 SMOOTH: tuple[Move, ...] = (less, floors, markov, filters)

@@ -14,7 +14,7 @@ from allanite.core.plain import Portable
 from allanite.core.units import convert
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import join, longest_without, say, spelled
-from allanite.terms import TERMS, WHITE
+from allanite.terms import TERMS
 
 from .components import COMPONENTS, Part
 from .estimates import Answer, profile_ends
@@ -225,13 +225,3 @@ def exponent_finding(answer: Answer, f: Fitted) -> Finding:
         harm,
         say("read the noise at the averaging times of interest off the Allan deviation"),
     )  # fmt: skip
-
-
-def under(a: float, estimate: Estimate) -> Estimate:
-    """The estimate if the bias drift follows another power law: only the white noise besides it is valid."""
-    row = TERMS[estimate.symbol]
-    if row.waveform is not None or estimate.status == "not observable" or row.slope == WHITE:
-        return estimate
-    return estimate.invalid(
-        say("the power spectral density falls as f^-{exponent:.2f}, like none of the terms", exponent=a)
-    )

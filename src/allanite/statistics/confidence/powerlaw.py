@@ -1,10 +1,4 @@
-"""Which power law the noise follows at each averaging time.
-
-The power spectral density of the rate is assumed to be proportional to f^alpha around f = 1/tau. With at least 30
-points of the angle, taken every tau, alpha is determined from their lag-1 autocorrelation; with fewer, from the ratio
-of two variances of the mean rates. The two kinds of angle noise, which both tests cannot distinguish, are separated by
-the modified Allan variance.
-"""
+"""Which power law the noise follows at each averaging time (docs/derivations.md)."""
 
 import math
 from bisect import bisect_right

@@ -1,9 +1,6 @@
-"""Moments of the total deviation: a record folded back at its ends, whose differences are not stationary there.
+"""Moments of the total deviation: a record folded back at its ends, whose differences are not stationary there."""
 
-A row z_i = x*_(i-m) - 2 x*_i + x*_(i+m), i = 1 .. n-1, has x*_(-j) = 2 x_0 - x_j, and the like at the other end. Its
-variance is a smooth function of i between a few kinks. For the pairs of rows a long record is replaced by coarser ones
-that last as long, extrapolated in 1/m, and what lies in the middle of a record of many m adds in proportion.
-"""
+# Derivation: docs/derivations.md.
 
 from collections.abc import Sequence
 
