@@ -15,9 +15,8 @@ from allanite.core.plain import Portable
 from allanite.identification.likelihood.spectrum import WELL_KNOWN
 
 from .components import COMPONENTS, FACTORS, SIZES, Part
-from .factors import SLOWEST_OCTAVE
 from .fitting import Fitted, factor_basis, fitted, refined_values
-from .frame import Frame
+from .frame import SLOWEST_OCTAVE, Frame
 from .moves import MOVES, resonances
 from .refining import CANDIDATES, FAR, REACH, Local, Move, pruned, refined
 from .state import State, alike
