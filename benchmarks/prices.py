@@ -27,12 +27,11 @@ import numpy as np
 
 import allanite as al
 from allanite.identification.likelihood.spectrum import spectrum
-from allanite.identification.search import bias_moves, factor_moves, moves, search
+from allanite.identification.search import moves, search
 from allanite.identification.search.components import CLAIMED, FACTORS, ODDS, cost_of
 from allanite.identification.search.fitting import Fitted, fitted
 from allanite.identification.search.frame import Frame, frame_of
-from allanite.identification.search.local import Local, Move
-from allanite.identification.search.refining import pruned, refined, resized
+from allanite.identification.search.refining import Local, Move, pruned, refined, resized
 from allanite.identification.search.state import State
 from prices_table import claims_rows, gains_rows, nulls_rows, weights_rows
 from search_cells import BEHIND, CLEAN, FOG, MEMS, RATE, SETTLING, Made, Maker, lines_of, plain, sim
@@ -40,8 +39,8 @@ from search_cells import BEHIND, CLEAN, FOG, MEMS, RATE, SETTLING, Made, Maker, 
 SYMBOLS = ("Q", "N", "B", "K", "R")
 ROWS: dict[str, tuple[Move, str]] = {
     "noise": (moves.markov, ""), "filter": (moves.filters, ""), "floor": (moves.floors, ""),
-    "resonance": (moves.resonances, ""), "step": (bias_moves.steps, ""), "warm-up": (bias_moves.warm_ups, ""),
-    "exponent": (moves.exponents, ""), **{f"factor: {kind}": (factor_moves.factors, kind) for kind in FACTORS},
+    "resonance": (moves.resonances, ""), "step": (moves.steps, ""), "warm-up": (moves.warm_ups, ""),
+    "exponent": (moves.exponents, ""), **{f"factor: {kind}": (search.factors, kind) for kind in FACTORS},
 }  # fmt: skip
 """Rows of the table of components by what is listed, how they are added, and the kind of a factor."""
 
@@ -113,7 +112,7 @@ def grown(frame: Frame, base: Fitted, name: str, move: Move) -> list[Fitted]:
     more = [f for f in tries if len(f.state.parts) == count and len(f.state.of(name)) > len(base.state.of(name))]
     for _ in range(TUNED.get(name, 0) if more else 0):
         best = min(more, key=lambda f: f.score)
-        change = bias_moves.warm_ups if name == "warm-up" else moves.exchanged
+        change = moves.warm_ups if name == "warm-up" else moves.exchanged
         more += [pruned(refined(fitted(frame, s))) for s in change(Local(best))]
     return more
 

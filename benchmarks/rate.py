@@ -30,7 +30,7 @@ from allanite.applications.constant_rate import (
 )
 from allanite.applications.constant_rate.row import TARGETS
 from allanite.applications.constant_rate.run import task_of
-from allanite.simulation.ring_laser import GL1
+from allanite.simulation.record import GL1
 from allanite.statistics.moments.gls import autocovariance
 
 ARCSEC = math.pi / 180 / 3600

@@ -46,7 +46,7 @@ from .exporting.export import export as export
 from .exporting.imported import read_noise as read_noise
 from .identification import identify as identify
 from .identification.checks.residuals import residuals as residuals
-from .identification.checks.shared import shared as shared
+from .identification.checks.whitening import shared as shared
 from .identification.checks.whitening import whitened as whitened
 from .planning.bound import bound as bound
 from .planning.datasheets import sensor as sensor
@@ -64,10 +64,10 @@ from .statistics.dynamic import dynamic as dynamic
 from .statistics.readings import averaging_stability as averaging_stability
 from .statistics.readings import minimum as minimum
 from .statistics.readings import readings as readings
-from .statistics.spectra.from_spectrum import deviation_of_spectrum as deviation_of_spectrum
-from .statistics.spectra.multitaper import Multitaper as Multitaper
+from .statistics.spectra.estimators import Multitaper as Multitaper
+from .statistics.spectra.estimators import Welch as Welch
+from .statistics.spectra.spectrum import deviation_of_spectrum as deviation_of_spectrum
 from .statistics.spectra.spectrum import spectrum as spectrum
-from .statistics.spectra.welch import Welch as Welch
 from .stream.accumulator import Accumulator as Accumulator
 from .study.analysis import analyze as analyze
 from .study.curves import deviation as deviation

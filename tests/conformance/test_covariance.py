@@ -15,8 +15,8 @@ import allanite as al
 from allanite.statistics import covariance
 from allanite.statistics.moments import profile
 from allanite.statistics.moments.moments import by_term, covariance_by_term
-from allanite.statistics.moments.pairs import Pairs, WindowPair
 from allanite.statistics.moments.profile import crossed
+from allanite.statistics.moments.windowed import Pairs, WindowPair
 
 MIXTURES = [
     {"Q": 1.0}, {"N": 1.0}, {"B": 1.0}, {"K": 1.0}, {"Q": 2.0, "N": 1.0, "B": 0.3, "K": 0.1, "R": 3e-3},

@@ -18,8 +18,9 @@ def names(target):
     return [node.id for node in ast.walk(target) if isinstance(node, ast.Name)]
 
 
-def constants(tree):
-    """The numeric constants of a module, with the statement after each."""
+def constants(text):
+    """The numeric constants of a module, and whether each is said: by a comment on its line or a text below it."""
+    tree, lines = ast.parse(text), text.splitlines()
     for statement, after in zip(tree.body, [*tree.body[1:], None], strict=True):
         if isinstance(statement, ast.Assign):
             bound, value = [name for target in statement.targets for name in names(target)], statement.value
@@ -28,7 +29,7 @@ def constants(tree):
         else:
             continue
         if value is not None and all(name.isupper() for name in bound) and numeric(value):
-            yield ", ".join(bound), after
+            yield ", ".join(bound), is_said(after) or "  # " in lines[statement.end_lineno - 1]
 
 
 def is_said(after):
@@ -36,15 +37,15 @@ def is_said(after):
 
 
 def test_a_number_without_a_word_is_noticed():
-    tree = ast.parse('LOW = 2.0\nHIGH = 3\n"""Hz, at most."""\nROW = NAMES\nA, B = 1, 2\n')
-    assert {name: is_said(after) for name, after in constants(tree)} == {"LOW": False, "HIGH": True, "A, B": False}
+    text = 'LOW = 2.0\nHIGH = 3\n"""Hz, at most."""\nROW = NAMES\nA, B = 1, 2\nSIDE = 4  # Hz, at most\n'
+    assert dict(constants(text)) == {"LOW": False, "HIGH": True, "A, B": False, "SIDE": True}
 
 
 @rows("path", sorted(SEARCH.glob("*.py")), ids=lambda path: path.stem)
 def test_every_number_says_what_it_bounds(path):
-    silent = [name for name, after in constants(ast.parse(path.read_text(encoding="utf-8"))) if not is_said(after)]
-    assert silent == [], "say below each what it bounds, its unit and its source"
+    silent = [name for name, is_clear in constants(path.read_text("utf-8")) if not is_clear]
+    assert silent == [], "say of each what it bounds, its unit and its source"
 
 
 def test_there_are_numbers():
-    assert sum(1 for path in SEARCH.glob("*.py") for _ in constants(ast.parse(path.read_text("utf-8")))) > 30
+    assert sum(1 for path in SEARCH.glob("*.py") for _ in constants(path.read_text("utf-8"))) > 30

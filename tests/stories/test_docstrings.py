@@ -28,6 +28,16 @@ def test_examples(name):
     assert (failed, tried > 0) == (0, True)
 
 
+INTERNAL = re.split(r"(?m)^(allanite\..*)$", Path(__file__).with_name("internal_examples.txt").read_text("utf-8"))[1:]
+
+
+@rows("name, text", zip(INTERNAL[::2], INTERNAL[1::2], strict=True))
+def test_examples_of_internal_functions(name, text):
+    namespace = vars(importlib.import_module(name)) | {"np": importlib.import_module("numpy")}
+    example = doctest.DocTestParser().get_doctest(text, namespace, name, None, None)
+    assert doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(example).failed == 0
+
+
 def public(place):
     return {name: getattr(place, name) for name in dir(place) if not name.startswith("_")}
 

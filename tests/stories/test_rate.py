@@ -14,7 +14,7 @@ import allanite as al
 from allanite.cli import main
 from allanite.core.syntax import toml
 from allanite.reporting import table
-from allanite.simulation.ring_laser import GL1
+from allanite.simulation.record import GL1
 
 HOW = ("--rate", "400", "--unit", "arcsec", "--kind", "count", "--scale", "0.32795")
 NOISE = ("--noise", "N 0.000292 deg/sqrt(h), Q 0.2545 arcsec")

@@ -13,8 +13,7 @@ from typing import Any, NamedTuple, Protocol
 from allanite.core.errors import UsageError, demand_extra
 from allanite.parallel.processes import ANSWER, EndedError, Process, later, ready_context
 
-Plain = dict[str, Any]
-"""Plain data: what JSON can hold."""
+Plain = dict[str, Any]  # plain data: what JSON can hold
 
 Task = Callable[[Plain], Plain]
 """A function of a module, which another process can import; it raises only what is a defect."""
@@ -111,8 +110,7 @@ def _serve(connection: Connection, task: Task) -> None:
         connection.send((ANSWER, attempt(task, connection.recv())))
 
 
-PATIENCE = 10
-"""Seconds in which a scheduler must answer, and in which it must have a worker."""
+PATIENCE = 10  # seconds in which a scheduler must answer, and in which it must have a worker
 
 SAME = ("python", "allanite", "numpy", "scipy", "numba")
 """What the numbers depend on: its version must be the same on all workers."""

@@ -124,11 +124,9 @@ def _checked(study: Study, claims: dict[float, ClaimedNoise], bound: bool, toler
 
 
 def _bounds(study: Study, claims: dict[float, ClaimedNoise], alpha: float, tolerance: float) -> Iterator[CheckedTerm]:
-    """The rows of all channels whose noise is claimed to be at most this, channel by channel.
-
-    A configuration and a model claim all noise, so that no deviation may exceed theirs; data sheets and limits say
-    nothing of terms that they do not have.
-    """
+    """The rows of all channels whose noise is claimed to be at most this, channel by channel."""
+    # A configuration and a model claim all noise, so that no deviation may exceed theirs; data sheets and limits say
+    # nothing of terms that they do not have.
     whole = next(iter(claims.values())).kind not in KINDS
     limits = [(c, claims[c.record.rate].limits_of(c.record.name, c.record.signal)) for c in study]
     each = alpha / max(sum(len(own) + whole for _, own in limits if own), 1)

@@ -63,11 +63,7 @@ class ClaimedSetting(Value):
 
 
 def settings_in(text: str) -> tuple[tuple[ClaimedSetting, ...], str]:
-    """The settings among the parts of a text, which commas and semicolons separate, and the text without them.
-
-    >>> settings_in("N 0.3 deg/sqrt(h), lowpass 42 Hz; 100 ug/sqrt(Hz)")
-    ((<ClaimedSetting lowpass 42 Hz>,), 'N 0.3 deg/sqrt(h); 100 ug/sqrt(Hz)')
-    """
+    """The settings among the parts of a text, which commas and semicolons separate, and the text without them."""
     settings, groups = list[ClaimedSetting](), []
     for group in text.split(";"):
         kept = []

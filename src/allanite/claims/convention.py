@@ -109,13 +109,7 @@ CONVENTIONS = (
 
 
 def explaining(low: float, high: float, place: Place) -> list[tuple[str, Convention]]:
-    """The conventions whose factor lies within limits, the nearest to their middle first, each after its formula.
-
-    >>> [name for name, _ in explaining(1.40, 1.43, Place("N", 1e-4, 100.0))]
-    ['sqrt(2)']
-    >>> [name for name, _ in explaining(0.09, 0.11, Place("N", 1e-4, 100.0))]
-    ['1/sqrt(rate)', '1/9.81']
-    """
+    """The conventions whose factor lies within limits, the nearest to their middle first, each after its formula."""
     fitting = list[tuple[float, str, Convention]]()
     for row in CONVENTIONS:
         if place.symbol not in row.symbols and (row.symbols or place.symbol == "T"):
@@ -137,16 +131,8 @@ def _distance(value: float, low: float, high: float) -> float:
 
 
 def pooled(limits: Sequence[tuple[float, float]]) -> tuple[float, float]:
-    """Limits of one factor of several axes, from those of each; their weights are the widths of the logarithms.
-
-    Where the axes do not agree the limits are empty: low above high.
-
-    >>> low, high = pooled([(1.0, 4.0), (1.0, 4.0)])
-    >>> round(low, 3), round(high, 3)
-    (1.225, 3.265)
-    >>> pooled([(1.0, 1.1), (2.0, 2.2)])
-    (2.0, 1.1)
-    """
+    """Limits of one factor of several axes, from those of each; their weights are the widths of the logarithms."""
+    # Where the axes do not agree the limits are empty: low above high.
     inner = max(low for low, _ in limits), min(high for _, high in limits)
     known = all(low > 0 and math.isfinite(high) for low, high in limits)
     if len(limits) == 1 or inner[0] >= inner[1] or not known:

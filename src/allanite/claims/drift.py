@@ -64,11 +64,9 @@ class DriftAxis(Value):
 
 @dataclass(frozen=True, eq=False)
 class DriftShare:
-    """Variance of a quantity from one cause at each time, SI, with its limits; NaN if there are none.
+    """Variance of a quantity from one cause at each time, SI, with its limits; NaN if there are none."""
 
-    `channels` are the axes whose it is, one for each time; `cause` is that of the last time.
-    """
-
+    # `channels` are the axes whose it is, one for each time; `cause` is that of the last time.
     sensor: str
     channels: tuple[str, ...]
     cause: DriftCause
@@ -91,10 +89,8 @@ class _AxisDrift:
         return np.array([[not cause.limit] for cause in self.causes], dtype=np.float64)
 
     def squares(self, end: str) -> FloatArray:
-        """Square of how far a limit of the variance is from it: of the limits of its terms, with their correlation.
-
-        The method of variance estimates recovery (G. Y. Zou and A. Donner, Statistics in Medicine 27 (2008) 1693).
-        """
+        """Square of how far a limit of the variance is from it: of the limits of its terms, with their correlation."""
+        # The method of variance estimates recovery (G. Y. Zou and A. Donner, Statistics in Medicine 27 (2008) 1693).
         terms = [i for i, cause in enumerate(self.causes) if cause.term is not None and not cause.limit]
         size = np.array([[getattr(self.causes[i], end) ** 2 - 1] for i in terms]).reshape(-1, 1)
         off = np.nan_to_num(size) * self.variance[terms]
@@ -104,12 +100,10 @@ class _AxisDrift:
 
 @dataclass(frozen=True, eq=False)
 class WorstAxis:
-    """Of each time the axis of a sensor that drifts most.
+    """Of each time the axis of a sensor that drifts most."""
 
-    `below` and `above` are the squares of the distances of the limits of the variance from it; `most` is the largest
-    upper limit of any axis, with the terms that were not identified at theirs.
-    """
-
+    # `below` and `above` are the squares of the distances of the limits of the variance from it; `most` is the largest
+    # upper limit of any axis, with the terms that were not identified at theirs.
     shares: tuple[DriftShare, ...]
     below: FloatArray
     above: FloatArray
@@ -181,11 +175,9 @@ class DriftCourse:
 
 @dataclass(frozen=True, eq=False)
 class AllowedTerm:
-    """The coefficient with which a required drift is just kept, SI: alone, and with an equal share of the variance.
+    """The coefficient with which a required drift is just kept, SI: alone, and with an equal share of the variance."""
 
-    `found` is that of the worst axis; None if it is unknown.
-    """
-
+    # `found` is that of the worst axis; None if it is unknown.
     sensor: str
     name: str
     signal: Signal

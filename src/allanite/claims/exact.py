@@ -40,12 +40,10 @@ RAMP = next(s for s, row in TERMS.items() if row.automatic and row.waveform is n
 
 @dataclass(frozen=True, eq=False)
 class Form:
-    """The likelihood of squared coefficients, SI, of one record; each column has its term.
+    """The likelihood of squared coefficients, SI, of one record; each column has its term."""
 
-    The first columns are the terms that are claimed, with their coefficients; then come those that may be beside them
-    (`BESIDE`), the first claimed term with a time constant, for other time constants, and a ramp, if none is claimed.
-    """
-
+    # The first columns are the terms that are claimed, with their coefficients; then come those that may be beside them
+    # (`BESIDE`), the first claimed term with a time constant, for other time constants, and a ramp, if none is claimed.
     terms: tuple[Term, ...]
     likelihood: Likelihood
     claimed: int
@@ -72,10 +70,8 @@ class Form:
         return best, low, high
 
     def beside(self, held: Sequence[int], alpha: float) -> tuple[int, ...]:
-        """Columns of noise that is there beside the columns `held`, with a chance of alpha that one is found falsely.
-
-        A coefficient is not negative, so that its gain in 2 L is zero for half of all records without it.
-        """
+        """Columns of noise that is there beside the columns `held`, with a chance of alpha of a false one."""
+        # A coefficient is not negative, so that its gain in 2 L is zero for half of all records without it.
         others = [i for i in range(self.claimed, len(self.terms)) if not self.terms[i].shape]
         beside, value = tuple[int, ...](), self.having(held).value
         for count in range(1, len(others) + 1):
@@ -120,10 +116,8 @@ def form_of(record: Record, model: Model, fit: Fit, times: FloatArray) -> Form:
 
 
 def _with_ramp(part: Likelihood, bins: BinnedSpectrum, term: Term) -> Likelihood:
-    """A likelihood whose ramp, its last direction, has a size that is drawn at random: one more term beside the others.
-
-    Its squared coefficient, over that of `term`, then gains in 2 L as a random walk does, which may be in its place.
-    """
+    """A likelihood whose ramp, its last direction, has a size drawn at random: one more term beside the others."""
+    # Its squared coefficient, over that of `term`, then gains in 2 L as a random walk does, which may be in its place.
     ramp = np.arange(part.flat.size) == part.flat.size - 1
     slope = bins.slope * ramp  # what was subtracted before comes back
     squares = (part.UU @ slope) @ slope + 2 * part.Uc @ slope
@@ -136,10 +130,8 @@ def _with_ramp(part: Likelihood, bins: BinnedSpectrum, term: Term) -> Likelihood
 
 
 def time_excess(forms: Sequence[Form], which: int) -> tuple[FloatArray, FloatArray]:
-    """Time constants, s, and 2 L of several records at each, less its minimum: one that all have in common.
-
-    `which` is the column of the term with the claimed time constant, which is among them.
-    """
+    """Time constants, s, and 2 L of several records at each, less its minimum: one that all have in common."""
+    # `which` is the column of the term with the claimed time constant, which is among them.
     columns = [which, *(i for i in range(forms[0].claimed, len(forms[0].terms)) if forms[0].terms[i].shape)]
     times = np.array([forms[0].terms[i].shape[0] for i in columns])
     others = [i for i in range(forms[0].claimed) if i != which]
@@ -323,10 +315,8 @@ def curve_row(
     channel: Channel, claimed: Model, supposed: Model | Fit, alpha: float, judge: Callable[[float, float], str], *,
     settled: float = 0.0,
 ) -> CheckedTerm:  # fmt: skip
-    """The Allan deviation where it is farthest from the claimed one, all octaves from the time `settled` on considered.
-
-    Its intervals are those under the noise that is `supposed`; `judge` says what limits of the ratio mean.
-    """
+    """The Allan deviation where it is farthest from the claimed one, at octaves from the time `settled` on."""
+    # Its intervals are those under the noise that is `supposed`; `judge` says what limits of the ratio mean.
     record = channel.record
     assert isinstance(record, Record)  # noqa: S101 - the callers have looked
     curve = deviation(record, "oadev", taus="octave", noise=supposed)

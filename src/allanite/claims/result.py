@@ -16,7 +16,7 @@ from allanite.core.model import Model
 from allanite.core.plain import Value
 from allanite.core.units import Signal, unit_of
 from allanite.phrases.phrase import join, say, say_count
-from allanite.statistics.moments.expect import expected
+from allanite.statistics.moments.moments import expected
 from allanite.study.results import Channel, Study
 
 from .claim import ClaimedNoise

@@ -19,7 +19,7 @@ from .streams import show
 
 if TYPE_CHECKING:
     from allanite.applications.angle import AngleSettings, Gimbals, Harmonics
-    from allanite.readers.columns.sheet import FileSheet
+    from allanite.readers.formats.text import FileSheet
 
 DEGREE, ARCSEC = math.pi / 180, math.pi / 648_000
 
@@ -235,7 +235,7 @@ def calibrate(file: str, **choices: Any) -> None:
     """Calibrate an encoder against a reference."""
     out = outputs(choices, [file, choices["recipe"]], also=("corrected",))
     from allanite.applications.angle import calibrate as run
-    from allanite.readers.columns.sheet import sheet
+    from allanite.readers.formats.text import sheet
 
     data, name = sheet(file), choices["measured"]
     a, b = (data.values(choices[key], "rad", given=choices["unit"]) for key in ("measured", "reference"))
@@ -273,7 +273,7 @@ def estimate(file: str, **choices: Any) -> None:
     out = outputs(choices, [file, choices["recipe"]], also=("corrected",))
     from allanite.applications.angle import estimate as run
     from allanite.applications.angle.harmonics import USUAL
-    from allanite.readers.columns.sheet import sheet
+    from allanite.readers.formats.text import sheet
 
     data = sheet(file)
     gimbals, prior = _gimbals(data, choices), choices["prior"]

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     Fault = Callable[[Record, str, np.random.Generator, dict[str, Any]], Record]
     from allanite.core.model import Model
     from allanite.core.record import Recording
-    from allanite.simulation.ring_laser import RingLaser
+    from allanite.simulation.record import RingLaser
 
 
 def _quantities(text: str, option: str, example: str, *, defaults: tuple[float, ...] = ()) -> list[tuple[float, str]]:
@@ -188,8 +188,7 @@ def simulate(**choices: Any) -> None:
     demand_recording(path)
     from allanite.core.aliases import size_and_rate
     from allanite.core.errors import UsageError
-    from allanite.simulation.record import Simulation
-    from allanite.simulation.ring_laser import RING_LASERS
+    from allanite.simulation.record import RING_LASERS, Simulation
     from allanite.study.modelled import NoiseSettings, ways
 
     model = NoiseSettings(choices["model"], choices["sensor"], choices["datasheet"]).given()
@@ -239,7 +238,7 @@ def _counts(laser: "RingLaser", n: int, choices: dict[str, Any]) -> "Recording":
 
     from allanite.core.errors import UsageError
     from allanite.core.record import Recording
-    from allanite.simulation.ring_laser import simulate_ring_laser
+    from allanite.simulation.record import simulate_ring_laser
 
     extra = [key for key, value in choices.items() if value and key not in COUNTING]
     if extra:

@@ -140,11 +140,7 @@ def alpha_of(level: float) -> float:
 
 
 def holm(p: list[float]) -> list[float]:
-    """P-values adjusted for their number (S. Holm, Scandinavian J. Statistics 6 (1979) 65).
-
-    >>> holm([0.01, 0.04, 0.03])
-    [0.03, 0.06, 0.06]
-    """
+    """P-values adjusted for their number (S. Holm, Scandinavian J. Statistics 6 (1979) 65)."""
     adjusted, least = [0.0] * len(p), 0.0
     for rank, i in enumerate(sorted(range(len(p)), key=lambda i: p[i])):
         least = max(least, min(1.0, (len(p) - rank) * p[i]))
@@ -186,8 +182,7 @@ def told(change: Change) -> str:
 
 
 Compared = TypeVar("Compared", bound="ComparedChannel")
-OfTerm = TypeVar("OfTerm", bound=Any)
-"""A result for one coefficient: it has a symbol."""
+OfTerm = TypeVar("OfTerm", bound=Any)  # a result for one coefficient: it has a symbol
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -1,14 +1,6 @@
-r"""Likelihoods of several records: one common model against a model for each, and a coefficient against its like.
+"""Likelihoods of several records: one common model against a model for each, and a coefficient against its like."""
 
-The records are independent, so that their likelihoods multiply. Every hypothesis is one `Likelihood` whose columns are
-those of the parts, mixed: with theta_j = H_j theta the squared coefficients of part j, S = [S_1 H_1; S_2 H_2; ...].
-
-    H_j = 1                          one common model
-    H_1 = (cos^2 phi, 1, 0), ...     one coefficient of the second record is tan(phi) times that of the first
-
-Twice the difference of log-likelihoods is the test. Coefficients end at zero, and some stand on few powers, so that it
-is no plain chi-square: its law is drawn, from the common model and the binned powers (a parametric bootstrap).
-"""
+# Derivation: docs/derivations.md.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -68,11 +60,9 @@ def least(parts: Sequence[Likelihood], start: FloatArray | None = None) -> tuple
 
 
 def drawn(part: Likelihood, theta: FloatArray, rng: "np.random.Generator") -> Likelihood:
-    """The same likelihood for powers drawn at random under a model.
-
-    In each bin the coefficients have as many components along the directions as these span (F F' = UU), and the rest of
-    the count beside them.
-    """
+    """The same likelihood for powers drawn at random under a model."""
+    # In each bin the coefficients have as many components along the directions as these span (F F' = UU), and the rest
+    # of the count beside them.
     m = part.expectation(theta)
     value, vector = np.linalg.eigh(part.UU)
     spanned = value > RANK * np.maximum(value.max(axis=1, initial=0.0), 1e-300)[:, None]
@@ -194,10 +184,8 @@ def part_of(
 def common_band(
     records: Sequence[Record], band: tuple[float, float] | None = None, scopes: Sequence[Scope | None] = ()
 ) -> tuple[float, float]:
-    """The frequencies that all records have, Hz, within a band if one is given, and where the models hold.
-
-    For a filtered record those that the filter hardly changes: how well its cut-off is known plays no part there.
-    """
+    """The frequencies that all records have, Hz, within a band if one is given, and where the models hold."""
+    # For a filtered record those that the filter hardly changes: how well its cut-off is known plays no part there.
     low, high = max(1 / (2 * r.duration) for r in records), min(r.rate / 2 for r in records)
     for scope in filter(None, scopes):
         low, high = max(low, scope.band[0]), min(high, scope.band[1])

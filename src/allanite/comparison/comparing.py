@@ -97,10 +97,8 @@ def compare_channels(
     source: Source, recipe: Recipe | None = None, *, rng: "np.random.Generator | None" = None,
     progress: Progress | None = None,
 ) -> Comparison | Pool:  # fmt: skip
-    """The channels of one recording, held against each other: a comparison of two, a pool of more.
-
-    Parameters, errors and result are those of `compare` and `pool`.
-    """
+    """The channels of one recording, held against each other: a comparison of two, a pool of more."""
+    # Parameters, errors and result are those of `compare` and `pool`.
     recipe = _ready(recipe)
     recording = open_source(source, recipe, progress)
     if len(recording) == 1:

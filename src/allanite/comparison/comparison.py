@@ -69,10 +69,8 @@ class Ratios(Value):
         return super().to_dict(level) | {"low": plain(low), "high": plain(high), "level": level}
 
     def apart(self, alpha: float) -> tuple[int, float] | None:
-        """The averaging time at which the curves differ most, and its p; None above alpha.
-
-        The p is adjusted for the number of times (Holm), and for a second look at records that were compared already.
-        """
+        """The averaging time at which the curves differ most, and its p; None above alpha."""
+        # The p is adjusted for the number of times (Holm), and for a second look at records that were compared already.
         adjusted = [min(1.0, SECOND * p) for p in holm(self.p.tolist())]
         least = min(range(len(adjusted)), key=lambda i: (adjusted[i], self.p[i]))
         return (least, adjusted[least]) if adjusted[least] <= alpha else None

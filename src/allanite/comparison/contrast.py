@@ -28,10 +28,8 @@ CLEAR = 1e-4  # a p by chi-square below which nothing is drawn
 
 
 def homogeneity(joint: Joint, rng: "np.random.Generator") -> Homogeneity:
-    """Test of one common model against a model for each record, of the terms that the common model holds.
-
-    A sequential Monte Carlo p-value (J. Besag, P. Clifford, Biometrika 78 (1991) 301).
-    """
+    """Test of one common model against a model for each record, of the terms that the common model holds."""
+    # A sequential Monte Carlo p-value (J. Besag, P. Clifford, Biometrika 78 (1991) 301).
     parts = joint.only(joint.chosen.free)
     theta = joint.chosen.theta[joint.chosen.free]
     statistic = gain(parts, theta)
@@ -65,11 +63,9 @@ def chi_square(value: float, dof: int) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Contrast(Portable):
-    """One coefficient of two records, the other terms of each being free.
+    """One coefficient of two records, the other terms of each being free."""
 
-    Their ratio is tan(phi): 0 where the second record has none of it, infinite where the first has none.
-    """
-
+    # Their ratio is tan(phi): 0 where the second record has none of it, infinite where the first has none.
     joint: Joint
     which: int
 
@@ -181,10 +177,8 @@ def mixed(apart: BoolArray, count: int) -> list[FloatArray]:
 
 
 def partly_common(joint: Joint, apart: Collection[str]) -> list[dict[str, float]]:
-    """Coefficients of each record, SI, every term let in: only those of the symbols `apart` differ between records.
-
-    A weak term is better known from all records together than from each.
-    """
+    """Coefficients of each record, SI, every term let in: only those of the symbols `apart` differ between records."""
+    # A weak term is better known from all records together than from each.
     maps = mixed(np.array([s in apart for s in joint.symbols]), len(joint.parts))
     together = tied(joint.parts, maps)
     theta, _ = together.minimise(np.ones(together.S.shape[1], dtype=bool))
@@ -193,13 +187,11 @@ def partly_common(joint: Joint, apart: Collection[str]) -> list[dict[str, float]
 
 @dataclass(frozen=True, eq=False)
 class IntervalContrast:
-    """A coefficient of one fit against that of another, independent one.
+    """A coefficient of one fit against that of another, independent one."""
 
-    The limits recover a variance on either side from each interval, on the scale of logarithms, where the intervals of
-    coefficients above zero are nearly symmetric (A. Donner, G. Y. Zou, Statistical Methods in Medical Research 21
-    (2012) 347).
-    """
-
+    # The limits recover a variance on either side from each interval, on the scale of logarithms, where the intervals
+    # of coefficients above zero are nearly symmetric (A. Donner, G. Y. Zou, Statistical Methods in Medical Research 21
+    # (2012) 347).
     first: Estimate
     second: Estimate
 

@@ -283,12 +283,9 @@ class PooledLaw:
 
 
 def bartlett(variance: FloatArray, edf: FloatArray) -> FloatArray:
-    """Probability that variances of shape (runs, k) with these degrees of freedom differ as much by chance, shape (k,).
+    """Probability that variances, shape (runs, k), with these degrees of freedom differ as much by chance, shape (k,).
 
     M. S. Bartlett, Proc. Royal Society A 160 (1937) 268.
-
-    >>> bartlett(np.array([[1.0], [1.0], [1.0]]), np.full((3, 1), 9.0)).tolist()
-    [1.0]
     """
     from scipy.special import chdtrc
 

@@ -19,11 +19,9 @@ from .common_likelihood import Joint
 
 
 def ramp_law(joint: Joint, i: int) -> NormalMixture | None:
-    """The ramp of record i of several, SI; None where the band leaves nothing of it.
-
-    A normal law for each strength of the noise of the longest memory, which is known from a few powers only: averaging
-    over it gives the wide tails of Student's t.
-    """
+    """The ramp of record i of several, SI; None where the band leaves nothing of it."""
+    # A normal law for each strength of the noise of the longest memory, which is known from a few powers only:
+    # averaging over it gives the wide tails of Student's t.
     part, spectrum = joint.parts[i], joint.spectra[i]
     if not part.flat.any():
         return None
@@ -54,10 +52,8 @@ class RampContrast:
         return self.second.minus(self.first).p
 
     def limits(self, level: float) -> tuple[float, float]:
-        """Limits of the ratio: what the second less ratio times the first leaves near zero (E. C. Fieller, 1954).
-
-        From minus to plus infinity where the first ramp itself is not distinguished from zero.
-        """
+        """Limits of the ratio: what the second less ratio times the first leaves near zero (E. C. Fieller, 1954)."""
+        # From minus to plus infinity where the first ramp itself is not distinguished from zero.
         if self.first.p >= 1 - level:
             return -math.inf, math.inf
         # where the mean is, the median need not be: each end is sought on both sides of it
@@ -182,10 +178,8 @@ class LineContrast:
 
 
 def line_contrasts(records: Sequence[Record], fits: Sequence[Fit]) -> Iterator[LineContrast]:
-    """The sinusoids of two records, each looked for in the other.
-
-    One that lies beyond the frequencies of the other record is omitted.
-    """
+    """The sinusoids of two records, each looked for in the other."""
+    # One that lies beyond the frequencies of the other record is omitted.
     width = WIDTH / min(record.duration for record in records)
     frequencies = sorted(line.frequency for fit in fits for line in fit.lines)
     apart = [f for i, f in enumerate(frequencies) if not i or f - frequencies[i - 1] > width]

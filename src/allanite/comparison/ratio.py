@@ -1,12 +1,4 @@
-"""The ratio of two records' variances: its law, and the averaging times that both have.
-
-With A and B the laws of the two variances over their expectations, independent,
-
-    P(B / A < x) = P(B - x A < 0)
-
-and B - x A is a weighted sum of chi-squares of both signs, whose probability the saddlepoint gives as that of one
-variance. With many degrees of freedom it is Fisher's F.
-"""
+"""The ratio of two records' variances: its law, and the averaging times that both have (docs/derivations.md)."""
 
 import math
 from collections.abc import Sequence

@@ -31,11 +31,9 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True, eq=False)
 class SourceSet:
-    """Recordings that are taken together.
+    """Recordings that are taken together."""
 
-    `names` say what is compared, `channels` which records belong together, `notes` what was assumed in pairing them.
-    """
-
+    # `names` say what is compared, `channels` which records belong together, `notes` what was assumed in pairing them.
     recordings: tuple[Recording, ...]
     names: tuple[str, ...]
     channels: Sequence[tuple[str, tuple[Record, ...]]]
@@ -64,10 +62,8 @@ def run_sources(
     doing: str = "comparing",
     progress: Progress | None = None,
 ) -> Result:
-    """Do the work on each channel of several recordings, as `allanite.study.channels.run` on those of one.
-
-    `kind` makes the result of the fields of `Together`.
-    """
+    """Do the work on each channel of several recordings, as `allanite.study.channels.run` on those of one."""
+    # `kind` makes the result of the fields of `Together`.
     return run_together(
         partial(kind, names=sources.names), sources.recordings, recipe, work, refused, channels=sources.channels,
         findings=sources.findings, notes=sources.notes, doing=doing, progress=progress,
@@ -163,11 +159,9 @@ def name_both(*records: Any) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Joined:
-    """The joint likelihood of records, the noise of each, and what was done to them.
+    """The joint likelihood of records, the noise of each, and what was done to them."""
 
-    `records` are without their outliers.
-    """
-
+    # `records` are without their outliers.
     joint: Joint
     noises: tuple[Noise, ...]
     notes: tuple[str, ...]
@@ -201,11 +195,9 @@ class Joined:
 
 
 def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
-    """The joint likelihood of records of one kind of sensor.
-
-    Outliers are omitted, and sinusoids removed as the fits found them. Where one record has a term with a shape it is
-    asked of all, and compared with one shape.
-    """
+    """The joint likelihood of records of one kind of sensor."""
+    # Outliers are omitted, and sinusoids removed as the fits found them. Where one record has a term with a shape it is
+    # asked of all, and compared with one shape.
     demand_one_kind(records)
     _demand_different(records)
     notes: list[str] = []

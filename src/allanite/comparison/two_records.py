@@ -44,15 +44,12 @@ BLOCKS = (1, 8, 64, 512)
 raw and smoothed ones, are seen in the longer ones.
 """
 
-MEANS = 100
-"""Means that there must be: of so few independent ones, no correlation reaches `ALIKE`."""
+MEANS = 100  # means that there must be: of so few independent ones, no correlation reaches `ALIKE`
 
 
 def resemblance(records: tuple[Record, Record]) -> float:
-    """Largest correlation of the steps of two records' means; 0 where they are not sample by sample.
-
-    Steps, because levels correlate by chance: two random walks often do, two ramps always.
-    """
+    """Largest correlation of the steps of two records' means; 0 where they are not sample by sample."""
+    # Steps, because levels correlate by chance: two random walks often do, two ramps always.
     if records[0].size != records[1].size or records[0].rate != records[1].rate:
         return 0.0
     first, second = _together(records)
@@ -179,10 +176,8 @@ def compare_records(channel: Inspected, recipe: Recipe, rng: "np.random.Generato
 
 
 def law_models(both: Joint, fits: tuple[Fit, Fit], changes: Sequence[Change]) -> list[Model]:
-    """What is supposed of each record for the law of the ratio: coefficients that are not distinguished are common.
-
-    What scatters at the longest averaging times is hardly seen by one record alone.
-    """
+    """What is supposed of each record for the law of the ratio: coefficients that are not distinguished are common."""
+    # What scatters at the longest averaging times is hardly seen by one record alone.
     apart = [change.symbol for change in changes if change.significant]
     models = []
     for fit, values in zip(fits, partly_common(both, apart), strict=True):
@@ -204,11 +199,9 @@ def ratios_of(
 
 
 def with_needed(changes: Sequence[Change], noise: Sequence[Term], rate: float, size: int) -> tuple[Change, ...]:
-    """The changes, those that are not resolved with the length at which a change by a factor of 2 would be.
-
-    The coefficient is taken to be as large as its upper limit: an estimate of what is not resolved may be anything down
-    to zero, and the length for it anything up to infinity.
-    """
+    """The changes, those that are not resolved with the length at which a change by a factor of 2 would be."""
+    # The coefficient is taken to be as large as its upper limit: an estimate of what is not resolved may be anything
+    # down to zero, and the length for it anything up to infinity.
     return tuple(
         replace(c, needed=_needed(c, noise, rate, size)) if c.outcome == "not resolvable" else c for c in changes
     )

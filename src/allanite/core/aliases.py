@@ -67,11 +67,7 @@ def constructed(cls: type[T]) -> type[T]:
 
 
 def generator(rng: "np.random.Generator | int | None") -> "np.random.Generator":
-    """The source of randomness, which may be given by its seed; None for another one each time.
-
-    >>> generator(1).integers(10)
-    np.int64(4)
-    """
+    """The source of randomness, which may be given by its seed; None for another one each time."""
     import numpy as np
 
     if rng is not None and not isinstance(rng, np.random.Generator) and rng < 0:

@@ -21,11 +21,7 @@ LARGEST = 1e30
 
 
 def complete(values: NDArray[Any]) -> bool:
-    """Whether all values are finite, by their sum, without an array of flags.
-
-    >>> complete(np.array([1.0, np.nan])), complete(np.array([np.inf, -np.inf])), complete(np.arange(3))
-    (False, False, True)
-    """
+    """Whether all values are finite, by their sum, without an array of flags."""
     if values.dtype.kind != "f":
         return True
     with np.errstate(over="ignore", invalid="ignore"):
@@ -33,11 +29,7 @@ def complete(values: NDArray[Any]) -> bool:
 
 
 def mean_and_deviation(values: FloatArray) -> tuple[float, float]:
-    """Mean and standard deviation of the finite values, of any size; NaN if there are none.
-
-    >>> mean_and_deviation(np.array([4e300, np.nan, 0.0]))
-    (2e+300, 2e+300)
-    """
+    """Mean and standard deviation of the finite values, of any size; NaN if there are none."""
     finite = values[np.isfinite(values)]
     if not finite.size:
         return np.nan, np.nan
@@ -47,11 +39,9 @@ def mean_and_deviation(values: FloatArray) -> tuple[float, float]:
 
 
 def samples(values: Any, unit: str, kind: str, name: str) -> NDArray[Any]:
-    """Contiguous float64, or int64 if the samples are integers or the kind is "count".
-
-    They are given as an array, a quantity of pint or astropy, which is converted to `unit`, or a column of pandas or
-    polars.
-    """
+    """Contiguous float64, or int64 if the samples are integers or the kind is "count"."""
+    # They are given as an array, a quantity of pint or astropy, which is converted to `unit`, or a column of pandas or
+    # polars.
     if hasattr(values, "to") and (hasattr(values, "magnitude") or hasattr(values, "to_value")):
         quantity = values.to(unit)
         values = quantity.magnitude if hasattr(quantity, "magnitude") else quantity.to_value()

@@ -20,16 +20,14 @@ LISTS = (*ONE, list, tuple)  # types of plain data that are one value, and that 
 
 @dataclass(frozen=True)
 class ChoiceKind:
-    """What the value of a choice is.
+    """What the value of a choice is."""
 
-    The help calls it `name` where there is no metavar. `read` makes it from text, or from the plain data of a file or a
-    request, which are of the types that it `takes`; `demand` checks a value of Python by the name of the choice. Each
-    refuses what is no such value; `form` is what is expected. It is entered as a `control` of the page: "text",
-    "number", "list", "band" or "flag". The option is repeated for each of `many` parts; `write` makes the text that is
-    read, if `written` does not. `alone` is the value of an option that is given without one, `measure` what the
-    documentation says of its unit in Python.
-    """
-
+    # The help calls it `name` where there is no metavar. `read` makes it from text, or from the plain data of a file or
+    # a request, which are of the types that it `takes`; `demand` checks a value of Python by the name of the choice.
+    # Each refuses what is no such value; `form` is what is expected. It is entered as a `control` of the page: "text",
+    # "number", "list", "band" or "flag". The option is repeated for each of `many` parts; `write` makes the text that
+    # is read, if `written` does not. `alone` is the value of an option that is given without one, `measure` what the
+    # documentation says of its unit in Python.
     name: str
     read: Callable[[Any], Any]
     demand: Callable[[str, Any], Any] = lambda name, value: value
@@ -58,11 +56,7 @@ SECONDS = " In s."
 
 
 def written(value: Any) -> str:
-    """A value as it is typed.
-
-    >>> written((100.0, 1e-3)), written(((1, 2.5),)), written({"N": (0.1, 10)}), written({"gyro": "deg/s"})
-    ('100,0.001', '1..2.5', 'N=0.1:10', 'gyro=deg/s')
-    """
+    """A value as it is typed."""
     if isinstance(value, Mapping):
         pairs = ((key, ":".join(map(written, v)) if isinstance(v, (list, tuple)) else v) for key, v in value.items())
         return ",".join(f"{key}={v}" for key, v in pairs)
@@ -327,15 +321,7 @@ def choice(metavar: str = "", help: str = "", *, default: Any = None, **columns:
 
 
 def choices_of(kind: type[Any]) -> dict[str, ChoiceRow]:
-    """The choices of a class by the name of their field.
-
-    >>> @dataclass
-    ... class Smoothing:
-    ...     window: float = choice("S", "Length of the mean.", default=60.0)
-    >>> row = choices_of(Smoothing)["window"]
-    >>> row.options, row.text, row.read("5"), row.words(5.0)
-    (('--window',), 'Length of the mean.  [default: 60]', 5.0, ['--window', '5'])
-    """
+    """The choices of a class by the name of their field."""
     return {
         f.name: replace(
             row, name=f.name, default=None if f.default is MISSING else f.default,

@@ -42,20 +42,12 @@ class _Public(dict[str, Any]):
 
 
 def misfit(value: Any, hint: Any) -> str:
-    """A phrase for the values of the type `hint` if the given one is none; empty if it is one.
-
-    >>> misfit(3, float), misfit("3", float | None), misfit([1, "2"], Sequence[int])
-    ('', 'a number or None', 'a sequence of integers')
-    """
+    """A phrase for the values of the type `hint` if the given one is none; empty if it is one."""
     return "" if _holds(value, hint) else _words(hint)
 
 
 def excess(name: str, value: Any, hint: Any) -> str:
-    """A sentence if the number is of a size that none of its name and type can have; else empty.
-
-    >>> excess("rate", 0.0, float | None), excess("m", 10**30, int), excess("m", 3, int)
-    ('the sampling rate must be between 1e-09 and 1e+15 Hz', 'm must be below 2^63', '')
-    """
+    """A sentence if the number is of a size that none of its name and type can have; else empty."""
     members = get_args(hint) or (hint,)
     if not isinstance(value, Real) or np.random.Generator in members or not {int, float} & set(members):
         return ""

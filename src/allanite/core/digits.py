@@ -44,15 +44,7 @@ class Digits:
 def digits(
     value: float, low: float = math.nan, high: float = math.nan, *, signed: bool = False, figures: int = 4
 ) -> Digits:
-    """Round a value and its limits alike, to two significant digits of the half width.
-
-    Examples
-    --------
-    >>> digits(0.310213, 0.30217, 0.318712)
-    Digits(value='0.3102', low='0.3022', high='0.3187', exponent=0)
-    >>> digits(9.0241e-5, 8.79e-5, 9.251e-5).plain()
-    ('9.02e-5', '8.79e-5 .. 9.25e-5')
-    """
+    """Round a value and its limits alike, to two significant digits of the half width."""
     if not math.isfinite(value):
         return Digits(f"{value}", "", "", 0)
     size = abs(value)

@@ -9,15 +9,8 @@ from .units import SIGNALS, Signal, signal_with, unit_of
 
 
 def shown_unit(signal: Signal, power: float, wanted: Sequence[str] = ()) -> str:
-    """The unit in which signal x time^power is shown: that of data sheets, or what the `wanted` units say.
-
-    A wanted unit of this very quantity is taken as it is; one of the signal itself is carried over.
-
-    >>> from .units import signal_named
-    >>> gyro = signal_named("gyro")
-    >>> shown_unit(gyro, 0.5), shown_unit(gyro, 0.5, ["deg/s"]), shown_unit(gyro, 0.5, ["rad/sqrt(s)"])
-    ('deg/sqrt(h)', 'deg/s/sqrt(Hz)', 'rad/sqrt(s)')
-    """
+    """The unit in which signal x time^power is shown: that of data sheets, or what the `wanted` units say."""
+    # A wanted unit of this very quantity is taken as it is; one of the signal itself is carried over.
     for unit in wanted:
         if signal_with(unit_of(unit).dimension, power, values=True) is signal:
             return unit
@@ -28,21 +21,13 @@ def shown_unit(signal: Signal, power: float, wanted: Sequence[str] = ()) -> str:
 
 
 def showing(unit: str) -> list[Signal]:
-    """The signals of which a coefficient has this unit.
-
-    >>> [signal.name for signal in showing("deg/s")], showing("deg^3")
-    (['gyro', 'angle'], [])
-    """
+    """The signals of which a coefficient has this unit."""
     dimension = unit_of(unit).dimension
     signals = (signal_with(dimension, power, values=True) for power in {row.power for row in TERMS.values()})
     return sorted(filter(None, signals), key=SIGNALS.index)
 
 
 def readable_unit(unit: str) -> str:
-    """The data-sheet unit for an SI unit; any other unit is unchanged.
-
-    >>> readable_unit("rad/s"), readable_unit("m/s^2"), readable_unit("deg/s")
-    ('deg/h', 'ug', 'deg/s')
-    """
+    """The data-sheet unit for an SI unit; any other unit is unchanged."""
     sheets = (signal.sheet[row.power] for signal in SIGNALS for row in TERMS.values() if signal.si[row.power] == unit)
     return next(sheets, unit)

@@ -23,13 +23,11 @@ NOT_FINITE = ("nan", "inf", "-inf")
 
 
 class Codec(NamedTuple):
-    """How values of one kind of type are written and read.
+    """How values of one kind of type are written and read."""
 
-    `write` takes the value, the arguments of the type and a confidence level, `read` the plain data and the arguments;
-    `holds` says whether a value, `written` whether plain data can be of this type, which distinguishes the members of a
-    union; `expected` are the words for such data, if they can be refused by what they are alone.
-    """
-
+    # `write` takes the value, the arguments of the type and a confidence level, `read` the plain data and the
+    # arguments; `holds` says whether a value, `written` whether plain data can be of this type, which distinguishes the
+    # members of a union; `expected` are the words for such data, if they can be refused by what they are alone.
     write: Callable[[Any, tuple[Any, ...], float], Any]
     read: Callable[[Any, tuple[Any, ...]], Any]
     holds: Callable[[Any], bool]

@@ -9,11 +9,8 @@ from typing import Any, Self
 
 from allanite.phrases.phrase import join
 
-SHOWN = 200
-"""Characters of a given text, and digits of a number, that a message shows."""
-
-_UNBROKEN = re.compile(r"\S{501,}")
-"""What is too long for the path of a file."""
+SHOWN = 200  # characters of a given text, and digits of a number, that a message shows
+_UNBROKEN = re.compile(r"\S{501,}")  # what is too long for the path of a file
 
 Cure = tuple[str, str]
 """Words that were typed, and what to type instead; if the first are empty, the second are added to the command."""

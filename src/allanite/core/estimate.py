@@ -25,14 +25,7 @@ from .units import Signal
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Averaged(Value):
-    """Models that are consistent with a record, each with its weight.
-
-    >>> from allanite import K, N
-    >>> quiet, drifting = N(0.1, "deg/sqrt(h)"), N(0.1, "deg/sqrt(h)") + K(1, "deg/h/sqrt(h)")
-    >>> both = averaged([quiet, drifting], [0.75, 0.25])
-    >>> print(both.model)
-    N = 0.1 deg/sqrt(h), K = 0.5 deg/h/sqrt(h)
-    """
+    """Models that are consistent with a record, each with its weight."""
 
     terms: Model  # every term that occurs in at least one of the models
     # shape (k, t); power of each term in each model over its power in `terms`; 0 where the model lacks it
@@ -81,10 +74,8 @@ def averaged(models: Sequence[ModelLike], weights: Sequence[float] | FloatArray)
 
 
 def noise_choice(value: ModelLike | Literal["auto"] | None) -> Averaged | Literal["auto"] | None:
-    """The noise assumed for confidence intervals: models, "auto" for the noise of the record, None for no intervals.
-
-    A model or a term is used as given; a fit represents all models that are consistent with its record.
-    """
+    """The noise assumed for confidence intervals: models, "auto" for the noise of the record, None for no intervals."""
+    # A model or a term is used as given; a fit represents all models that are consistent with its record.
     if value is None or (isinstance(value, str) and value == "auto"):
         return value
     if isinstance(value, str):

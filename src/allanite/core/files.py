@@ -19,11 +19,7 @@ DRAFTS = ".allanite-*.part"  # pattern of the names of drafts
 
 
 def encoded(text: str) -> bytes:
-    r"""Text as UTF-8; what is no character, of a name that was not UTF-8, as its escape.
-
-    >>> encoded("\udcff")
-    b'\\udcff'
-    """
+    """Text as UTF-8; what is no character, of a name that was not UTF-8, as its escape."""
     return text.encode("utf-8", "backslashreplace")
 
 

@@ -69,13 +69,11 @@ def tested(grade: str, scope: Scope | None, good: "Goodness | None") -> Phrase:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Goodness(Value):
-    """Goodness of fit, by cells of frequency.
+    """Goodness of fit, by cells of frequency."""
 
-    `frequency` (Hz, shape (cells + 1,)) holds the edges of the cells, `ratio` the observed over the expected power in
-    each, `z` the same as a standard normal deviate; `p` is the p-value. `reasons` describe the misfit; `remarks`
-    describe deviations from noise that do not affect the coefficients.
-    """
-
+    # `frequency` (Hz, shape (cells + 1,)) holds the edges of the cells, `ratio` the observed over the expected power in
+    # each, `z` the same as a standard normal deviate; `p` is the p-value. `reasons` describe the misfit; `remarks`
+    # describe deviations from noise that do not affect the coefficients.
     frequency: FloatArray
     ratio: FloatArray
     z: FloatArray

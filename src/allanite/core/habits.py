@@ -45,20 +45,12 @@ ARGUMENTS = {"fs": "rate", "sampling_rate": "rate", "dt": "rate", "seed": "rng"}
 
 
 def remedy(table: dict[str, str], name: str) -> str:
-    """The entry of a table for one of its names; empty if it has none.
-
-    >>> remedy(CALLS, "read_csv"), remedy(SETTINGS, "af"), remedy(CALLS, "x")
-    ('al.read(file)', 'al.deviation(record, m=factors)', '')
-    """
+    """The entry of a table for one of its names; empty if it has none."""
     return next((text for text, names in table.items() if name in names.split()), "")
 
 
 def renamed(options: dict[str, Any], names: Collection[str]) -> dict[str, Any]:
-    """The options of a function with these parameters, those of `ARGUMENTS` by their names here.
-
-    >>> renamed({"fs": 100.0, "seed": 1}, ["rate", "seed"])
-    {'seed': 1, 'rate': 100.0}
-    """
+    """The options of a function with these parameters, those of `ARGUMENTS` by their names here."""
     for foreign in (ARGUMENTS.keys() & options.keys()).difference(names):
         name = ARGUMENTS[foreign]
         if name in options:

@@ -38,13 +38,7 @@ def explain_kinds() -> str:
 
 
 def signal_of_kind(unit: str, kind: str) -> Signal | None:
-    """The signal whose samples of this kind have this unit; None if there is none.
-
-    >>> signal_of_kind("arcsec", "increment").name, signal_of_kind("arcsec", "value").name
-    ('gyro', 'angle')
-    >>> signal_of_kind("arcsec", "rate") is None
-    True
-    """
+    """The signal whose samples of this kind have this unit; None if there is none."""
     return signal_with(unit_of(unit).dimension, KINDS[kind][0], values=kind == "value")
 
 
@@ -54,10 +48,8 @@ def kinds_of(unit: str) -> tuple[str, ...]:
 
 
 def offered(unit: str, *, integers: bool = True) -> str:
-    """The meanings that samples in this unit may have, each with the choice that states it; none is advised.
-
-    Counts are offered for `integers` only.
-    """
+    """The meanings that samples in this unit may have, each with the choice that states it; none is advised."""
+    # Counts are offered for `integers` only.
     kinds = [kind for kind in kinds_of(unit) if integers or kind != "count"]
     scale = {"count": spelled(" --scale 1", ", scale=1")}
     named = ((spelled(f"--kind {kind}", f"kind={kind!r}") + scale.get(kind, ""), KINDS[kind][2]) for kind in kinds)
@@ -69,12 +61,7 @@ def offered(unit: str, *, integers: bool = True) -> str:
 
 
 def title_of(symbol: str, signal: Signal) -> str:
-    """The name of a term for its sensor: an accelerometer has a velocity random walk.
-
-    >>> from .units import signal_named
-    >>> title_of("N", signal_named("accelerometer")), title_of("N", signal_named("angle"))
-    ('velocity random walk', 'white noise of the angle')
-    """
+    """The name of a term for its sensor: an accelerometer has a velocity random walk."""
     row = TERMS[symbol]
     if signal.inertial or signal.name in row.titles or not row.quantity_title:
         return row.titles.get(signal.name, row.title)
@@ -82,11 +69,6 @@ def title_of(symbol: str, signal: Signal) -> str:
 
 
 def meaning_of(symbol: str, signal: Signal) -> str:
-    """What a term of this sensor is, in one line.
-
-    >>> from .units import signal_named
-    >>> meaning_of("R", signal_named("voltage"))
-    'a linear drift, with a sign'
-    """
+    """What a term of this sensor is, in one line."""
     row = TERMS[symbol]
     return row.meaning if signal.inertial else row.quantity_meaning or row.meaning

@@ -46,14 +46,9 @@ class Widened:
 
 @dataclass(frozen=True, eq=False)
 class Stored:
-    """Stored limits: `values` for one `level`; without a level, they are returned for any.
+    """Stored limits: `values` for one `level`; without a level, they are returned for any."""
 
-    `also` holds those for another level, if a verdict needs them.
-
-    >>> Stored((0.1, 0.3), 0.95)(0.95)
-    (0.1, 0.3)
-    """
-
+    # `also` holds those for another level, if a verdict needs them.
     values: Any
     level: float | None = None
     also: "Stored | None" = None
@@ -95,11 +90,7 @@ class Normal:
 
 @dataclass(frozen=True, eq=False)
 class Remembered(Generic[T]):
-    """A function of numbers, or without arguments, that is called once for each argument, with one thread.
-
-    >>> Remembered(math.sqrt)(4.0)
-    2.0
-    """
+    """A function of numbers, or without arguments, that is called once for each argument, with one thread."""
 
     function: Callable[..., T]
     known: dict[tuple[float, ...], T] = field(default_factory=dict, init=False, repr=False)

@@ -326,8 +326,7 @@ class HasModel(Protocol):
     def model(self) -> Model: ...  # noqa: D102
 
 
-ModelLike = Model | Term | HasModel
-"""What is accepted wherever a model is expected."""
+ModelLike = Model | Term | HasModel  # what is accepted wherever a model is expected
 
 
 def nevertheless(why: str, remedy: str) -> Phrase:
@@ -342,12 +341,7 @@ def usable_model(value: ModelLike) -> Model:
 
 
 def model_of(value: ModelLike) -> Model:
-    """The model that a term, a model or a fit represents; anything else is refused.
-
-    >>> from allanite import N
-    >>> print(model_of(N(0.01, "deg/sqrt(h)")))
-    N = 0.01 deg/sqrt(h)
-    """
+    """The model that a term, a model or a fit represents; anything else is refused."""
     if isinstance(value, Model | Term):
         return value if isinstance(value, Model) else Model((value,))
     inner = getattr(value, "model", None)
@@ -367,11 +361,7 @@ class Constructor(Protocol):
 
 
 def constructor(symbol: str) -> Constructor:
-    """The function that makes a term of this symbol, from the term's row of `TERMS`.
-
-    >>> print(constructor("GM")(0.1, "deg/h", time_constant=20.0), constructor("N")("0.1 deg/sqrt(h)"), sep="; ")
-    GM = 0.1 deg/h with time constant 20 s; N = 0.1 deg/sqrt(h)
-    """
+    """The function that makes a term of this symbol, from the term's row of `TERMS`."""
     row, usual = TERMS[symbol], (Parameter.POSITIONAL_OR_KEYWORD, Parameter.KEYWORD_ONLY)
     named = [
         Parameter("value", usual[0], annotation=float | str),

@@ -13,13 +13,8 @@ LISTED = 12  # number of names up to which a message lists all of them although 
 
 
 def nearest(name: object, known: Iterable[str]) -> str:
-    """The known name that was meant: the most similar one, or the one whose row has the name among its `synonyms`.
-
-    Upper case, hyphens and underscores do not matter. Empty if no known name is similar.
-
-    >>> nearest("open_vins", ["kalibr", "openvins"]), nearest("windows", ["window", "rate"]), nearest("x", ["N"])
-    ('openvins', 'window', '')
-    """
+    """The known name that was meant: the most similar one, or the one whose row has the name among its `synonyms`."""
+    # Upper case, hyphens and underscores do not matter. Empty if no known name is similar.
     from difflib import get_close_matches
 
     own: dict[str, str] = {}
@@ -44,15 +39,8 @@ def unknown(
     lister: str = "",
     listed: bool = True,
 ) -> UsageError:
-    """The error of an unknown name of `what`, such as a statistic: the name that may be meant, and the known ones.
-
-    Of many names a `lister`, a command, is named instead, or the first are.
-
-    >>> str(unknown("statistic", "oadv", ["adev", "oadev"]))
-    "unknown statistic 'oadv'; did you mean oadev? Known statistics: adev, oadev"
-    >>> str(unknown("target", "xyz", ["px4"], lister="allanite explain"))
-    "unknown target 'xyz'; 'allanite explain' lists them"
-    """
+    """The error of an unknown name of `what`, such as a statistic: the name that may be meant, and the known ones."""
+    # Of many names a `lister`, a command, is named instead, or the first are.
     meant, names = nearest(name, known), list(known)
     words = f"unknown {what} {given(name)}{where}" + (f"; did you mean {meant}?" if meant else "")
     if lister:

@@ -12,11 +12,7 @@ AS = {"s": "100..160,300..310", "Hz": "0.4..2.1,19..20"}  # an example of pieces
 
 
 def demand_ranges(ranges: object) -> dict[str, tuple[float, float]]:
-    """Check ranges of averaging times by the symbol of a term: two times each, the lower one first, none in common.
-
-    >>> demand_ranges({"N": [0.1, 10], "K": [100, 1000]})
-    {'N': (0.1, 10.0), 'K': (100.0, 1000.0)}
-    """
+    """Check ranges of averaging times by the symbol of a term: two times each, the lower one first, none in common."""
     if not isinstance(ranges, Mapping) or not ranges:
         raise UsageError(f"ranges are two averaging times in s for each term, as N=0.1:10, not {ranges!r}")
     times: dict[str, tuple[float, float]] = {}
@@ -35,11 +31,7 @@ def demand_ranges(ranges: object) -> dict[str, tuple[float, float]]:
 
 
 def demand_pieces(pieces: object, unit: str = "s") -> tuple[tuple[float, float], ...]:
-    """Pieces of a record, or of a spectrum, as pairs of numbers, from text or numbers, in their order.
-
-    >>> demand_pieces("300..310,100..160")
-    ((100.0, 160.0), (300.0, 310.0))
-    """
+    """Pieces of a record, or of a spectrum, as pairs of numbers, from text or numbers, in their order."""
     parts = pieces.split(",") if isinstance(pieces, str) else pieces
     if not isinstance(parts, (tuple, list)) or not parts:
         raise UsageError(f"pieces are pairs of numbers in {unit}, as {AS[unit]}, not {pieces!r}")
@@ -75,12 +67,7 @@ def demand_level(level: float) -> float:
 
 
 class Units(dict[float, str]):
-    """The units of a signal times time to a power, by the power: those that are named, others as they are written.
-
-    >>> units = Units("deg/h", "h", {1: "arcsec"})
-    >>> units[1], units[0.5], units[0], units[-1.5]
-    ('arcsec', 'deg/sqrt(h)', 'deg/h', 'deg/h^2.5')
-    """
+    """The units of a signal times time to a power, by the power: those that are named, others as they are written."""
 
     def __init__(self, unit: str, second: str = "s", named: dict[float, str] | None = None) -> None:
         super().__init__(named or {})
@@ -91,11 +78,7 @@ class Units(dict[float, str]):
 
 
 def times(unit: str, power: float, second: str = "s") -> str:
-    """A unit times time to a power; `second` is the unit of the time.
-
-    >>> times("rad/s", -1.5), times("m/s^2", 1), times("V", 0.5), times("1", 1), times("s", -0.5), times("ug", -1, "h")
-    ('rad/s^2.5', 'm/s', 'V*sqrt(s)', 's', 'sqrt(s)', 'ug/h')
-    """
+    """A unit times time to a power; `second` is the unit of the time."""
     per = re.fullmatch(rf"(.+?)/{second}(?:\^([\d.]+))?", unit)
     head, before = (per[1], -float(per[2] or 1)) if per else ("1", 1.0) if unit == second else (unit, 0.0)
     size = abs(before + power)

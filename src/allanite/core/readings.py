@@ -22,8 +22,7 @@ from .units import Signal, convert
 WHITE_WITHIN = 0.1
 """Largest difference of the slope from -1/2 at which the deviation at 1 s is read as an angle random walk."""
 
-FLICKER = 1 / math.sqrt(TERMS["B"].level)
-"""Bias instability over the Allan deviation of flicker noise: 1 / 0.66428."""
+FLICKER = 1 / math.sqrt(TERMS["B"].level)  # bias instability over the Allan deviation of flicker noise: 1 / 0.66428
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -71,11 +70,9 @@ class Means(Value):
 
 
 class Quantity(NamedTuple):
-    """One line of a table of readings: `value`, `low` and `high` in SI units of the signal times time to the `power`.
+    """One line of a table of readings: `value`, `low`, `high` in SI units of the signal times time to the `power`."""
 
-    `power` is None for a slope, which has no unit.
-    """
-
+    # `power` is None for a slope, which has no unit.
     title: str
     tau: float
     value: float
@@ -101,11 +98,9 @@ def minimum_title(signal: Signal) -> str:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Readings(Value):
-    """Values conventionally read off the overlapping Allan deviation, without a noise model.
+    """Values conventionally read off the overlapping Allan deviation, without a noise model."""
 
-    The intervals assume the power law identified at each averaging time.
-    """
-
+    # The intervals assume the power law identified at each averaging time.
     _also = ("unit", "random_walk", "bias_instability")
 
     signal: Signal
@@ -223,13 +218,11 @@ BANDWIDTH = say("bandwidth (-3 dB)")
 
 
 class DataSheetRow(NamedTuple):
-    """One line of a data sheet.
+    """One line of a data sheet."""
 
-    `value`, `low` and `high` are in `unit`; of a term that was not found only `high` is known, a one-sided 95 % upper
-    limit. `tau` is the averaging time in s, where the quantity has one. `coefficient`: whether it is a coefficient of
-    the model in its usual unit, as tables of coefficients have it, too.
-    """
-
+    # `value`, `low` and `high` are in `unit`; of a term that was not found only `high` is known, a one-sided 95 % upper
+    # limit. `tau` is the averaging time in s, where the quantity has one. `coefficient`: whether it is a coefficient of
+    # the model in its usual unit, as tables of coefficients have it, too.
     quantity: str
     value: float | None
     low: float | None
@@ -241,15 +234,7 @@ class DataSheetRow(NamedTuple):
 
 
 def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: float = 0.95) -> list[DataSheetRow]:
-    """The quantities of a data sheet, each with its limits.
-
-    >>> from allanite import N, Model
-    >>> white = N(0.12, "deg/sqrt(h)")
-    >>> walk = Estimate("N", white.signal, white.value, None, "identified", None, "whittle")
-    >>> found = data_sheet(Fit((walk,), "whittle", white.signal, Model((white,))), None, 10.0)
-    >>> [f"{entry.value:.4g} {entry.unit}" for entry in found[:3]]
-    ['0.12 deg/sqrt(h)', '0.002 deg/s/sqrt(Hz)', '7.2 deg/h/sqrt(Hz)']
-    """
+    """The quantities of a data sheet, each with its limits."""
     estimates = () if fit is None else fit.estimates
     white = [e for e in estimates if TERMS[e.symbol].slope == WHITE]
     found = list[DataSheetRow]()

@@ -25,8 +25,7 @@ from .validity import Finding
 MOMENTS = ("mean", "std", "var", "median", "min", "max")
 """Functions of numpy that are methods of a record; they omit missing samples."""
 
-SHORTEST = 200
-"""Number of samples below which no noise coefficient is reported."""
+SHORTEST = 200  # number of samples below which no noise coefficient is reported
 
 
 def header_dict(record: "Record | Header", kind: str) -> dict[str, Any]:
@@ -328,8 +327,7 @@ NEEDED = {"rate": "a sampling rate", "unit": "a unit"}
 EXAMPLE = {"rate": 100, "unit": "deg/s"}  # what samples need to become a record, and what is typed
 READERS = "allanite.readers"  # the package that reads tables; it is imported when one is given
 
-Samples = Record | ArrayLike
-"""A record, or samples that become one: an array, or a column of pandas or polars."""
+Samples = Record | ArrayLike  # a record, or samples that become one: an array, or a column of pandas or polars
 
 
 class Sampling(TypedDict, total=False):

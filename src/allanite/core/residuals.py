@@ -15,11 +15,9 @@ MIN_CHECK_P = 1e-3  # p-value of a check below which the model does not explain 
 
 @dataclass(frozen=True, repr=False)
 class Check(Value):
-    """One test of the residuals.
+    """One test of the residuals."""
 
-    `value` is the size of the deviation, `p` its p-value.
-    """
-
+    # `value` is the size of the deviation, `p` its p-value.
     name: str
     title: str
     value: float

@@ -21,11 +21,7 @@ NOTHING = r"(?!)"
 
 
 def escaped(text: str, meaning: str = NOTHING) -> str:
-    r"""Text on one line, which shows what it holds; of what matches `meaning` the last sign is an escape, too.
-
-    >>> print(escaped("gx\nkey: 1"), escaped("gx --> 1", "--"))
-    gx\nkey: 1 gx -\x2d> 1
-    """
+    """Text on one line, which shows what it holds; of what matches `meaning` the last sign is an escape, too."""
     if "\\" in text or not text.isprintable():
         text = "".join(c if c.isprintable() and c != "\\" else c.encode("unicode_escape").decode() for c in text)
     return re.sub(meaning, lambda found: f"{found[0][:-1]}\\x{ord(found[0][-1]):02x}", text)
@@ -42,11 +38,7 @@ class Syntax:
     cell: Callable[[str], str] = escaped  # the encoder of a cell of a table
 
     def comments(self, text: str) -> list[str]:
-        r"""The lines of a comment.
-
-        >>> XML.comments("gx --> gy"), PARAMETERS.comments("gyro " * 25)[1:]
-        (['<!-- gx -\\x2d> gy -->'], ['# gyro gyro gyro gyro gyro gyro'])
-        """
+        """The lines of a comment."""
         parts = [escaped(text, self.meaning)]
         if self.width:
             ascii_only = parts[0].encode("ascii", "backslashreplace").decode()
@@ -74,11 +66,7 @@ def _markdown(text: str) -> str:
 
 
 def uncomputed(text: str) -> str:
-    """A cell that a spreadsheet does not compute: with an apostrophe before it, as spreadsheets write text.
-
-    >>> uncomputed("=1+1"), uncomputed("gx"), uncomputed("-1.5e-3")
-    ("'=1+1", 'gx', '-1.5e-3')
-    """
+    """A cell that a spreadsheet does not compute: with an apostrophe before it, as spreadsheets write text."""
     return f"'{text}" if re.match(r"[=@\t\r]|[+-](?![\d.]+(e[+-]?\d+)?$)", text) else text
 
 
@@ -101,21 +89,13 @@ CSV = Syntax(meaning=r'"|[,;][=+@-]', cell=lambda text: uncomputed(escaped(text,
 
 
 def json_text(data: Any, indent: int | None = None) -> str:
-    r"""Plain data as JSON that shows what it holds: what cannot be seen is an escape, which is read back the same.
-
-    >>> print(json_text({"name": "ω\u202e"}))
-    {"name": "ω\u202e"}
-    """
+    """Plain data as JSON that shows what it holds: what cannot be seen is an escape, which is read back the same."""
     text = json.dumps(data, indent=indent, ensure_ascii=False)
     return "".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text)
 
 
 def toml_text(value: Any) -> str:
-    r"""Plain data as a value of TOML; half a character, which TOML cannot hold, as the text of its escape.
-
-    >>> print(toml_text({"N": [1.0, float("inf")], "name": "a\x7f"}))
-    {"N" = [1.0, inf], "name" = "a\u007f"}
-    """
+    """Plain data as a value of TOML; half a character, which TOML cannot hold, as the text of its escape."""
     if isinstance(value, dict):
         return "{" + ", ".join(f"{toml_text(str(key))} = {toml_text(item)}" for key, item in value.items()) + "}"
     if isinstance(value, (list, tuple)):
@@ -130,12 +110,7 @@ def toml_text(value: Any) -> str:
 
 
 def toml(choices: dict[str, Any]) -> str:
-    """Plain choices as TOML: the keys of a recipe file.
-
-    >>> print(toml({"rate": 100.0, "channels": ["gx"], "window": None}), end="")
-    rate = 100.0
-    channels = ["gx"]
-    """
+    """Plain choices as TOML: the keys of a recipe file."""
     return "".join(f"{key} = {toml_text(value)}\n" for key, value in choices.items() if value is not None)
 
 
@@ -149,13 +124,8 @@ KEYWORDS = (
 
 
 def identifiers(names: Sequence[str], word: str, *, longest: int = 24, taken: Iterable[str] = ()) -> list[str]:
-    """A unique name for each that any language accepts: ASCII letters, digits and _, not among those `taken`.
-
-    Upper case does not tell names apart; `word` stands before what does not begin with a letter.
-
-    >>> identifiers(["gx", "g x", "G_x", "1", "ω"], "axis")
-    ['gx', 'g_x', 'G_x_2', 'axis_1', 'axis']
-    """
+    """A unique name for each that any language accepts: ASCII letters, digits and _, not among those `taken`."""
+    # Upper case does not tell names apart; `word` stands before what does not begin with a letter.
     result, used = list[str](), set(map(str.lower, taken))
     for name in names:
         letters = "".join(c if c.isascii() and c.isalnum() else "_" for c in name).strip("_")[:longest]

@@ -56,20 +56,12 @@ _WORD = re.compile(
 
 
 def latin(text: str) -> str:
-    """A unit with its Russian and Chinese words in their Latin spelling; any other text is unchanged.
-
-    >>> latin("°/ч"), latin("弧度/秒"), latin("м/с²"), latin("deg/s")
-    ('°/h', 'rad/s', 'm/s²', 'deg/s')
-    """
+    """A unit with its Russian and Chinese words in their Latin spelling; any other text is unchanged."""
     return text if text.isascii() else _WORD.sub(lambda found: WORDS[found[0]], text)
 
 
 def plain_letters(text: str) -> str:
-    """A text with the signs of its units in ASCII; the sign of degrees, which is a word, is unchanged.
-
-    >>> plain_letters("µg/√Hz"), plain_letters("rad/s²·⁵"), plain_letters("V·√s"), plain_letters("s⁻¹")
-    ('ug/sqrt(Hz)', 'rad/s^2.5', 'V*sqrt(s)', 's^-1')
-    """
+    """A text with the signs of its units in ASCII; the sign of degrees, which is a word, is unchanged."""
     if text.isascii():
         return text
     text = _ROOT_SIGN.sub(r"sqrt(\1)", text)

@@ -72,8 +72,7 @@ class Quality(Value):
         return ", ".join(self.names) or "no findings"
 
 
-Band = str | tuple[float, float]
-"""Frequencies of a fit: "auto", "all", or a pair (low, high), Hz."""
+Band = str | tuple[float, float]  # frequencies of a fit: "auto", "all", or a pair (low, high), Hz
 
 EXPLAINED, APPROXIMATE, UNEXPLAINED = "explained", "approximate", "unexplained"
 

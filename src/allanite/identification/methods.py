@@ -13,9 +13,8 @@ from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
 
-from .curves.gls import gls
-from .curves.leastsquares import joint, least_squares, nnls, whole
-from .curves.slopes import piecewise, slopes
+from .curves.leastsquares import gls, joint, least_squares, nnls, whole
+from .curves.reading import piecewise, slopes
 from .search.identify import Pending, pending
 
 
@@ -97,10 +96,8 @@ def automatic() -> str:
 
 
 def symbols_of(terms: str | Sequence[str]) -> tuple[str, ...]:
-    """Symbols from a list of them, or a text like ``QNGMK``: the longest match comes first; with or without commas.
-
-    A second Gauss-Markov noise, ``N,GM,GM``, is the slow one, GML.
-    """
+    """Symbols from a list of them, or a text like ``QNGMK``: the longest match comes first; with or without commas."""
+    # A second Gauss-Markov noise, ``N,GM,GM``, is the slow one, GML.
     rest = automatic() if terms == "auto" else terms if isinstance(terms, str) else ",".join(terms)
     symbols: tuple[str, ...] = ()
     known = sorted(TERMS, key=len, reverse=True)

@@ -17,7 +17,7 @@ from allanite.core.plain import Value
 from allanite.core.readings import FLICKER, IN_RUN, Readings
 from allanite.core.units import convert
 from allanite.phrases.phrase import averaging, join, say
-from allanite.statistics.moments.expect import expected
+from allanite.statistics.moments.moments import expected
 from allanite.terms import TERMS, WHITE
 
 from .device import Cause, bounds_of, grade_of

@@ -146,11 +146,9 @@ def bound(
 def _expected(
     noise: Sequence[Term], beside: Sequence[Term], n: int, rate: float, *, ramp: bool
 ) -> tuple[Likelihood, FloatArray]:
-    """The likelihood of a record that is not there yet, and theta: 1 for each term, 0 for what stands beside them.
-
-    Behind the column of a term come those of the changes with the logarithm of each of its parameters, halved: the
-    other columns are of squares of coefficients, whose errors are halved.
-    """
+    """The likelihood of a record that is not there yet, and theta: 1 for each term, 0 for what stands beside them."""
+    # Behind the column of a term come those of the changes with the logarithm of each of its parameters, halved: the
+    # other columns are of squares of coefficients, whose errors are halved.
     edges, none = edges_of(n), np.zeros(0)
     first, nothing = edges[:-1], np.zeros(edges.size - 1)
     spectrum = BinnedSpectrum(
@@ -214,13 +212,7 @@ def _names(noise: list[Term], model: Model) -> list[str]:
 
 
 def name_of(t: Term, model: Model) -> str:
-    """The symbol of a term; with its shape where the symbol stands several times in the model.
-
-    >>> from allanite import GM
-    >>> model = GM(1.0, "deg/h", time_constant=10.0) + GM(1.0, "deg/h", time_constant=99.0)
-    >>> [name_of(t, model) for t in model]
-    ['GM(10 s)', 'GM(99 s)']
-    """
+    """The symbol of a term; with its shape where the symbol stands several times in the model."""
     if sum(other.symbol == t.symbol for other in model) == 1:
         return t.symbol
     return f"{t.symbol}({t.shape[0]:.4g} {t.row.parameters[0].unit})"
@@ -259,10 +251,9 @@ LOWEST = SINGLE  # coefficients of the cosine transform that tell of a ramp, who
 
 
 def ramp_error(noise: Sequence[Term], n: int, rate: float, edge: float) -> float:
-    """Standard error of a ramp beside known noise and an unknown bias, in the unit of the rate per sample.
-
-    `edge` is the variance of what quantization does at both ends of the record, as far as higher coefficients leave it.
-    """
+    """Standard error of a ramp beside known noise and an unknown bias, in the unit of the rate per sample."""
+    # `edge` is the variance of what quantization does at both ends of the record, as far as higher coefficients leave
+    # it.
     k = np.arange(1.0, min(LOWEST, n - 1) + 1)
     end = np.sqrt(2 / n) * np.cos(np.pi / (2 * n) * k) * (k % 2)  # the odd half of both ends
     covariance = edge * np.outer(end, end)
@@ -274,14 +265,10 @@ def ramp_error(noise: Sequence[Term], n: int, rate: float, edge: float) -> float
 
 
 def mixing(row: NoiseTerm, block: int, n: int) -> FloatArray:
-    """Covariance of the coefficients 1 .. block of n rates, except for its diagonal, shape (block, block).
-
-    With c(h) = D''(h) / 2 the covariance of rates, ``2 n int_0^1 A_kl(u) c(n u) du`` for k, l of equal parity, where
-
-        A_kl(u) = (2 / pi) (k sin(pi k u) - l sin(pi l u)) / (l^2 - k^2)
-
-    is the correlation of the two cosines at the distance u. It is zero for white noise and for random walks.
-    """
+    """Covariance of the coefficients 1 .. block of n rates, except for its diagonal, shape (block, block)."""
+    # With c(h) = D''(h) / 2 the covariance of rates, ``2 n int_0^1 A_kl(u) c(n u) du`` for k, l of equal parity, where
+    #     A_kl(u) = (2 / pi) (k sin(pi k u) - l sin(pi l u)) / (l^2 - k^2)
+    # is the correlation of the two cosines at the distance u. It is zero for white noise and for random walks.
     v, weight = np.polynomial.legendre.leggauss(MIXING_NODES)
     v, weight = (v + 1) / 2, weight / 2
     u = v**2  # a logarithm at u = 0 becomes smooth

@@ -15,7 +15,7 @@ from allanite.core.plain import Value
 from allanite.core.readings import FLICKER, ONE_SIDED
 from allanite.phrases.phrase import say
 from allanite.plugins import Registry
-from allanite.simulation.ring_laser import RING_LASERS
+from allanite.simulation.record import RING_LASERS
 
 SENSOR_TYPES = ("gyro", "accelerometer")
 
@@ -58,13 +58,7 @@ class Claim(Value):
 
     @property
     def term(self) -> Term | None:
-        """The coefficient that it means; None for an rms value without its bandwidth.
-
-        >>> print(Claim("gyro", "noise density", "Rate Noise Density", 0.008, "deg/s/sqrt(Hz)").term)
-        N = 0.3394 deg/sqrt(h)
-        >>> print(Claim("gyro", "bias stability", "In-Run Bias Stability", 8, "deg/h").term)
-        B = 12.04 deg/h
-        """
+        """The coefficient that it means; None for an rms value without its bandwidth."""
         how = QUANTITIES[self.quantity]
         if not how.bandwidth:
             return term(how.symbol, self.value * how.factor, self.unit)
@@ -148,8 +142,7 @@ def _claim(*cells: str) -> Claim:
     return Claim(sensor, quantity, printed, float(value), unit, limit, conditions, place, size)
 
 
-DATASHEETS = Registry(_own(), "allanite.datasheets", kind=DataSheet, key="name")
-"""Data sheets by name."""
+DATASHEETS = Registry(_own(), "allanite.datasheets", kind=DataSheet, key="name")  # data sheets by name
 
 
 @public
@@ -170,13 +163,7 @@ def data_sheet_named(name: str) -> DataSheet:
 
 
 def claimed(text: str) -> tuple[Model, ...]:
-    """The noise that a data sheet claims: that of its gyro first, or that of the sensor alone that follows its name.
-
-    >>> [str(model) for model in claimed("adis16470")]
-    ['N = 0.34 deg/sqrt(h), B = 12.04 deg/h', 'N = 0.037 m/s/sqrt(h), B = 19.57 ug']
-    >>> [str(model) for model in claimed("adis16470 accelerometer")]
-    ['N = 0.037 m/s/sqrt(h), B = 19.57 ug']
-    """
+    """The noise that a data sheet claims: that of its gyro first, or that of the sensor alone that follows its name."""
     name, _, sensor = text.strip().rpartition(" ") if text.strip().endswith(SENSOR_TYPES) else (text, "", "")
     sheet = data_sheet_named(name)
     models = tuple(filter(None, (sheet.model(sensor),))) if sensor else sheet.models

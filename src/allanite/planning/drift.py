@@ -1,15 +1,6 @@
-r"""Variance of an angle or a velocity without aid, and of its integrals, from the structure function of the noise.
+"""Variance of an angle or a velocity without aid, and of its integrals, from the structure function of the noise."""
 
-The error of a rate is y, its integral x. The bias is removed as the mean of y over a time T before the start:
-
-    e(t) = x(t) - x(0) - (t/T) (x(0) - x(-T)).
-
-What a level axis makes of it is sum of weights times x: e(t) itself, or its integral with a kernel psi of the age
-a = t - s. With A = the sum of the weights after 0 and r = (integral of A)/T the weights of x(0) and x(-T) are -(A + r)
-and r. They remove constants and lines, and therefore the variance follows from D(t), also of noise whose D is a
-generalized function (flicker, random walk, ramp): it is -1/2 times the sum of all products of two weights and D of the
-distance between them.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Callable
@@ -76,12 +67,7 @@ def flat(order: int, gain: float = 1.0) -> Response:
 
 
 def schuler(order: int, gain: float = 1.0) -> Response:
-    """The same of an axis that stays level on a round earth: integrals of cos(w s), w^2 = g/R, instead of 1.
-
-    >>> hour = np.array([3600.0])
-    >>> (schuler(2, GRAVITY).bias(hour) / flat(2, GRAVITY).bias(hour)).round(3).tolist()
-    [0.366]
-    """
+    """The same of an axis that stays level on a round earth: integrals of cos(w s), w^2 = g/R, instead of 1."""
     w = math.sqrt(GRAVITY / RADIUS)
     kernels = {0: ((1j * gain * w, 0, w),), 1: ((gain + 0j, 0, w),), 2: ((-1j * gain / w, 0, w),)}
     return Response(gain if order == 0 else 0.0, kernels[order])
@@ -105,10 +91,8 @@ def _panels(response: Response, t: float, period: float) -> Panels:
 
 
 def _products(response: Response, h: FloatArray, t: float) -> FloatArray:
-    """The integral of psi(a) psi(a + h) over all ages a from 0 to t - h, shape of h.
-
-    Of the real parts of x and y it takes half the real part of x y + conj(x) y.
-    """
+    """The integral of psi(a) psi(a + h) over all ages a from 0 to t - h, shape of h."""
+    # Of the real parts of x and y it takes half the real part of x y + conj(x) y.
     total = np.zeros(h.shape)
     for (c, k, nu), (d, n, mu) in product(response.kernel, repeat=2):
         for first, w in ((c, nu), (np.conj(c), -nu)):
@@ -121,13 +105,7 @@ def _products(response: Response, h: FloatArray, t: float) -> FloatArray:
 def drift_variance(
     term: Term, response: Response, times: FloatArray, *, calibration: float = 0.0, rate: float | None = None
 ) -> FloatArray:
-    """Variance of a quantity from one noise term, `times` after the start, SI.
-
-    >>> from allanite import N
-    >>> white, hour = N(0.3, "deg/sqrt(h)"), np.array([3600.0])
-    >>> [round(float(np.degrees(drift_variance(white, flat(0), hour, calibration=T) ** 0.5)[0]), 3) for T in (0, 3600)]
-    [0.3, 0.424]
-    """
+    """Variance of a quantity from one noise term, `times` after the start, SI."""
     own = rate if term.row.per_sample and rate else 1.0
     row, size = term.sampled(own), term.power(own) / own**2
     general = float(row.structure(np.array([FAR]))[0]) < 0  # D of noise without a finite variance of its increments

@@ -17,7 +17,7 @@ from allanite.core.record import SHORTEST
 from allanite.core.units import SIGNALS
 from allanite.statistics.confidence.limits import mixtures, unit_term
 from allanite.statistics.grids import checked, factors_of, times
-from allanite.statistics.moments.expect import expected_at
+from allanite.statistics.moments.moments import expected_at
 from allanite.statistics.table import CurvePoints, statistic_named
 from allanite.terms import TERMS
 

@@ -26,8 +26,7 @@ from allanite.terms import TERMS
 
 from .bound import Bound, bound, parameter_title
 
-Measured = tuple[float, float]
-"""A number and its Monte Carlo standard error."""
+Measured = tuple[float, float]  # a number and its Monte Carlo standard error
 
 MEASURED = ("bias", "spread", "coverage", "found")
 

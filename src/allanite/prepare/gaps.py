@@ -40,16 +40,12 @@ class Gaps:
         return Gaps(size, self.at[kept], self.lost[kept], self.shut[kept])
 
     def row(self, term: NoiseTerm, k: FloatArray) -> FloatArray:
-        """Variance of the k-th coefficients under a term, shape of `k`.
-
-        With the first samples j after the gaps, the numbers missing l and omega = pi k / n
-
-            edge (2/n) sum [cos(2 omega j) + cos(omega)]      is added by an open angle,
-            1 + (2/n) sum l sin^2(omega j)                    the factor of a random walk,
-            (1/n) sum [D(l + 1) - D(1)]                       is added by a shut gap, for angle noise,
-
-        and on average over k the first cosine is 0, the square of the sine 1/2. Noise between these is not changed.
-        """
+        """Variance of the k-th coefficients under a term, shape of `k`."""
+        # With the first samples j after the gaps, the numbers missing l and omega = pi k / n
+        #     edge (2/n) sum [cos(2 omega j) + cos(omega)]      is added by an open angle,
+        #     1 + (2/n) sum l sin^2(omega j)                    the factor of a random walk,
+        #     (1/n) sum [D(l + 1) - D(1)]                       is added by a shut gap, for angle noise,
+        # and on average over k the first cosine is 0, the square of the sine 1/2. Noise between these is not changed.
         values = term.dct(k, self.size)
         if not self.at.size:
             return values

@@ -24,8 +24,7 @@ from .readings import clipped, outlying, stuck
 from .stillness import NEITHER, TOO_BUSY, UNEQUAL, busy, in_motion
 from .view import View
 
-Piece = tuple[int, list[NDArray[Any]]]
-"""Place of the first sample, and the samples of each channel."""
+Piece = tuple[int, list[NDArray[Any]]]  # place of the first sample, and the samples of each channel
 
 
 def placed(pieces: Iterable[tuple[int, list[NDArray[Any]]]]) -> Iterator[Piece]:

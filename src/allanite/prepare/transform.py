@@ -52,16 +52,8 @@ def demand_motion(word: str) -> str:
 
 
 def mark_motion(records: Sequence[Record]) -> tuple[Record, ...]:
-    """Replace by NaN, in all channels of a body, the blocks of a second in which one of them moves.
-
-    The blocks are those of the finding "moving"; the search is repeated without them, since motion widens the scale.
-
-    >>> y = np.random.default_rng(1).standard_normal(64000)
-    >>> y[32000:32320] += 500.0
-    >>> left, = mark_motion([Record(y, rate=32.0, unit="deg/h")])
-    >>> int(np.isnan(left.values).sum()), left.history
-    (320, ('moved in 1 place, from 1000 s to 1010 s: left out',))
-    """
+    """Replace by NaN, in all channels of a body, the blocks of a second in which one of them moves."""
+    # The blocks are those of the finding "moving"; the search is repeated without them, since motion widens the scale.
     moved = motion(records)
     if not moved.any():
         return tuple(records)

@@ -18,7 +18,7 @@ from allanite.phrases.phrase import say, spelled
 from .clock.clocks import counting
 from .clock.parts import Clock, Piece, clock_of
 from .columns import sensors
-from .columns.arrays import column
+from .columns.column import column
 from .columns.lines import Parts
 from .columns.table import Sense
 from .options import Options, channel_names

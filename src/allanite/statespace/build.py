@@ -22,28 +22,20 @@ TOP = 1.892  # a process has the top of its Allan deviation at this multiple of 
 
 @dataclass(frozen=True, eq=False)
 class MarkovSum:
-    """Processes whose sum has the Allan variance of flicker with B = 1 between two averaging times.
+    """Processes whose sum has the Allan variance of flicker with B = 1 between two averaging times."""
 
-    `time_constants` in s, RMS values `sizes` relative to B; `ripple` is the largest relative deviation from the Allan
-    deviation of flicker in the range.
-    """
-
+    # `time_constants` in s, RMS values `sizes` relative to B; `ripple` is the largest relative deviation from the Allan
+    # deviation of flicker in the range.
     time_constants: FloatArray
     sizes: FloatArray
     ripple: float
 
 
 def flicker_sum(tau: tuple[float, float], *, ripple: float = 0.02, order: int | None = None) -> MarkovSum:
-    """The sum of Gauss-Markov processes that approximates flicker between two averaging times.
-
-    Time constants are evenly spaced in the logarithm, over a span that is searched for; the powers are found by
-    non-negative least squares of the logarithm of the Allan variance, and scaled so that the sum errs as far upwards as
-    downwards.
-
-    >>> found = flicker_sum((1.0, 1000.0), ripple=0.05)
-    >>> found.time_constants.size, found.ripple < 0.05
-    (3, True)
-    """
+    """The sum of Gauss-Markov processes that approximates flicker between two averaging times."""
+    # Time constants are evenly spaced in the logarithm, over a span that is searched for; the powers are found by
+    # non-negative least squares of the logarithm of the Allan variance, and scaled so that the sum errs as far upwards
+    # as downwards.
     low, high = tau
     if not 0 < low < high < math.inf:
         raise UsageError(f"a range of averaging times must be two numbers of s, 0 < low < high, not {low:g},{high:g}")
@@ -133,11 +125,9 @@ class Matrices:
     P0: FloatArray
 
     def allan(self, m: IntArray) -> FloatArray:
-        """Allan variance of the measurements at averaging factors `m`, exactly, shape of m.
-
-        With the sums s_1 and s_2 of the measurements over m steps and the m steps after them, it is the variance of
-        s_2 - s_1 over 2 m^2, where s_2 - s_1 = c (A - 1) x + c w_1 + n_2 - n_1.
-        """
+        """Allan variance of the measurements at averaging factors `m`, exactly, shape of m."""
+        # With the sums s_1 and s_2 of the measurements over m steps and the m steps after them, it is the variance of
+        # s_2 - s_1 over 2 m^2, where s_2 - s_1 = c (A - 1) x + c w_1 + n_2 - n_1.
         h = self.H[0]
         noise = self.Qd @ h
         single = StepMatrices(self.Phi, h @ self.Phi, self.Qd, noise, float(h @ noise + self.R[0, 0]))

@@ -13,7 +13,7 @@ from allanite.core.errors import StoredError, UsageError, given
 from allanite.core.model import Model, ModelLike, usable_model
 from allanite.core.plain import Value
 from allanite.phrases.phrase import say, say_count
-from allanite.statistics.moments.expect import expected
+from allanite.statistics.moments.moments import expected
 from allanite.terms.row import Block
 
 from .build import MEASUREMENTS, MarkovSum, Matrices, blocks_of, continuous, equivalent, flicker_sum, states_of

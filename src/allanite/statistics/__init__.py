@@ -26,9 +26,9 @@ from allanite.statistics.confidence.supposed import Assumption, AveragedLaw, Lat
 from allanite.statistics.model_curves import Expectation as Expectation
 from allanite.statistics.model_curves import Expectations as Expectations
 from allanite.statistics.model_curves import expectation as expectation
-from allanite.statistics.moments.expect import expected as expected
 from allanite.statistics.moments.moments import covariance as covariance
 from allanite.statistics.moments.moments import edf as edf
+from allanite.statistics.moments.moments import expected as expected
 from allanite.terms import WHITE
 
 from .estimator import AngleRecord, estimate, with_means
@@ -132,11 +132,9 @@ def _warn_of_long(row: Statistic, size: int, m: IntArray, threads: int) -> None:
 
 
 class CurveEstimate(NamedTuple):
-    """Points of a curve with their variances, numbers of windows and what the plain variances were multiplied with.
+    """Points of a curve with their variances, numbers of windows and what the plain variances were multiplied with."""
 
-    Where there is a bias, under `each` model, shape (models, points).
-    """
-
+    # Where there is a bias, under `each` model, shape (models, points).
     points: CurvePoints
     variance: FloatArray
     number: IntArray
@@ -233,10 +231,8 @@ def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> B
 
 
 def _told(curve: CurveEstimate, noise: Averaged | Literal["auto"] | None, *, named: bool) -> BoolArray:
-    """Which points tell of the noise and not of the joints alone; omitted or refused as those without a window.
-
-    Slow noise has no voice: where the joints rule, it is known from the supposed models only.
-    """
+    """Which points tell of the noise and not of the joints alone; omitted or refused as those without a window."""
+    # Slow noise has no voice: where the joints rule, it is known from the supposed models only.
     row, m, factor = curve.points.row, curve.points.m, curve.factor
     if isinstance(noise, Averaged):
         fast = [i for i, t in enumerate(noise.terms) if t.row.edge or t.row.slope == WHITE]

@@ -24,8 +24,7 @@ def _window(m: int) -> Window:
 
 
 OADEV = Statistic(
-    name="oadev",
-    synonyms=("avar", "oavar", "allan", "allan_deviation", "allan_variance"),
+    name="oadev", synonyms=("avar", "oavar", "allan", "allan_deviation", "allan_variance"),
     title=say("overlapping Allan deviation"),
     formula=r"\frac{1}{2\tau^2 (n+1-2m)} \sum_{i=0}^{n-2m} (x_{i+2m} - 2x_{i+m} + x_i)^2",
     reference="NIST SP 1065 eq. 11; IEEE Std 952",
@@ -35,20 +34,14 @@ OADEV = Statistic(
     limits="A ramp hides slower noise; quantization and fast noise other than white have nearly the same slope.",
     cost="About 0.2 ns per sample and tau; one copy of the record. All tau together by FFT: 0.5 us per sample, six "
     "copies.",
-    order=2,
-    norm=constant(2.0),
-    span=(2, 0),
-    sums=partial(dense, order=2),
-    split=partial(split, order=2),
-    window=binomial_window(2),
-    differences=2,
+    order=2, norm=constant(2.0), span=(2, 0), sums=partial(dense, order=2),
+    split=partial(split, order=2), window=binomial_window(2), differences=2,
     published_edf=partial(greenhall_riley, d=2),
-)
+)  # fmt: skip
 
 ADEV = replace(
     OADEV,
-    name="adev",
-    synonyms=("nonoverlapping", "classic"),
+    name="adev", synonyms=("nonoverlapping", "classic"),
     title=say("Allan deviation"),
     formula=r"\frac{1}{2\tau^2 (J-2)} \sum_{j=0}^{J-3} (x_{(j+2)m} - 2x_{(j+1)m} + x_{jm})^2,"
     r"\quad J = \lfloor n/m \rfloor + 1",
@@ -56,11 +49,9 @@ ADEV = replace(
     use="To reproduce a data sheet or an older paper; otherwise the overlapping form is better at the same cost.",
     limits="Uses every window only once: at long tau its intervals are up to twice as wide as those of oadev.",
     cost="Less than oadev: n/m terms per tau; one copy of the record.",
-    overlapped=False,
-    sums=partial(_strided, order=2),
-    split=interleaved,
+    overlapped=False, sums=partial(_strided, order=2), split=interleaved,
     published_edf=partial(greenhall_riley, d=2, overlapped=False),
-)
+)  # fmt: skip
 
 HAAR = replace(
     OADEV,
@@ -76,8 +67,7 @@ HAAR = replace(
 )
 
 OHDEV = Statistic(
-    name="ohdev",
-    synonyms=("ohvar", "hadamard"),
+    name="ohdev", synonyms=("ohvar", "hadamard"),
     title=say("overlapping Hadamard deviation"),
     formula=r"\frac{1}{6\tau^2 (n+1-3m)} \sum_{i=0}^{n-3m} (x_{i+3m} - 3x_{i+2m} + 3x_{i+m} - x_i)^2",
     reference="NIST SP 1065 eq. 18; R. A. Baugh, 1971",
@@ -87,20 +77,14 @@ OHDEV = Statistic(
     "Only a ratio below 0.71 requires a ramp.",
     cost="About 0.3 ns per sample and tau; one copy of the record. All tau together by FFT: 1 us per sample, six "
     "copies.",
-    order=3,
-    norm=constant(6.0),
-    span=(3, 0),
-    sums=partial(dense, order=3),
-    split=partial(split, order=3),
-    window=binomial_window(3),
-    differences=3,
+    order=3, norm=constant(6.0), span=(3, 0), sums=partial(dense, order=3),
+    split=partial(split, order=3), window=binomial_window(3), differences=3,
     published_edf=partial(greenhall_riley, d=3),
-)
+)  # fmt: skip
 
 HDEV = replace(
     OHDEV,
-    name="hdev",
-    synonyms=("hvar",),
+    name="hdev", synonyms=("hvar",),
     title=say("Hadamard deviation"),
     formula=r"\frac{1}{6\tau^2 (J-3)} \sum_{j=0}^{J-4} (x_{(j+3)m} - 3x_{(j+2)m} + 3x_{(j+1)m} - x_{jm})^2,"
     r"\quad J = \lfloor n/m \rfloor + 1",
@@ -108,15 +92,12 @@ HDEV = replace(
     use="To reproduce older results; otherwise the overlapping form is better at the same cost.",
     limits="Uses every window only once; otherwise as ohdev.",
     cost="Less than ohdev: n/m terms per tau; one copy of the record.",
-    overlapped=False,
-    sums=partial(_strided, order=3),
-    split=interleaved,
+    overlapped=False, sums=partial(_strided, order=3), split=interleaved,
     published_edf=partial(greenhall_riley, d=3, overlapped=False),
-)
+)  # fmt: skip
 
 MDEV = Statistic(
-    name="mdev",
-    synonyms=("mvar", "modadev", "modified"),
+    name="mdev", synonyms=("mvar", "modadev", "modified"),
     title=say("modified Allan deviation"),
     formula=r"\frac{1}{2\tau^2 m^2 (n+2-3m)} \sum_{j=0}^{n+1-3m} \Bigl[ \sum_{i=j}^{j+m-1} "
     r"(x_{i+2m} - 2x_{i+m} + x_i) \Bigr]^2",
@@ -130,14 +111,10 @@ MDEV = Statistic(
     "1.5 us per sample.",
     order=2,
     norm=lambda m: 2.0 * np.asarray(m, dtype=np.float64) ** 2,
-    span=(3, -1),
-    sums=partial(dense, order=3, summed=True),
-    split=partial(split, order=3, summed=True),
-    window=_window,
-    differences=3,
-    summed=True,
+    span=(3, -1), sums=partial(dense, order=3, summed=True),
+    split=partial(split, order=3, summed=True), window=_window, differences=3, summed=True,
     published_edf=partial(greenhall_riley, d=2, modified=True),
-)
+)  # fmt: skip
 
 TDEV = replace(
     MDEV,

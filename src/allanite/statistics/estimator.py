@@ -27,11 +27,9 @@ class Piece(NamedTuple):
 
 
 class AngleRecord(NamedTuple):
-    """The angle of a record in units of its steps: its pieces and its length in sample intervals, gaps included.
+    """The angle of a record in units of its steps: its pieces and its length in sample intervals, gaps included."""
 
-    `scale` is what x must be multiplied with to be SI.
-    """
-
+    # `scale` is what x must be multiplied with to be SI.
     pieces: tuple[Piece, ...]
     size: int
     scale: float
@@ -78,11 +76,7 @@ def integrated(record: Record, order: int) -> AngleRecord:
 
 
 def stretches(values: np.ndarray[tuple[int, ...], np.dtype[np.generic]]) -> list[tuple[int, int]]:
-    """Begin and end of the stretches of finite values.
-
-    >>> stretches(np.array([np.nan, 1.0, 2.0, np.nan, 3.0]))
-    [(1, 3), (4, 5)]
-    """
+    """Begin and end of the stretches of finite values."""
     if complete(values):
         return [(0, len(values))]
     edges = np.flatnonzero(np.diff(np.isfinite(values), prepend=False, append=False)).tolist()
@@ -98,10 +92,8 @@ class WindowMeans(NamedTuple):
 
 
 def estimate(row: Statistic, angle: AngleRecord, m: IntArray, *, divisor: int = 30, threads: int = 1) -> WindowMeans:
-    """A statistic of a record at averaging factors `m`, for a unit sample interval.
-
-    DataError where the record has gaps and the statistic no meaning there, or is too short for the ratio of a hybrid.
-    """
+    """A statistic of a record at averaging factors `m`, for a unit sample interval."""
+    # DataError where the record has gaps and the statistic no meaning there, or is too short for the ratio of a hybrid.
     if not row.parts:
         return windows(row, angle, m, threads)
     which = row.part_of(m, angle.size)

@@ -14,7 +14,7 @@ from allanite.core.model import Model, ModelLike, Term, model_of
 from allanite.core.plain import Value
 from allanite.phrases.phrase import spelled
 from allanite.statistics.grids import factors_of, times
-from allanite.statistics.moments.expect import expected
+from allanite.statistics.moments.moments import expected
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import statistic_named
 
@@ -135,13 +135,7 @@ def _variance(model: Model | Term, statistic: str, tau: FloatArray, rate: float,
 
 
 def reach(model: Model) -> tuple[float, float]:
-    """Averaging times from where one term alone matters to where another alone does, s.
-
-    >>> from allanite import K, N
-    >>> low, high = reach(N(1.0, "rad/sqrt(s)") + K(1.0, "rad/s^1.5"))
-    >>> bool(low < 0.1), bool(high > 30)
-    (True, True)
-    """
+    """Averaging times from where one term alone matters to where another alone does, s."""
     tau = np.geomspace(1e-9, 1e9, 361)
     # Allan variance by the structure function, without a sampling rate
     rows = [term.sampled(1.0) for term in model]

@@ -59,11 +59,7 @@ def _summed(law: tuple[int, int], lags: int, windows: float, stride: float, F: f
 
 
 def greenhall_riley(alpha: int, m: int, N: int, *, d: int, modified: bool = False, overlapped: bool = True) -> float:
-    """That of differences of order d (2 Allan, 3 Hadamard); C. A. Greenhall & W. J. Riley, PTTI 2003.
-
-    >>> round(greenhall_riley(0, 8, 257, d=2), 2)
-    41.13
-    """
+    """That of differences of order d (2 Allan, 3 Hadamard); C. A. Greenhall & W. J. Riley, PTTI 2003."""
     law, S = (alpha, d), m if overlapped else 1
     table, F, mean = (TABLE_1, 1.0, m) if modified else (TABLE_2, float(m), 1)
     M = 1 + S * (N - mean - m * d) // m
@@ -115,11 +111,7 @@ def hadamard_total(alpha: int, m: int, N: int) -> float:
 
 
 def theo1(alpha: int, m: int, N: int) -> float:
-    """That of Theo1, and by convention of TheoBR; T. N. Tasset, D. A. Howe & D. B. Percival, FCS 2004.
-
-    >>> [round(theo1(0, m, 7201), 1) for m in (720, 3600, 7200)]
-    [51.6, 7.8, 2.4]
-    """
+    """That of Theo1, and by convention of TheoBR; T. N. Tasset, D. A. Howe & D. B. Percival, FCS 2004."""
     t = 0.75 * m
     formulas: dict[int, Callable[[], float]] = {
         2: lambda: 0.86 * (N + 1) * (N - 4 * t / 3) / (N - t) * t / (t + 1.14),

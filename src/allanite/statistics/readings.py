@@ -26,12 +26,10 @@ MIN_EDF = 10.0  # minimum degrees of freedom of a point for the minimum
 
 
 class Stability(NamedTuple):
-    """Standard deviation `value` of N-second means, SI, and its exact expectation under a model (`expected`).
+    """Standard deviation `value` of N-second means, SI, and its exact expectation under a model (`expected`)."""
 
-    There are `blocks` means over `seconds`; `duration` is that of the record, s: except for white noise the value grows
-    with it.
-    """
-
+    # There are `blocks` means over `seconds`; `duration` is that of the record, s: except for white noise the value
+    # grows with it.
     value: float
     seconds: float
     blocks: int
@@ -41,12 +39,10 @@ class Stability(NamedTuple):
 
 
 class Minimum(NamedTuple):
-    """The minimum of a curve, and the bias instability if all of it were flicker, which is an upper limit.
+    """The minimum of a curve, and the bias instability if all of it were flicker, which is an upper limit."""
 
-    `value` is ``deviation / 0.66428``, in `unit`, that of the curve. `inside` says whether the curve rises again beyond
-    `tau`; otherwise the minimum is the last point and only an upper limit.
-    """
-
+    # `value` is ``deviation / 0.66428``, in `unit`, that of the curve. `inside` says whether the curve rises again
+    # beyond `tau`; otherwise the minimum is the last point and only an upper limit.
     value: float
     deviation: float
     tau: float

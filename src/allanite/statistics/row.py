@@ -20,12 +20,10 @@ def interleaved(points: int, m: IntArray, threads: int) -> list[IntArray]:
 
 @dataclass(frozen=True)
 class Sharp:
-    """How the ratios of white angle noise with the other terms, and with itself, depend on m.
+    """How the ratios of white angle noise with the other terms, and with itself, depend on m."""
 
-    `levels` as for `Scheme`; ratios fall as 1 / (m scale(m)); `itself`, (m, count) -> ratio, is that with itself where
-    it follows no power of m.
-    """
-
+    # `levels` as for `Scheme`; ratios fall as 1 / (m scale(m)); `itself`, (m, count) -> ratio, is that with itself
+    # where it follows no power of m.
     levels: tuple[int, ...]
     scale: Callable[[int], float]
     itself: Callable[[int, int], float] | None = None
@@ -51,12 +49,10 @@ class Scheme:
 
 @dataclass(frozen=True)
 class PublishedBias:
-    """The bias factors of a statistic as published, and where (`limits`) they are known to fail.
+    """The bias factors of a statistic as published, and where (`limits`) they are known to fail."""
 
-    ``factor(coefficients, m, size)`` is E[estimate] / E[target] at averaging factors m of a record of `size` intervals;
-    a power law whose exponent alpha has no `coefficients` has no published factor.
-    """
-
+    # ``factor(coefficients, m, size)`` is E[estimate] / E[target] at averaging factors m of a record of `size`
+    # intervals; a power law whose exponent alpha has no `coefficients` has no published factor.
     reference: str
     limits: str
     factor: Callable[[tuple[float, ...], IntArray, int], FloatArray]
@@ -65,11 +61,9 @@ class PublishedBias:
 
 @dataclass(frozen=True)
 class Statistic:
-    """A statistic as a mean of squares over windows of the angle x.
+    """A statistic as a mean of squares over windows of the angle x."""
 
-    ``variance(m) = sums / (count norm(m) (m tau0)^2) tau^(2 power)`` with ``tau = tau_factor m tau0``.
-    """
-
+    # ``variance(m) = sums / (count norm(m) (m tau0)^2) tau^(2 power)`` with ``tau = tau_factor m tau0``.
     # name, title, formula, reference: name used in the field, full name, LaTeX formula of the variance, source
     name: str
     title: str
@@ -121,10 +115,8 @@ class Statistic:
 
     @property
     def readable(self) -> bool:
-        """Whether its curve can be fitted: its expectation is known for every term and any length of the record.
-
-        That of a hybrid is, once its bias ratio is divided out.
-        """
+        """Whether its curve can be fitted: its expectation is known for every term and any length of the record."""
+        # That of a hybrid is, once its bias ratio is divided out.
         return self.order > 1 and not self.power and self.window is not None
 
     @property

@@ -29,12 +29,10 @@ def statistic_named(name: str) -> Statistic:
 
 
 class CurvePoints(NamedTuple):
-    """The points of a curve: averaging factors of a row, in a record of `size` samples at `rate` Hz cut into `runs`.
+    """The points of a curve: averaging factors of a row, in a record of `size` samples at `rate` Hz cut into `runs`."""
 
-    `scattered` says whether a hybrid carries its own bias ratio, which scatters, or one that is computed; `places`
-    where the runs lie, if windows with missing samples count too.
-    """
-
+    # `scattered` says whether a hybrid carries its own bias ratio, which scatters, or one that is computed; `places`
+    # where the runs lie, if windows with missing samples count too.
     row: Statistic
     m: IntArray
     runs: Sequence[tuple[int, int]]

@@ -50,8 +50,7 @@ def _kept(slope: float, share: float) -> float:
 
 
 THEO1 = Statistic(
-    name="theo1",
-    synonyms=("theo",),
+    name="theo1", synonyms=("theo",),
     title=say("Theo1 deviation"),
     formula=r"\frac{1}{0.75 (n+1-m) (m\tau_0)^2} \sum_{i=0}^{n-m} \sum_{d=0}^{m/2-1} \frac{1}{m/2-d} "
     r"\bigl[ (x_i - x_{i-d+m/2}) + (x_{i+m} - x_{i+d+m/2}) \bigr]^2, \quad \tau = 0.75\,m\,\tau_0",
@@ -63,16 +62,8 @@ THEO1 = Statistic(
     "1.9, 2.7 and 3.7, for quantization it is high. m is even; published use begins at m = 10.",
     cost="For a few tau 0.16 ns n m / 2 each; for many 0.25 us m each, or all even m up to the largest in 0.2 ns "
     "times its square; ten copies of the record.",
-    order=2,
-    norm=constant(0.75),
-    span=(1, 0),
-    sums=theo1_sums,
-    split=split,
-    pace=0.8,
-    window=_theo_window,
-    target="oadev",
-    step=2,
-    tau_factor=0.75,
+    order=2, norm=constant(0.75), span=(1, 0), sums=theo1_sums, split=split, pace=0.8, window=_theo_window,
+    target="oadev", step=2, tau_factor=0.75,
     scheme=Scheme(
         levels=(16, 32, 64),
         power=1,
@@ -95,12 +86,11 @@ THEO1 = Statistic(
         },
     ),
     published_edf=theo1,
-)
+)  # fmt: skip
 
 THEOBR = replace(
     THEO1,
-    name="theobr",
-    synonyms=(),
+    name="theobr", synonyms=(),
     title=say("TheoBR deviation (Theo1, bias removed)"),
     formula=r"k_f\,\mathrm{Theo1}(\tau), \quad k_f = \frac{1}{p+1} \sum_{i=0}^{p} "
     r"\frac{\mathrm{OAVAR}(m = 9+3i)}{\mathrm{Theo1}(m = 12+4i)}, \quad p = \lfloor (n+1)/30 - 3 \rfloor",
@@ -110,10 +100,8 @@ THEOBR = replace(
     limits="The ratio is that of tau below a tenth of the record: if the kind of noise changes beyond, the deviation "
     "is wrong by up to a factor of 1.5. bias='model' corrects it with the model.",
     cost="That of theo1, and once that of every even m up to 2/15 of the record: 4 ps n^2.",
-    parts=(THEO1,),
-    kept=_kept,
-    published=None,
-)
+    parts=(THEO1,), kept=_kept, published=None,
+)  # fmt: skip
 
 THEOH = replace(
     THEOBR,
@@ -145,8 +133,7 @@ def _parabolic_window(m: int) -> Window:
 
 
 PDEV = Statistic(
-    name="pdev",
-    synonyms=("pvar", "parabolic"),
+    name="pdev", synonyms=("pvar", "parabolic"),
     title=say("parabolic deviation"),
     formula=r"\frac{72}{m^4 \tau^2 (n+1-2m)} \sum_{i=0}^{n-2m} \Bigl[ \sum_{k=0}^{m-1} \bigl(\tfrac{m-1}{2} - k\bigr) "
     r"(x_{i+k} - x_{i+m+k}) \Bigr]^2 \quad (m = 1: \mathrm{OAVAR})",
@@ -157,12 +144,9 @@ PDEV = Statistic(
     cost="About 4 ns per sample and tau; a copy of the record and segments of 16 tau.",
     order=2,
     norm=lambda m: np.where(m == 1, 2.0, np.asarray(m, dtype=np.float64) ** 4 / 72),
-    span=(2, 0),
-    sums=_parabolic,
-    pace=4.0,
-    window=_parabolic_window,
+    span=(2, 0), sums=_parabolic, pace=4.0, window=_parabolic_window,
     scheme=Scheme(leading=12),
-)
+)  # fmt: skip
 
 
 def _first(x: FloatArray, m: IntArray) -> FloatArray:
@@ -178,8 +162,7 @@ def _largest(x: FloatArray, m: IntArray) -> FloatArray:
 
 
 TIERMS = Statistic(
-    name="tierms",
-    synonyms=("rmstie",),
+    name="tierms", synonyms=("rmstie",),
     title=say("TIE rms of the angle"),
     formula=r"\frac{1}{n+1-m} \sum_{i=0}^{n-m} (x_{i+m} - x_i)^2",
     reference="NIST SP 1065 section 5.2.19 (rms time interval error)",
@@ -189,17 +172,11 @@ TIERMS = Statistic(
     cost="About 0.2 ns per sample and tau; one copy of the record.",
     order=1,
     norm=lambda m: np.ones(np.shape(m)),
-    span=(1, 0),
-    sums=_first,
-    pace=0.2,
-    window=binomial_window(1),
-    differences=1,
-    power=1,
-)
+    span=(1, 0), sums=_first, pace=0.2, window=binomial_window(1), differences=1, power=1,
+)  # fmt: skip
 
 MTIE = Statistic(
-    name="mtie",
-    synonyms=("tie",),
+    name="mtie", synonyms=("tie",),
     title=say("maximum time interval error (MTIE) of the angle"),
     formula=r"\max_i \bigl( \max_{i \le j \le i+m} x_j - \min_{i \le j \le i+m} x_j \bigr)^2",
     reference="ITU-T G.810; NIST SP 1065 section 5.2.18 (maximum time interval error)",
@@ -210,10 +187,5 @@ MTIE = Statistic(
     cost="15 ns per sample and tau; three copies of the record.",
     order=1,
     norm=lambda m: np.ones(np.shape(m)),
-    span=(1, 0),
-    sums=_largest,
-    pace=15.0,
-    window=None,
-    power=1,
-    extreme=True,
-)
+    span=(1, 0), sums=_largest, pace=15.0, window=None, power=1, extreme=True,
+)  # fmt: skip

@@ -84,11 +84,9 @@ def curve_of(stream: "Accumulator", noise: ModelLike | Fit | None) -> Curve:
 def law_of(
     row: Statistic, q: IntArray, level: IntArray, seen: tuple[IntArray, float], noise: Averaged | Literal["auto"]
 ) -> DerivedLaw:
-    """The law of points from their numbers of windows and the sampling rate, under models.
-
-    Windows that start every 2^k samples, of an angle that is taken there only, are the windows at every sample of a
-    record with 2^k times the sample interval, for which everything is known exactly.
-    """
+    """The law of points from their numbers of windows and the sampling rate, under models."""
+    # Windows that start every 2^k samples, of an angle that is taken there only, are the windows at every sample of a
+    # record with 2^k times the sample interval, for which everything is known exactly.
     assert isinstance(noise, Averaged)  # noqa: S101 - `curve_of` takes models only
     count, rate = seen
     per, fixed = row.span

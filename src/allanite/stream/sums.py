@@ -1,12 +1,4 @@
-"""The sums of a stream, to which stretches of samples and later parts of the stream are added.
-
-Its basis is orthogonal and has no edges, so that neither quantization, whose edges of a segment are louder than its
-inside, nor slow noise leaks into other frequencies.
-
-References
-----------
-H. S. Malvar, Signal Processing with Lapped Transforms, 1992.
-"""
+"""The sums of a stream, to which stretches of samples and later parts of the stream are added (docs/derivations.md)."""
 
 import math
 from dataclasses import dataclass, field

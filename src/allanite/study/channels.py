@@ -4,6 +4,7 @@ Every analysis of a recording uses it, so that the same file gets the same findi
 """
 
 import os
+import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar, cast
@@ -14,9 +15,9 @@ from allanite.core.record import Record, Recording, Samples, Sampling, as_source
 from allanite.core.threads import one_thread
 from allanite.core.validity import Finding, Quality
 from allanite.identification.front import Started, finished
-from allanite.parallel.processors import how_many, imported
-from allanite.parallel.sharing import shared
-from allanite.phrases.phrase import join, say
+from allanite.parallel.processors import how_many, imported, shared
+from allanite.phrases.phrase import join, percent, say
+from allanite.prepare.drift import follows
 from allanite.prepare.quality import inspect
 from allanite.prepare.stillness import of_one_body
 from allanite.prepare.transform import averaged, mark_motion, mark_outliers
@@ -25,11 +26,42 @@ from allanite.readers import read
 from allanite.readers.options import FrameLike
 from allanite.readers.parts import demand_memory
 
-from .drift import drift_findings
 from .job import provenance_of
 from .keeper import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
 from .parts import Keeping, in_parts, passed
-from .recipe import READING, Recipe
+from .recipe import READING, SELECTING, Recipe
+
+OPTIONS = {"start": "from"}  # options whose names differ from the recipe's keys
+
+
+def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -> tuple[Finding, ...]:
+    """A finding for each additional column that the drift of some channels follows."""
+    findings = []
+    for other in recording.others:
+        by_name = ((name, follows(recording[name], other)) for name in names)
+        shares = {name: following.share for name, following in by_name if following and following.clear}
+        if shares:
+            largest = max(shares.values())
+            findings.append(Finding(
+                "drift",
+                say(
+                    "the drift of {channels} follows {column}, up to {share} of the variance of block means",
+                    channels=", ".join(shares), column=other.name, share=percent(largest),
+                ),
+                say("B, K and R partly represent the sensitivity to it"),
+                say("remove it: {command}", command=compensation(recording.source, recipe, other.name)),
+            ))  # fmt: skip
+    return tuple(findings)
+
+
+def compensation(source: str, recipe: Recipe, column: str) -> str:
+    """The command that removes the dependence on a column."""
+    words = ["allanite", "compensate", source]
+    for key, value in recipe.to_dict((*READING, *SELECTING)).items():
+        text = ",".join(map(str, value)) if isinstance(value, list) else str(value)
+        words += [f"--{OPTIONS.get(key, key).replace('_', '-')}", text]
+    return shlex.join([*words, "--regressors", column])
+
 
 Source = Recording | Samples | FrameLike | str | os.PathLike[str]
 Progress = Callable[[str, float], None]

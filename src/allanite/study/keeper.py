@@ -20,8 +20,7 @@ from allanite.core.validity import Quality
 from allanite.identification.checks.contradiction import MeasuredCurve
 from allanite.identification.search.identify import Pending
 from allanite.phrases.phrase import join, say, spelled
-from allanite.statistics.spectra.raw_spectrum import Raw
-from allanite.statistics.spectra.welch import Periodograms
+from allanite.statistics.spectra.estimators import Periodograms, Raw
 from allanite.stream.accumulator import Accumulator, streamable
 from allanite.stream.coefficients import grid, search_in
 

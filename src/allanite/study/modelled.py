@@ -119,8 +119,7 @@ class StateSpaceSettings(StateSpaceChoices, NoiseSettings):
         return convert(*quantities[0], si)
 
 
-Use = PlanSettings | SelfCheckSettings | StateSpaceSettings
-"""What a noise model is used for."""
+Use = PlanSettings | SelfCheckSettings | StateSpaceSettings  # what a noise model is used for
 
 
 Random = np.random.Generator

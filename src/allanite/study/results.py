@@ -17,7 +17,7 @@ from allanite.core.readings import DataSheetRow, Readings, data_sheet
 from allanite.core.record import Record, Recording, header_dict
 from allanite.core.residuals import Residuals, Shared, Statement, statement
 from allanite.core.validity import UNEXPLAINED, Finding, Quality, worst
-from allanite.identification.checks.shared import shared
+from allanite.identification.checks.whitening import shared
 from allanite.parallel.processors import how_many
 from allanite.phrases.phrase import join, say, spelled
 from allanite.terms import TERMS

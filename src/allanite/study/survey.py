@@ -22,9 +22,8 @@ from allanite.statistics import Expectation, Expectations, deviation, expectatio
 from allanite.statistics.confidence.bias import demand_bias
 from allanite.statistics.confidence.supposed import Supposing
 from allanite.statistics.dynamic import dynamic
-from allanite.statistics.spectra.from_spectrum import deviation_of_spectrum
-from allanite.statistics.spectra.spectrum import method_named, of_raw, spectrum
-from allanite.statistics.spectra.welch import MAX_SEGMENT
+from allanite.statistics.spectra.estimators import MAX_SEGMENT
+from allanite.statistics.spectra.spectrum import deviation_of_spectrum, method_named, of_raw, spectrum
 
 from .channels import Inspected, Progress, Source, run
 from .curves import joints

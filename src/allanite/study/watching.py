@@ -35,12 +35,10 @@ AT_ONCE = ("moving", "outliers", "stuck", "clipped", "missing samples")
 @described
 @dataclass(frozen=True)
 class WatchSettings(WatchChoices):
-    """How to watch: seconds between reports, until the end, and without data until the end; baud rate; accuracy wanted.
+    """How to watch: seconds between reports, to the end, and without data until the end; baud rate; accuracy wanted."""
 
-    `duration` and `idle` are infinite by default: it is the user who ends. The lines that come are kept in the new file
-    `record`, if it is given; it is no choice of the page, which names no files to write.
-    """
-
+    # `duration` and `idle` are infinite by default: it is the user who ends. The lines that come are kept in the new
+    # file `record`, if it is given; it is no choice of the page, which names no files to write.
     record: str | None = None
 
 

@@ -86,25 +86,15 @@ def _flicker_dct(k: FloatArray, n: int) -> FloatArray:
 
 
 FLICKER = NoiseTerm(
-    symbol="B",
-    synonyms=("BI",),
+    symbol="B", synonyms=("BI",),
     title=say("bias instability"),
     meaning=say("flicker (1/f) noise of the rate; the Allan deviation has a floor at 0.664 B"),
     quantity_title=say("flicker of the {quantity}"),
     quantity_meaning=say("flicker (1/f) noise; the Allan deviation has a floor at 0.664 B"),
     formula=r"\sigma^2(\tau) = (2 \ln 2 / \pi) B^2",
-    reference="IEEE Std 952",
-    power=0.0,
-    slope=0.0,
-    read_at=1.0,
-    level=2 * LN2 / math.pi,
-    structure=_flicker_structure,
-    derivative=_flicker_derivative,
-    summed=_flicker_summed,
-    increments=_flicker_increments,
-    spectrum=_flicker_spectrum,
-    dct=_flicker_dct,
-    dct_error=4e-3,
+    reference="IEEE Std 952", power=0.0, slope=0.0, read_at=1.0, level=2 * LN2 / math.pi,
+    structure=_flicker_structure, derivative=_flicker_derivative, summed=_flicker_summed,
+    increments=_flicker_increments, spectrum=_flicker_spectrum, dct=_flicker_dct, dct_error=4e-3,
     density=r"S(f) = \frac{B^2}{2 \pi f}",
     origin="Flicker noise of electronics, of the discharge in a ring laser, and of systems with many relaxation times: "
     "a power spectral density that increases as 1/f towards low frequencies, so that every decade of time "
@@ -115,11 +105,8 @@ FLICKER = NoiseTerm(
     typical=1.0,
     color="#146A4E",
     dark="#31C697",
-    dash=(8, 2, 1.6, 2),
-    alpha=-1,
-    automatic=True,
-    substitute="GM",
-)
+    dash=(8, 2, 1.6, 2), alpha=-1, automatic=True, substitute="GM",
+)  # fmt: skip
 
 
 PANELS, NODES = np.array([0, 1, 2, 4, 6, 9, 13, 18, 25, 40.0]), 16
@@ -188,14 +175,8 @@ ANGLE_FLICKER = NoiseTerm(
     quantity_meaning=say("flicker (1/f) noise of the integral"),
     formula=r"\sigma^2(\tau) \approx (F^2 / \pi \tau^2) (3 \ln(\tau / \tau_0) + 5.20)",
     reference=say("NIST SP 1065; sampled as by N. J. Kasdin, Proc. IEEE 83 (1995) 802"),
-    power=1.0,
-    slope=-1.0,
-    read_at=1.0,
-    level=16 / (3 * math.pi),
-    structure=_structure,
-    derivative=_derivative,
-    summed=_summed,
-    increments=_increments,
+    power=1.0, slope=-1.0, read_at=1.0, level=16 / (3 * math.pi), structure=_structure, derivative=_derivative,
+    summed=_summed, increments=_increments,
     spectrum=lambda f, tau0: 2 / tau0 * np.sin(math.pi * f * tau0),
     dct=_dct,
     density=r"S(f) = \frac{2 F^2}{\tau_0} \sin(\pi f \tau_0) \approx 2 \pi f F^2",
@@ -208,7 +189,5 @@ ANGLE_FLICKER = NoiseTerm(
     typical=0.5,
     color="#310698",
     dark="#F9F24A",
-    dash=(4, 1.2),
-    alpha=1,
-    per_sample=True,
-)
+    dash=(4, 1.2), alpha=1, per_sample=True,
+)  # fmt: skip

@@ -16,8 +16,7 @@ from allanite.phrases.phrase import say
 
 from .row import Block, FloatArray, NoiseTerm, time_constant
 
-Values = NDArray[Any]
-"""Real for a real u, complex for a complex one."""
+Values = NDArray[Any]  # real for a real u, complex for a complex one
 
 SMALL = 0.05  # size of u below which differences of exponentials are taken from their series
 
@@ -105,10 +104,8 @@ class Exponential:
         return np.asarray(self.spectrum(f, 1.0) - self.T**2 * self.ends(k, n))
 
     def ends(self, k: Values, n: int) -> Values:
-        """What the ends of a record add to the k-th coefficient of the DCT-II of the derivative of such a process.
-
-        The sums of exp(-u h) over h < n are geometric series.
-        """
+        """What the ends of a record add to the k-th coefficient of the DCT-II of the derivative of such a process."""
+        # The sums of exp(-u h) over h < n are geometric series.
         k = np.asarray(k, dtype=np.float64)
         s = np.sin((0.5 * math.pi / n) * k) ** 2
         other = np.where(k % 2 == 0, -np.expm1(-self.u * n), 1 + np.exp(-self.u * n))  # 1 - (-1)^k exp(-u n)
@@ -119,33 +116,22 @@ class Exponential:
         return np.asarray(1 / (1 + 4 * s * np.exp(-self.u) / self.loss**2))
 
 
-SHORTEST = 3.0
-"""Samples from which a time constant can be distinguished from white noise."""
+SHORTEST = 3.0  # samples from which a time constant can be distinguished from white noise
 
 
 def gauss_markov(T: float) -> NoiseTerm:
     """The row of Gauss-Markov rate noise, with a time constant of T sample intervals."""
     functions = Exponential(1 / T)
     return NoiseTerm(
-        symbol="GM",
-        synonyms=("markov",),
+        symbol="GM", synonyms=("markov",),
         title=say("Gauss-Markov noise"),
         meaning=say("exponentially correlated (first-order Gauss-Markov) noise of the rate, with a time constant T"),
         quantity_meaning=say("exponentially correlated (first-order Gauss-Markov) noise with a time constant T"),
         formula=r"\sigma^2(\tau) = (2 s^2 T / \tau) (1 - (T / 2 \tau) (3 - 4 \exp(-\tau/T) + \exp(-2 \tau/T)))",
         reference=say("IEEE Std 952; s is the RMS rate, q = s sqrt(2/T) the driving noise"),
-        power=0.0,
-        slope=math.nan,
-        read_at=math.nan,
-        level=math.nan,
-        structure=functions.structure,
-        derivative=functions.derivative,
-        summed=functions.summed,
-        increments=functions.increments,
-        spectrum=functions.spectrum,
-        dct=functions.dct,
-        parameters=(time_constant(20.0, SHORTEST),),
-        shape=(T,),
+        power=0.0, slope=math.nan, read_at=math.nan, level=math.nan, structure=functions.structure,
+        derivative=functions.derivative, summed=functions.summed, increments=functions.increments,
+        spectrum=functions.spectrum, dct=functions.dct, parameters=(time_constant(20.0, SHORTEST),), shape=(T,),
         shaped=lambda shape, rate: gauss_markov(shape[0] * rate),
         density=r"S(f) = \frac{2 s^2 T}{1 + (2 \pi f T)^2}",
         origin="A single relaxation process: a temperature that follows its surroundings, a trapped charge, a filter "
@@ -161,7 +147,7 @@ def gauss_markov(T: float) -> NoiseTerm:
         dash=(8, 1.8, 1.4, 1.8, 1.4, 1.8),
         block=lambda size, shape, h: markov_block(size, shape[0], h),
         second="GML",
-    )
+    )  # fmt: skip
 
 
 def slow_gauss_markov(T: float) -> NoiseTerm:
@@ -199,14 +185,9 @@ def markov_block(size: float, T: float, h: float) -> Block:
     Q = np.array([[-math.expm1(-2 * u) * size**2, size**2 * loss**2 / u], [size**2 * loss**2 / u, var_mean]])
     return Block(
         names=((say("Gauss-Markov rate, T = {time:.6g} s", time=T), 0),),
-        F=np.array([[-1 / T]]),
-        Qc=np.array([[2 * size**2 / T]]),
-        Phi=np.array([[math.exp(-u)]]),
-        mean=np.array([loss / u]),
-        Q=Q,
-        P0=np.array([[size**2]]),
-        output=np.ones(1),
-    )
+        F=np.array([[-1 / T]]), Qc=np.array([[2 * size**2 / T]]), Phi=np.array([[math.exp(-u)]]),
+        mean=np.array([loss / u]), Q=Q, P0=np.array([[size**2]]), output=np.ones(1),
+    )  # fmt: skip
 
 
 GAUSS_MARKOV, SLOW_GAUSS_MARKOV = gauss_markov(1.0), slow_gauss_markov(1.0)
@@ -264,19 +245,10 @@ def angle_markov(T: float) -> NoiseTerm:
         reference=say(
             "a first-order Markov process of the angle; structure function 2 s^2 (1 - exp(-t/T)), s the RMS angle"
         ),
-        power=1.0,
-        slope=math.nan,
-        read_at=math.nan,
-        level=math.nan,
+        power=1.0, slope=math.nan, read_at=math.nan, level=math.nan,
         structure=lambda t: -2 * np.expm1(-u * np.asarray(t, dtype=np.float64)),
-        derivative=derivative,
-        summed=summed,
-        increments=increments,
-        spectrum=spectrum,
-        dct=dct,
-        ends=1.0,
-        parameters=(time_constant(2.0, SHORTEST_ANGLE),),
-        shape=(T,),
+        derivative=derivative, summed=summed, increments=increments, spectrum=spectrum, dct=dct, ends=1.0,
+        parameters=(time_constant(2.0, SHORTEST_ANGLE),), shape=(T,),
         shaped=lambda shape, rate: angle_markov(shape[0] * rate),
         density=r"S(f) = \frac{2 s^2 T (2 \pi f)^2}{1 + (2 \pi f T)^2}",
         origin="An error of the angle itself that is forgotten within a time constant: backlash and friction of a "
@@ -291,7 +263,7 @@ def angle_markov(T: float) -> NoiseTerm:
         dark="#3BF9B4",
         dash=(6, 1.4, 3, 1.4),
         block=lambda size, shape, h: angle_markov_block(size, shape[0], h),
-    )
+    )  # fmt: skip
 
 
 def angle_markov_block(size: float, T: float, h: float) -> Block:
@@ -299,15 +271,11 @@ def angle_markov_block(size: float, T: float, h: float) -> Block:
     loss, driven = -math.expm1(-h / T), -math.expm1(-2 * h / T) * size**2
     return Block(
         names=((say("Gauss-Markov angle, T = {time:.6g} s", time=T), 1),),
-        F=np.array([[-1 / T]]),
-        Qc=np.array([[2 * size**2 / T]]),
-        Phi=np.array([[math.exp(-h / T)]]),
-        mean=np.array([-loss / h]),
-        Q=driven * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]),
-        P0=np.array([[size**2]]),
-        output=np.zeros(1),
+        F=np.array([[-1 / T]]), Qc=np.array([[2 * size**2 / T]]), Phi=np.array([[math.exp(-h / T)]]),
+        mean=np.array([-loss / h]), Q=driven * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]),
+        P0=np.array([[size**2]]), output=np.zeros(1),
         note=say("the error of the angle is a state: its change over the interval enters the mean rate"),
-    )
+    )  # fmt: skip
 
 
 ANGLE_MARKOV = angle_markov(1.0)

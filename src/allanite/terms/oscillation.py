@@ -22,10 +22,8 @@ DAMPINGS = (0.01, 0.9)
 
 
 def modes(frequency: float, damping: float) -> list[tuple[complex, Exponential]]:
-    """Weights and exponentials whose sum is the covariance, of which the real part counts.
-
-    s1, s2 = w (z +- sqrt(z^2 - 1)), and the covariance is (s2 exp(-s1 t) - s1 exp(-s2 t)) / (s2 - s1).
-    """
+    """Weights and exponentials whose sum is the covariance, of which the real part counts."""
+    # s1, s2 = w (z +- sqrt(z^2 - 1)), and the covariance is (s2 exp(-s1 t) - s1 exp(-s2 t)) / (s2 - s1).
     w = 2 * math.pi * frequency
     z = damping if abs(damping - 1) > CRITICAL else 1 - CRITICAL
     root = cmath.sqrt(z * z - 1)
@@ -58,19 +56,14 @@ def oscillation(frequency: float, damping: float) -> NoiseTerm:
         ),
         formula=r"R(t) = s^2 \exp(-\zeta \omega t) (\cos \omega_d t + (\zeta \omega / \omega_d) \sin \omega_d t)",
         reference=say("the covariance R of the rate, with its second integral in the variance; s is the RMS rate"),
-        power=0.0,
-        slope=math.nan,
-        read_at=math.nan,
-        level=math.nan,
-        **made,
+        power=0.0, slope=math.nan, read_at=math.nan, level=math.nan, **made,
         parameters=(
             Parameter("frequency", say("natural frequency"), "Hz", least=0.0, letter="f", typical=0.02, time=-1.0,
                       search=lambda n: (PERIODS / n, HIGHEST), steps=16),
             Parameter("damping", say("damping ratio"), "", least=0.0, letter="zeta", typical=0.15,
                       search=lambda n: DAMPINGS, steps=2),
         ),
-        period=1 / frequency if damping < 1 else 0.0,
-        shape=(frequency, damping),
+        period=1 / frequency if damping < 1 else 0.0, shape=(frequency, damping),
         shaped=lambda shape, rate: oscillation(shape[0] / rate, shape[1]),
         density=r"S(f) = \frac{4 \zeta \omega^3 s^2}{(\omega^2 - (2 \pi f)^2)^2 + (2 \zeta \omega \, 2 \pi f)^2}",
         origin="A loop or a structure with a resonance that noise excites: the control loop of a stabilized platform "
@@ -82,8 +75,7 @@ def oscillation(frequency: float, damping: float) -> NoiseTerm:
         "when its symbol is among the terms that are asked for. In a Kalman filter it has two states.",
         color="#9438EC",
         dark="#D3B157",
-        dash=(2.4, 1.2, 1, 1.2),
-        block=oscillation_block,
+        dash=(2.4, 1.2, 1, 1.2), block=oscillation_block,
     )  # fmt: skip
 
 
@@ -113,14 +105,10 @@ def oscillation_block(size: float, shape: tuple[float, ...], h: float) -> Block:
             (say("oscillation of {frequency:.6g} Hz", frequency=shape[0]), 0),
             (say("oscillation of {frequency:.6g} Hz, derivative", frequency=shape[0]), 0),
         ),
-        F=F,
-        Qc=Qc,
-        Phi=Phi[:2, :2],
-        mean=Phi[2, :2] / h,
-        Q=mean @ ((Q + Q.T) / 2) @ mean,
-        P0=np.eye(2) * size**2,
+        F=F, Qc=Qc, Phi=Phi[:2, :2],
+        mean=Phi[2, :2] / h, Q=mean @ ((Q + Q.T) / 2) @ mean, P0=np.eye(2) * size**2,
         output=np.array([1.0, 0.0]),
-    )
+    )  # fmt: skip
 
 
 OSCILLATION = oscillation(0.05, 0.15)

@@ -46,10 +46,8 @@ def white_noise(N: float, h: float) -> Block:
 
 
 def integrators(names: tuple[str, ...], h: float, *, density: float = 0.0, start: float = 0.0, note: str = "") -> Block:
-    """The bias and its derivatives, the last of them driven by white noise of `density`.
-
-    `names` are those of the states; `start` is the standard deviation of the last one at the start.
-    """
+    """The bias and its derivatives, the last of them driven by white noise of `density`."""
+    # `names` are those of the states; `start` is the standard deviation of the last one at the start.
     s = len(names)
     order = np.subtract.outer(np.arange(s), np.arange(s)).T  # how often state j is integrated to give state i
     factorial = np.array([math.factorial(k) for k in range(s + 2)], dtype=np.float64)
@@ -64,36 +62,23 @@ def integrators(names: tuple[str, ...], h: float, *, density: float = 0.0, start
     return Block(
         names=tuple((name, -float(k)) for k, name in enumerate(names)),
         F=np.eye(s, k=1),
-        Qc=Qc,
-        Phi=Phi,
-        mean=h ** np.arange(s) / factorial[1 : s + 1],
-        Q=Q,
-        P0=P0,
-        output=np.eye(s)[0],
-        bias=True,
-        note=note,
-    )
+        Qc=Qc, Phi=Phi, mean=h ** np.arange(s) / factorial[1 : s + 1], Q=Q, P0=P0,
+        output=np.eye(s)[0], bias=True, note=note,
+    )  # fmt: skip
 
 
 def angle_noise(Q: float, h: float) -> Block:
-    """White angle noise: the mean rate over an interval gets the difference of its ends' errors, over h.
-
-    A state of discrete time: the error of the angle at the end of the interval, new in every interval.
-    """
+    """White angle noise: the mean rate over an interval gets the difference of its ends' errors, over h."""
+    # A state of discrete time: the error of the angle at the end of the interval, new in every interval.
     return Block(
         names=((say("angle error"), 1),),
-        F=np.zeros((1, 1)),
-        Qc=np.zeros((1, 1)),
-        Phi=np.zeros((1, 1)),
-        mean=np.array([-1 / h]),
-        Q=Q**2 * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]),
-        P0=np.array([[Q**2]]),
-        output=np.zeros(1),
+        F=np.zeros((1, 1)), Qc=np.zeros((1, 1)), Phi=np.zeros((1, 1)), mean=np.array([-1 / h]),
+        Q=Q**2 * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]), P0=np.array([[Q**2]]), output=np.zeros(1),
         note=say(
             "quantization is modelled as white Gaussian angle noise; that it is bounded by half a step, and depends on "
             "the angle itself, is neglected"
         ),
-    )
+    )  # fmt: skip
 
 
 TITLES = {
@@ -108,18 +93,14 @@ def _titles(place: int) -> dict[str, str]:
 
 
 QUANTIZATION = NoiseTerm(
-    symbol="Q",
-    synonyms=("QN",),
+    symbol="Q", synonyms=("QN",),
     title=say("quantization noise"),
     meaning=say("white noise of the angle: rounding of the angle output, or timing jitter of the readout"),
     quantity_title=say("white noise of the integrated {quantity}"),
     quantity_meaning=say("noise whose spectral density grows as the square of the frequency; its integral is white"),
     formula=r"\sigma^2(\tau) = 3 Q^2 / \tau^2",
     reference=say("IEEE Std 952; Q = LSB / sqrt(12) for a dithered angle quantizer"),
-    power=1.0,
-    slope=-1.0,
-    read_at=math.sqrt(3.0),
-    level=3.0,
+    power=1.0, slope=-1.0, read_at=math.sqrt(3.0), level=3.0,
     structure=lambda t: np.where(np.asarray(t) > 0, 2.0, 0.0),
     derivative=_monomial(2.0, 0),
     summed=lambda t: -np.asarray(t, dtype=np.float64),
@@ -138,16 +119,13 @@ QUANTIZATION = NoiseTerm(
     typical=0.5,
     color="#B24282",
     dark="#C061AE",
-    dash=(1.2, 1.6),
-    alpha=2,
-    automatic=True,
+    dash=(1.2, 1.6), alpha=2, automatic=True,
     block=lambda Q, shape, h: angle_noise(Q, h),
-)
+)  # fmt: skip
 
 
 ANGLE_RANDOM_WALK = NoiseTerm(
-    symbol="N",
-    synonyms=("ARW", "VRW"),
+    symbol="N", synonyms=("ARW", "VRW"),
     title=say("angle random walk"),
     titles=_titles(0),
     meaning=say("white noise of the rate; the angle error grows as N sqrt(t)"),
@@ -156,11 +134,7 @@ ANGLE_RANDOM_WALK = NoiseTerm(
         "white noise of the samples, among it their rounding; averaging reduces it with the square root of time"
     ),
     formula=r"\sigma^2(\tau) = N^2 / \tau",
-    reference="IEEE Std 952",
-    power=0.5,
-    slope=-0.5,
-    read_at=1.0,
-    level=1.0,
+    reference="IEEE Std 952", power=0.5, slope=-0.5, read_at=1.0, level=1.0,
     structure=lambda t: np.asarray(t, dtype=np.float64),
     derivative=_monomial(1.0, 1),
     summed=lambda t: (np.asarray(t) ** 3 - t) / 6,
@@ -178,16 +152,13 @@ ANGLE_RANDOM_WALK = NoiseTerm(
     typical=0.1,
     color="#2E74C9",
     dark="#8BB5F6",
-    dash=(6, 2.4),
-    alpha=0,
-    automatic=True,
+    dash=(6, 2.4), alpha=0, automatic=True,
     block=lambda N, shape, h: white_noise(N, h),
-)
+)  # fmt: skip
 
 
 RATE_RANDOM_WALK = NoiseTerm(
-    symbol="K",
-    synonyms=("RRW",),
+    symbol="K", synonyms=("RRW",),
     title=say("rate random walk"),
     titles=_titles(1),
     meaning=say("random walk of the rate; the bias drifts as K sqrt(t)"),
@@ -195,15 +166,11 @@ RATE_RANDOM_WALK = NoiseTerm(
     quantity_meaning=say("changes that accumulate; over a time t they have the standard deviation K sqrt(t)"),
     formula=r"\sigma^2(\tau) = K^2 \tau / 3",
     reference=say("IEEE Std 952; the rate is the mean over each sample interval"),
-    power=-0.5,
-    slope=0.5,
-    read_at=3.0,
-    level=1 / 3,
+    power=-0.5, slope=0.5, read_at=3.0, level=1 / 3,
     structure=lambda t: -(np.asarray(t, dtype=np.float64) ** 3) / 6,
     derivative=_monomial(-1 / 6, 3),
     summed=lambda t: -(np.asarray(t) ** 5 / 20 - np.asarray(t) ** 3 / 12 + np.asarray(t) / 30) / 6,
-    increments=_at_small_lags(2 / 3, 1 / 6),
-    spectrum=_random_walk_spectrum,
+    increments=_at_small_lags(2 / 3, 1 / 6), spectrum=_random_walk_spectrum,
     dct=lambda k, n: _random_walk_spectrum(k / (2.0 * n), 1.0),
     density=r"S(f) = \frac{K^2}{(2 \pi f)^2}",
     origin="Slow changes that accumulate: a drifting temperature, ageing, or an exponentially correlated process whose "
@@ -214,27 +181,20 @@ RATE_RANDOM_WALK = NoiseTerm(
     typical=10.0,
     color="#5B0200",
     dark="#E95C5D",
-    dash=(3.2, 1.6),
-    alpha=-2,
-    automatic=True,
+    dash=(3.2, 1.6), alpha=-2, automatic=True,
     block=lambda K, shape, h: integrators((say("bias, random walk") if K else say("bias"),), h, density=K**2),
-)
+)  # fmt: skip
 
 
 RAMP = NoiseTerm(
-    symbol="R",
-    synonyms=("RR", "ramp", "drift"),
+    symbol="R", synonyms=("RR", "ramp", "drift"),
     title=say("rate ramp"),
     titles=_titles(2),
     meaning=say("a linear drift of the rate, with a sign"),
     quantity_title=say("ramp of the {quantity}"),
     quantity_meaning=say("a linear drift, with a sign"),
     formula=r"\sigma^2(\tau) = R^2 \tau^2 / 2",
-    reference="IEEE Std 952",
-    power=-1.0,
-    slope=1.0,
-    read_at=math.sqrt(2.0),
-    level=0.5,
+    reference="IEEE Std 952", power=-1.0, slope=1.0, read_at=math.sqrt(2.0), level=0.5,
     structure=lambda t: -(np.asarray(t, dtype=np.float64) ** 4) / 12,
     derivative=_monomial(-1 / 12, 4),
     summed=lambda t: -(np.asarray(t) ** 6 / 30 - np.asarray(t) ** 4 / 12 + np.asarray(t) ** 2 / 20) / 12,
@@ -251,12 +211,11 @@ RAMP = NoiseTerm(
     typical=10.0,
     color="#6C4000",
     dark="#EBA008",
-    dash=(11, 2.6),
-    automatic=True,
+    dash=(11, 2.6), automatic=True,
     block=lambda R, shape, h: integrators(
         (say("bias"), say("rate ramp")),
         h,
         start=R,
         note=say("the ramp is a state whose initial standard deviation is |R|, without driving noise"),
     ),
-)
+)  # fmt: skip

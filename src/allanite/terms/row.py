@@ -17,14 +17,12 @@ LONGEST = 0.1  # share of a record up to which a time constant can be distinguis
 
 @dataclass(frozen=True)
 class Parameter:
-    """What a term has beside its coefficient.
+    """What a term has beside its coefficient."""
 
-    `title` is its name as text, `least` what its value must exceed, None if it may be anything; `default` stands where
-    none is given; `letter` is what it is called in print, and `typical` a value for examples. Its unit contains the
-    second to the power `time`. `search` gives the least and the greatest value that a record of n samples tells of, in
-    sample intervals, and `steps` how many a decade are tried at first.
-    """
-
+    # `title` is its name as text, `least` what its value must exceed, None if it may be anything; `default` stands
+    # where none is given; `letter` is what it is called in print, and `typical` a value for examples. Its unit contains
+    # the second to the power `time`. `search` gives the least and the greatest value that a record of n samples tells
+    # of, in sample intervals, and `steps` how many a decade are tried at first.
     name: str
     title: str
     unit: str
@@ -47,15 +45,11 @@ def time_constant(typical: float, shortest: float = 0.0) -> Parameter:
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """A noise term as states z of a filter: exact transition over a sample interval, and the mean over it.
+    """A noise term as states z of a filter: exact transition over a sample interval, and the mean over it."""
 
-    With dz = F z dt + w, the covariance of w being Qc per second, it is over an interval h
-
-        z(h) = Phi z(0) + noise,      mean of the first state over the interval = mean z(0) + noise,
-
-    with the joint covariance of both noises in closed form.
-    """
-
+    # With dz = F z dt + w, the covariance of w being Qc per second, it is over an interval h
+    #     z(h) = Phi z(0) + noise,      mean of the first state over the interval = mean z(0) + noise,
+    # with the joint covariance of both noises in closed form.
     # description of each state, and the power of time that its unit carries beyond the signal
     names: tuple[tuple[str, float], ...]
     # F, Qc: shape (s, s); continuous time

@@ -43,18 +43,11 @@ def sine(frequency: float, phase: float = 0.0) -> NoiseTerm:
         quantity_meaning=say("a sinusoid, with an amplitude and a frequency"),
         formula=r"\sigma^2(\tau) = A^2 \sin^4(\pi f \tau) / (\pi f \tau)^2",
         reference=say("IEEE Std 952; the mean over all phases"),
-        power=0.0,
-        slope=math.nan,
-        read_at=math.nan,
-        level=math.nan,
-        structure=structure,
-        derivative=derivative,
-        summed=summed,
-        increments=increments,
+        power=0.0, slope=math.nan, read_at=math.nan, level=math.nan, structure=structure, derivative=derivative,
+        summed=summed, increments=increments,
         spectrum=lambda f, tau0: np.zeros_like(f),
         dct=lambda k, _: np.zeros_like(k),
-        waveform=waveform,
-        periodic=True,
+        waveform=waveform, periodic=True,
         parameters=(
             Parameter("frequency", say("frequency"), "Hz", least=0.0, letter="f", typical=0.02, time=-1.0),
             Parameter("phase", say("phase"), "rad", default=0.0, typical=0.0),
@@ -71,7 +64,7 @@ def sine(frequency: float, phase: float = 0.0) -> NoiseTerm:
         dark="#7D7ADE",
         dash=(1.2, 3.2),
         block=lambda amplitude, shape, h: oscillator(amplitude, shape[0], h),
-    )
+    )  # fmt: skip
 
 
 def oscillator(amplitude: float, frequency: float, h: float) -> Block:
@@ -83,15 +76,11 @@ def oscillator(amplitude: float, frequency: float, h: float) -> Block:
             (say("sinusoid of {frequency:.6g} Hz", frequency=frequency), 0),
             (say("sinusoid of {frequency:.6g} Hz, quadrature", frequency=frequency), 0),
         ),
-        F=np.array([[0.0, w], [-w, 0.0]]),
-        Qc=np.zeros((2, 2)),
-        Phi=np.array([[cosine, sine], [-sine, cosine]]),
-        mean=np.array([sine, 2 * math.sin(w * h / 2) ** 2]) / (w * h),
-        Q=np.zeros((3, 3)),
-        P0=np.eye(2) * amplitude**2 / 2,
-        output=np.array([1.0, 0.0]),
+        F=np.array([[0.0, w], [-w, 0.0]]), Qc=np.zeros((2, 2)), Phi=np.array([[cosine, sine], [-sine, cosine]]),
+        mean=np.array([sine, 2 * math.sin(w * h / 2) ** 2]) / (w * h), Q=np.zeros((3, 3)),
+        P0=np.eye(2) * amplitude**2 / 2, output=np.array([1.0, 0.0]),
         note=say("a sinusoid is an oscillator without noise: its frequency must be known and constant"),
-    )
+    )  # fmt: skip
 
 
 SINE = sine(0.125)
@@ -119,20 +108,11 @@ def warm_up(T: float) -> NoiseTerm:
         ),
         formula=r"\Omega(t) = W (1 - \exp(-t / T))",
         reference=say("the mean over each sample interval"),
-        power=0.0,
-        slope=math.nan,
-        read_at=math.nan,
-        level=math.nan,
-        structure=_none,
-        derivative=_none,
-        summed=_none,
-        increments=_none,
+        power=0.0, slope=math.nan, read_at=math.nan, level=math.nan, structure=_none, derivative=_none,
+        summed=_none, increments=_none,
         spectrum=lambda f, tau0: np.zeros_like(f),
         dct=lambda k, _: np.zeros_like(k),
-        waveform=waveform,
-        transient=True,
-        parameters=(time_constant(200.0),),
-        shape=(T,),
+        waveform=waveform, transient=True, parameters=(time_constant(200.0),), shape=(T,),
         shaped=lambda shape, rate: warm_up(shape[0] * rate),
         origin="The sensor comes to its temperature after it is switched on. It is not a noise: it begins with the "
         "power, and what a statistic shows of it depends on when the record begins and how long it is.",
@@ -144,7 +124,7 @@ def warm_up(T: float) -> NoiseTerm:
         color="#13042C",
         dark="#8BF08F",
         dash=(1.2, 1.2, 6, 1.2),
-    )
+    )  # fmt: skip
 
 
 WARM_UP = warm_up(1.0)

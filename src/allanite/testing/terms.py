@@ -289,8 +289,7 @@ def simulated(row: NoiseTerm, n: int = 64, count: int = 100) -> None:
 FORMS = waveforms, states
 
 
-CHECKS: tuple[Callable[[NoiseTerm], None], ...] = (*COLUMNS, *FORMS)
-"""What is demanded of a row at each of its shapes."""
+CHECKS: tuple[Callable[[NoiseTerm], None], ...] = (*COLUMNS, *FORMS)  # what is demanded of a row at each of its shapes
 
 RATES = (0.013, 0.047, 0.31, 2.1, 5.0)
 """Sampling rates, at which the times of a term are fractions of a sample to many samples."""

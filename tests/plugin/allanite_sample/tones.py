@@ -4,7 +4,7 @@ import numpy as np
 
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
-from allanite.readers.columns.arrays import column
+from allanite.readers.columns.column import column
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 

@@ -10,9 +10,8 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.core.model import term
-from allanite.identification.curves.gls import moments_of, standard_errors
 from allanite.identification.curves.inversion import IMPOSSIBLE, Inverted, RatioLimits
-from allanite.identification.curves.leastsquares import iterated
+from allanite.identification.curves.leastsquares import iterated, moments_of, standard_errors
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.search.frame import frame_of
 from allanite.identification.search.laws import entries_of, law_of

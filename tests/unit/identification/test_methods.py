@@ -10,11 +10,10 @@ from tests.rows import refused, rows
 
 import allanite as al
 from allanite.core.model import term
-from allanite.identification.curves.gls import moments_of, octaves, standard_errors
-from allanite.identification.curves.leastsquares import drift, solve
+from allanite.identification.curves.leastsquares import drift, moments_of, octaves, solve, standard_errors
 from allanite.identification.curves.reading import rows_of
 from allanite.statistics import covariance, edf, statistic_named
-from allanite.statistics.moments.expect import expected_ratio
+from allanite.statistics.moments.moments import expected_ratio
 from allanite.study.analysis import Recipe
 
 UNIT = {"Q": "s", "N": "sqrt(s)", "B": "1", "K": "1/sqrt(s)", "R": "1/s"}

@@ -9,7 +9,7 @@ from tests.rows import paired, rows
 
 import allanite as al
 import slow_noise
-from allanite.identification.checks.popcorn import _normal, jumps
+from allanite.identification.checks.residuals import _normal, jumps
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.likelihood.whittle import likelihood, with_warm_up
 from allanite.study.noise import noise_of

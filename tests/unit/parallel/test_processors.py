@@ -7,9 +7,8 @@ from importlib import import_module
 import pytest
 from tests.rows import rows
 
-from allanite.parallel import processors, sharing
-from allanite.parallel.processors import imported, importing
-from allanite.parallel.sharing import shared
+from allanite.parallel import processors
+from allanite.parallel.processors import imported, importing, shared
 
 
 def test_what_is_imported_is_there_afterwards_and_the_inner_waits_for_the_outer(monkeypatch):
@@ -35,7 +34,7 @@ def test_an_error_is_told():
 def test_no_process_is_forked_before_the_imports_have_ended(monkeypatch):
     ended, asked = [], threading.Event()
     monkeypatch.setattr(processors, "import_module", lambda _: (asked.wait(60), ended.append(True)))
-    monkeypatch.setattr(sharing, "imported", lambda: (asked.set(), imported()))
+    monkeypatch.setattr(processors, "imported", lambda: (asked.set(), imported()))
     with importing(["slow"]):
         assert shared(lambda _: bool(ended), [0, 1, 2, 3], count=2) == [True] * 4
 

@@ -16,8 +16,7 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.parallel.processes import ahead, later, spread
-from allanite.parallel.processors import how_many, imported, importing, processes
-from allanite.parallel.sharing import shared
+from allanite.parallel.processors import how_many, imported, importing, processes, shared
 from allanite.reporting import page
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="forks only where they are safe")
@@ -144,7 +143,7 @@ def test_a_refused_channel_is_refused_in_any_process(recording):
 
 INTERRUPTED = """
 import os, signal, time
-from allanite.parallel.sharing import shared
+from allanite.parallel.processors import shared
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs begin with it ignored
 

@@ -15,7 +15,7 @@ from allanite.prepare.resampled import filled
 from allanite.prepare.transform import averaged
 from allanite.prepare.view import View, stretches
 from allanite.prepare.window import excluded
-from allanite.simulation.ring_laser import RING_LASERS, simulate_ring_laser
+from allanite.simulation.record import RING_LASERS, simulate_ring_laser
 
 MODEL = al.N(3.0, "deg/h/sqrt(Hz)") + al.B(2.0, "deg/h")
 

@@ -5,17 +5,14 @@ import pytest
 
 import allanite as al
 from allanite.readers.clock.clocks import unwrapped
-from allanite.readers.clock.findings import duration
-from allanite.readers.clock.grid import SampleGrid, resolution
+from allanite.readers.clock.findings import SampleGrid, duration, resolution
 from allanite.readers.clock.stamps import mended
 from allanite.readers.columns import dates, headers
-from allanite.readers.columns.arrays import split
-from allanite.readers.columns.column import FileColumn, headed
+from allanite.readers.columns.column import FileColumn, headed, split
 from allanite.readers.columns.containers import any_inertial
-from allanite.readers.columns.layout import is_number
-from allanite.readers.columns.preamble import statement
+from allanite.readers.columns.layout import is_number, statement
 from allanite.readers.columns.resolver import angle_of
-from allanite.readers.columns.sheet import FileSheet
+from allanite.readers.formats.text import FileSheet
 from allanite.readers.options import parts_of, stated_unit
 from allanite.readers.parts import bytes_of, size_in_words
 

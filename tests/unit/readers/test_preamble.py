@@ -6,7 +6,7 @@ from tests.rows import rows
 
 from allanite.core.errors import UsageError
 from allanite.readers import read
-from allanite.readers.columns.preamble import statement
+from allanite.readers.columns.layout import statement
 
 NOISE = np.random.default_rng(1).standard_normal((300, 2)).round(4)
 

@@ -5,7 +5,7 @@ import pytest
 
 from allanite.core.errors import UsageError
 from allanite.phrases.phrase import Phrase
-from allanite.readers.columns.arrays import column
+from allanite.readers.columns.column import column
 from allanite.readers.columns.containers import Stream, stream_recording
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options

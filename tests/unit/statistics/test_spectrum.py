@@ -13,9 +13,8 @@ from tests.rows import paired, rows
 import allanite as al
 from allanite.core.model import term
 from allanite.core.units import SIGNALS
-from allanite.statistics.spectra.multitaper import LARGEST_TAPERS, slepian
+from allanite.statistics.spectra.estimators import LARGEST_TAPERS, WINDOWS, slepian
 from allanite.statistics.spectra.spectrum import METHODS
-from allanite.statistics.spectra.welch import WINDOWS
 
 ALL = [*METHODS, al.Welch(40.0, "blackman"), al.Multitaper(2.5, 3, "equal")]
 

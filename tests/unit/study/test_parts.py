@@ -216,7 +216,7 @@ def test_jobs_that_need_the_whole_are_refused_by_name(file, job, words):
 
 
 def test_segments_are_bounded(file, monkeypatch):
-    monkeypatch.setattr("allanite.statistics.spectra.welch.MAX_SEGMENT", 4096)
+    monkeypatch.setattr("allanite.statistics.spectra.estimators.MAX_SEGMENT", 4096)
     with pytest.raises(UsageError, match=r"up to 40.96 s"):
         survey(file, Densities(segment=50.0), PARTS)
     assert survey(file, Densities(segment=40.96), PARTS).values[0].resolution > 0

@@ -3,7 +3,7 @@
 import numpy as np
 
 from allanite.core.record import Recording
-from allanite.readers.columns.arrays import column
+from allanite.readers.columns.column import column
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 

@@ -7,6 +7,8 @@ from .geometry import Gimbals as Gimbals
 from .geometry import gimbals as gimbals
 from .harmonics import NUISANCES as NUISANCES
 from .harmonics import Harmonics as Harmonics
+from .harmonics import readings as readings
+from .harmonics import simulate as simulate
 from .motion import Ring as Ring
 from .motion import Sway as Sway
 from .plans import AnglePlan as AnglePlan
@@ -14,6 +16,4 @@ from .plans import AngleSettings as AngleSettings
 from .plans import Scan as Scan
 from .plans import plan as plan
 from .plans import scan as scan
-from .simulation import readings as readings
-from .simulation import simulate as simulate
 from .solve import Solution as Solution

@@ -22,7 +22,7 @@ from allanite.extending import (
 )
 
 from .calibration import part, too_large
-from .checks import column, demand_motion
+from .geometry import column, demand_motion
 from .harmonics import Harmonics, orders_of, waves
 from .solve import Solution, System, correlation_of, solve
 

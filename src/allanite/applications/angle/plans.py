@@ -9,8 +9,7 @@ import numpy as np
 
 from allanite.extending import Finding, FloatArray, UsageError, Value, provenance_of, public
 
-from .calibration import Calibration, Prior, prior_of
-from .caveats import caveats
+from .calibration import Calibration, Prior, caveats, prior_of
 from .geometry import QUARTER, Gimbals, gimbals
 from .harmonics import USUAL, Harmonics, amplitude_names, design, harmonic_set
 from .motion import Ring, Sway, sway_of

@@ -15,13 +15,7 @@ BLOCK = 4096  # rows that the batch form takes at a time: what they need stays i
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SquareRoot(Value):
-    """What is known of p constants x from n samples ``z = a x + v``, all divided by the deviation of v.
-
-    >>> known = SquareRoot.before(np.array([10.0, 10.0]))
-    >>> known, _ = known.absorb(np.array([[1.0, 0.0], [1.0, 1.0]]), np.array([3.0, 4.0]))
-    >>> known.values.round(1).tolist(), known.count
-    ([3.0, 1.0], 2)
-    """
+    """What is known of p constants x from n samples ``z = a x + v``, all divided by the deviation of v."""
 
     # shape (p, p + 1); upper triangular ``[R | d]``: the estimate solves ``R x = d``, its covariance is ``(R^T
     # R)^-1``

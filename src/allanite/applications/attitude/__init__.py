@@ -1,9 +1,9 @@
 """Roll and pitch from gyros and accelerometers: the strapdown gyro-vertical, and its filter from identified noise."""
 
-from .coning import attitudes as attitudes
-from .coning import rotation_vectors as rotation_vectors
 from .filters import FILTERS as FILTERS
 from .filters import Setting as Setting
+from .filters import attitudes as attitudes
+from .filters import rotation_vectors as rotation_vectors
 from .inertial import Inertial as Inertial
 from .loop import Loop as Loop
 from .loop import kalman as kalman

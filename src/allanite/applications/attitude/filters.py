@@ -1,4 +1,4 @@
-"""The filters of roll and pitch: a table, and how each is run."""
+"""The filters of roll and pitch, a table and how each is run; rotation vectors with coning correction."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -6,12 +6,68 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.extending import DataError, FloatArray, row_of, say, spelled
+from allanite.extending import DataError, FloatArray, UsageError, public, row_of, say, spelled
 
-from .coning import attitudes, rotation_vectors
 from .inertial import Inertial
 from .loop import Loop, SensorNoise
 from .optimum import best_first_order, best_kalman, best_second_order
+
+
+@public
+def rotation_vectors(increments: FloatArray, samples: int = 2) -> FloatArray:
+    """Rotation vectors over pairs of increments, corrected for coning, or over single ones as they are.
+
+    Parameters
+    ----------
+    increments : array, shape (n, 3)
+        Angle increments, rad, in the axes of the body.
+    samples : int
+        Increments in a group, 1 or 2; with 1 nothing is corrected. An increment beyond the last pair is left out.
+
+    Returns
+    -------
+    array, shape (n // samples, 3)
+
+    Raises
+    ------
+    UsageError
+        There is no correction of so many samples.
+    DataError
+        The increments do not have the shape (n, 3).
+
+    References
+    ----------
+    J. E. Bortz, IEEE Trans. AES-7 (1971) 61; R. B. Miller, J. Guidance 6 (1983) 287.
+
+    Examples
+    --------
+    >>> rotation_vectors(np.array([[1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0]]))[0].round(12).tolist()
+    [0.001, 0.001, 6.66667e-07]
+    """
+    if samples not in (1, 2):
+        raise UsageError(f"a coning correction takes 1 or 2 samples, not {samples!r}")
+    increments = np.ascontiguousarray(increments, dtype=np.float64)
+    if increments.ndim != 2 or increments.shape[1] != 3:
+        raise DataError(f"increments have the shape (n, 3), not {increments.shape}")
+    if samples == 1:
+        return increments
+    first, second = increments[: len(increments) // 2 * 2].reshape(-1, 2, 3).swapaxes(0, 1)
+    return np.asarray(first + second + 2 / 3 * np.cross(first, second))
+
+
+@public
+def attitudes(vectors: FloatArray, start: FloatArray) -> FloatArray:
+    """Attitude after each rotation vector, from `start`: quaternions, shape (n, 4), scalar first.
+
+    They rotate from the axes of the body to those of the start's reference; with
+    ``scipy.spatial.transform.Rotation.from_quat(q, scalar_first=True)`` they become matrices or angles.
+    """
+    from allanite.kernels.attitude import rotated
+
+    quaternions = np.empty((len(vectors), 4))
+    rotated(np.ascontiguousarray(vectors), np.array(start, dtype=np.float64), quaternions)
+    return quaternions
+
 
 Angles = tuple[FloatArray, int]
 """Roll and pitch, rad, shape (n, 2), and the number of samples for which the gyros alone were used."""
@@ -113,11 +169,9 @@ def quaternion(angles: FloatArray) -> FloatArray:
 
 
 def beta_of(data: Inertial, setting: Setting) -> float:
-    """Madgwick's gain: as given, or as fast as the time constant in noise.
-
-    Its correction turns at 2 beta whatever the error. In noise of the tilt with the standard deviation s of each angle
-    that is on average sqrt(pi / 8) / s of the error, so that beta = s / (sqrt(pi / 2) time constant).
-    """
+    """Madgwick's gain: as given, or as fast as the time constant in noise."""
+    # Its correction turns at 2 beta whatever the error. In noise of the tilt with the standard deviation s of each
+    # angle that is on average sqrt(pi / 8) / s of the error, so that beta = s / (sqrt(pi / 2) time constant).
     if setting.beta is not None:
         return setting.beta
     steps = np.diff(data.force[:, :2], axis=0) / data.gravity

@@ -1,14 +1,6 @@
-r"""The complementary loop: how gyro and accelerometer errors, of any spectral density, reach the angle.
+"""The complementary loop: how gyro and accelerometer errors, of any spectral density, reach the angle."""
 
-The angle is propagated with the gyro and pulled towards the tilt that the accelerometer reads,
-
-    theta' = omega - b + k1 (tilt - theta),    b' = -k2 (tilt - theta),
-
-with k2 = 0 for the filter of first order, whose time constant is 1 / k1. Rate noise n_g and tilt noise n_a make the
-error
-
-    E = (N_g + (k1 + k2 / s) N_a) / (s + k1 + k2 / s).
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from dataclasses import dataclass

@@ -1,17 +1,6 @@
-r"""The best filter of a gyro-vertical for identified noise, what detuning costs, and how far it is from the bound.
+"""The best filter of a gyro-vertical for identified noise, what detuning costs, and how far it is from the bound."""
 
-The difference of gyro angle and tilt holds no motion, only the errors x = sum n_g dt and v = n_a. Its differences have
-the density
-
-    S = S_g dt^2 + |1 - z^-1|^2 S_a = |L|^2,
-
-and with L without zeros outside the unit circle, by the cepstrum of S, the innovations are (1 - z^-1) (x - v) / L. The
-causal part C of the response from innovations to the error v of the tilt is the filter of Wiener, whose error is
-
-    (C / L) dt n_g + (1 - C (1 - z^-1) / L) n_a.
-
-Below 1 / (2 T) the densities are taken to fall steeply: a run of the length T hardly contains what is there.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Sequence
@@ -29,8 +18,7 @@ MIN_TIME_CONSTANT, MAX_TIME_CONSTANT = 1e-5, 1e6  # time constants between which
 GRID_POINTS = 89  # time constants that are tried first: eight in a decade
 MIN_SETTLINGS = 10.0  # time constants of the bias of a filter of second order in the horizon, at least
 
-Bias = tuple[float, float]
-"""Constant biases of the gyro, rad/s, and of the accelerometer, m/s^2."""
+Bias = tuple[float, float]  # constant biases of the gyro, rad/s, and of the accelerometer, m/s^2
 
 
 def best_loop(noises: Sequence[SensorNoise], bias: Sequence[Bias]) -> Loop:
@@ -56,10 +44,8 @@ def best_loop(noises: Sequence[SensorNoise], bias: Sequence[Bias]) -> Loop:
 
 
 def best_second(noises: Sequence[SensorNoise], bias: Sequence[Bias], first: Loop) -> Loop | None:
-    """The filter of second order with the least sum of squares of several angles; None if `first` is as good.
-
-    A bias is estimated in time: without a duration there is none, and with one its estimate settles ten times in it.
-    """
+    """The filter of second order with the least sum of squares of several angles; None if `first` is as good."""
+    # A bias is estimated in time: without a duration there is none, and with one its estimate settles ten times in it.
     from scipy.optimize import minimize
 
     durations = [n.duration for n in noises if n.duration is not None]
@@ -119,11 +105,9 @@ PER_OCTAVE = 128  # points of a density between which its logarithm is taken to 
 
 
 def wiener_error(noise: SensorNoise, best: Loop) -> float:
-    """Standard deviation of the angle of the optimal causal filter, rad; sinusoids and biases are taken to be known.
-
-    Computed as the ratio of its error to that of the filter of first order, both on one grid of frequencies. Without a
-    sampling rate the grid is that of a fine one.
-    """
+    """Standard deviation of the angle of the optimal causal filter, rad; sinusoids and biases are taken to be known."""
+    # Computed as the ratio of its error to that of the filter of first order, both on one grid of frequencies. Without
+    # a sampling rate the grid is that of a fine one.
     interval, longest = noise.interval or best.time_constant / STEPS, MEMORY * best.time_constant
     if noise.duration:
         longest = FINER * 2 * noise.duration

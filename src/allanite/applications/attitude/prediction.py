@@ -205,12 +205,7 @@ def predict(noise: SensorNoise, loop: Loop, bias: tuple[float, float] = (0.0, 0.
 
 
 def text_of(t: Term) -> str:
-    """A term as text; white noise of an accelerometer as data sheets give it.
-
-    >>> from allanite import N
-    >>> text_of(N(100, "ug/sqrt(Hz)"))
-    'N = 100 ug/sqrt(Hz)'
-    """
+    """A term as text; white noise of an accelerometer as data sheets give it."""
     unit = t.signal.density[0]
     if t.signal.name == "gyro" or unit_of(unit).dimension != unit_of(t.unit).dimension:
         return str(t)

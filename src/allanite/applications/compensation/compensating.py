@@ -218,10 +218,9 @@ def _each(
     demand: bool = False,
     progress: Progress | None,
 ) -> Any:
-    """What is made of every channel, corrected by the regression of its name or by one that is fitted to it.
-
-    A record that follows a temperature may look as if it moved: whether it does is asked of what the correction leaves.
-    """
+    """What is made of every channel, corrected by the regression of its name or by one that is fitted to it."""
+    # A record that follows a temperature may look as if it moved: whether it does is asked of what the correction
+    # leaves.
     held = isinstance(regressions, Mapping)
 
     @cache

@@ -23,10 +23,9 @@ from allanite.extending import (
     spelled,
 )
 
-from .design import Design, design
+from .design import Design, choose, collinearity, design, folds
 from .mixture import Gain, about_line, mixture
 from .regression import Regression
-from .selection import choose, collinearity, folds
 from .settings import CompensationSettings, FitSettings
 
 MIN_RESIDUAL = 1e-11  # residual, relative to the record, at which only rounding errors remain
@@ -201,13 +200,11 @@ def _inside(part: Design, likelihood: Likelihood, theta: FloatArray, values: Flo
 
 
 def _effective(part: Design, likelihood: Likelihood, theta: FloatArray) -> float:
-    """Effective samples: degrees of freedom of the noise as a whole, or where the regressors vary if these are more.
-
-    The variance of the noise has (sum m)^2 / sum m^2 of them, m being its spectrum: as many as there are samples for
-    white noise, two or three for a random walk. The coefficient of a column x has the variance 1 / A, with A the sum of
-    x_k^2 / m_k. With C the covariance of ln theta that the record leaves, A has 2 / Var(ln A): of a random walk as many
-    as there are coefficients that it rules.
-    """
+    """Effective samples: degrees of freedom of the noise as a whole, or where the regressors vary if these are more."""
+    # The variance of the noise has (sum m)^2 / sum m^2 of them, m being its spectrum: as many as there are samples for
+    # white noise, two or three for a random walk. The coefficient of a column x has the variance 1 / A, with A the sum
+    # of x_k^2 / m_k. With C the covariance of ln theta that the record leaves, A has 2 / Var(ln A): of a random walk as
+    # many as there are coefficients that it rules.
     m, used = likelihood.expectation(theta), theta > 0
     whole = float(likelihood.count @ m) ** 2 / float(likelihood.count @ m**2)
     share = likelihood.S[:, used] * theta[used] / m[:, None]

@@ -1,12 +1,6 @@
-r"""The distribution of the coefficients if the noise is known only from the same record, and what is gained.
+"""The distribution of the coefficients if the noise is known only from the same record, and what is gained."""
 
-Noise identified from the uncorrected record includes the dependence; identified from the residuals of a fit it is too
-small, because the fit has removed some of the noise, too. The restricted likelihood avoids both: the coefficients are
-directions of any size in it (see `identification.likelihood`), and for given noise it yields their generalized
-least-squares estimates and covariance. Fitting the noise to the residuals, and the coefficients under that noise, again
-and again, would end at its maximum except for the correction of degrees of freedom that it makes. Stretches between
-gaps have each its own constant.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Sequence
@@ -29,8 +23,7 @@ from allanite.extending import (
 
 Stretch = tuple[int, int]
 
-FEW = 4
-"""Stretches up to which the edges of each are directions of their own (they matter for quantization alone)."""
+FEW = 4  # stretches up to which the edges of each are directions of their own (they matter for quantization alone)
 
 
 def restricted(y: FloatArray, X: FloatArray, stretches: Sequence[Stretch], *, rate: float, symbols: str) -> Likelihood:
@@ -83,11 +76,8 @@ def _part(y: FloatArray, X: FloatArray, rate: float, symbols: str) -> tuple[Like
     return base, count, square, cross
 
 
-NODES = 16
-"""Values of each slow noise coefficient that are tried."""
-
-REACH = 14.0
-"""Excess in 2 L at which nothing is left to be tried."""
+NODES = 16  # values of each slow noise coefficient that are tried
+REACH = 14.0  # excess in 2 L at which nothing is left to be tried
 
 PRIOR = -0.5
 """Power of a slow noise coefficient by which its likelihood is weighted. Flat weights (0) let the trend of a warming
@@ -168,13 +158,12 @@ class Mixture(Value):
 
 
 def mixture(likelihood: Likelihood, symbols: str) -> tuple[FloatArray, FloatArray, Mixture]:
-    """The most likely noise, and the coefficients averaged over what the slow noise may be.
-
-    Slow noise (bias instability, rate random walk) is what hides a slow effect, and is known from a few coefficients of
-    the spectrum only. With it at its most likely value, a tenth of records show an effect that is not there. Averaged
-    over all noise allowed by the restricted likelihood, each term between zero and where 2 L has risen by `REACH`, the
-    coefficients have the wide tails of Student's t, and the intervals remain valid if the noise was not observed.
-    """
+    """The most likely noise, and the coefficients averaged over what the slow noise may be."""
+    # Slow noise (bias instability, rate random walk) is what hides a slow effect, and is known from a few coefficients
+    # of the spectrum only. With it at its most likely value, a tenth of records show an effect that is not there.
+    # Averaged over all noise allowed by the restricted likelihood, each term between zero and where 2 L has risen by
+    # `REACH`, the coefficients have the wide tails of Student's t, and the intervals remain valid if the noise was not
+    # observed.
     every = np.ones(len(symbols), dtype=bool)
     best, least = likelihood.minimise(every)
     # white rate or angle noise hides nothing slow
@@ -276,10 +265,6 @@ class Gain(Value):
 
 
 def about_line(values: FloatArray, trend: FloatArray) -> FloatArray:
-    """Centred values, shape (n,) or (n, p), less their projection on the columns of `trend`, if there are any.
-
-    >>> about_line(np.array([-1.0, -0.5, 1.5]), np.array([[-1.0], [0.0], [1.0]])).round(9).tolist()
-    [0.25, -0.5, 0.25]
-    """
+    """Centred values, shape (n,) or (n, p), less their projection on the columns of `trend`, if there are any."""
     Q, _ = np.linalg.qr(trend)
     return np.asarray(values - Q @ (Q.T @ values))

@@ -26,9 +26,9 @@ from allanite.extending import (
     write,
 )
 
+from .design import BEYOND_DOUBT, TRENDING
 from .mixture import Gain, Mixture, about_line
 from .regressor import Columns, Effect, Regressor
-from .selection import BEYOND_DOUBT, TRENDING
 
 WITHIN = 1.959964  # standard errors of 95 % limits
 CHI_SQUARE = WITHIN**2  # twice a log-likelihood ratio that one coefficient reaches by chance in one record of twenty

@@ -24,17 +24,9 @@ MIN_WINDOW = 60.0  # seconds of a window; in a shorter one the steps of a digita
 
 
 def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
-    """Slope of the least-squares line in a Hann window around each sample, per second; shape of `x`.
-
-    At the ends the window is cut off, and the line fitted to what is left. A reading that is NaN counts for nothing in
-    its neighbours' windows, and has no slope of its own.
-
-    >>> x = 0.5 * np.arange(300.0)
-    >>> x[100] = np.nan
-    >>> slope = local_slope(x, 2.0, 60.0)
-    >>> slope[[0, 50, 99, 299]].round(12).tolist(), bool(np.isnan(slope[100]))
-    ([1.0, 1.0, 1.0, 1.0], True)
-    """
+    """Slope of the least-squares line in a Hann window around each sample, per second; shape of `x`."""
+    # At the ends the window is cut off, and the line fitted to what is left. A reading that is NaN counts for nothing
+    # in its neighbours' windows, and has no slope of its own.
     half = int(window * rate / 2)
     if not (np.isfinite(window) and window >= MIN_WINDOW and half >= 1):
         raise UsageError(

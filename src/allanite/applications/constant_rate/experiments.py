@@ -17,12 +17,10 @@ DRIFT = 3.0
 
 
 class Scatter(NamedTuple):
-    """How the rates of one method scatter over the intervals, SI.
+    """How the rates of one method scatter over the intervals, SI."""
 
-    `low`, `high` are limits of `deviation` (chi-square); `neighbours` is the deviation from differences of neighbouring
-    intervals, which a slow drift does not reach; `bound` is three deviations; `worst` the largest error.
-    """
-
+    # `low`, `high` are limits of `deviation` (chi-square); `neighbours` is the deviation from differences of
+    # neighbouring intervals, which a slow drift does not reach; `bound` is three deviations; `worst` the largest error.
     method: str
     mean: float
     deviation: float

@@ -1,17 +1,6 @@
-r"""Estimators whose weights are known beforehand: averaging, windows, regression of the angle, the best for a noise.
+"""Estimators whose weights are known beforehand: averaging, windows, regression of the angle, the best for a noise."""
 
-The rates are y = (slow rate) + (settled noise), and the estimand is g'(slow rate). Of all weights w whose sum is 1 and
-that a ramp and the dither's sinusoids do not reach, the error w'y - g'(slow) is least for w = g + v with
-
-    C v = -C_s g + (multiples of what is not to be reached),     sum v = 0,
-
-where C_s is the covariance of the settled noise, and C that of all. For angle random walk N and white angle noise Q
-alone the weights are closed:
-
-    w_j ~ 1 - cosh(kappa (j - (n + 1) / 2)) / cosh(kappa (n + 1) / 2),     cosh kappa = 1 + q / 2 r
-
-with q = N^2 tau0 and r = Q^2: the mean for r = 0, the regression for q = 0.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 
@@ -43,11 +32,7 @@ def _window(task: Task) -> FloatArray:
 
 
 def parabola(n: int) -> FloatArray:
-    """Weights of n rates in the slope of the line through their n + 1 angles.
-
-    >>> parabola(3).round(12).tolist()
-    [0.3, 0.4, 0.3]
-    """
+    """Weights of n rates in the slope of the line through their n + 1 angles."""
     j = np.arange(1.0, n + 1)
     return j * (n + 1 - j) * (6 / (n * (n + 1.0) * (n + 2.0)))
 
@@ -141,11 +126,7 @@ CONDITIONAL = RateEstimator(
 
 
 def white_and_angle(n: int, kappa: float) -> FloatArray:
-    """The closed form; shape (n,).
-
-    >>> white_and_angle(3, math.inf).round(9).tolist(), white_and_angle(3, 0.0).round(9).tolist()
-    ([0.333333333, 0.333333333, 0.333333333], [0.3, 0.4, 0.3])
-    """
+    """The closed form; shape (n,)."""
     if kappa == 0:
         return parabola(n)
     if math.isinf(kappa):

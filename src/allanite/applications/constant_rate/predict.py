@@ -38,11 +38,9 @@ def estimator_named(name: str) -> RateEstimator:
 
 
 def variance(weights: FloatArray, task: Task) -> float:
-    """Mean square error of a linear estimator, SI squared.
-
-    With w the weights and g the estimand: w'C_s w of the settled noise, (w - g)'C (w - g) of the drifting one, and the
-    square of what a ramp adds, (w - g)'R.
-    """
+    """Mean square error of a linear estimator, SI squared."""
+    # With w the weights and g the estimand: w'C_s w of the settled noise, (w - g)'C (w - g) of the drifting one, and
+    # the square of what a ramp adds, (w - g)'R.
     total = 0.0
     noise = tuple(t for t in task.wandering if t.row.waveform is None)
     if task.settled:

@@ -37,11 +37,9 @@ def _staircase(interval: Interval, _: FloatArray, task: Task) -> RateMeasurement
 
 
 def _ideal(rest: FloatArray) -> tuple[float, float] | None:
-    """Least and greatest a with rest <= a t + b < rest + 1 for some b, t about the middle; None if there is none.
-
-    The gap max(rest - a t) - min(rest + 1 - a t) is convex in a, made of straight pieces, and must be negative. The
-    steps of Newton from both sides end at its zeros exactly, or, where it has none, pass each other.
-    """
+    """Least and greatest a with rest <= a t + b < rest + 1 for some b, t about the middle; None if there is none."""
+    # The gap max(rest - a t) - min(rest + 1 - a t) is convex in a, made of straight pieces, and must be negative. The
+    # steps of Newton from both sides end at its zeros exactly, or, where it has none, pass each other.
     t = np.arange(rest.size) - (rest.size - 1) / 2
 
     def gap(a: float) -> tuple[float, float]:
@@ -74,11 +72,9 @@ def recognized(interval: Interval, *, certified: bool = False) -> tuple[FloatArr
 def _search(
     y: FloatArray, line: FloatArray, work: float
 ) -> tuple[float, float, float, float, tuple[float, float] | None]:
-    """Heights p, q over the ends of `line` at which the staircase is nearest, its misfit, the least possible one.
-
-    Of an ideal staircase also the limits of its slope, and no search; else a descent on a grid, the whole neighbourhood
-    of where it ends, then whatever could be better.
-    """
+    """Heights p, q over the ends of `line` at which the staircase is nearest, its misfit, the least possible one."""
+    # Of an ideal staircase also the limits of its slope, and no search; else a descent on a grid, the whole
+    # neighbourhood of where it ends, then whatever could be better.
     slopes = _ideal(y - line)
     if slopes is not None:
         steep, reach = sum(slopes) / 2, (y.size - 1) / 2

@@ -8,5 +8,5 @@ from .rounding_noise import StageNoise as StageNoise
 from .rounding_noise import budget as budget
 from .stage import Codes as Codes
 from .stage import Stage as Stage
-from .torque import TorqueScale as TorqueScale
-from .torque import rate_from_current as rate_from_current
+from .stage import TorqueScale as TorqueScale
+from .stage import rate_from_current as rate_from_current

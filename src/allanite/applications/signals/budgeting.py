@@ -29,18 +29,15 @@ from allanite.extending import (
 )
 
 from .rounding_noise import Budget, budget
-from .stage import Stage, demand_unclipped
-from .torque import TorqueScale, factor_of
+from .stage import Stage, TorqueScale, demand_in_range, factor_of
 
 NAMES = ("wx", "wy")  # channels of the rates about x and y
 
 
 class Mixed(NamedTuple):
-    """The current that a torquer of one axis would have needed, and its scale over that of a torquer.
+    """The current that a torquer of one axis would have needed, and its scale over that of a torquer."""
 
-    `clipped` counts the samples of both currents at the ends of each stage, which cannot be seen in their sum.
-    """
-
+    # `clipped` counts the samples of both currents at the ends of each stage, which cannot be seen in their sum.
     record: Record
     gain: float
     clipped: tuple[int, ...]
@@ -68,14 +65,6 @@ def mixed(currents: Recording, axes: Sequence[float], stages: Sequence[Stage] = 
     where an ideal pair has 0, -1, 1, 0, signs by the winding, and cross-coupling stands in the diagonal. Each row is
     given as a current of unit weight and its length, so that rounding errors of both converters, which are independent
     and alike, are those of one converter of that scale.
-
-    Examples
-    --------
-    >>> x = Record([1.0, 2.0, 3.0], rate=10.0, unit="mA", name="ix")
-    >>> y = Record([0.5, 0.0, 0.5], rate=10.0, unit="mA", name="iy")
-    >>> about_x, about_y = mixed(Recording((x, y)), (0, -1, 2, 0))
-    >>> about_x.record.values.tolist(), about_y.record.values.tolist(), about_y.gain
-    ([-0.5, 0.0, -0.5], [1.0, 2.0, 3.0], 2.0)
     """
     xx, xy, yx, yy = demand_axes(axes)
     names = ", ".join(repr(record.name) for record in currents)
@@ -84,7 +73,7 @@ def mixed(currents: Recording, axes: Sequence[float], stages: Sequence[Stage] = 
     first, second = currents
     if first.signal is not second.signal or first.signal.inertial:
         raise DataError(say("the axes of two torquers need two currents of one kind, not {channels}", channels=names))
-    clipped = tuple(demand_unclipped(first, stage) + demand_unclipped(second, stage) for stage in stages)
+    clipped = tuple(demand_in_range(first, stage) + demand_in_range(second, stage) for stage in stages)
     x, y = (record.rate_values / unit_of(first.unit).factor for record in currents)
     mixtures = []
     for name, row in zip(NAMES, ((xx, xy), (yx, yy)), strict=True):

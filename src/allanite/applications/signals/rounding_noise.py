@@ -28,8 +28,7 @@ from allanite.extending import (
     unit_of,
 )
 
-from .stage import Codes, Stage, codes, demand_unclipped
-from .torque import TorqueScale, ampere_of, converted, electric, factor_of, gain_of
+from .stage import Codes, Stage, TorqueScale, ampere_of, codes, converted, demand_in_range, electric, factor_of, gain_of
 
 MATTERS = 0.01  # share of the measured variance below which a stage does not matter
 
@@ -210,7 +209,7 @@ def budget(
         raise UsageError(
             "name at least one stage, for example " + spelled("--stage 'ADC 12 5V'", "Stage('ADC', 12, 5.0, 'V')")
         )
-    counts = [demand_unclipped(record, stage) for stage in stages] if clipped is None else clipped
+    counts = [demand_in_range(record, stage) for stage in stages] if clipped is None else clipped
     rate, needs = record, spelled("--torquer or --scale-factor", "scale=...")
     if not record.signal.inertial:
         if scale is None:

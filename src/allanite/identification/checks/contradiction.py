@@ -35,11 +35,9 @@ ROUNDED = 3.0  # quantization noise over that of the step of the samples, at mos
 
 @dataclass(frozen=True)
 class MeasuredCurve:
-    """The measured Allan deviation: at octaves, and with its limits under a fit at the averaging factors asked for.
+    """The measured Allan deviation: at octaves, and with its limits under a fit at the averaging factors asked for."""
 
-    `marked` is that of the record without its outliers, which are no white noise but have its slope.
-    """
-
+    # `marked` is that of the record without its outliers, which are no white noise but have its slope.
     octaves: Curve
     limited: Callable[[IntArray], Curve]
     marked: Callable[[], "MeasuredCurve"] | None = None
@@ -53,12 +51,10 @@ def measured(fit: Fit, record: Record) -> MeasuredCurve:
 
 
 def contradictions(fit: Fit, curves: MeasuredCurve) -> dict[str, str]:
-    """Why the measured curve contradicts coefficients, by symbol.
-
-    A single term cannot exceed the whole curve: if the deviation given by the lower limit of a coefficient is larger
-    than the upper limit of the measured one, at any averaging time in the scope of the fit, the coefficient is wrong.
-    Nor can white noise lie below a curve of its slope.
-    """
+    """Why the measured curve contradicts coefficients, by symbol."""
+    # A single term cannot exceed the whole curve: if the deviation given by the lower limit of a coefficient is larger
+    # than the upper limit of the measured one, at any averaging time in the scope of the fit, the coefficient is wrong.
+    # Nor can white noise lie below a curve of its slope.
     below = _below(fit, curves)
     return _above(fit, curves) | (_below(fit, curves.marked()) if below and curves.marked else below)
 
@@ -90,10 +86,8 @@ def _above(fit: Fit, curves: MeasuredCurve) -> dict[str, str]:
 
 
 def _below(fit: Fit, curves: MeasuredCurve) -> dict[str, str]:
-    """White noise whose upper limit lies below the curve where that falls as white noise, less the most of other noise.
-
-    Noise that is correlated over a few samples is white noise that a filter changed: it is not subtracted.
-    """
+    """White noise whose upper limit lies below the curve where that falls as white noise, less the most of the rest."""
+    # Noise that is correlated over a few samples is white noise that a filter changed: it is not subtracted.
     curve = curves.octaves
     if any(c.name == "resonance" and c.claimed for c in fit.components):  # which has such a slope beyond its period
         return {}
@@ -143,10 +137,8 @@ def _memory(estimate: Estimate) -> float:
 
 
 def held(fit: Fit, curves: MeasuredCurve) -> float | None:
-    """The longest averaging time, s, at which the deviation of the valid terms agrees with the measured one.
-
-    None if it agrees at all within the scope of the fit.
-    """
+    """The longest averaging time, s, at which the deviation of the valid terms agrees with the measured one."""
+    # None if it agrees at all within the scope of the fit.
     if fit.valid is None:
         return None
     curve = curves.octaves

@@ -104,14 +104,12 @@ def goodness(
     spectrum: BinnedSpectrum, used: BoolArray, *, power: FloatArray, m: FloatArray, count: FloatArray, lost: float,
     loud: BoolArray, taken: tuple[Line, ...] = (),
 ) -> Goodness:  # fmt: skip
-    """Cell-wise goodness of fit.
-
-    In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal deviate
-    is z, and the sum of z^2 over the cells is chi-square with the number of cells less what sizes and shapes take of
-    them, `lost`, and a half. `power`, `m` and `count` are observed and expected power and the count of the bins `used`,
-    given the loose directions. In bins that are `loud` with the peaks of vibration no narrow peaks are looked for;
-    `taken` are sinusoids removed before.
-    """
+    """Cell-wise goodness of fit."""
+    # In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal
+    # deviate is z, and the sum of z^2 over the cells is chi-square with the number of cells less what sizes and shapes
+    # take of them, `lost`, and a half. `power`, `m` and `count` are observed and expected power and the count of the
+    # bins `used`, given the loose directions. In bins that are `loud` with the peaks of vibration no narrow peaks are
+    # looked for; `taken` are sinusoids removed before.
     from scipy.special import chdtrc
 
     cell, bounds = cells_of(spectrum, used)

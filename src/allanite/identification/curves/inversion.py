@@ -1,18 +1,4 @@
-"""Limits of the coefficients of a curve by inversion: the values that a test does not reject.
-
-A variance V_k with few degrees of freedom is far from Gaussian, and its scatter grows with the coefficient itself. Its
-cube root is nearly Gaussian (Wilson and Hilferty): with E_k and nu_k its expectation and degrees of freedom,
-
-    z_k = ((V_k / E_k)^(1/3) - 1 + a_k) / sqrt(a_k),    a_k = 2 / (9 nu_k)
-
-is standard normal, and the z have the correlations R of the V. The excess of
-
-    z' R^-1 z + log det R - 2 sum log dz_k/dV_k
-
-above its minimum, E, nu and R all taken at the tested values, is the likelihood ratio. The squares of the other terms
-of long memory are integrated over, with a flat prior: maximized, they would take what the tested term did in this
-record (the bias of maximum against restricted likelihood). The remaining ones are profiled.
-"""
+"""Limits of the coefficients of a curve by inversion: the values that a test does not reject (docs/derivations.md)."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -137,10 +123,8 @@ class RatioLimits(Portable):
 
     @cached_property
     def integrated(self) -> dict[int, tuple[FloatArray, FloatArray]]:
-        """Values of each slow coefficient, and signed roots of their likelihood ratios, the other slow ones integrated.
-
-        Shapes (fine,); both rise.
-        """
+        """Values of each slow coefficient, and signed roots of their likelihood ratios, the others integrated."""
+        # Shapes (fine,); both rise.
         ends = {i: (self.crossing(i, -ENDS), self.crossing(i, ENDS)) for i in self.slow}
         axes = {i: np.linspace(low, high, NODES) for i, (low, high) in ends.items() if isfinite(high)}
         if not axes:

@@ -1,9 +1,4 @@
-"""Low-pass filters of sensors and loggers, as factors of the expected power.
-
-The gain of a row is the power of white noise after the filter over that before it, at a frequency f in cycles per
-sample, aliases included. The other noise terms lie far below the cut-off wherever they matter, and have the same
-factor.
-"""
+"""Low-pass filters of sensors and loggers, as factors of the expected power (docs/derivations.md)."""
 
 import math
 from collections.abc import Callable
@@ -41,12 +36,10 @@ class Filter:
     whole: bool = False  # whether `starts` are whole numbers of samples, each of which has zeros of its own
 
     def edges(self, cutoff: float) -> float:
-        """Variance of white noise behind the filter at either edge of a record, over that before the filter.
-
-        The variance of a coefficient of the frequency w is S(w) - (2/n) sum over h > 0 of r(h) [h cos wh + sin wh /
-        sin w], r being the autocovariances of the gain S. What it has beyond S has nearly the shape (2/n) cos^2(w/2) of
-        noise at the edges. It matters where the filter lets little pass, and is taken from there.
-        """
+        """Variance of white noise behind the filter at either edge of a record, over that before the filter."""
+        # The variance of a coefficient of the frequency w is S(w) - (2/n) sum over h > 0 of r(h) [h cos wh + sin wh /
+        # sin w], r being the autocovariances of the gain S. What it has beyond S has nearly the shape (2/n) cos^2(w/2)
+        # of noise at the edges. It matters where the filter lets little pass, and is taken from there.
         w = np.pi / MAX_LAGS * np.arange(1, MAX_LAGS)
         gain = self.gain(np.arange(MAX_LAGS + 1) / (2 * MAX_LAGS), cutoff)
         r = np.fft.irfft(gain)
@@ -85,11 +78,9 @@ def _sampled_two_poles(f: FloatArray, cutoff: float) -> FloatArray:
 
 
 def _averaged_one_pole(f: FloatArray, cutoff: float) -> FloatArray:
-    """An RC filter whose output is averaged over each sample interval.
-
-    The sum over the images x = f + l of sinc(x)^2 / (1 + (x/c)^2), from the autocovariances of the mean of an
-    Ornstein-Uhlenbeck process over one sample.
-    """
+    """An RC filter whose output is averaged over each sample interval."""
+    # The sum over the images x = f + l of sinc(x)^2 / (1 + (x/c)^2), from the autocovariances of the mean of an
+    # Ornstein-Uhlenbeck process over one sample.
     T = 1 / (2 * math.pi * cutoff)  # samples
     p = math.exp(-1 / T)
     g0 = 1 - T * (1 - p)

@@ -1,14 +1,6 @@
-"""Subsets of the terms and profiles of their likelihood; the distribution of a coefficient averaged over models.
+"""Subsets of the terms and profiles of their likelihood; the distribution of a coefficient averaged over models."""
 
-A term that was not selected need not be zero, and a selected one is not certain. Each subset of the terms that contains
-the coefficient c has a profile likelihood, 2 L_s(c) with the other terms optimized; the distribution of c is
-
-    p(c) ~ sum_s exp(-(2 L_s(c) + sum of the penalties of the other terms of s) / 2),   c >= 0,
-
-flat in the coefficient. A penalty of 2 for each term is that of H. Akaike (1974, eq. 8), whose weights exp(-AIC / 2) K.
-P. Burnham and D. R. Anderson (2002, section 2.9) average over; it gives intervals that remain valid if a weak term is
-hidden.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Sequence
@@ -59,11 +51,9 @@ def select(fitted: list[Subset], penalty: float | FloatArray = PENALTY) -> Subse
 
 @dataclass(frozen=True, eq=False)
 class ThetaProfile(Portable):
-    """The likelihood of one theta, the other terms of a subset following it.
+    """The likelihood of one theta, the other terms of a subset following it."""
 
-    `excess` is 2 (L - L at the subset's minimum).
-    """
-
+    # `excess` is 2 (L - L at the subset's minimum).
     subset: Subset
     which: int
 
@@ -108,11 +98,9 @@ class ThetaProfile(Portable):
         return 2 * (least - self.subset.value), 2 * float(self.likelihood.gradient(theta)[self.which]), theta
 
     def weighted(self, nodes: int = 32, prior: float = 1.0) -> tuple[list[FloatArray], FloatArray]:
-        """All thetas along the profile, with weights of its likelihood times a prior.
-
-        The nodes are evenly spaced in the coefficient from 0 to where nothing is left. The prior's density goes as the
-        coefficient to the power `prior`: 1 is flat in theta, 0 in the coefficient.
-        """
+        """All thetas along the profile, with weights of its likelihood times a prior."""
+        # The nodes are evenly spaced in the coefficient from 0 to where nothing is left. The prior's density goes as
+        # the coefficient to the power `prior`: 1 is flat in theta, 0 in the coefficient.
         roots = np.linspace(0.0, math.sqrt(self.upper(16.0)), nodes)
         start, thetas, excess = self.subset.theta, [], []
         for root in roots[::-1]:

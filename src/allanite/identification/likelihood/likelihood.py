@@ -1,16 +1,6 @@
-r"""The binned Whittle likelihood of a spectrum that is linear in squared coefficients, with its few loose directions.
+"""The binned Whittle likelihood of a spectrum that is linear in squared coefficients, with its few loose directions."""
 
-The coefficients of the transform are independent with variances m = S theta, except for a few directions U: the two
-edges of the record, which quantization makes noisier than its inside (variance proportional to theta), and a ramp (any
-size). They are integrated out exactly: with eta ~ N(0, W), M = diag(m), A = U'M^-1 U, b = U'M^-1 c and V = (W^-1 +
-A)^-1
-
-    2 L(theta) = sum nu (ln m + I / m) + ln det(W V^-1) - b'V b            to be minimized over theta >= 0,
-
-for a ramp with W^-1 = 0 (restricted likelihood, REML). The gradient of L is that of the plain likelihood with I
-replaced by its expectation given the data, (c - U eta)^2 + U V U', while each direction of finite W is one observation
-more.
-"""
+# Derivation: docs/derivations.md.
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -206,10 +196,8 @@ class Likelihood(Portable):
         return least, float(best)
 
     def _start(self, free: BoolArray) -> FloatArray:
-        """Least squares relative to the smoothed power; no column is left at zero, so that m > 0 everywhere.
-
-        A term that is in the directions alone starts at 1.
-        """
+        """Least squares relative to the smoothed power; no column is left at zero, so that m > 0 everywhere."""
+        # A term that is in the directions alone starts at 1.
         from allanite.kernels.leastsquares import weighted_nnls
 
         columns, smooth = self.columns[:, : self.power.size], self._prepared.smooth

@@ -74,12 +74,10 @@ def suspected(bins: BinnedSpectrum, level: FloatArray, used: BoolArray) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Periodogram:
-    """Periodogram of the samples under a Hann window, over the noise's power (`level`); missing samples are zero.
+    """Periodogram of the samples under a Hann window, over the noise's power (`level`); missing samples are zero."""
 
-    `power`, at k / n periods a sample, shape (n // 2 + 1,), is of noise alone exponentially distributed with mean 1.
-    `weighted` are the samples times the window, `total` and `square` sums of it and its square over those there.
-    """
-
+    # `power`, at k / n periods a sample, shape (n // 2 + 1,), is of noise alone exponentially distributed with mean 1.
+    # `weighted` are the samples times the window, `total` and `square` sums of it and its square over those there.
     power: FloatArray
     weighted: FloatArray
     total: float
@@ -140,11 +138,9 @@ def periodogram(y: FloatArray, bins: BinnedSpectrum, level: FloatArray) -> Perio
 def waves_of(
     y: FloatArray, seen: BinnedSpectrum, level: FloatArray, band: tuple[float, float]
 ) -> tuple[list[Wave], FloatArray]:
-    """The sinusoids in y within a band (periods a sample), and what is left of y, which is overwritten.
-
-    `y` are samples without their mean, NaN where they are lost; `seen` is the spectrum of those that are there, and
-    `level` the power of the noise in its bins.
-    """
+    """The sinusoids in y within a band (periods a sample), and what is left of y, which is overwritten."""
+    # `y` are samples without their mean, NaN where they are lost; `seen` is the spectrum of those that are there, and
+    # `level` the power of the noise in its bins.
     waves: list[Wave] = []
     n = y.size
     f = np.arange(n // 2 + 1) / n

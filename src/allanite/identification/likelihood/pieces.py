@@ -1,18 +1,6 @@
-r"""A rate with gaps and strong angle noise: short averaging times are estimated from each piece separately.
+"""A rate with gaps and strong angle noise: short averaging times are estimated from each piece separately."""
 
-A rate y of L samples without a gap has under N and Q the covariance I + rho T, T = tridiag(-1, 2, -1) and rho = Q^2 /
-N^2, which the sine transform (DST-I) diagonalizes: 1 + 4 rho sin^2(omega/2) at omega = pi k / (L + 1). At a joint of
-what is left the angle is open, and the low coefficients of the joined record get the noise of 2 angles for each joint,
-far above N where rho is large. Therefore
-
-    c = w'y,  w = (I + rho T)^-1 1 / v',  v' = 1'(I + rho T)^-1 1     the rate of a piece, by generalized least squares,
-    d = S'(y - c)                                                       its sine transform,
-
-above a frequency omega_c the d of all pieces are pooled in bins; below it stands the transform (DCT-II) of the joined
-record whose pieces are c and the d below omega_c alone. Under N and Q what both parts have in common is one combination
-of the d of each piece, which c takes from them; no reading is counted twice. The ratio only shapes the weights:
-whatever it is, the expectations of both parts are exact (below omega_c on average over where the joints lie).
-"""
+# Derivation: docs/derivations.md.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -33,10 +21,8 @@ if TYPE_CHECKING:
 
 
 def rate_weights(L: int, ratio: float) -> tuple[FloatArray, float]:
-    """Weights w of the rate of L samples by generalized least squares, and its variance over that of one sample's N.
-
-    (I + rho T) x = 1 has the solution 1 - cosh(a (i - c)) / cosh(a c), c = (L + 1) / 2 and 2 cosh(a) = 2 + 1 / rho.
-    """
+    """Weights w of the rate of L samples by generalized least squares, and its variance over that of one sample's N."""
+    # (I + rho T) x = 1 has the solution 1 - cosh(a (i - c)) / cosh(a c), c = (L + 1) / 2 and 2 cosh(a) = 2 + 1 / rho.
     i = np.arange(1.0, L + 1)
     a = 2 * np.arcsinh(0.5 / np.sqrt(ratio))
     x = np.expm1(-a * i) * np.expm1(-a * (L + 1 - i)) / (1 + np.exp(-a * (L + 1)))  # the same without cancellation
@@ -68,10 +54,8 @@ def sine(x: FloatArray) -> FloatArray:
 
 
 def sine_variances(c: FloatArray) -> FloatArray:
-    """Diagonal of S'CS of the Toeplitz matrix with the first row c.
-
-    Sum over lags h of both signs of c(h) ((L - h) cos(omega h) + sin(omega (h + 1)) / sin(omega)) / (L + 1).
-    """
+    """Diagonal of S'CS of the Toeplitz matrix with the first row c."""
+    # Sum over lags h of both signs of c(h) ((L - h) cos(omega h) + sin(omega (h + 1)) / sin(omega)) / (L + 1).
     from scipy.fft import dct, dst
 
     L = c.size
@@ -174,10 +158,8 @@ class PieceReading(Portable):
         return np.asarray(gaps.row(term, k) * np.interp(at, omega, white))
 
     def upper(self, term: NoiseTerm, mean: FloatArray) -> FloatArray:
-        """Mean variance under a term in the bins, shape (bins,); that which is given where no coefficient lies.
-
-        What is neither white rate nor white angle noise is little here: a few lengths represent all.
-        """
+        """Mean variance under a term in the bins, shape (bins,); that which is given where no coefficient lies."""
+        # What is neither white rate nor white angle noise is little here: a few lengths represent all.
         if term.edge or term.slope == WHITE:
             # the same as `_variances` where C is T or 1, so that S'CS is diagonal
             each = []
@@ -207,10 +189,8 @@ class PieceReading(Portable):
         return [(rate_weights(int(L), self.ratio)[0], sine(np.ones(int(L)))) for L in self.length]
 
     def _variances(self, c: FloatArray, i: int) -> FloatArray:
-        """Variances of all d of a piece: with u = S'1 and the covariance C, diag(S'CS) - 2 u S'Cw + u^2 w'Cw.
-
-        `c` is the first row of C, or of that of a longer piece.
-        """
+        """Variances of all d of a piece: with u = S'1 and the covariance C, diag(S'CS) - 2 u S'Cw + u^2 w'Cw."""
+        # `c` is the first row of C, or of that of a longer piece.
         (w, u), c = self._rates[i], c[: self.length[i]]
         Cw = toeplitz(c, w)
         return np.asarray(sine_variances(c) - 2 * u * sine(Cw) + u**2 * float(w @ Cw))
@@ -270,10 +250,8 @@ def pieces(y: FloatArray, gaps: "Gaps", edges_of: Callable[[int], IntArray]) -> 
 
 
 def apart(y: FloatArray, gaps: "Gaps", how: PieceReading) -> tuple[FloatArray, BoolArray, FloatArray, FloatArray]:
-    """The joined record below the split; which samples it has; power of the bins above, and their peaks.
-
-    A peak stands out over what the coefficient has under the ratio.
-    """
+    """The joined record below the split; which samples it has; power of the bins above, and their peaks."""
+    # A peak stands out over what the coefficient has under the ratio.
     from scipy.fft import dst
 
     starts, lengths = _each(gaps)
@@ -302,10 +280,8 @@ def _each(gaps: "Gaps") -> tuple[IntArray, IntArray]:
 
 
 def _ratio(y: FloatArray, lengths: IntArray) -> float | None:
-    """Q^2 / N^2 from the coefficients of the pieces to which a constant rate adds nothing, beside a slow noise.
-
-    None where the pieces are too short to tell.
-    """
+    """Q^2 / N^2 from the coefficients of the pieces to which a constant rate adds nothing, beside a slow noise."""
+    # None where the pieces are too short to tell.
     starts = np.concatenate(([0], np.cumsum(lengths)[:-1]))
     at, squares = [], []
     for L in np.unique(lengths[lengths > 1]).tolist():

@@ -1,10 +1,4 @@
-"""From a record to binned powers of its cosine transform, and cells of neighbouring bins.
-
-One long transform goes through memory once for each of its some twenty stages, and mostly waits for it. Cut into rows
-and columns of a matrix, which the cache holds, it goes through memory five times.
-
-The DCT-II diagonalizes white noise and a random walk with unknown start exactly: no taper, no differencing, no leakage.
-"""
+"""From a record to binned powers of its cosine transform, and cells of neighbouring bins (docs/derivations.md)."""
 
 import math
 from collections.abc import Sequence
@@ -49,11 +43,7 @@ UNEVEN = 16  # longest row over the shortest column, or the other way round, for
 
 
 def cosine_transform(y: FloatArray, slope: float = 0.0) -> FloatArray:
-    """The orthonormal DCT-II of y less a ramp that is zero in its middle, shape of y, which is overwritten.
-
-    >>> cosine_transform(np.array([1.0, 1.0, 1.0, 1.0])).round(3).tolist()
-    [2.0, 0.0, 0.0, 0.0]
-    """
+    """The orthonormal DCT-II of y less a ramp that is zero in its middle, shape of y, which is overwritten."""
     from scipy.fft import dct, fft
 
     from allanite.kernels.cosine import coefficients, even_then_odd, less_ramp, twiddle
@@ -72,14 +62,9 @@ def cosine_transform(y: FloatArray, slope: float = 0.0) -> FloatArray:
 
 
 def easy_size(n: int) -> int:
-    """The largest size up to n whose transform is fast: a few points less than n, at most some dozens.
+    """The largest size up to n whose transform is fast: a few points less than n, at most some dozens."""
 
-    A prime size takes more than ten times as long, and as much more memory.
-
-    >>> easy_size(65_521), easy_size(1_000_000), easy_size(999_983), easy_size(3_599_999)
-    (65521, 1000000, 999975, 3599996)
-    """
-
+    # A prime size takes more than ten times as long, and as much more memory.
     def easy(size: int) -> bool:
         return bool(_rows(size)) if size >= LONG_RECORD else pow(math.factorial(PRIME), size.bit_length(), size) == 0
 
@@ -162,10 +147,8 @@ class BinnedSpectrum(Portable):
 
     @property
     def _long(self) -> BoolArray:
-        """Which gaps are so long that what a slow noise does during them is a step by itself.
-
-        Where pieces are read, too few low coefficients are left to tell steps apart.
-        """
+        """Which gaps are so long that what a slow noise does during them is a step by itself."""
+        # Where pieces are read, too few low coefficients are left to tell steps apart.
         return np.asarray((self.detrended and self.pieces is None) & (self.gaps.lost >= LONG_GAP * self.size))
 
     @property
@@ -295,10 +278,8 @@ def transformed(places: IntArray) -> FloatArray:
 
 
 def slope_of(y: FloatArray, places: IntArray | None) -> float:
-    """The slope of y between the means of its first and last thirds, in the unit per sample.
-
-    Near enough that a strong ramp, less this one, does not leak upwards.
-    """
+    """The slope of y between the means of its first and last thirds, in the unit per sample."""
+    # Near enough that a strong ramp, less this one, does not leak upwards.
     third = y.size // 3
     apart = y.size - third if places is None else float(places[-third:].mean() - places[:third].mean())
     return float(y[-third:].mean() - y[:third].mean()) / apart

@@ -39,10 +39,8 @@ def likelihood(spectrum: BinnedSpectrum, symbols: Sequence[str]) -> Likelihood:
 
 
 def with_warm_up(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, tau: float) -> Likelihood:
-    """A likelihood of the bins `used` with one more loose direction: a warm-up exp(-t / tau) of any size.
-
-    Tau is in samples. The direction stands behind the edges and before the ramp.
-    """
+    """A likelihood of the bins `used` with one more loose direction: a warm-up exp(-t / tau) of any size."""
+    # Tau is in samples. The direction stands behind the edges and before the ramp.
     return _with_directions(part, spectrum, used, [warm_up_direction(spectrum, tau)])
 
 
@@ -69,12 +67,10 @@ def _with_directions(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray
 
 
 def directions_of(spectrum: BinnedSpectrum, with_ramp: bool, more: Sequence[Pair] = ()) -> Pair:
-    """Products of the loose directions: both halves of the first sample, a warm-up, steps at long gaps, and the ramp.
-
-    The first sample has the coefficients a_k = sqrt(2/n) cos(pi k / 2n), the last one (-1)^k a_k; their even and odd
-    halves are what is orthogonal. Within a bin a_k hardly changes. The ramp needs the lowest bins only, one
-    coefficient each; without gaps only the odd ones are not zero.
-    """
+    """Products of the loose directions: both halves of the first sample, a warm-up, steps at long gaps, the ramp."""
+    # The first sample has the coefficients a_k = sqrt(2/n) cos(pi k / 2n), the last one (-1)^k a_k; their even and odd
+    # halves are what is orthogonal. Within a bin a_k hardly changes. The ramp needs the lowest bins only, one
+    # coefficient each; without gaps only the odd ones are not zero.
     centre = spectrum.first + (spectrum.count - 1) / 2
     odd = (spectrum.first + spectrum.count) // 2 - spectrum.first // 2
     a = np.sqrt(2 / spectrum.size) * np.cos(np.pi / (2 * spectrum.size) * centre)
@@ -96,11 +92,9 @@ def step_coefficients(n: int, at: npt.ArrayLike) -> FloatArray:
 
 
 def step_power(spectrum: BinnedSpectrum, at: Sequence[float], size: FloatArray) -> FloatArray:
-    """Mean power of steps in the bins above the lowest coefficients, where their signs alternate within a bin.
-
-    The coefficients of steps at i and j have the product [cos(pi k (i - j) / n) - cos(pi k (i + j) / n)]
-    / (4 n sin^2(pi k / 2n)). Within a bin the sine hardly changes, and the mean of a cosine is Dirichlet's kernel.
-    """
+    """Mean power of steps in the bins above the lowest coefficients, where their signs alternate within a bin."""
+    # The coefficients of steps at i and j have the product [cos(pi k (i - j) / n) - cos(pi k (i + j) / n)] / (4 n
+    # sin^2(pi k / 2n)). Within a bin the sine hardly changes, and the mean of a cosine is Dirichlet's kernel.
     n, centre = spectrum.size, spectrum.first + (spectrum.count - 1) / 2
     half = np.pi / (2 * n) * np.array((np.subtract.outer(at, at), np.add.outer(at, at)))[..., None]
     wide = np.sinc(half * spectrum.count / np.pi) / np.sinc(half / np.pi) * np.cos(2 * half * centre)
@@ -117,14 +111,7 @@ def in_bins(spectrum: BinnedSpectrum, lowest: FloatArray) -> tuple[FloatArray, F
 
 
 def decay_coefficients(k: FloatArray, n: int, tau: float) -> FloatArray:
-    """DCT-II coefficients (orthonormal) of exp(-j / tau), j = 0..n-1, except for a factor 1 - (-1)^k exp(-n / tau).
-
-    >>> from scipy.fft import dct
-    >>> literal = dct(np.exp(-np.arange(50) / 8), norm="ortho")
-    >>> k = np.arange(1.0, 50)
-    >>> bool(np.allclose(literal[1:], decay_coefficients(k, 50, 8.0) * (1 - (-1) ** k * np.exp(-50 / 8))))
-    True
-    """
+    """DCT-II coefficients (orthonormal) of exp(-j / tau), j = 0..n-1, except for a factor 1 - (-1)^k exp(-n / tau)."""
     half, lost = (0.5 * math.pi / n) * k, -math.expm1(-1 / tau)
     return np.asarray(math.sqrt(2 / n) * np.cos(half) * lost / (lost**2 + 4 * (1 - lost) * np.sin(half) ** 2))
 

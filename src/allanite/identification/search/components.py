@@ -1,12 +1,6 @@
-"""The one table of components: what may be in a record, where it is looked for, and what it costs.
+"""The one table of components: what may be in a record, where it is looked for, and what it costs."""
 
-The price of a component, in 2 L, is what noise alone gains by the best of its places once in 1 / alpha records: the
-quantile of chi-square at alpha / places, twice that where the size cannot be negative. The places are effective ones,
-as neighbouring shapes are correlated; `benchmarks/prices.py` measures them on records without the component. A
-component is claimed where the states that have it weigh `CLAIMED` together: where it gains `ODDS` more than it costs
-in the score. The cost is therefore the price less that, and a term that is not searched for costs 2, as in H. Akaike's
-criterion: what is not claimed takes part in the laws of the others.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Callable
@@ -23,14 +17,12 @@ from allanite.terms import TERMS
 
 from .frame import LOWEST_CUTOFF, Frame
 
-ODDS = 2.0
-"""What a component must gain in 2 L beyond its cost to be claimed: odds of e to 1."""
+ODDS = 2.0  # what a component must gain in 2 L beyond its cost to be claimed: odds of e to 1
 
 CLAIMED = 1 / (1 + math.exp(-ODDS / 2))
 """Weight of the states that hold a component from which it is claimed: at these odds."""
 
-TERM = 0.0228
-"""Rate of false claims of a noise term that is absent: it gains 4 in 2 L in 2.3 % of records."""
+TERM = 0.0228  # rate of false claims of a noise term that is absent: it gains 4 in 2 L in 2.3 % of records
 
 LEAST_MARKOV, QUICKEST_MARKOV = 30.0, 4.0
 """Samples. Below the first, a time constant that was not asked for needs white noise beside it, else it is a filter's,
@@ -42,8 +34,7 @@ QUICK = 6.0
 SECOND = 6.0
 """What a second Gauss-Markov noise costs more, in 2 L: two of them are nearly flicker, which is likelier by e^3."""
 
-LONGEST_MARKOV = 0.1
-"""Share of the record up to which a time constant differs from a random walk (`terms.row.LONGEST`)."""
+LONGEST_MARKOV = 0.1  # share of the record up to which a time constant differs from a random walk (`terms.row.LONGEST`)
 
 HIDING = 0.04
 """Cut-off, cycles a sample, below which a filter with noise behind it is Gauss-Markov and white noise: a definition."""
@@ -55,11 +46,8 @@ BROAD = 4.0
 """Quality below which a state has one resonance at most: several are as broad as the knots of a factor, and sure of
 what it leaves open."""
 
-PERIODS = 32
-"""Periods of a resonance in a record, at least: of fewer its peak is not resolved."""
-
-HIGHEST_RESONANCE = 3.1
-"""Frequency of a resonance, radians a sample, at most: just below half the sampling rate."""
+PERIODS = 32  # periods of a resonance in a record, at least: of fewer its peak is not resolved
+HIGHEST_RESONANCE = 3.1  # frequency of a resonance, radians a sample, at most: just below half the sampling rate
 
 EXPONENTS = (0.7, 1.6)
 """Exponents of a power law: between 0.6 and 1.6 its column is exact within 1 %, and a lower one is nearly white."""
@@ -67,11 +55,8 @@ EXPONENTS = (0.7, 1.6)
 SHORTEST_WARM_UP, LONGEST_WARM_UP = 0.001, 0.37
 """Shares of the record from which a warm-up is looked for, and up to which it differs from a ramp with a parabola."""
 
-INSIDE = 1.05
-"""Factor by which what is tried first stays inside its bounds."""
-
-SIZES = (0.004, 6.0)
-"""Least and greatest size of a factor, RMS of the logarithm of the power."""
+INSIDE = 1.05  # factor by which what is tried first stays inside its bounds
+SIZES = (0.004, 6.0)  # least and greatest size of a factor, RMS of the logarithm of the power
 
 
 class Part(NamedTuple):
@@ -123,8 +108,7 @@ def _price(places: float, alpha: float, freedom: float, signed: bool) -> float:
     return float(chdtri(freedom, min((1 if signed else 2) * alpha / places, 1.0)))
 
 
-AT_BOUND = 0.01
-"""Distance from a bound, in the logarithm of a shape, within which it is at that bound."""
+AT_BOUND = 0.01  # distance from a bound, in the logarithm of a shape, within which it is at that bound
 
 
 def at_bound(part: Part, frame: Frame) -> bool:
@@ -168,10 +152,8 @@ def power_law(frame: Frame, part: Part) -> FloatArray:
 
 
 def _power_law(k: FloatArray, n: int, a: float) -> FloatArray:
-    """Variance of the DCT coefficients of the mean rates over each sample of noise of density f^-a, f in 1/sample.
-
-    The last factor is what is lost to other coefficients, for exponents from 0.6 to 1.6 within 1 %, and 3 % at k = 1.
-    """
+    """Variance of the DCT coefficients of the mean rates over each sample of noise of density f^-a, f in 1/sample."""
+    # The last factor is what is lost to other coefficients, for exponents from 0.6 to 1.6 within 1 %, and 3 % at k = 1.
     from scipy.special import zeta
 
     x = k / (2.0 * n)

@@ -1,10 +1,6 @@
-"""The law of the cut-off: between which frequencies the power that reaches the samples is halved, over all models.
+"""The law of the cut-off: between which frequencies the power that reaches the samples is halved, over all models."""
 
-Each model with a filter gives a normal law of the logarithm of its cut-off; models without one say that there is none
-below half the sampling rate. What a data sheet calls bandwidth is the cut-off of the filter before the samples were
-taken, what a program configures may be that of the samples: near half the sampling rate the two differ, and the law of
-a model reaches from one to the other.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Sequence
@@ -24,24 +20,19 @@ from .frame import LOWEST_CUTOFF, starts_of
 from .laws import Entry
 from .refining import refined
 
-HALF = 0.5
-"""Power at the cut-off, over that at low frequencies: -3 dB, a definition."""
+HALF = 0.5  # power at the cut-off, over that at low frequencies: -3 dB, a definition
 
 SHAPES = COMPONENTS["filter"].grain[0]
 """Logarithm by which the limits are widened, as far as states of the search are taken for one: filters that no row has
 exactly are described by the nearest (`benchmarks/check_settings.py`)."""
 
-CLOSE = 0.005
-"""Step in the logarithm of a cut-off at which the lowest one that a record admits is known."""
-
-BROAD_SHAPE = 5.0
-"""Quality of a resonance up to which it may describe the shape of a filter instead of vibration."""
+CLOSE = 0.005  # step in the logarithm of a cut-off at which the lowest one that a record admits is known
+BROAD_SHAPE = 5.0  # quality of a resonance up to which it may describe the shape of a filter instead of vibration
 
 SHAPE_RATIO = 16.0
 """Ratio of the cut-off and a frequency up to which power that differs may be due to the shape of the filter."""
 
-CUTOFF_GRID = 2048
-"""Frequencies up to half the sampling rate at which the cut-off of the samples is looked for."""
+CUTOFF_GRID = 2048  # frequencies up to half the sampling rate at which the cut-off of the samples is looked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,11 +73,9 @@ def _errors(having: Sequence[Entry]) -> FloatArray:
 
 
 def cutoffs_of(f: Fitted) -> tuple[float, float]:
-    """The lowest and the highest that the cut-off of a filter may be called; cycles a sample.
-
-    That of its row before the sampling and behind it, and where the power of all that is fast falls to half: a filter
-    that no row has is described by one that other components correct.
-    """
+    """The lowest and the highest that the cut-off of a filter may be called; cycles a sample."""
+    # That of its row before the sampling and behind it, and where the power of all that is fast falls to half: a filter
+    # that no row has is described by one that other components correct.
     part = f.state.filter
     assert part is not None  # noqa: S101 - asked of models with a filter
     cutoff = part.shape[0]
@@ -96,10 +85,8 @@ def cutoffs_of(f: Fitted) -> tuple[float, float]:
 
 
 def halved(f: Fitted, lowest: float) -> float:
-    """Where the power of all but drift and narrow peaks falls to half of its highest; infinity if it does not.
-
-    From the frequency `lowest` on, cycles a sample: what is below, of whatever shape, is no filter's.
-    """
+    """Where the power of all but drift and narrow peaks falls to half of its highest; infinity if it does not."""
+    # From the frequency `lowest` on, cycles a sample: what is below, of whatever shape, is no filter's.
     frame = f.frame
     apart = np.zeros(f.theta.size, dtype=bool)
     apart[: len(frame.powers)] = frame.slow

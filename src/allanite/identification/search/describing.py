@@ -24,14 +24,9 @@ from .frame import Frame
 from .laws import Entry, law_of, weights_of
 from .refining import refined
 
-VISIBLE_DEVIATE = 2.0
-"""Standard deviations by which a factor must differ from 1 to be said."""
-
-LOUD = 0.5
-"""Share of the power from which vibration, or what nothing describes, hides the terms."""
-
-RISE_AT_LIMITS = 3.84
-"""Rise of the value at the 95 % limits."""
+VISIBLE_DEVIATE = 2.0  # standard deviations by which a factor must differ from 1 to be said
+LOUD = 0.5  # share of the power from which vibration, or what nothing describes, hides the terms
+RISE_AT_LIMITS = 3.84  # rise of the value at the 95 % limits
 
 
 def scope_of(
@@ -261,10 +256,8 @@ def _weight_of(answer: Answer, symbol: str) -> float:
 
 
 def least_time_constant(answer: Answer, walk: int) -> float | None:
-    """The least time constant, in samples, of Gauss-Markov noise that could stand in the place of a random walk.
-
-    None where none within the record could.
-    """
+    """The least time constant, in samples, of Gauss-Markov noise that could stand in the place of a random walk."""
+    # None where none within the record could.
     f, frame = answer.shown, answer.result.frame
     if not f.free[walk] or len(f.state.of("noise")) >= COMPONENTS["noise"].most:
         return None

@@ -15,7 +15,7 @@ from allanite.core.plain import Portable
 from allanite.core.units import Signal
 from allanite.identification.likelihood.law import Subset, ThetaProfile
 from allanite.phrases.phrase import say
-from allanite.terms import TERMS
+from allanite.terms import TERMS, WHITE
 
 from .components import CLAIMED, Part
 from .fitting import Fitted, fitted, place_of, values_of, with_values
@@ -23,26 +23,16 @@ from .laws import Entry, Law, column_of, law_of, noise_part
 from .refining import refined, resized
 from .search import Searched
 
-TWO_SIDED = 1.96
-"""Standard errors from an estimate to its 95 % limits."""
+TWO_SIDED = 1.96  # standard errors from an estimate to its 95 % limits
 
 PROFILE_NODES, PRIOR = 12, 0.0
 """Models along the profile of the slowest noise, at most, and the power of the coefficient in its prior."""
 
-STATES = 3
-"""States over which a ramp is averaged, the heaviest."""
-
-LEAST_NODE_WEIGHT = 1e-3
-"""Weight of a model, over that of the heaviest, below which it is omitted."""
-
-BEGUN = 0.5
-"""Share of the lowest coefficient of a ramp that must be visible, where it is not read."""
-
-SHOWS_ANGLE = 0.6
-"""Share of half the sampling rate at which a user's band must end to show angle noise."""
-
-SEARCHED = 24
-"""Steps in which the limit of a shape is looked for."""
+STATES = 3  # states over which a ramp is averaged, the heaviest
+LEAST_NODE_WEIGHT = 1e-3  # weight of a model, over that of the heaviest, below which it is omitted
+BEGUN = 0.5  # share of the lowest coefficient of a ramp that must be visible, where it is not read
+SHOWS_ANGLE = 0.6  # share of half the sampling rate at which a user's band must end to show angle noise
+SEARCHED = 24  # steps in which the limit of a shape is looked for
 
 
 @dataclass(frozen=True)
@@ -260,11 +250,8 @@ def profile_ends(f: Fitted, part: Part, which: int, drop: float) -> tuple[float,
     return _end(excess, x[at], -1.0, math.log(LEAST_SHAPE)), _end(excess, x[at], 1.0, math.log(f.frame.size))
 
 
-EXACT = 1e-3
-"""Gain in 2 L that ends the rounds of scoring where limits are read off: 0.1 % of a standard error."""
-
-LEAST_SHAPE = 1e-4
-"""Value of a shape, samples or radians a sample, at which its lower limit is given up."""
+EXACT = 1e-3  # gain in 2 L that ends the rounds of scoring where limits are read off: 0.1 % of a standard error
+LEAST_SHAPE = 1e-4  # value of a shape, samples or radians a sample, at which its lower limit is given up
 
 
 def _end(excess: Callable[[float], float], x: float, sign: float, bound: float) -> float:
@@ -291,11 +278,9 @@ def _end(excess: Callable[[float], float], x: float, sign: float, bound: float) 
 
 
 def ramp_estimate(symbol: str, answer: Answer) -> Estimate:
-    """The signed ramp: normal for given noise, averaged over the possible noise of the longest memory, and over states.
-
-    That noise is what hides a ramp, and is known from a few coefficients only: averaging gives the wide tails of
-    Student's t, and holds where the noise was not visible at all.
-    """
+    """The signed ramp: normal for given noise, averaged over possible noise of the longest memory, and over states."""
+    # That noise is what hides a ramp, and is known from a few coefficients only: averaging gives the wide tails of
+    # Student's t, and holds where the noise was not visible at all.
     scale, size = answer.scale, answer.scale.coefficient(symbol, 1.0)
     if not answer.result.frame.plain.flat.any():  # the band excludes the frequencies of a ramp
         return _absent(symbol, scale, Stored(math.inf), Stored((-math.inf, math.inf)))
@@ -335,10 +320,8 @@ def _ramp_law(f: Fitted, answer: Answer, size: float) -> NormalMixture:
 
 
 def _begins(answer: Answer, slope: float) -> bool:
-    """Whether the lowest coefficient, which has 98 % of the power of a ramp, is read, or is half of that of the ramp.
-
-    Else it is what leaks from a cycle or another motion slower than what is read.
-    """
+    """Whether the lowest coefficient, which has 98 % of the power of a ramp, is read, or is half of the ramp's."""
+    # Else it is what leaks from a cycle or another motion slower than what is read.
     frame, spectrum = answer.result.frame, answer.result.frame.spectrum
     lowest = spectrum.even[0] + spectrum.odd[0] + spectrum.slope * spectrum.ramp[0]
     return bool(frame.used[0] or lowest / (slope * spectrum.ramp[0]) > BEGUN)
@@ -368,3 +351,13 @@ def observable(estimate: Estimate, band: tuple[float, float], half: float, *, fi
     if not reason:
         return estimate
     return Estimate(estimate.symbol, estimate.signal, None, None, "not observable", None, "whittle", reason=reason)
+
+
+def under(a: float, estimate: Estimate) -> Estimate:
+    """The estimate if the bias drift follows another power law: only the white noise besides it is valid."""
+    row = TERMS[estimate.symbol]
+    if row.waveform is not None or estimate.status == "not observable" or row.slope == WHITE:
+        return estimate
+    return estimate.invalid(
+        say("the power spectral density falls as f^-{exponent:.2f}, like none of the terms", exponent=a)
+    )

@@ -1,16 +1,4 @@
-"""The fit of a state: sizes and shapes together, by Fisher scoring of one score.
-
-    m = g (S theta) exp(u) + sum_r rho_r R_r + (rounding) (1 - g),     theta, rho >= 0,  u = B L v,  v ~ N(0, 1)
-    value = 2 L + v'v + ln det(1 + J' diag(nu / 2) J),                 J = (g S theta exp(u) / m) B L
-
-L is the likelihood of the bins with the loose directions integrated out (`likelihood.likelihood`); the determinant is
-Laplace's integral over v. How well the shapes of resonances are known is integrated out, too: the logarithm of m gets
-an error of variance d = (e share)^2 in each bin, share being that of the resonances; with h = nu/2, r = I/m,
-
-    value += sum_b [ln(1 + d h) - 2 h (r - 1 - ln r) d h / (1 + d h)],    e the best of `SHAPE_ERRORS`,
-
-and theta is fitted with the weights 1 / (1 + d h).
-"""
+"""The fit of a state: sizes and shapes together, by Fisher scoring of one score (docs/derivations.md)."""
 
 import math
 from dataclasses import dataclass, replace
@@ -30,8 +18,7 @@ from .state import State
 SHAPE_ERRORS = np.array([0.01, 0.03, 0.1, 0.3])
 """Errors of the shapes of resonances that are tried, RMS of their own power in each bin."""
 
-STEEPEST = 25.0
-"""Logarithm of a factor, at most: beyond it nothing is left to multiply."""
+STEEPEST = 25.0  # logarithm of a factor, at most: beyond it nothing is left to multiply
 
 
 @dataclass(frozen=True, eq=False)
@@ -302,10 +289,8 @@ def _integrated(count: FloatArray, m: FloatArray, power: FloatArray, d: FloatArr
 
 
 def _volume(part: Likelihood, theta: FloatArray, frame: Frame) -> float:
-    """From the integral over steps and a warm-up of any size, whose unit would count, to their best sizes.
-
-    What every state has, a ramp and what a slow noise did during long gaps, stays integrated.
-    """
+    """From the integral over steps and a warm-up of any size, whose unit would count, to their best sizes."""
+    # What every state has, a ramp and what a slow noise did during long gaps, stays integrated.
     own = int(part.flat.sum() - frame.plain.flat.sum())
     if own <= 0:
         return 0.0

@@ -25,39 +25,25 @@ from allanite.prepare.gaps import known_rates, refusal
 from allanite.prepare.rounding import rounding_of
 from allanite.terms import TERMS
 
-from .bias_moves import warm_ups_of
 from .components import CLAIMED, COMPONENTS, Part
 from .cutoffs import cutoff_law
 from .describing import components_of, lost_freedom, loud_in, notes_of, scope_of
-from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate, subset_of
+from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate, subset_of, under
 from .fitting import Fitted, fitted
 from .frame import Frame, frame_of
 from .laws import entries_of, weights_of
-from .local import Move
-from .moves import MOVES, filters, floors, less, markov, resonances
+from .moves import MOVES, filters, floors, less, markov, resonances, warm_ups_of
 from .pooling import Together, behind
-from .refining import pruned
+from .refining import Move, pruned
 from .search import Searched, search, shows_white
-from .slow import (
-    RESONANCES,
-    WarmUp,
-    crowded_finding,
-    exponent_finding,
-    hidden_finding,
-    steps_finding,
-    under,
-    warm_up_estimate,
-)
+from .slow import RESONANCES, WarmUp, crowded_finding, exponent_finding, hidden_finding, steps_finding, warm_up_estimate
 from .state import State
 
 SMOOTH: tuple[Move, ...] = (less, floors, markov, filters)
 """What lifts the level of noise beside sinusoids before these are removed."""
 
-MOST_ASKED = 2
-"""Terms with a shape that are looked for together."""
-
-LEAST_SHOWN = 1e-3
-"""Weight of a model from which it takes part in the expected power that is tested."""
+MOST_ASKED = 2  # terms with a shape that are looked for together
+LEAST_SHOWN = 1e-3  # weight of a model from which it takes part in the expected power that is tested
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,13 +72,11 @@ class Pending(Portable):
 
 
 def whittle(record: Record, symbols: Sequence[str], band: Band = "auto", **options: Any) -> Fit:
-    """Identify terms by the binned DCT-II Whittle likelihood: a search that is concluded; parameters as for `pending`.
-
-    Sinusoids are detected and removed. The components of the record, its low-pass filter, vibration, steps, a warm-up,
-    Gauss-Markov noise, are searched for by 2 L and a price for each (`search`); each coefficient is averaged over the
-    models that are consistent with the record (`laws`), with upper limits for what is absent; the signed ramp is
-    estimated by generalized least squares, averaged over what hides it.
-    """
+    """Identify terms by the binned DCT-II Whittle likelihood: a concluded search; parameters as for `pending`."""
+    # Sinusoids are detected and removed. The components of the record, its low-pass filter, vibration, steps, a
+    # warm-up, Gauss-Markov noise, are searched for by 2 L and a price for each (`search`); each coefficient is averaged
+    # over the models that are consistent with the record (`laws`), with upper limits for what is absent; the signed
+    # ramp is estimated by generalized least squares, averaged over what hides it.
     return pending(record, symbols, band, **options).fit()
 
 

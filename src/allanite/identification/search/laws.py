@@ -1,11 +1,6 @@
-"""Laws of the coefficients: averages over the states that were kept, with the weights exp(-score / 2).
+"""Laws of the coefficients: averages over the states that were kept, with the weights exp(-score / 2)."""
 
-Every subset of the powers beside each state takes part. States that differ only in the filter's row, the numerators of
-resonances or the place of a factor are one family, which weighs as much as its best member: prices are those of the
-best of a search, and five look-alike rows must not count five times. The law of a coefficient is the sum of its
-profile likelihoods in the states that have it, each as wide as its error with the shapes unknown over that with the
-shapes known, from the information.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections import Counter
@@ -22,27 +17,15 @@ from allanite.identification.likelihood.law import Subset, traced
 
 from .components import CLAIMED, COMPONENTS, Part
 from .fitting import Fitted, admissible, column_of_part
-from .local import REACH
-from .refining import resized
+from .refining import REACH, resized
 from .search import Searched
 
-TRACED_SHARE = 0.985
-"""Share of all weight that the entries have whose profiles are traced: the heaviest."""
-
-LEAST_WEIGHT = 1e-4
-"""Weight of an entry, over the heaviest, below which it is omitted."""
-
-MEMBERS = 8
-"""States of one family that take part, at most: they weigh together as much as the best of them."""
-
-POINTS = 1001
-"""Values of a coefficient at which its law is tabulated."""
-
-FARTHEST_DEVIATE = 5.0
-"""Deviates to which a profile is continued."""
-
-WIDEST = 30.0
-"""Factor by which unknown shapes widen a profile, at most: beyond it the coefficient is not known at all."""
+TRACED_SHARE = 0.985  # share of all weight that the entries have whose profiles are traced: the heaviest
+LEAST_WEIGHT = 1e-4  # weight of an entry, over the heaviest, below which it is omitted
+MEMBERS = 8  # states of one family that take part, at most: they weigh together as much as the best of them
+POINTS = 1001  # values of a coefficient at which its law is tabulated
+FARTHEST_DEVIATE = 5.0  # deviates to which a profile is continued
+WIDEST = 30.0  # factor by which unknown shapes widen a profile, at most: beyond it the coefficient is not known at all
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,12 +107,10 @@ def stretch(f: Fitted, which: int) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Law(Portable):
-    """The law of the root of a size, given that it is above zero.
+    """The law of the root of a size, given that it is above zero."""
 
-    `root` and `below` are values and the probability of less; `weight` is that of the models that have it, and `parts`
-    are the models that make it with their shares and best values.
-    """
-
+    # `root` and `below` are values and the probability of less; `weight` is that of the models that have it, and
+    # `parts` are the models that make it with their shares and best values.
     root: FloatArray
     below: FloatArray
     weight: float

@@ -1,15 +1,6 @@
-"""One filter for the channels of one device: the score summed over them, the cut-off in common.
+"""One filter for the channels of one device: the score summed over them, the cut-off in common."""
 
-Channels of one chip share sampling and filter. What is behind the filter differs, so that each channel keeps the parts
-of its best states, and behind a filter of the row r and the cut-off c it has the score s(r, c) without the filter's
-price. That is paid once:
-
-    total(r, c) = price + sum over channels of min(s(r, c), alone + `APART`),     alone: its best score by itself
-
-A channel that is worse behind the filter is left out, at that cost; of what is left out another filter may be in
-common. The filter is taken where the total is `ODDS` less than the sum of the scores alone, also for channels that show
-none alone. Rows that nearly reach that total remain alternatives, weighed by all channels.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Iterator, Sequence
@@ -25,44 +16,30 @@ from .components import COMPONENTS, ODDS, Part
 from .cutoffs import errors_of
 from .fitting import Fitted, fitted
 from .frame import LOWEST_CUTOFF, Common, Frame
-from .local import REACH
 from .moves import less
-from .refining import pruned, refined
+from .refining import REACH, pruned, refined
 from .search import Searched, search
 from .state import State
 
 if TYPE_CHECKING:
     from .identify import Pending
 
-APART = ODDS
-"""Cost of a channel that is left out."""
-
-BASES = 2
-"""States of a channel whose parts are tried behind a filter, beside the best one that has a filter."""
-
-STARTS = 6
-"""States of a channel that are tried behind the filter in common, at most."""
-
-SAME_ERRORS = 3.0
-"""Standard errors within which the cut-offs of two channels are one start."""
+APART = ODDS  # cost of a channel that is left out
+BASES = 2  # states of a channel whose parts are tried behind a filter, beside the best one that has a filter
+STARTS = 6  # states of a channel that are tried behind the filter in common, at most
+SAME_ERRORS = 3.0  # standard errors within which the cut-offs of two channels are one start
 
 WHOLE = 0.2
 """Distance of a cut-off, in its logarithm, from that of a whole length that is tried beside it: half from 2 to 3."""
 
-NEAR_ERRORS = 4.0
-"""Standard errors of the common cut-off within which it is looked for."""
-
-FINE_ERRORS = 0.05
-"""Standard errors to which it is found: 0.0025 in the score."""
+NEAR_ERRORS = 4.0  # standard errors of the common cut-off within which it is looked for
+FINE_ERRORS = 0.05  # standard errors to which it is found: 0.0025 in the score
 
 LEAST_ERROR = 5e-4
 """Standard error of the logarithm of a cut-off, at least: a moving average changes its slope at whole lengths."""
 
-FOLLOWING_ROUNDS, FOLLOWING = 3, 1
-"""Rounds in which the other shapes follow a filter, and its cut-off."""
-
-SCAN_POINTS = 13
-"""Cut-offs at which the summed score is known."""
+FOLLOWING_ROUNDS, FOLLOWING = 3, 1  # rounds in which the other shapes follow a filter, and its cut-off
+SCAN_POINTS = 13  # cut-offs at which the summed score is known
 
 RIVALS, NEXT = 4.0, 1.0
 """Summed score over that of the best row up to which another one is an alternative: a weight of e^-2; what is added to
@@ -135,11 +112,9 @@ def in_common(results: Sequence[Searched]) -> dict[int, tuple[Common, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """Scores of channels behind a row of filters: `scores`, shape (channels, cut-offs), `at` logarithms of cut-offs.
+    """Scores of channels behind a row of filters: `scores`, shape (channels, cut-offs), `at` logarithms of cut-offs."""
 
-    `over` is the least sum of them over that of the best row.
-    """
-
+    # `over` is the least sum of them over that of the best row.
     row: str
     cutoff: float
     at: FloatArray

@@ -5,49 +5,117 @@ and all within `REACH` of the best are kept. No random numbers, and no test of f
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.plain import Portable
 from allanite.identification.likelihood.spectrum import WELL_KNOWN
 
-from .factor_moves import factors, nearest, neighbours, places_beside
+from .components import COMPONENTS, FACTORS, SIZES, Part
 from .fitting import Fitted, factor_basis, fitted, refined_values
-from .frame import Frame
-from .local import REACH, Local, Move
+from .frame import SLOWEST_OCTAVE, Frame
 from .moves import MOVES, resonances
-from .refining import pruned, refined
+from .refining import CANDIDATES, FAR, REACH, Local, Move, pruned, refined
 from .state import State, alike
+
+FACTOR_SIZES = np.array([0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64, 1.28, 2.56])
+"""Sizes of a factor that are tried, RMS of the logarithm of the power."""
+
+SHORT_OF_PRICE, LEAST_EVIDENCE = 4.0, 1.5
+"""Evidence for a factor, in 2 L, from which it is fitted: so much below its price, where it weighs e^-1 of the state
+without it, and at least so much, as a factor of no size has none."""
+
+WIDE_SIZES, MANY = (0.64, 2.56), 14
+"""Sizes of a factor that are fitted where one step is no guide, and rounds of scoring of these fits: each
+divides the power by e^2 at most."""
+
+
+def factors(at: Local) -> Iterator[State | Fitted]:
+    """What no component describes: by the evidence of one step, and by a fit of each where that is no guide."""
+    frame, state = at.f.frame, at.f.state
+    if frame.white is None or len(state.of("factor")) >= COMPONENTS["factor"].most:
+        return
+    splines, taken = frame.splines, {(p.label, *p.shape[:2]) for p in state.of("factor")}
+    base = splines.B.T * (at.f.inside / at.f.m)
+    b, rest = at.projected(base)
+    G = (base * at.h) @ base.T - rest @ rest.T
+    ranked = []
+    for place in splines.places:
+        if place not in taken:
+            L = splines.root(place)
+            size, vectors = np.linalg.eigh(L.T @ G @ L)
+            size, y = np.maximum(size, 0.0), (vectors.T @ (L.T @ b)) ** 2
+            t2 = FACTOR_SIZES[:, None] ** 2
+            gain = (t2 * y / (1 + t2 * size)).sum(axis=1) - np.log1p(t2 * size).sum(axis=1)
+            best = int(gain.argmax())
+            if gain[best] > max(FACTORS[place[0]] - SHORT_OF_PRICE, LEAST_EVIDENCE):
+                ranked.append((float(gain[best]) - FACTORS[place[0]], place, float(FACTOR_SIZES[best])))
+    ranked.sort(key=lambda each: -each[0])
+    if not ranked:
+        return
+    tries = [
+        state.having(Part("factor", place[0], (place[1], place[2], size))) for _, place, size in ranked[:CANDIDATES]
+    ]
+    if ranked[0][0] > FAR and not taken:
+        wide = [p for p in splines.places if p[0] != "between" and p not in taken]
+        parts = [Part("factor", p[0], (p[1], p[2], size)) for p in wide for size in WIDE_SIZES]
+        each = sorted((_raised(at, part) for part in parts), key=lambda f: f.score)[: 2 * CANDIDATES]
+        yield from sorted((refined(f, MANY) for f in each), key=lambda f: f.score)[:CANDIDATES]
+    yield from tries
+
+
+def _raised(at: Local, part: Part) -> Fitted:
+    """The fit beside a factor that begins where it fits the logarithms of the residuals best."""
+    state = at.f.state.having(part)
+    A = factor_basis(at.f.frame, state) * (at.f.inside / at.f.m)[:, None]
+    return fitted(at.f.frame, state, v=nearest(A, at.h[: A.shape[0]], at.logs))
+
+
+def nearest(A: FloatArray, h: FloatArray, u: FloatArray) -> FloatArray:
+    """Coefficients v ~ N(0, 1) with A v as near to u as they allow, h being half the counts."""
+    v = np.linalg.solve(np.eye(A.shape[1]) + (A * h[:, None]).T @ A, A.T @ (h * u))
+    return np.asarray(v, dtype=np.float64)
+
+
+def neighbours(part: Part) -> Iterator[Part]:
+    """A factor with another size, or a place beside its own."""
+    low, high, size = part.shape
+    for other in (size / 2, size / 2**0.5, size * 2**0.5, size * 2):
+        if SIZES[0] < other < SIZES[1]:
+            yield part._replace(shape=(low, high, other))
+
+
+def places_beside(part: Part, top: float) -> Iterator[Part]:
+    """The same beginning or ending elsewhere."""
+    low, high, size = part.shape
+    step = 0.5 if "above" in part.label else 1.0
+    if part.label == "all":
+        return
+    for a, b in ((low - step, high), (low + step, high), (low, high - step), (low, high + step)):
+        if ("above" in part.label and b != high) or a < SLOWEST_OCTAVE:
+            continue
+        if 0 <= a < b - 1 and b <= top + 1e-9 and (a <= top - 1e-9):
+            yield part._replace(shape=(a, b, size))
+
 
 EXPANDED = (4.0, 1.0)
 """States up to this above the least score are expanded, without and with factors: weights of e^-2 and e^-0.5."""
 
-EXPANSIONS = 40
-"""States that are expanded, at most, in either pass."""
-
-FOLLOWED = 2
-"""Neighbours of a start by one way that are expanded, whatever the others gain, if they gain `REACH`."""
+EXPANSIONS = 40  # states that are expanded, at most, in either pass
+FOLLOWED = 2  # neighbours of a start by one way that are expanded, whatever the others gain, if they gain `REACH`
 
 BETTER = 0.3
 """By how much the score of a state must be less than that of one which differs in numerators and row of the filter, so
 that it is expanded too."""
 
-SAME = 0.1
-"""Difference of the scores of two states that are the same within the grain of their shapes."""
-
-FITS = 400
-"""Neighbours that are fitted, at most: a record that needs more is described by none of them."""
-
-MOST_WHITE = 0.5
-"""Share of the power of a half octave that white noise has where it is visible: the greater part."""
-
-TUNED = 2
-"""Other sizes and places of the factors of a fit that are refined in a round, at most."""
-
-FIRST = 3
-"""Rounds of refinement before the hopeless are dropped."""
+SAME = 0.1  # difference of the scores of two states that are the same within the grain of their shapes
+FITS = 400  # neighbours that are fitted, at most: a record that needs more is described by none of them
+MOST_WHITE = 0.5  # share of the power of a half octave that white noise has where it is visible: the greater part
+TUNED = 2  # other sizes and places of the factors of a fit that are refined in a round, at most
+FIRST = 3  # rounds of refinement before the hopeless are dropped
 
 
 @dataclass
@@ -105,10 +173,8 @@ def search(
 
 
 def shows_white(f: Fitted) -> bool:
-    """Whether white noise has most of the power of a half octave, where vibration or a factor stands beside it.
-
-    Else what stands beside it makes its value: it is known from a difference only.
-    """
+    """Whether white noise has most of the power of a half octave, where vibration or a factor stands beside it."""
+    # Else what stands beside it makes its value: it is known from a difference only.
     frame = f.frame
     if frame.white is None or not (f.state.of("resonance") or f.state.of("factor")):
         return True
@@ -120,10 +186,8 @@ def shows_white(f: Fitted) -> bool:
 
 
 def _recast(f: Fitted) -> list[Fitted]:
-    """A fit with one numerator for all its resonances, and without its filter: no single exchange leads there.
-
-    The skirts of resonances towards low frequencies are those of white noise behind a filter.
-    """
+    """A fit with one numerator for all its resonances, and without its filter: no single exchange leads there."""
+    # The skirts of resonances towards low frequencies are those of white noise behind a filter.
     loud, through = f.state.of("resonance"), (*f.state.of("filter"), *f.state.of("floor"))
     if not loud:
         return []
@@ -136,10 +200,8 @@ def _recast(f: Fitted) -> list[Fitted]:
 
 
 def _bare(f: Fitted) -> list[Fitted]:
-    """A fit without its resonances, and without its filter too, that may stand in the place of a factor.
-
-    Several broad resonances do, and angle noise behind a filter, which rises and falls again.
-    """
+    """A fit without its resonances, and without its filter too, that may stand in the place of a factor."""
+    # Several broad resonances do, and angle noise behind a filter, which rises and falls again.
     loud, through = f.state.of("resonance"), (*f.state.of("filter"), *f.state.of("floor"))
     rises = bool(through) and bool((f.free[: f.frame.angle.size] & f.frame.angle).any())
     states = ([f.state.lacking(*loud)] if loud else []) + ([f.state.lacking(*loud, *through)] if loud or rises else [])
@@ -149,11 +211,9 @@ def _bare(f: Fitted) -> list[Fitted]:
 def _follow(
     result: Searched, start: Fitted, ways: Sequence[Move], done: dict[object, float], moves: Sequence[Move] = ()
 ) -> None:
-    """Expand a start and then the best that each way from it leads to, whatever the others gain.
-
-    Far from a fit what gains most at first need not lead to the best state: a broad resonance may gain more than the
-    filter that was there, but for what stands behind it.
-    """
+    """Expand a start and then the best that each way from it leads to, whatever the others gain."""
+    # Far from a fit what gains most at first need not lead to the best state: a broad resonance may gain more than the
+    # filter that was there, but for what stands behind it.
     done.setdefault(start.state.form, start.score)
     result.expanded += 1
     for move in ways:

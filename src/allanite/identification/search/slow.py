@@ -14,28 +14,21 @@ from allanite.core.plain import Portable
 from allanite.core.units import convert
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import join, longest_without, say, spelled
-from allanite.terms import TERMS, WHITE
+from allanite.terms import TERMS
 
-from .bias_moves import PLACES
 from .components import COMPONENTS, Part
 from .estimates import Answer, profile_ends
 from .fitting import Fitted, column_of_part, fitted
 from .laws import law_of
+from .moves import PLACES
 
 RESONANCES = COMPONENTS["resonance"].most
 """Vibrations in a record, at most: one that has so many is not described by them."""
 
-HARMLESS = 2.0
-"""Standard errors to which a warm-up has fallen where a window can begin."""
-
-USABLE = 0.75
-"""Share of the record that may be cut off."""
-
-HIGHEST_RISE = 12.0
-"""Rise of the value up to which time constants of a warm-up are looked at."""
-
-TIME_CONSTANTS = 24
-"""Time constants over which the size of a warm-up is averaged."""
+HARMLESS = 2.0  # standard errors to which a warm-up has fallen where a window can begin
+USABLE = 0.75  # share of the record that may be cut off
+HIGHEST_RISE = 12.0  # rise of the value up to which time constants of a warm-up are looked at
+TIME_CONSTANTS = 24  # time constants over which the size of a warm-up is averaged
 
 
 def sizes_of(f: Fitted, name: str) -> tuple[FloatArray, FloatArray]:
@@ -232,13 +225,3 @@ def exponent_finding(answer: Answer, f: Fitted) -> Finding:
         harm,
         say("read the noise at the averaging times of interest off the Allan deviation"),
     )  # fmt: skip
-
-
-def under(a: float, estimate: Estimate) -> Estimate:
-    """The estimate if the bias drift follows another power law: only the white noise besides it is valid."""
-    row = TERMS[estimate.symbol]
-    if row.waveform is not None or estimate.status == "not observable" or row.slope == WHITE:
-        return estimate
-    return estimate.invalid(
-        say("the power spectral density falls as f^-{exponent:.2f}, like none of the terms", exponent=a)
-    )

@@ -11,8 +11,7 @@ from allanite.identification.likelihood.filters import FILTERS
 from .components import BROAD, COMPONENTS, HIDING, LEAST_MARKOV, SECOND, Part, at_bound, cost_of
 from .frame import Frame
 
-ORDER = tuple(COMPONENTS)
-"""Order of the parts of a state."""
+ORDER = tuple(COMPONENTS)  # order of the parts of a state
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,7 @@ from allanite.phrases.phrase import join, percent, say
 from allanite.readers.columns import headers
 from allanite.readers.columns.column import FileColumn, lookup
 
-from .findings import lost_samples
-from .grid import Places, SampleGrid
+from .findings import Places, SampleGrid, lost_samples
 from .stamps import EVEN, MOST_LOST, TICKS
 
 PLAUSIBLE = (0.5, 20e3)  # sampling rates, Hz, considered plausible when the unit of integer time stamps is determined

@@ -13,16 +13,14 @@ from allanite.phrases.phrase import say
 from allanite.readers.columns.table import Sense, repeated
 
 from .clocks import unwrapped
-from .findings import DRIFT, PARTS, Holes, finding
-from .grid import Places, SampleGrid
+from .findings import DRIFT, PARTS, Holes, Places, SampleGrid, finding
 from .sampling_rate import Beat, Stamped, settled, stamped
 from .stamps import Damage, fit, mended, seconds_since
 
 LEAST_ROWS = 1024  # rows of a part whose interval is found anew; in fewer rows, that of the head is used
 LONG = 1 << 16  # missing samples at one place that are passed over, not stored as NaN
 
-Piece = tuple[int, list[NDArray[Any]]]
-"""Missing samples before a piece, and the samples of each column."""
+Piece = tuple[int, list[NDArray[Any]]]  # missing samples before a piece, and the samples of each column
 
 
 @dataclass

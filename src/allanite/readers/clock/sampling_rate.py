@@ -14,7 +14,7 @@ from allanite.phrases.phrase import join, percent, say, spelled
 from allanite.readers.columns.column import FileColumn
 
 from .clocks import PLAUSIBLE, ClockSources, addressed, counted_grid, places, readings, unwrapped
-from .grid import ONE_AFTER_THE_OTHER, SampleGrid
+from .findings import ONE_AFTER_THE_OTHER, SampleGrid
 from .stamps import Damage, fit, mended, seconds_since
 
 SAME = 1e-3  # relative difference up to which a given rate and that of time stamps are the same

@@ -12,8 +12,19 @@ from allanite.core.units import unit_of
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import say, say_count
 
-from .findings import Stamps, bursty, drift, duplicates, duration, finding, lost_samples, unsteady
-from .grid import Places, SampleGrid, pace
+from .findings import (
+    Places,
+    SampleGrid,
+    Stamps,
+    bursty,
+    drift,
+    duplicates,
+    duration,
+    finding,
+    lost_samples,
+    pace,
+    unsteady,
+)
 
 FAR = 3.0
 """Distance of a stamp from the middle of its neighbours, in intervals, above which it is damaged: no logger is so late
@@ -99,11 +110,9 @@ def seconds_since(stamps: NDArray[Any], unit: str) -> FloatArray:
 
 
 def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_]]) -> SampleGrid:
-    """The grid of time stamps in seconds since the first, shape (n,); `label` is their column in messages.
-
-    `repeated` marks rows with the same samples as the row before, shape (n - 1,) or (1,); called only if time stamps
-    repeat.
-    """
+    """The grid of time stamps in seconds since the first, shape (n,); `label` is their column in messages."""
+    # `repeated` marks rows with the same samples as the row before, shape (n - 1,) or (1,); called only if time stamps
+    # repeat.
     bad = ~np.isfinite(elapsed)
     if bad.any():
         where = say("the first in row {row} of the data", row=int(np.argmax(bad)) + 1)

@@ -16,7 +16,7 @@ from allanite.core.validity import Finding
 from allanite.phrases.phrase import join, say, spelled
 from allanite.readers.options import Options
 
-from . import conventions, headers, stated
+from . import headers, stated
 from .column import FileColumn, lookup, some
 from .stated import Stated
 
@@ -245,7 +245,7 @@ def _source(column: FileColumn, options: Options, unit: str, applies: bool) -> s
     """Origin of the unit; empty if the user gave it and the header agrees, or a warning says that it does not."""
     if not column.unit or (options.unit == unit == column.unit) or stated.contradicts(column, unit):
         return ""
-    known = conventions.convention_of(column)
+    known = stated.convention_of(column)
     if unit != column.unit:
         return say("unit {unit} as requested, overriding the header of", unit=unit)
     if column.kind:

@@ -16,8 +16,7 @@ from allanite.phrases.phrase import Phrase, join, say, spelled
 from allanite.readers.options import Options
 
 from . import headers
-from .arrays import RATE_NAMES, column, split, turned, turned_note
-from .column import FileColumn, some
+from .column import RATE_NAMES, FileColumn, column, some, split, turned, turned_note
 from .table import FileTable, restored
 
 MOST_LISTED = 30  # maximum number of streams that a message lists

@@ -18,8 +18,7 @@ from .table import FileTable
 BLOCK_BYTES = 1 << 23  # bytes that are read at a time
 FIRST = 1 << 22  # bytes, at least, by which the layout and the meaning of the columns are recognized
 
-Chunks = Callable[[], Iterator[bytes]]
-"""Reads the bytes of a file from the beginning."""
+Chunks = Callable[[], Iterator[bytes]]  # reads the bytes of a file from the beginning
 
 
 def chunks_of(path: str) -> Chunks:

@@ -12,7 +12,7 @@ from allanite.core.errors import DataError
 from allanite.phrases.phrase import say
 
 from . import dates
-from .arrays import of_arrow
+from .column import of_arrow
 from .layout import MISSING, Layout, cells, decoded, is_number, marks_of
 
 _NULLS = [*MISSING, "NaN", "NAN", "NULL", "None", "NA", "N/A", "#N/A", "-NaN", "1.#QNAN", "-1.#IND"]

@@ -17,10 +17,7 @@ FAINT = 0.5
 
 FEW_DROPOUTS = 0.01  # largest share of such samples, which are marked as missing
 LARGEST_STEP = math.pi / 2  # rotation between samples above which turns cannot be counted with certainty
-
-MEANS = 8
-"""Number of steps whose mean is the speed of rotation."""
-
+MEANS = 8  # number of steps whose mean is the speed of rotation
 SECTORS = 36  # number of sectors of a turn
 LEAST_SECTORS = 27  # sectors that the angle must reach, for offsets and gains to be told from the angle
 LEAST_ERROR = 1e-5  # angle error, rad, that is not worth a warning

@@ -84,11 +84,9 @@ def apart(columns: list[FileColumn], by: Turns) -> tuple[list[list[FileColumn]],
 
 
 def between(columns: list[FileColumn]) -> tuple[list[FileColumn], tuple[str, ...]]:
-    """Columns without header, named after the ids that precede them: ``3, ax, ay, az, 4, gx, gy, gz``.
-
-    An id is an integer that never changes; there are at least two, all different, each followed by the same number of
-    columns.
-    """
+    """Columns without header, named after the ids that precede them: ``3, ax, ay, az, 4, gx, gy, gz``."""
+    # An id is an integer that never changes; there are at least two, all different, each followed by the same number of
+    # columns.
     ids = [i for i, column in enumerate(columns) if _constant(column)]
     if len(ids) < 2 or any(column.header for column in columns):
         return columns, ()

@@ -22,9 +22,8 @@ from allanite.readers.clock import clocks
 from allanite.readers.clock import sampling_rate as clock
 from allanite.readers.options import Options
 
-from . import channels, conventions, headers, proposal, resolver, sensors, shapes, stated
-from .arrays import RATE_NAMES
-from .column import FileColumn, unique
+from . import channels, headers, proposal, resolver, sensors, shapes, stated
+from .column import RATE_NAMES, FileColumn, unique
 
 KEY = "allanite"  # the name under which a format stores it
 SLOW = 5.0  # sampling rate, Hz, up to which sensors are seldom sampled, but logged
@@ -74,7 +73,7 @@ class FileTable:
 
     def sense(self, options: Options) -> "Sense":
         """What the columns are: which of them are signals, and which are the clock."""
-        columns, joined = sensors.joined(conventions.applied(unique(self.columns)), options)
+        columns, joined = sensors.joined(stated.applied(unique(self.columns)), options)
         chosen = channels.named(columns, options.channels)
         # a column whose meaning the file states is a clock only if the user says so
         open_ = tuple(c for c in columns if not c.kind) if options.time is None else columns

@@ -17,8 +17,7 @@ from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say, spelled
 from allanite.readers.columns import headers
-from allanite.readers.columns.arrays import numbers
-from allanite.readers.columns.column import FileColumn, some
+from allanite.readers.columns.column import FileColumn, numbers, some
 from allanite.readers.columns.containers import Stream, any_inertial, arranged_stream, mean_rate, stream_recording
 from allanite.readers.columns.lines import HEAD_ROWS, Parts
 from allanite.readers.columns.table import FileTable

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
-from allanite.readers.columns.arrays import RATE_NAMES
-from allanite.readers.columns.column import some
+from allanite.readers.columns.column import RATE_NAMES, some
 from allanite.readers.columns.containers import Dataset, arranged_datasets, rated
 from allanite.readers.columns.lines import HEAD_ROWS, Parts, Rows, columns_of
 from allanite.readers.columns.table import KEY

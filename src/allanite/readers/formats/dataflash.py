@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 from allanite.core.record import Recording
 from allanite.phrases.phrase import Phrase, say
-from allanite.readers.columns.arrays import column
-from allanite.readers.columns.column import FileColumn, some
+from allanite.readers.columns.column import FileColumn, column, some
 from allanite.readers.columns.containers import Stream, mean_rate, stream_recording
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
@@ -47,8 +46,7 @@ _LABELS |= {"m/s/s": "m/s^2"}
 _TIMES = {1e-3: "ms", 1e-6: "us", 1e-9: "ns"}
 
 Rows = NDArray[np.void]
-Units = Mapping[str, tuple[str, float]]
-"""Unit of a field, and the factor on its numbers."""
+Units = Mapping[str, tuple[str, float]]  # unit of a field, and the factor on its numbers
 
 
 @dataclass(frozen=True)

@@ -7,17 +7,15 @@ import numpy as np
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
 from allanite.readers.columns import parse
-from allanite.readers.columns.arrays import is_number, numbers, of_arrow
+from allanite.readers.columns.column import is_number, numbers, of_arrow
 from allanite.readers.options import FrameLike, Options
 
 from . import text
 
 
 def read(frame: FrameLike, options: Options) -> Recording:
-    """The channels of a table; the names of its columns are read like the headers of a CSV file.
-
-    The index of a pandas table is a column too if it has a name or holds times. A missing value is NaN.
-    """
+    """The channels of a table; the names of its columns are read like the headers of a CSV file."""
+    # The index of a pandas table is a column too if it has a name or holds times. A missing value is NaN.
     if options.dtype is not None:
         raise UsageError("dtype, columns and offset describe raw binary files; omit them for a table in memory")
     named = list[tuple[str, Any]]()

@@ -15,8 +15,7 @@ from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import Phrase, say
 from allanite.readers.columns import parse
-from allanite.readers.columns.arrays import column
-from allanite.readers.columns.column import FileColumn
+from allanite.readers.columns.column import FileColumn, column
 from allanite.readers.columns.layout import Layout, decoded
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options

@@ -25,10 +25,8 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 
 def read(path: str, options: Options) -> Recording:
-    """The channels of a .mat file: variables and fields of structures of one length.
-
-    Cells, objects, functions and sparse matrices are ignored; nothing in the file is executed.
-    """
+    """The channels of a .mat file: variables and fields of structures of one length."""
+    # Cells, objects, functions and sparse matrices are ignored; nothing in the file is executed.
     return contained("mat", path, options)
 
 

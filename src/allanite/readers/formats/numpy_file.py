@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
-from allanite.readers.columns.arrays import RATE_NAMES, column, split, turned, turned_note
-from allanite.readers.columns.column import FileColumn
+from allanite.readers.columns.column import RATE_NAMES, FileColumn, column, split, turned, turned_note
 from allanite.readers.columns.containers import WIDEST
 from allanite.readers.columns.lines import HEAD_ROWS, Parts, Rows
 from allanite.readers.columns.table import KEY, FileTable, described, keys, restored
@@ -31,11 +30,9 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 
 def read(path: str, options: Options) -> Recording:
-    """The channels of a .npy or .npz file; pickled objects in it are refused, never loaded.
-
-    A one-dimensional array is one channel; a two-dimensional one has one channel per column; the fields of a structured
-    array, and the arrays of a .npz, are named like the headers of a text file, optionally with a unit.
-    """
+    """The channels of a .npy or .npz file; pickled objects in it are refused, never loaded."""
+    # A one-dimensional array is one channel; a two-dimensional one has one channel per column; the fields of a
+    # structured array, and the arrays of a .npz, are named like the headers of a text file, optionally with a unit.
     head = _demand_numbers(path)
     with worded():
         arrays = _members(path) if head.startswith(ZIP) else [("", np.array(_mapped(path)))]

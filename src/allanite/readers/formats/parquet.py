@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
-from allanite.readers.columns.arrays import RATE_NAMES, column, is_number, of_arrow
-from allanite.readers.columns.column import FileColumn, headed
+from allanite.readers.columns.column import RATE_NAMES, FileColumn, column, headed, is_number, of_arrow
 from allanite.readers.columns.containers import WIDEST
 from allanite.readers.columns.lines import HEAD_ROWS, Parts
 from allanite.readers.columns.table import KEY, FileTable, described, restored, with_units

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError, UsageError, given
 from allanite.core.record import Recording
 from allanite.phrases.phrase import spelled
-from allanite.readers.columns.arrays import column
+from allanite.readers.columns.column import column
 from allanite.readers.columns.lines import HEAD_ROWS, Parts, Rows, columns_of
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options

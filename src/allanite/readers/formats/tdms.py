@@ -8,7 +8,7 @@ import numpy as np
 
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
-from allanite.readers.columns.arrays import column
+from allanite.readers.columns.column import column
 from allanite.readers.columns.containers import Stream, any_inertial, stream_recording
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from allanite.core.record import Recording
 from allanite.phrases.phrase import Phrase, say, say_count
-from allanite.readers.columns.arrays import column
-from allanite.readers.columns.column import FileColumn, some
+from allanite.readers.columns.column import FileColumn, column, some
 from allanite.readers.columns.containers import Stream, mean_rate, stream_recording
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options

@@ -63,12 +63,10 @@ class Many(NamedTuple):
 
 
 class Definition:
-    """The steps of a message type, and its `columns` (name: type of number, unit); the fields `left` are no columns.
+    """The steps of a message type, and its `columns` (name: type of number, unit); the fields `left` are no columns."""
 
-    `types` are the definitions of `rosbags.typesys` by name; `aligned` is true for ROS 2. Definitions that contain
-    themselves, or what is not known here, raise ValueError.
-    """
-
+    # `types` are the definitions of `rosbags.typesys` by name; `aligned` is true for ROS 2. Definitions that contain
+    # themselves, or what is not known here, raise ValueError.
     def __init__(self, types: Mapping[str, Any], name: str, *, aligned: bool) -> None:
         self.types, self.aligned, self.budget = types, aligned, MOST_STEPS
         self.columns: dict[str, tuple[str, str]] = {}

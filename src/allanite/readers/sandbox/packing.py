@@ -29,8 +29,7 @@ PROSE = re.compile(
 )
 """Names of files that lie beside recordings and are not recordings, though they may be text."""
 
-Judge = Callable[[bytes, str], bool]
-"""Whether first bytes and suffix are those of a readable file."""
+Judge = Callable[[bytes, str], bool]  # whether first bytes and suffix are those of a readable file
 
 
 class Packing(NamedTuple):

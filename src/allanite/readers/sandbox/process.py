@@ -133,11 +133,9 @@ _TIMEOUTS = (9, 24)  # signals by which we stop a process, and by which the syst
 
 
 class Process:
-    """A running worker that looks for `names`; in a ``with`` statement, `contents` are those of the file.
+    """A running worker that looks for `names`; in a ``with`` statement, `contents` are those of the file."""
 
-    `progress` is called with the share, 0 to 1, that has been read.
-    """
-
+    # `progress` is called with the share, 0 to 1, that has been read.
     def __init__(
         self, form: str, path: str, progress: Progress | None = None, names: Mapping[str, Any] | None = None
     ) -> None:

@@ -353,10 +353,8 @@ def gaps(record: Record, share: float, length: float, *, rng: "np.random.Generat
 
 
 def in_readings(record: Record, value: float, unit: str) -> float:
-    """A rate, or what a rate gives in one interval, as the number that a reading of the record would be.
-
-    UnitError if the unit is neither of this sensor's rate nor of these samples.
-    """
+    """A rate, or what a rate gives in one interval, as the number that a reading of the record would be."""
+    # UnitError if the unit is neither of this sensor's rate nor of these samples.
     size, signal = unit_of(unit), record.signal
     if signal_with(size.dimension, values=True) is signal:
         interval = record.interval if record.integrated else 1.0

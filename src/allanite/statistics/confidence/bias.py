@@ -18,12 +18,10 @@ from allanite.statistics.table import STATISTICS, CurvePoints
 
 
 class Bias(NamedTuple):
-    """A correction: what the plain variance is multiplied with at a point, and whether it is that of hybrids.
+    """A correction: what the plain variance is multiplied with at a point, and whether it is that of hybrids."""
 
-    `factor` takes the points, the place of one, its model and each scale of the powers of the model's terms, shape
-    (k, t). The published one follows from the exponent of the power law at each point instead.
-    """
-
+    # `factor` takes the points, the place of one, its model and each scale of the powers of the model's terms, shape
+    # (k, t). The published one follows from the exponent of the power law at each point instead.
     factor: Callable[[CurvePoints, int, Model, FloatArray], FloatArray] | None
     hybrid: bool = False
 
@@ -51,10 +49,8 @@ def demand_bias(bias: str | None, row: Statistic) -> None:
 def corrections(
     points: CurvePoints, bias: Bias, models: Sequence[Model], scale: FloatArray, alpha: Sequence[int] = ()
 ) -> FloatArray:
-    """What the plain variance is multiplied with, with each scale of the powers of the terms, shape (k, points).
-
-    The model is one for all points, or that of the power law at each, whose exponents are `alpha`.
-    """
+    """What the plain variance is multiplied with, with each scale of the powers of the terms, shape (k, points)."""
+    # The model is one for all points, or that of the power law at each, whose exponents are `alpha`.
     if bias.factor is None:
         if not len(alpha):
             raise UsageError("published bias factors assume a power law at each tau: use noise='auto'")
@@ -98,12 +94,10 @@ MEANS = Bias(_of_means)  # that of means of what is there instead of complete wi
 
 
 def published_bias(row: Statistic, alpha: int | IntArray, m: IntArray, size: int) -> FloatArray:
-    """The published ratio of a statistic's expectation to that of its target, shape of m; an error if there is none.
-
-    `alpha` is the exponent of the spectrum of the rate, at all averaging factors or at each. A statistic without bias,
-    or whose bias is removed otherwise (theobr, theoh), has 1 for every noise. Tables and other programs divide by it;
-    use it for comparison: the exact expectation under the noise at hand is `allanite.expected`.
-    """
+    """The published ratio of a statistic's expectation to that of its target, shape of m; an error if there is none."""
+    # `alpha` is the exponent of the spectrum of the rate, at all averaging factors or at each. A statistic without
+    # bias, or whose bias is removed otherwise (theobr, theoh), has 1 for every noise. Tables and other programs divide
+    # by it; use it for comparison: the exact expectation under the noise at hand is `allanite.expected`.
     alphas = np.broadcast_to(alpha, m.shape)
     result = np.ones(m.shape)
     published = row.published

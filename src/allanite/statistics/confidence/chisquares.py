@@ -1,20 +1,6 @@
-"""Weighted sums of chi-squares: the largest eigenvalues of a statistic, and quantiles by a saddlepoint.
+"""Weighted sums of chi-squares: the largest eigenvalues of a statistic, and quantiles by a saddlepoint."""
 
-They come from few windows spread over the record, and from reduced windows where a window has many points; the degrees
-of freedom, known exactly, scale them. White angle noise is left to its own where windows meet it point by point.
-
-V = sum_j w_j chi^2(d_j) + W has the cumulant function
-
-    K(t) = c t / (1 - 2 u t) - sum_j d_j/2 ln(1 - 2 w_j t)
-
-where W, of mean c, is what a deterministic part adds to squares of weight u (a noncentral chi-square).
-
-At the saddlepoint t the value is x = K'(t), and with r = sign(t) sqrt(2 (t x - K)), v = t sqrt(K'')
-
-    P(V < x) = Phi(r) + phi(r) (1/r - 1/v)
-
-so that the quantile is found by one search over t.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Sequence
@@ -66,11 +52,9 @@ def matrices(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, siz
 
 
 def spectra(forms: FloatArray, powers: FloatArray, leading: int) -> list[Eigenvalues]:
-    """Spectra of the form under several models, whose terms have squared coefficients `powers`, shape (k, t).
-
-    They come from the form's projection on what the leading eigenvectors of the models' mean, and each term of these,
-    span (Rayleigh and Ritz).
-    """
+    """Spectra of the form under several models, whose terms have squared coefficients `powers`, shape (k, t)."""
+    # They come from the form's projection on what the leading eigenvectors of the models' mean, and each term of these,
+    # span (Rayleigh and Ritz).
     total = powers @ np.trace(forms, axis1=1, axis2=2)
     squares = np.einsum("ki,ij,kj->k", powers, np.einsum("iab,jab->ij", forms, forms), powers)
     # orthonormal columns that hold the leading eigenvectors of models near one with these squared coefficients
@@ -134,12 +118,7 @@ class ChiSquareSum(NamedTuple):
 
 
 def quantiles(mixture: ChiSquareSum, p: float) -> FloatArray:
-    """The value below which V lies with probability p, shape (k,).
-
-    >>> one = ChiSquareSum(np.array([[0.1]]), np.array([[10.0]]), np.zeros(1), np.zeros(1))
-    >>> quantiles(one, 0.975).round(2).item()  # chi-square with 10 degrees of freedom over 10: 2.0483
-    2.05
-    """
+    """The value below which V lies with probability p, shape (k,)."""
     top = _pole(mixture)
     low, high = np.full(top.shape, -40.0), np.full(top.shape, 40.0)
     for _ in range(BISECTIONS):
@@ -151,10 +130,8 @@ def quantiles(mixture: ChiSquareSum, p: float) -> FloatArray:
 
 
 def table(mixture: ChiSquareSum, deviates: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Values of V near normal deviates, which rise, and their exact deviates, shape (deviates, k) each.
-
-    The saddlepoint is taken where its root r is the deviate, by Newton's steps from one to the next.
-    """
+    """Values of V near normal deviates, which rise, and their exact deviates, shape (deviates, k) each."""
+    # The saddlepoint is taken where its root r is the deviate, by Newton's steps from one to the next.
     from scipy.special import ndtri
 
     top, points = _pole(mixture), []

@@ -1,11 +1,4 @@
-"""The confidence intervals of a curve: degrees of freedom and limits, computed on first use.
-
-V / E[V] is a sum of chi-squares with the eigenvalues of the quadratic form for weights. With many degrees of freedom a
-single chi-square of as many is as good; with few, one or two large eigenvalues dominate a nearly constant floor, and
-the upper limit of a chi-square is up to several times too wide. There the quantiles follow from the three largest
-eigenvalues, one gamma for the rest, one for white angle noise, and the contribution of a ramp, by the saddlepoint
-method.
-"""
+"""The confidence intervals of a curve: degrees of freedom and limits, computed on first use (docs/derivations.md)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -45,12 +38,10 @@ MIN_SHARE = 1e-9  # share of a term below which it has none
 
 @dataclass(frozen=True, eq=False)
 class ModelLaw(Portable):
-    """The law under a model at every point, or one for all; a sinusoid of a model adds nothing to the scatter.
+    """The law under a model at every point, or one for all; a sinusoid of a model adds nothing to the scatter."""
 
-    It does not scatter by itself, and what it adds beside noise is less than the share that it takes: limits of the
-    noise alone are wide enough.
-    """
-
+    # It does not scatter by itself, and what it adds beside noise is less than the share that it takes: limits of the
+    # noise alone are wide enough.
     points: CurvePoints
     models: tuple[Model, ...]
 
@@ -81,13 +72,11 @@ def stacked(made: Sequence[tuple[float, ChiSquareSum]]) -> tuple[FloatArray, Chi
 
 @dataclass(frozen=True)
 class Local:
-    """What the law of a point takes from the terms of a model, whatever their sizes.
+    """What the law of a point takes from the terms of a model, whatever their sizes."""
 
-    `E` are their expectations, shape (t,), `r` their relative covariances, shape (t, t), `kept` what the scatter of a
-    hybrid's own bias ratio leaves of the degrees of freedom, shape (t,); `means` is given if incomplete
-    windows count.
-    """
-
+    # `E` are their expectations, shape (t,), `r` their relative covariances, shape (t, t), `kept` what the scatter of a
+    # hybrid's own bias ratio leaves of the degrees of freedom, shape (t,); `means` is given if incomplete windows
+    # count.
     row: Statistic
     model: Model
     m: int
@@ -205,11 +194,9 @@ def automatic_law(points: CurvePoints, angle: AngleRecord, signal: Signal) -> Mo
 
 @dataclass(frozen=True, eq=False)
 class PublishedLaw(Portable):
-    """A chi-square with the published degrees of freedom, at least 1, of the power law `alpha` at each point.
+    """A chi-square with the published degrees of freedom, at least 1, of the power law `alpha` at each point."""
 
-    UsageError where none are published.
-    """
-
+    # UsageError where none are published.
     points: CurvePoints
     alpha: IntArray
 

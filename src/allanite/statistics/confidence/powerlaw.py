@@ -1,10 +1,4 @@
-"""Which power law the noise follows at each averaging time.
-
-The power spectral density of the rate is assumed to be proportional to f^alpha around f = 1/tau. With at least 30
-points of the angle, taken every tau, alpha is determined from their lag-1 autocorrelation; with fewer, from the ratio
-of two variances of the mean rates. The two kinds of angle noise, which both tests cannot distinguish, are separated by
-the modified Allan variance.
-"""
+"""Which power law the noise follows at each averaging time (docs/derivations.md)."""
 
 import math
 from bisect import bisect_right
@@ -53,28 +47,21 @@ LAWS = (2, 0, -1, -2, -3, -4)
 
 
 def symbol_of(alpha: int) -> str:
-    """The term of `TERMS` with the exponent alpha, or the nearest safe one.
-
-    Flicker and random walk of the ramp have no term: the one with the fewest degrees of freedom (K) is used, so that
-    no interval is too narrow.
-
-    >>> [symbol_of(alpha) for alpha in (2, 1, 0, -1, -2, -3, -4)]
-    ['Q', 'F', 'N', 'B', 'K', 'K', 'K']
-    """
+    """The term of `TERMS` with the exponent alpha, or the nearest safe one."""
+    # Flicker and random walk of the ramp have no term: the one with the fewest degrees of freedom (K) is used, so that
+    # no interval is too narrow.
     term = next((symbol for symbol, row in TERMS.items() if row.alpha == alpha), None)
     return term or symbol_of(alpha - 1 if alpha > 0 else alpha + 1)
 
 
 class PowerLaw(NamedTuple):
-    """The power law of the noise at an averaging time.
+    """The power law of the noise at an averaging time."""
 
-    `alpha` is the exponent of the spectrum of the rate: 2 and 1 white and flicker angle noise, 0, -1, -2 white,
-    flicker and random walk rate noise, -3, -4 flicker and random walk of the ramp. `symbol` is its term, or the
-    nearest safe one (`symbol_of`). `method` is "lag1" (autocorrelation), "b1" (ratio of variances) or "rn" (modified
-    over plain Allan variance). `m` is the averaging factor at which it was found; smaller than the one requested where
-    that leaves too few points.
-    """
-
+    # `alpha` is the exponent of the spectrum of the rate: 2 and 1 white and flicker angle noise, 0, -1, -2 white,
+    # flicker and random walk rate noise, -3, -4 flicker and random walk of the ramp. `symbol` is its term, or the
+    # nearest safe one (`symbol_of`). `method` is "lag1" (autocorrelation), "b1" (ratio of variances) or "rn" (modified
+    # over plain Allan variance). `m` is the averaging factor at which it was found; smaller than the one requested
+    # where that leaves too few points.
     alpha: int
     symbol: str
     method: str
@@ -82,31 +69,19 @@ class PowerLaw(NamedTuple):
 
 
 def identify_power_law(angle: AngleRecord, row: Statistic, times: FloatArray) -> tuple[PowerLaw, ...]:
-    """The power law of a record's noise at averaging times, in sample intervals (`grids.times`), which are rounded.
-
-    The angle is `integrated` for this row or one of the same order, which says how steep a law the row converges for:
-    alpha >= -2, or -4 for third differences.
-
-    Lag 1: the angle less a parabola, at every m-th point, is differenced d = 0, 1, .. times until ``delta = r1 / (1 +
-    r1) < 1/4``, or d = 2 (third differences: 3), with r1 its lag-1 autocorrelation. Then ``alpha = 2 - round(2 delta) -
-    2d`` for d < 2, and by `EDGES` beyond. Pieces between gaps share one parabola except for its constant, and their
-    products are pooled.
-
-    B1: the variance of the m-sample means of the rate over their Allan variance, and for third differences that about a
-    line over their Hadamard variance, is compared with its exact expectation for each law. A ramp is not removed in the
-    former.
-
-    Each tau costs n/m; where m > 3 and alpha > 0 also two passes over n.
-
-    W. J. Riley & C. A. Greenhall, Power law noise identification using the lag 1 autocorrelation, EFTF 2004;
-    NIST SP 1065 section 5.5; J. A. Barnes, NBS Technical Note 375, 1969 (B1).
-
-    >>> from allanite import Record
-    >>> from allanite.statistics import integrated
-    >>> record = Record(np.random.default_rng(1).standard_normal(5000), rate=1.0, unit="rad/s", kind="rate")
-    >>> [law.alpha for law in identify_power_law(integrated(record, 2), OADEV, np.array([1.0, 10.0, 100.0]))]
-    [0, 0, 0]
-    """
+    """The power law of a record's noise at averaging times, in sample intervals (`grids.times`), which are rounded."""
+    # The angle is `integrated` for this row or one of the same order, which says how steep a law the row converges for:
+    # alpha >= -2, or -4 for third differences.
+    # Lag 1: the angle less a parabola, at every m-th point, is differenced d = 0, 1, .. times until ``delta = r1 / (1 +
+    # r1) < 1/4``, or d = 2 (third differences: 3), with r1 its lag-1 autocorrelation. Then ``alpha = 2 - round(2 delta)
+    # - 2d`` for d < 2, and by `EDGES` beyond. Pieces between gaps share one parabola except for its constant, and their
+    # products are pooled.
+    # B1: the variance of the m-sample means of the rate over their Allan variance, and for third differences that about
+    # a line over their Hadamard variance, is compared with its exact expectation for each law. A ramp is not removed in
+    # the former.
+    # Each tau costs n/m; where m > 3 and alpha > 0 also two passes over n.
+    # W. J. Riley & C. A. Greenhall, Power law noise identification using the lag 1 autocorrelation, EFTF 2004; NIST SP
+    # 1065 section 5.5; J. A. Barnes, NBS Technical Note 375, 1969 (B1).
     # the largest averaging factor that leaves enough means of the rate, at least 1
     sizes = np.array([piece.x.size - 1 for piece in angle.pieces])
     candidates = range(1, int(sizes.sum()) // MIN_MEANS + 1)
@@ -214,11 +189,9 @@ def _by_ratio(angle: AngleRecord, m: int, order: int) -> int:
 
 
 def ratio_forms(starts: list[FloatArray], order: int) -> tuple[FloatArray, FloatArray]:
-    """Two quadratic forms of the means of the rate, whose ratio is B1 for order 2.
-
-    They are the variance about a constant and the Allan variance; for order 3 that about a line and the Hadamard
-    variance. The means of each piece begin at `starts`, in units of their length.
-    """
+    """Two quadratic forms of the means of the rate, whose ratio is B1 for order 2."""
+    # They are the variance about a constant and the Allan variance; for order 3 that about a line and the Hadamard
+    # variance. The means of each piece begin at `starts`, in units of their length.
     start = np.concatenate(starts)
     trend, _ = np.linalg.qr(np.vander(start - start.mean(), order - 1))
     spread = (np.eye(start.size) - trend @ trend.T) / max(start.size - order + 1, 1)

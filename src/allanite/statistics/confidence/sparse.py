@@ -1,9 +1,6 @@
-"""What is smooth in the averaging time, computed at some points of a long curve and interpolated between them.
+"""What is smooth in the averaging time, computed at some points of a long curve and interpolated between them."""
 
-Windows at every sample of one run without gaps make it smooth enough for a cubic spline over ln m - ln(M + 1 - m), with
-M the largest averaging factor. The first few m are integers that differ, then a few points a decade do, and above M/6
-limits change with the few windows that are left.
-"""
+# Derivation: docs/derivations.md.
 
 from collections.abc import Callable
 from functools import partial

@@ -1,13 +1,6 @@
-"""The noise that intervals assume, given or identified on first use, and the law of a curve averaged over models.
+"""The noise that intervals assume, given or identified on first use, and the law of a curve averaged over models."""
 
-Given a model, the truth T behind a variance V lies at T / V = F / X, with X of the model's law of V / E[V], and F the
-bias that it removes over the bias that was removed. With the models' weights, flattened, for probabilities X has the
-weighted mean of the laws, whose limits hold whichever of the models it is, and F a distribution of its own.
-
-F and 1 / X do not scatter apart: slow noise that is large in a record by chance makes V large, and the models that are
-likely as well, whose bias is larger. From their medians on the logarithms of their quantiles are added as deviations
-that correlate by `TOGETHER`.
-"""
+# Derivation: docs/derivations.md.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -107,29 +100,21 @@ def _between(logs: FloatArray, deviates: FloatArray, x: FloatArray) -> FloatArra
 
 
 class SupposedNoise(NamedTuple):
-    """Models with their weights, or "auto" for the power law at each averaging time.
+    """Models with their weights, or "auto" for the power law at each averaging time."""
 
-    `words` describes the intervals in a short phrase.
-    """
-
+    # `words` describes the intervals in a short phrase.
     noise: Averaged | Literal["auto"]
     words: str
 
 
-Limits = tuple[FloatArray, FloatArray, FloatArray]
-"""Degrees of freedom, lower and upper limits over the variance."""
+Limits = tuple[FloatArray, FloatArray, FloatArray]  # degrees of freedom, lower and upper limits over the variance
 
 Supposing = ModelLike | Literal["auto"] | Callable[[], SupposedNoise]
 """Noise that intervals assume; a function is called when they are first needed."""
 
 
 def supposed(noise: ModelLike | Literal["auto"]) -> SupposedNoise:
-    """A choice of the noise, with its description.
-
-    >>> from allanite import N
-    >>> supposed(N(0.1, "deg/sqrt(h)")).words
-    'intervals under the given model N = 0.1 deg/sqrt(h)'
-    """
+    """A choice of the noise, with its description."""
     choice = noise_choice(noise)
     if not isinstance(choice, Averaged):
         return SupposedNoise("auto", say("intervals for the power law identified at each averaging time"))
@@ -185,11 +170,9 @@ class Assumption:
 
 @dataclass(frozen=True, eq=False)
 class LaterLaw:
-    """The law `under` a noise that is identified on first use; pickled as the result.
+    """The law `under` a noise that is identified on first use; pickled as the result."""
 
-    Limits are computed once for each level, also for curves that share them: the same curve in other units.
-    """
-
+    # Limits are computed once for each level, also for curves that share them: the same curve in other units.
     suppose: Callable[[], SupposedNoise]
     under: Callable[[Averaged | Literal["auto"]], Law]
     known: dict[float, Limits] = field(default_factory=dict, init=False, repr=False)

@@ -1,13 +1,4 @@
-"""Differences of the angle at very many averaging factors, in O(N log^2 N) for all of them.
-
-The square of a difference of order p with the coefficients c summed over all windows is
-
-    sum_j (sum_a c_a x_(j+am))^2 = sum over a of c_a^2 (R(0) - E) + 2 sum over a < b of c_a c_b (R((b-a) m) - E)
-
-by `frames`, and the edges of a pair are triangles, ``sum over i < a m of e_i e_(i+dm)``, found for all m at once. The
-averaging factors are processed in groups of a few octaves, and what is cut into frames for a group are a few of its
-windows: little cancels. The modified Allan variance is the third difference of the angle's running sum.
-"""
+"""Differences of the angle at very many averaging factors, in O(N log^2 N) for all of them (docs/derivations.md)."""
 
 from itertools import combinations
 
@@ -29,10 +20,8 @@ MIN_FACTORS = 200  # averaging factors of a group that take as long directly
 
 
 def dense(x: FloatArray, m: IntArray, order: int, *, summed: bool = False) -> FloatArray:
-    """Sums of squared differences at ascending averaging factors, however many, shape of m.
-
-    The differences are of `order` 2 or 3; of the running sum of x, which has one point more, if `summed`.
-    """
+    """Sums of squared differences at ascending averaging factors, however many, shape of m."""
+    # The differences are of `order` 2 or 3; of the running sum of x, which has one point more, if `summed`.
     if m.size <= MIN_FACTORS:
         return _direct(x, m, order, summed)
     points = x.size + summed

@@ -1,20 +1,4 @@
-"""Sums over all windows of a record, from its autocorrelation, in frames.
-
-A quadratic form of the window's points, summed over all windows, needs of a record only the products that lie l points
-apart. With ``R(l) = sum of z_i z_(i+l)`` over the whole record, and ``w(l)`` the form's weights added up along its l-th
-diagonals,
-
-    sum over windows = sum_l w(l) R(l) - E(first points) - E(last points, backward)
-
-where E is the same form summed over those windows only that hang over the edge, what is beyond it being zero:
-E(e) = sum of w(c, c + l) G(c, l), G(c, l) = sum over i < c of e_i e_(i+l). E is linear in the products of e.
-
-A form that does not see a polynomial may take any from z. The record is cut into frames of a few windows, each less
-its own polynomial, so that what cancels in the end is never larger than a frame. The frames' R add up. Where frame k
-ends and the next one begins, both are cut at the same point, one's far edge is the other's near edge except for a
-polynomial g, and E(z + g) - E(z) remains; with g = sum_j g_j p_j it is 2 E(Y_j, p_j) with Y_j the sum over all seams of
-g_j (z + g / 2): so a few more edges, (Y + p) and (Y - p), represent all of them.
-"""
+"""Sums over all windows of a record, from its autocorrelation, in frames (docs/derivations.md)."""
 
 from typing import NamedTuple
 
@@ -30,11 +14,9 @@ RADIX = 16  # blocks into which a triangle is cut
 
 
 class Edges(NamedTuple):
-    """The first points of a record, its last ones backward, and what represents the seams between frames.
+    """The first points of a record, its last ones backward, and what represents the seams between frames."""
 
-    The sum over windows is that of w(l) R(l) less the sum of sign E(edge).
-    """
-
+    # The sum over windows is that of w(l) R(l) less the sum of sign E(edge).
     edges: list[FloatArray]
     signs: list[float]
 
@@ -42,11 +24,9 @@ class Edges(NamedTuple):
 def framed(
     x: FloatArray, reach: int, degree: int, *, summed: bool = False, whole: bool = False
 ) -> tuple[FloatArray, Edges]:
-    """The products R(l) of a record at lags l = 0 .. `reach`, and its edges; in one frame if `whole`.
-
-    The record is the angle x or, with `summed`, its running sum, of one point more. The longest window covers reach + 1
-    points; the form does not see polynomials of `degree` 1 or 2.
-    """
+    """The products R(l) of a record at lags l = 0 .. `reach`, and its edges; in one frame if `whole`."""
+    # The record is the angle x or, with `summed`, its running sum, of one point more. The longest window covers reach +
+    # 1 points; the form does not see polynomials of `degree` 1 or 2.
     from scipy.fft import next_fast_len
 
     from allanite.kernels.theo import cut

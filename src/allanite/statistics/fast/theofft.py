@@ -1,17 +1,6 @@
-"""Theo1 from the autocorrelation of a record, in O(N log N) for a group of m and O(m log^2 m) for each of them.
+"""Theo1 from the autocorrelation of a record, in O(N log N) for a group of m and O(m log^2 m) for each of them."""
 
-With k = m/2 and w_v = 1/v the square of the definition holds the points 0, v, m - v and m of a window:
-
-    sum_v w_v (x_i - x_{i+v} + x_{i+m} - x_{i+m-v})^2
-
-Summed over all windows by `frames` it is, H being the sum of w_v,
-
-    H (4 R(0) + 2 R(m)) - 4 sum_v w_v (R(v) + R(m-v)) + 2 sum_v w_v R(m-2v) - E
-
-and E holds sums over i < c of e_i e_(i+l). Those with c = m - v, l = v and with c = v, l = m - v are the
-autocorrelation of the edge's first m points; those with c = v, l = m - 2v pair points symmetrically about a centre:
-triangles again. For very many m both are brought from each m to the next (`kernels.theo.every_theo1`), in O(m).
-"""
+# Derivation: docs/derivations.md.
 
 from functools import cache
 

@@ -1,14 +1,6 @@
-"""Mean squares over windows in compact form: what a statistic's window makes of any structure function D(t).
+"""Mean squares over windows in compact form: what a statistic's window makes of any structure function D(t)."""
 
-With A = sum_r w_r f_r f_r' the quadratic form of one window, and two windows l samples apart,
-
-    E    = sum_r w_r C_rr(0)                                C_rs(l) = -1/2 sum_jk f_r[j] f_s[k] D(l + k - j)
-    T_ij = L^-2 sum_|l|<L (L - |l|) sum_rs w_r w_s C^i_rs(l) C^j_rs(l)          Var = 2 sum_ij T_ij for L windows
-
-E is linear and the inner sum of T bilinear in the values of D at l + h, |h| < points: one vector and one matrix, both
-sums over A along its diagonals. The matrix is kept as factor' factor, so that polynomials which the window removes are
-removed before anything is squared.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Callable, Sequence
@@ -36,13 +28,11 @@ Structure = Callable[[FloatArray], FloatArray]
 
 @dataclass(frozen=True, eq=False)
 class Compact:
-    """The window of one averaging factor.
+    """The window of one averaging factor."""
 
-    ``E = mean @ D(h)``, h = 1 - points, ..., points - 1. ``sum_rs w_r w_s C^i_rs(l) C^j_rs(l)`` is the inner product of
-    ``factor @ D_i(l + h)`` and the like of D_j; `factor` has the shape (k, 2 points - 1). ``moment = sum_r w_r mu_r^2``
-    with ``mu_r = sum_j f_r[j] j^q / q!``: far apart C_rs is mu_r mu_s times a derivative of D.
-    """
-
+    # ``E = mean @ D(h)``, h = 1 - points, ..., points - 1. ``sum_rs w_r w_s C^i_rs(l) C^j_rs(l)`` is the inner product
+    # of ``factor @ D_i(l + h)`` and the like of D_j; `factor` has the shape (k, 2 points - 1). ``moment = sum_r w_r
+    # mu_r^2`` with ``mu_r = sum_j f_r[j] j^q / q!``: far apart C_rs is mu_r mu_s times a derivative of D.
     mean: FloatArray
     factor: FloatArray
     moment: float
@@ -108,11 +98,9 @@ def kinked_nodes(kinks: FloatArray, end: float) -> tuple[FloatArray, FloatArray]
 
 @lru_cache(maxsize=16)
 def lattice(points: int, step: float, count: int) -> tuple[FloatArray, FloatArray]:
-    """Lags and weights of ``L^-2 sum_|l|<L (L - |l|) f(step l)`` for even f.
-
-    f has kinks at the integers up to `points` and is smooth between: there the rule is that of two nodes for sums over
-    integers, of any real number of them.
-    """
+    """Lags and weights of ``L^-2 sum_|l|<L (L - |l|) f(step l)`` for even f."""
+    # f has kinks at the integers up to `points` and is smooth between: there the rule is that of two nodes for sums
+    # over integers, of any real number of them.
     if count <= 3 * points:
         lag, weight = np.arange(float(count)), np.ones(count)
     else:
@@ -165,11 +153,7 @@ def slower(term: NoiseTerm, step: float, D: Callable[[NoiseTerm, float], Structu
 
 
 def extrapolation(levels: Sequence[int], m: int, power: int) -> FloatArray:
-    """Weights of the values at `levels` in that at m of the polynomial in m^-power through them.
-
-    >>> extrapolation([10, 20], 10**9, 2).round(6).tolist()
-    [-0.333333, 1.333333]
-    """
+    """Weights of the values at `levels` in that at m of the polynomial in m^-power through them."""
     x, at = np.array(levels, dtype=np.float64) ** -power, float(m) ** -power
     others = ~np.eye(x.size, dtype=bool)
     return np.array([np.prod((at - x[o]) / (x[i] - x[o])) for i, o in enumerate(others)])

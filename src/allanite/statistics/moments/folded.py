@@ -1,9 +1,6 @@
-"""Moments of the total deviation: a record folded back at its ends, whose differences are not stationary there.
+"""Moments of the total deviation: a record folded back at its ends, whose differences are not stationary there."""
 
-A row z_i = x*_(i-m) - 2 x*_i + x*_(i+m), i = 1 .. n-1, has x*_(-j) = 2 x_0 - x_j, and the like at the other end. Its
-variance is a smooth function of i between a few kinks. For the pairs of rows a long record is replaced by coarser ones
-that last as long, extrapolated in 1/m, and what lies in the middle of a record of many m adds in proportion.
-"""
+# Derivation: docs/derivations.md.
 
 from collections.abc import Sequence
 
@@ -56,10 +53,8 @@ def relative(terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
 
 
 def white_ratio(m: int, size: int) -> float:
-    """Ratio of white angle noise with itself: whole numbers, polynomials between m = n/2 and 2n/3.
-
-    Found by summing over all pairs for n < 90; two or three m at the corners differ by terms of the order of n.
-    """
+    """Ratio of white angle noise with itself: whole numbers, polynomials between m = n/2 and 2n/3."""
+    # Found by summing over all pairs for n < 90; two or three m at the corners differ by terms of the order of n.
     fold = max(2 * m - size, 0)
     pairs = 70 * size + 32 * m**2 + 112 * m - 122 - 128 * (m % 2)
     pairs += 32 * fold * (fold - 1) + 128 * max(3 * m - 2 * size, 0)

@@ -1,14 +1,4 @@
-r"""Covariance of a model's rates, its inverse, and generalized least squares.
-
-The mean rates y of successive sample intervals have the covariance, by the lag h,
-
-    c(h) = (D(h+1) - 2 D(h) + D(h-1)) / 2        in units of the sample interval,
-
-for flicker and random walks in the generalized sense: v'Cv is the variance of v'y for every contrast v (sum v = 0). So
-everything here is asked of contrasts; a constant rate is always unknown. C is Toeplitz, its product with a vector two
-Fourier transforms. The cosine transform (DCT-II) nearly diagonalizes it, and its zeroth coefficient is the
-constant: it whitens, and is the preconditioner of the conjugate gradients.
-"""
+"""Covariance of a model's rates, its inverse, and generalized least squares (docs/derivations.md)."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -1,16 +1,6 @@
-"""Moments of statistics whose windows are differences, exact except for the quadrature of the lag sums.
+"""Moments of statistics whose windows are differences, exact except for the quadrature of the lag sums."""
 
-The covariance of two windows is smooth in the lag between them except where an end of one meets an end of the other.
-Between such kinks the sum over every lag is replaced by panels of four nodes, exact for polynomials of degree 7 summed
-over the integers (Gram polynomials), whose size grows with the distance from the kinks.
-
-With q the order of the difference and F the structure function D, or for running sums minus its second sum E,
-
-    C(h) = -1/2 (-1)^q delta_m1^q delta_m2^q F(h)        covariance of two windows whose centres are h apart
-    T    = sum_h n(h) C_i(h) C_j(h) / (M1 M2)            n(h) pairs of windows at lag h, M windows each
-
-delta_m is the central difference over m. C is smooth in h but where an end of one window meets one of the other.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Callable, Sequence
@@ -29,14 +19,8 @@ FAR_LAG = 30
 
 
 def lag_nodes(kinks: list[float], end: float) -> tuple[FloatArray, FloatArray]:
-    """Nodes and weights whose weighted sum is that over the lattice from the first kink to `end`, end included.
-
-    Kinks are lattice points (all integers, or all half-integers) at or below `end`, ascending.
-
-    >>> nodes, weights = lag_nodes([0.0, 10.0], 1000.0)
-    >>> len(nodes) < 60, round(float((weights * nodes**3).sum()))
-    (True, 250500250000)
-    """
+    """Nodes and weights whose weighted sum is that over the lattice from the first kink to `end`, end included."""
+    # Kinks are lattice points (all integers, or all half-integers) at or below `end`, ascending.
     nodes: list[float] = []
     weights: list[float] = []
     for kink, following in zip(kinks, [*kinks[1:], None], strict=True):
@@ -65,12 +49,7 @@ def lag_nodes(kinks: list[float], end: float) -> tuple[FloatArray, FloatArray]:
 
 
 def sum_nodes(first: float, count: int) -> tuple[list[float], list[float]]:
-    """Nodes and weights of the sum over first, first + 1, ..., first + count - 1.
-
-    >>> nodes, weights = sum_nodes(1.0, 100)
-    >>> len(nodes), round(sum(w * x**3 for x, w in zip(nodes, weights)))
-    (4, 25502500)
-    """
+    """Nodes and weights of the sum over first, first + 1, ..., first + count - 1."""
     if count <= 4:
         return [first + i for i in range(count)], [1.0] * count
     n2 = float(count) ** 2
@@ -101,10 +80,8 @@ def far_difference(row: NoiseTerm, h: FloatArray) -> FloatArray:
 
 
 def line_of(row: NoiseTerm) -> tuple[float, float, float] | None:
-    """What lags 0 and 1 have beyond the straight line that the covariance of rates is from lag 2 on, and its slope.
-
-    None for other than power laws of an even exponent.
-    """
+    """What lags 0 and 1 have beyond the straight line that the covariance of rates is from lag 2 on, and its slope."""
+    # None for other than power laws of an even exponent.
     if row.alpha is None or row.alpha % 2:
         return None
     c = second_difference(row, 4) / 2
@@ -156,11 +133,9 @@ def responses(row: Statistic, terms: Sequence[NoiseTerm], m: IntArray | FloatArr
 def products(
     row: Statistic, terms: Sequence[NoiseTerm], m: tuple[int, int], runs: Sequence[tuple[int, int]]
 ) -> FloatArray:
-    """T, shape (t, t), over runs of (samples, how many such runs), for m[0] <= m[1]; unit sample interval and norm 1.
-
-    Windows of different runs are independent except for a trace of flicker. The square of the mean that deterministic
-    terms give the windows is no variance: their own entries are 0.
-    """
+    """T, shape (t, t), over runs of (samples, how many such runs), m[0] <= m[1]; unit sample interval and norm 1."""
+    # Windows of different runs are independent except for a trace of flicker. The square of the mean that deterministic
+    # terms give the windows is no variance: their own entries are 0.
     total = np.zeros((len(terms), len(terms)))
     whole = np.zeros(2)
     period = min((term.period for term in terms if term.period), default=0.0)

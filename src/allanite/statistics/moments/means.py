@@ -1,17 +1,6 @@
-r"""Differences of means of the remaining samples: curves of records with gaps, using incomplete windows.
+"""Differences of means of the remaining samples: curves of records with gaps, using incomplete windows."""
 
-A window of m at sample i has 2 (Allan) or 3 (Hadamard) parts of m samples with c_p samples each, at least one. With
-b = (-1, 1) or (1, -2, 1) and the means y_p of the samples
-
-    delta_i = sum_p b_p y_p,    1/h_i = sum_p b_p^2 / c_p,    V = sum_i h_i^2 delta_i^2 / (m sum_i h_i)
-
-Under white rate noise delta_i has the variance N^2 / h_i, so that V is N^2 / m whatever is missing; without gaps
-it is the plain statistic: pairs of means weighted by their counts, the weighted least-squares estimate of N^2. For
-other ways to treat missing samples see P. Sesia and P. Tavella, Metrologia 45 (2008) S134.
-
-Expectation and covariance of the delta_i follow from the positions of the samples: exactly for angle noise and white
-rate noise; for slow noise each part is divided into four quarters, each weighted by its number of samples.
-"""
+# Derivation: docs/derivations.md.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,8 +12,7 @@ from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.statistics.row import Statistic, binomials
 from allanite.terms import WHITE, NoiseTerm
 
-Places = Sequence[tuple[int, int]]
-"""(first sample, samples) of each stretch without gaps of a record."""
+Places = Sequence[tuple[int, int]]  # (first sample, samples) of each stretch without gaps of a record
 
 COMPLETE = 0.9  # share of the windows that must be complete for the others to be omitted
 QUARTERS = 4  # parts of a mean that are distinguished for slow noise, and windows that start within m
@@ -81,11 +69,9 @@ class There:
 
 @dataclass(frozen=True, eq=False)
 class JoinedWindows:
-    """Windows of a row at m that have a reading in each part.
+    """Windows of a row at m that have a reading in each part."""
 
-    `start` are their first samples, shape (w,), `count` the readings of their parts, shape (w, parts).
-    """
-
+    # `start` are their first samples, shape (w,), `count` the readings of their parts, shape (w, parts).
     row: Statistic
     m: int
     readings: There

@@ -1,12 +1,4 @@
-"""Expectation, covariance and degrees of freedom of every statistic under any model.
-
-All of it is linear or bilinear in the terms' structure functions D(t). With E_i the expected variance of term i for a
-coefficient of 1, T_ij the covariance of the window squares, p_i the share of term i in the whole expectation,
-
-    1 / EDF = sum_ij p_i p_j r_ij,    r_ij = T_ij / (E_i E_j)
-
-where r_ij depends on the statistic, m and the number of windows only; between deterministic terms (a ramp) it is 0.
-"""
+"""Expectation, covariance and degrees of freedom of every statistic under any model (docs/derivations.md)."""
 
 import math
 from collections import Counter
@@ -17,16 +9,17 @@ import numpy as np
 
 from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray, IntArray
-from allanite.core.errors import UsageError
+from allanite.core.errors import UsageError, given
 from allanite.core.model import Model, ModelLike, model_of
-from allanite.statistics.grids import checked
+from allanite.phrases.phrase import spelled
+from allanite.statistics.grids import checked, factors_of
 from allanite.statistics.row import Statistic
-from allanite.statistics.table import STATISTICS
+from allanite.statistics.table import STATISTICS, statistic_named
 from allanite.terms import NoiseTerm
 
 from . import lagsums, windowed
-from .pairs import Pairs
 from .profile import crossed
+from .windowed import Pairs
 
 RATIOS = 12  # number of ratios that are evaluated; the bias ratio is the mean of up to thousands, which vary smoothly
 
@@ -78,8 +71,7 @@ def covariance(
     return np.asarray(slopes @ C @ slopes.T)
 
 
-Runs = Sequence[tuple[int, int]]
-"""(samples, how many such runs): the stretches without gaps of a record."""
+Runs = Sequence[tuple[int, int]]  # (samples, how many such runs): the stretches without gaps of a record
 
 DISTINCT = 40  # different lengths of runs that are processed one by one
 
@@ -95,10 +87,8 @@ def variances(row: Statistic, model: Model, m: FloatArray | IntArray, size: int 
 
 
 def by_term(row: Statistic, model: Model, m: int, size: int | None, rate: float) -> FloatArray:
-    """Expected variance of each term of a model, SI, shape (t,).
-
-    UsageError where the statistic has no expectation under one of the terms, or none without the record's length.
-    """
+    """Expected variance of each term of a model, SI, shape (t,)."""
+    # UsageError where the statistic has no expectation under one of the terms, or none without the record's length.
     E = _responses(row, [t.sampled(rate) for t in model], m, size) * np.array([t.power(rate) for t in model])
     return np.asarray(E * (m * row.tau_factor / rate) ** (2.0 * row.power))
 
@@ -139,11 +129,9 @@ def _of_waveform(row: Statistic, term: NoiseTerm, m: int, size: int | None) -> f
 
 
 def _of_sinusoid(row: Statistic, term: NoiseTerm, m: int, size: int) -> float:
-    """Mean over all phases of a row's variance under a sinusoid of amplitude 1, for a unit sample interval.
-
-    A quadratic form of ``cos(wt + phase)`` has as its mean over the phase half the sum of its values at cosine and
-    sine; one window is enough, but where the windows depend on the record.
-    """
+    """Mean over all phases of a row's variance under a sinusoid of amplitude 1, for a unit sample interval."""
+    # A quadratic form of ``cos(wt + phase)`` has as its mean over the phase half the sum of its values at cosine and
+    # sine; one window is enough, but where the windows depend on the record.
     n = row.span[0] * m + row.span[1] if row.span[0] else size
     w = 2 * math.pi * term.shape[0]
     angle = w * np.arange(n + 1.0)
@@ -213,10 +201,8 @@ def relative(row: Statistic, terms: Sequence[NoiseTerm], m: int, runs: Runs) -> 
 
 
 def grouped(runs: Runs, row: Statistic, m: int) -> list[tuple[int, int]]:
-    """The runs that hold a window of m, by their number of windows, each as the shortest run with as many.
-
-    With very many different numbers, neighbours within a few per cent share the one nearest to their mean.
-    """
+    """The runs that hold a window of m, by their number of windows, each as the shortest run with as many."""
+    # With very many different numbers, neighbours within a few per cent share the one nearest to their mean.
     lengths = Counter[int]()
     for size, times in runs:
         lengths[size] += times
@@ -237,10 +223,8 @@ def grouped(runs: Runs, row: Statistic, m: int) -> list[tuple[int, int]]:
 
 
 def covariance_by_term(rows: Sequence[Statistic], model: Model, m: IntArray, size: int, rate: float) -> FloatArray:
-    """What each pair of terms of a model without sinusoids adds to the covariance of points, shape (k, k, t, t).
-
-    Each point is that of a row, of which none is a hybrid, at an averaging factor; the record has no gaps.
-    """
+    """What each pair of terms of a model without sinusoids adds to the covariance of points, shape (k, k, t, t)."""
+    # Each point is that of a row, of which none is a hybrid, at an averaging factor; the record has no gaps.
     for row in rows:
         if row.window is None or not row.overlapped or row.parts:
             raise UsageError(f"the covariance between averaging times of {row.name} is not known")
@@ -270,3 +254,94 @@ def _products(rows: Sequence[Statistic], terms: Sequence[NoiseTerm], m: IntArray
             T[i, j][np.ix_(random, random)] = pairs.products(pair, factors, size)
         T[j, i] = T[i, j]
     return T
+
+
+TIMES = 1e100  # averaging times, s, below which their cubes are numbers
+
+
+@public
+def expected(
+    model: ModelLike,
+    statistic: str,
+    tau: float | Sequence[float] | FloatArray,
+    *,
+    rate: float | None = None,
+    size: int | None = None,
+    join: float = 0.2,
+    divisor: int = 30,
+) -> FloatArray:
+    """The exact expectation of a statistic's variance under a model.
+
+    Parameters
+    ----------
+    model : Model, Term or Fit
+    statistic : str
+        A name in `STATISTICS`.
+    tau : array_like, shape (k,)
+        Averaging times, s.
+    rate : float, optional
+        Sampling rate, Hz; the differences adev, oadev, hdev, ohdev, haar do not need it.
+    size : int, optional
+        Samples of the record, on which totdev, theobr and theoh depend, and every statistic of a warm-up.
+    join, divisor
+        As for `deviation`.
+
+    Returns
+    -------
+    array, shape (k,)
+        Variance, SI.
+
+    Raises
+    ------
+    UsageError
+        The rate or the length is required, tau matches neither, or the statistic has no expectation.
+
+    Examples
+    --------
+    >>> from allanite import N
+    >>> expected(N(1.0, "rad/sqrt(s)"), "oadev", [1.0, 4.0]).tolist()
+    [1.0, 0.25]
+    """
+    row = statistic_named(statistic).joined(join)
+    model = model_of(model)
+    times = np.atleast_1d(np.asarray(tau, dtype=np.float64))
+    if not ((times > 0) & (times < TIMES)).all():
+        raise UsageError(f"averaging times must be above 0 s and below {TIMES:g} s, not {given(tau)}")
+    if row.differences and not row.summed and not any(t.row.per_sample or t.row.transient for t in model):
+        # no time but tau is in these: let it be the sample interval
+        return variances(row, model, times, None, 1.0)
+    if rate is None:
+        raise UsageError(
+            f"the expectation of {row.name} depends on the sampling rate: pass " + spelled("--rate HZ", "rate=...")
+        )
+    if row.parts and size is None:
+        raise UsageError(
+            f"the expectation of {row.name} depends on the length of the record: pass "
+            + spelled("--duration TIME", "size=...")
+        )
+    m = factors_of(times.tolist(), row, size or 0, rate)
+    return expected_at(row, model, m, size, rate, divisor=divisor)
+
+
+def expected_at(
+    row: Statistic, model: Model, m: IntArray, size: int | None, rate: float, *, divisor: int = 30
+) -> FloatArray:
+    """The expected variance at averaging factors, shape of m."""
+    if not row.parts:
+        return variances(row, model, m, size, rate)
+    which = row.part_of(m, size or 0)
+    plain = np.empty(len(m))
+    for i in np.unique(which):
+        plain[which == i] = variances(row.parts[i], model, m[which == i], size, rate)
+    ratio = expected_ratio(row.parts[-1], model, size or 0, rate, divisor)
+    return np.asarray(np.where(which == len(row.parts) - 1, ratio, 1.0) * plain)
+
+
+def expected_ratio(theo1: Statistic, model: Model, size: int, rate: float, divisor: int) -> float:
+    """Bias ratio of TheoBR, with each of its ratios at its expectation."""
+    last = (size + 1) // divisor - 3
+    i = np.unique(np.rint(np.linspace(0, max(last, 0), 60)).astype(np.int64))  # the ratio is smooth in i
+    allan = variances(STATISTICS[theo1.target], model, 9 + 3 * i, size, rate)
+    theo = variances(theo1, model, 12 + 4 * i, size, rate)
+    everywhere = np.arange(max(last, 0) + 1)
+    return float(np.mean(np.interp(everywhere, i, allan / theo)))

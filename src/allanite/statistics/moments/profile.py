@@ -1,17 +1,6 @@
-"""How two windows are correlated at any distance, and what a ramp and a noise add to it together.
+"""How two windows are correlated at any distance, and what a ramp and a noise add to it together."""
 
-With A, B the quadratic forms of the windows in the rates of the samples, and c_i the covariance of the rates under
-term i, two windows of which the second starts s samples after the first have
-
-    c_ij(s) = sum_hh' M[h, h'] c_i(s + h) c_j(s + h'),        M[h, h'] = sum_kk' A[k, k'] B[k + h, k' + h']
-
-A ramp gives every window the same output, so that its product with that of the noise, summed over the windows, is one
-weighted sum of the record's rates. With g = A x the weights that one window gives its samples, x the ramp, L windows,
-
-    W_j = sum_i g_j-i = H_j - H_j-L,    H the running sum of g,    T = W_a' C W_b
-
-H ends with the window: in the middle of the record W is zero, and the two ends are all that counts.
-"""
+# Derivation: docs/derivations.md.
 
 import math
 from collections.abc import Callable, Sequence
@@ -38,12 +27,10 @@ Windows = Callable[[int], Window]
 
 
 class LagProfile(NamedTuple):
-    """c(x) of two windows whose centres are x >= 0 apart: at and between the kinks, and beyond; shape (t, t, nodes).
+    """c(x) of two windows whose centres are x >= 0 apart: at and between the kinks, and beyond; shape (t, t, nodes)."""
 
-    Over the root of the four expectations `E`, shape (2, t). `sizes` are the samples of the windows; `first` and `last`
-    are kinks, `nodes` the places in the step between two, `power` that of the fall in the end.
-    """
-
+    # Over the root of the four expectations `E`, shape (2, t). `sizes` are the samples of the windows; `first` and
+    # `last` are kinks, `nodes` the places in the step between two, `power` that of the fall in the end.
     E: FloatArray
     sizes: tuple[int, int]
     first: float
@@ -78,10 +65,8 @@ def form_of(window: Windows, m: int) -> WindowForm:
 def profile_of(
     windows: tuple[Windows, Windows], m: tuple[int, int], terms: Sequence[NoiseTerm], *, order: int, between: bool
 ) -> LagProfile:
-    """The profile of windows that are alike from both ends, under noise.
-
-    `order` is that of both differences together; `between` asks for nodes between the samples, not only at these.
-    """
+    """The profile of windows that are alike from both ends, under noise."""
+    # `order` is that of both differences together; `between` asks for nodes between the samples, not only at these.
     first, second = (form_of(window, k) for window, k in zip(windows, m, strict=True))
     sizes = len(first.A), len(second.A)
     last = sum(sizes) / 2
@@ -161,10 +146,8 @@ def _rates(term: NoiseTerm, lag: FloatArray) -> FloatArray:
 
 
 def _lagged(term: NoiseTerm, start: FloatArray, size: int, cells: int) -> FloatArray:
-    """Covariance of rates at `size` lags from each start on, shape (start, size).
-
-    The starts are equally spaced in `cells` rows, but for some at the end.
-    """
+    """Covariance of rates at `size` lags from each start on, shape (start, size)."""
+    # The starts are equally spaced in `cells` rows, but for some at the end.
     nodes = (start.size - NODES_BEYOND) // cells
     h = np.arange(size)
     C = np.empty((start.size, size))
@@ -265,10 +248,8 @@ def ends_of(row: Statistic, m: int, size: int) -> Ends:
 
 
 def crossed(rows: Sequence[Statistic], m: IntArray, size: int, terms: Sequence[NoiseTerm]) -> FloatArray:
-    """W_a' C W_b of points a, b for coefficients of 1 and a unit sample interval, shape (k, k, t).
-
-    The variances are those of the rate; windows that remove a ramp have nothing.
-    """
+    """W_a' C W_b of points a, b for coefficients of 1 and a unit sample interval, shape (k, k, t)."""
+    # The variances are those of the rate; windows that remove a ramp have nothing.
     span = np.array([row.span[0] * k for row, k in zip(rows, m.tolist(), strict=True)])
     free = [i for i in np.argsort(span, kind="stable").tolist() if rows[i].order < 3]
     short = [i for i in free if span[i] <= MAX_SAMPLES]

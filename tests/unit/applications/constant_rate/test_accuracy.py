@@ -23,7 +23,7 @@ from allanite.applications.constant_rate import (
 from allanite.applications.constant_rate.inputs import interval_of
 from allanite.applications.constant_rate.run import in_si, task_of
 from allanite.core.model import term
-from allanite.simulation.ring_laser import GL1
+from allanite.simulation.record import GL1
 
 ARCSEC = math.pi / 180 / 3600
 RUNS, N, RATE, PULSE = 400, 4800, 40.0, 0.33

@@ -20,7 +20,7 @@ from allanite.applications.constant_rate import (
     subtract_bias,
 )
 from allanite.applications.constant_rate.campaign import RateSettings, measure_rates
-from allanite.simulation.ring_laser import GL1, RingLaser
+from allanite.simulation.record import GL1, RingLaser
 
 DEG_H = math.pi / 180 / 3600
 MODEL = al.N(0.01, "deg/sqrt(h)") + al.Q(0.2, "arcsec")
