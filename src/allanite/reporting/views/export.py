@@ -104,7 +104,7 @@ def filter_parts(study: Study) -> Iterator[Part]:
         writes = say("{command} writes the values of the worst axis", command=command)
         key = "" if why else join("; ", (writes, *made.notes[: any(entry.covers for entry in made.entries)]))
         fields = _fields(made, title)
-        kept = [i for i, column in enumerate(fields.columns) if column.heading != "formula"]
+        kept = [i for i, column in enumerate(fields.columns) if not column.aside]
         yield replace(fields.only(kept), key=key, where="page")
         body = re.sub(r"\A(#.*\n)*", "", made.text)
         yield sheet.Fold(say("file for {filter}", filter=FILTER.name), [Code(body.rstrip())], shut=True)
