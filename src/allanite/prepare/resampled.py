@@ -8,6 +8,7 @@ from allanite.core.arrays import FloatArray
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import join, percent, say
 
+from .held import held_of, held_words
 from .view import View
 
 LONGEST = 1 << 18  # number of samples checked, in the middle of the record
@@ -38,27 +39,8 @@ def resampled(view: View) -> Finding | None:
 
 
 def _held(view: View) -> Finding | None:
-    rate = held_rate(view)
-    if rate is None:
-        return None
-    what = say(
-        "every {usual:.4g}th sample repeats the previous one: a sensor with {rate:.5g} Hz sampled at {sampled:.6g} Hz",
-        usual=view.rate / (view.rate - rate), rate=rate, sampled=view.rate,
-    )  # fmt: skip
-    return Finding("resampled", what, CONSEQUENCE, REMEDY)
-
-
-def held_rate(view: View) -> float | None:
-    """Sampling rate, Hz, of a sensor whose samples are repeated periodically; None if they are not."""
-    same = np.flatnonzero(view.steps[1:] == view.steps[:-1])
-    if same.size < max(20, 0.001 * view.steps.size):
-        return None
-    between = np.diff(same)
-    usual = float(between.mean())
-    # random distances spread as widely as their mean; the beat of two clocks gives two successive numbers
-    if usual < 1.9 or float((np.abs(between - usual) > 1.0).mean()) > 0.05:
-        return None
-    return float(view.rate * (1 - same.size / view.steps.size))
+    hold = held_of(view.record)
+    return None if hold is None else Finding("resampled", held_words(view.rate, hold), CONSEQUENCE, REMEDY)
 
 
 def _interpolated(view: View) -> Finding | None:
