@@ -9,9 +9,9 @@ import numpy as np
 from allanite.core.fit import REJECTED, Fit
 from allanite.core.limits import NOT_DECIDED
 from allanite.core.record import Record
-from allanite.core.validity import UNEXPLAINED
-from allanite.phrases.phrase import Phrase, say
-from allanite.prepare.resampled import held_rate
+from allanite.core.validity import UNEXPLAINED, Finding
+from allanite.phrases.phrase import Phrase, join, say
+from allanite.prepare.held import was_held
 from allanite.prepare.view import View
 from allanite.study.results import Channel, Study
 
@@ -39,7 +39,7 @@ def setting_rows(
         if setting.quantity == CUTOFF:
             yield _cutoff(row, channel, setting.value, level, tolerance)
         else:
-            yield _rate(row, channel, setting.value, tolerance)
+            yield _rate(row, channel, setting.value, tolerance, study.findings)
 
 
 def _cutoff(row: CheckedTerm, channel: Channel, claimed: float, level: float, tolerance: float) -> CheckedTerm:
@@ -93,28 +93,26 @@ def _undescribed(fit: Fit) -> str:
     return ""
 
 
-def _rate(row: CheckedTerm, channel: Channel, claimed: float, tolerance: float) -> CheckedTerm:
-    """The samples of a sensor in a second: of the record, less those that are held."""
+def _rate(row: CheckedTerm, channel: Channel, claimed: float, tolerance: float, told: Sequence[Finding]) -> CheckedTerm:
+    """The samples of a sensor in a second: of the record, less those that were held."""
     record, rate = channel.record, channel.record.rate
     resampled = next((f for f in channel.quality.findings if f.name == "resampled"), None)
-    view = View(record) if isinstance(record, Record) else None
-    held = None if view is None or resampled is None else held_rate(view)
-    if resampled is not None and held is None:
+    if resampled is not None:
         return replace(row, outcome=NOT_DECIDED, reason=str(resampled.what))
-    ratio = (held or rate) / claimed
+    ratio = rate / claimed
     error = ratio / record.size
-    known = replace(row, found=held or rate, ratio=ratio, low=ratio - error, high=ratio + error)
+    known = replace(row, found=rate, ratio=ratio, low=ratio - error, high=ratio + error)
     if abs(ratio - 1) <= tolerance:
         return known
-    if held is not None:
-        return replace(known, outcome=DIFFERS, reason=str(resampled.what) if resampled else "")
+    if was_held(record):
+        return replace(known, outcome=DIFFERS, reason=join("; ", (str(f.what) for f in told if f.name == "held")))
     if claimed > rate:
         return replace(
             known, outcome=NOT_DECIDED, ratio=math.nan, low=math.nan, high=math.nan,
             reason=say("the record has {rate:.6g} samples a second: it does not show whether the sensor has more",
                        rate=rate),
         )  # fmt: skip
-    if view is not None and _coarse(view, claimed):
+    if isinstance(record, Record) and _coarse(View(record), claimed):
         return replace(row, outcome=NOT_DECIDED, reason=say("the samples are too coarse to tell repeated ones"))
     return replace(known, outcome=DIFFERS, reason=say("none of the {rate:.6g} samples a second is a repeated one",
                                                       rate=rate))  # fmt: skip

@@ -9,6 +9,7 @@ from allanite.core.record import SHORTEST, Record
 from allanite.core.validity import Finding, Quality
 from allanite.phrases.phrase import between, percent, say, say_count
 
+from .bursts import bursts
 from .gaps import refusal
 from .readings import clipped, outliers, quantized, stuck
 from .resampled import resampled
@@ -34,8 +35,9 @@ def inspect(record: Record) -> Quality:
     motion = moving(view)
     if motion is not None and motion.fatal:
         return Quality((motion,))
-    findings = (motion, *(look(view) for look in CHECKS))
-    return Quality(tuple(f for f in findings if f is not None))
+    findings = [f for f in (motion, *(look(view) for look in CHECKS)) if f is not None]
+    covered = {other for f in findings for other in COVERS.get(f.name, ())}
+    return Quality(tuple(f for f in findings if f.name not in covered))
 
 
 def _fatal(record: Record) -> Finding | None:
@@ -104,5 +106,7 @@ def _short(view: View) -> Finding | None:
 
 
 CHECKS: tuple[Callable[[View], Finding | None], ...] = (
-    _gaps, _short, stuck, clipped, quantized, outliers, resampled, level, lines, slope,
+    _gaps, _short, stuck, clipped, quantized, outliers, bursts, resampled, level, lines, slope,
 )  # fmt: skip
+
+COVERS = {"bursts": ("heavy tails",)}  # findings that say the same as another one with less

@@ -1,13 +1,19 @@
 """Check for resampling: samples repeated periodically, or fast noise whose power is modulated periodically."""
 
 import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from allanite.core.arrays import FloatArray
-from allanite.core.validity import Finding
+from allanite.core.plain import Header
+from allanite.core.record import Record
+from allanite.core.validity import Finding, Quality
 from allanite.phrases.phrase import join, percent, say
 
+from .held import held_of, held_words
 from .view import View
 
 LONGEST = 1 << 18  # number of samples checked, in the middle of the record
@@ -20,6 +26,8 @@ DEPTH = 0.08
 """Relative modulation of the power of the fast noise above which a record is called resampled; interpolation gives
 0.3.
 """
+
+WIDE, NARROW = 20, 0.7  # bins around a line, and the share of their power that it has in the five at its top
 
 CONSEQUENCE = say(
     "successive samples are not independent, and the results at the shortest averaging times reflect the resampling"
@@ -38,27 +46,21 @@ def resampled(view: View) -> Finding | None:
 
 
 def _held(view: View) -> Finding | None:
-    rate = held_rate(view)
-    if rate is None:
-        return None
-    what = say(
-        "every {usual:.4g}th sample repeats the previous one: a sensor with {rate:.5g} Hz sampled at {sampled:.6g} Hz",
-        usual=view.rate / (view.rate - rate), rate=rate, sampled=view.rate,
-    )  # fmt: skip
-    return Finding("resampled", what, CONSEQUENCE, REMEDY)
+    hold = held_of(view.record)
+    return None if hold is None else Finding("resampled", held_words(view.rate, hold), CONSEQUENCE, REMEDY)
 
 
-def held_rate(view: View) -> float | None:
-    """Sampling rate, Hz, of a sensor whose samples are repeated periodically; None if they are not."""
-    same = np.flatnonzero(view.steps[1:] == view.steps[:-1])
-    if same.size < max(20, 0.001 * view.steps.size):
-        return None
-    between = np.diff(same)
-    usual = float(between.mean())
-    # random distances spread as widely as their mean; the beat of two clocks gives two successive numbers
-    if usual < 1.9 or float((np.abs(between - usual) > 1.0).mean()) > 0.05:
-        return None
-    return float(view.rate * (1 - same.size / view.steps.size))
+def interpolated_together(records: Sequence[Record | Header], qualities: Sequence[Quality]) -> list[Quality]:
+    """The findings of channels without an interpolation that other channels of the same sensor do not show."""
+    # a logger interpolates all of them; what modulates the noise of one alone is in the sensor
+    shown = Counter(r.signal.name for r, q in zip(records, qualities, strict=True) if "resampled" in q.names)
+    every = Counter(record.signal.name for record in records)
+    return [
+        replace(q, findings=tuple(f for f in q.findings if f.name != "resampled"))
+        if shown[record.signal.name] < every[record.signal.name]
+        else q
+        for record, q in zip(records, qualities, strict=True)
+    ]
 
 
 def _interpolated(view: View) -> Finding | None:
@@ -78,6 +80,10 @@ def _interpolated(view: View) -> Finding | None:
     # the window spreads a line over bins; a sinusoid of amplitude A has at most A^2 size / 6 in one bin
     depth = math.sqrt(6 * float(spectrum[at]) / power.size) / mean
     if spectrum[at] < 30 * around or depth < DEPTH:
+        return None
+    # interpolation at a constant rate makes a line, which the window spreads over three bins; bursts make a hump
+    near = np.clip(spectrum[max(first, at - WIDE) : at + WIDE + 1] - around, 0, None)
+    if spectrum[at - 2 : at + 3].sum() < NARROW * near.sum():
         return None
     # two sinusoids beat as well, in proportion to their power: its share in narrow lines
     narrow = _lines(bends)

@@ -14,6 +14,7 @@ from allanite.phrases.phrase import between, join, longest_without, percent, say
 from allanite.statistics.differences import OADEV
 from allanite.statistics.estimator import integrated, windows
 
+from .resampled import interpolated_together
 from .view import View, stretches
 from .window import trim
 
@@ -24,6 +25,7 @@ def of_one_body(records: Sequence[Record | Header], qualities: Sequence[Quality]
     # changing noise level is reported for the others, too, but refuses none. The static stretch suggested is common to
     # all of them.
     carried = [i for i, record in enumerate(records) if record.signal.inertial]
+    qualities = interpolated_together(records, qualities)
     told = list(qualities)
     if len(carried) < 2:
         return tuple(told)
@@ -85,6 +87,7 @@ TOO_BUSY = 0.02  # share of moving blocks above which the record cannot support 
 
 AT_REST = say("noise can be determined only from a static recording")
 
+USEFUL = 10.0  # length of a static stretch, s, below which it is not proposed: a moving body stands still that long
 THERE = 0.5  # share of the samples of a static stretch that must be there
 TRIED = 3  # runs between motions that are tried for a static stretch, those with most samples
 LEVEL_PARTS = 8  # number of parts of a record whose noise levels are compared
@@ -136,8 +139,8 @@ def still_words(records: Sequence[Record | Header]) -> str:
     if len(samples) < len(records) or len({(record.size, record.rate) for record in samples}) > 1:
         return ""
     stretch = still_stretch(samples)
-    if stretch is None:
-        return say("no stretch of it is static: record again with the sensor at rest")
+    if stretch is None or stretch[1] - stretch[0] < USEFUL:
+        return say("no stretch of {useful:g} s is static: record again with the sensor at rest", useful=USEFUL)
     start, end = stretch
     return say("the longest static stretch: {selection}", selection=between(start, end))
 

@@ -18,6 +18,7 @@ from allanite.identification.front import Started, finished
 from allanite.parallel.processors import how_many, imported, shared
 from allanite.phrases.phrase import join, percent, say
 from allanite.prepare.drift import follows
+from allanite.prepare.held import as_sensed
 from allanite.prepare.quality import inspect
 from allanite.prepare.stillness import of_one_body
 from allanite.prepare.transform import averaged, mark_motion, mark_outliers
@@ -88,8 +89,13 @@ def open_recording(
     part = whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
     own = part.records[: len(part.records) - len(along)]
     kept = mark_motion(own) if recipe.motion == "mark" else own
-    kept = tuple(map(mark_outliers, kept)) if recipe.outliers == "mark" else kept
-    return part if kept is own else replace(part, records=(*kept, *part.records[len(own) :]))
+    part = part if kept is own else replace(part, records=(*kept, *part.records[len(own) :]))
+    if not along:  # which have the times of the logger
+        part = as_sensed(part)
+    if recipe.outliers != "mark":
+        return part
+    own = part.records[: len(part.records) - len(along)]
+    return replace(part, records=(*map(mark_outliers, own), *part.records[len(own) :]))
 
 
 def whole_recording(

@@ -102,7 +102,7 @@ def test_where_nothing_is_still_nothing_is_offered():
     y = np.random.default_rng(1).standard_normal(N)
     y *= np.where(np.arange(N) // 100 % 2, 500.0, 1.0)  # by turns, five seconds each
     study = examine(Recording((al.Record(y, RATE, "deg/s", name="gx"), record_of("gy", 2))))
-    assert "no stretch of it is static" in study["gy"].refusal
+    assert "no stretch of 10 s is static" in study["gy"].refusal
 
 
 def test_times_are_those_of_the_recording_after_a_cut():
