@@ -89,7 +89,7 @@ class Watch:
         yield say("watching {target!r}", target=self.target)
         self._begun = last = time.monotonic()
         every: dict[Callable[[], Iterator[str]], float]
-        every = {self._look: 1.0, lambda: iter((self.report(),)): self.settings.every}
+        every = {self._look: 1.0, self._news: self.settings.every}
         due = {work: self._begun + usual for work, usual in every.items()}
         try:
             while not self.stopped():
@@ -145,6 +145,11 @@ class Watch:
                          option=spelled("--record PATH", "record="))  # fmt: skip
             self.findings["disk"] = Finding("disk", what, remedy=remedy)
             yield str(self.findings["disk"])
+
+    def _news(self) -> Iterator[str]:
+        """What is known, if rows came since it was told."""
+        if self.spool is not None and self._rows != self.spool.rows:
+            yield self.report()
 
     def report(self) -> str:
         """Length, coefficients so far, and when more will be known."""

@@ -187,7 +187,9 @@ def _with_error(measured: tuple[float, float]) -> str:
     value, error = measured
     if math.isnan(value):
         return "-"
-    places = max(0, min(3, 1 - math.floor(math.log10(100 * error)))) if error > 0 else 1
+    if not error > 0:
+        return f"{100 * value:.3g} %"
+    places = max(0, min(3, 1 - math.floor(math.log10(100 * error))))
     return f"{100 * value:.{places}f} +- {100 * error:.{places}f} %"
 
 
