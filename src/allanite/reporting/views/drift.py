@@ -6,7 +6,7 @@ from pathlib import PurePath
 
 import numpy as np
 
-from allanite.claims.drift import Drift, DriftCourse, DriftShare
+from allanite.claims.drift import AllowedTerm, Drift, DriftCourse, DriftShare
 from allanite.claims.drift_settings import QUANTITIES, Requirement
 from allanite.core.units import convert, signal_named
 from allanite.phrases.phrase import join, say
@@ -120,13 +120,18 @@ def _required(value: Drift, need: Requirement) -> Iterator[Answer]:
     terms = list(value.allowing(need))
     heads = [Column("", "name"), Column("", "symbol"), Column(say("alone"), form=rounded),
              Column(say("with equal shares"), form=rounded),
-             Column(say("found"), form=lambda v: rounded(v) if v else ""), Column("", "unit")]  # fmt: skip
+             Column(say("found")), Column("", "unit")]  # fmt: skip
     scaled = [(t, convert(1.0, t.signal.si[t.power], t.unit)) for t in terms]
-    rows = [
-        [t.signal.name, t.name, t.alone * k, t.shared * k, None if t.found is None else t.found * k, t.unit]
-        for t, k in scaled
-    ]
+    rows = [[t.signal.name, t.name, t.alone * k, t.shared * k, _found(t, k), t.unit] for t, k in scaled]
     yield Table(heads, rows, where="")
+
+
+def _found(term: AllowedTerm, scale: float) -> str:
+    """The coefficient of the record as it is shown by analyze."""
+    if not term.found:
+        return ""
+    size = term.found * scale
+    return digits(size, *(limit * size for limit in term.limits)).plain()[0]
 
 
 def _remarks(value: Drift) -> list[Remark]:

@@ -228,8 +228,9 @@ def tables_of(values: Sequence[Any], level: float, rows: int = MAX_ROWS) -> Iter
     ]
     for title, group in groups:
         table = _side_by_side(group, level, rows // len(groups), bare=len(group) > MAX_WITH_INTERVALS)
-        some = {"title": title, "count": len(table.rows), "every": len(_at(group[0]))}
-        yield say("{title}, {count} of {every} rows", **some) if some["count"] < some["every"] else title
+        count, every = len(table.rows), len(_at(group[0]))
+        some = say("{title}, {count} of {every} rows", title=title, count=count, every=every)
+        yield some if count < every else title
         yield table
 
 
