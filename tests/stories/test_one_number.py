@@ -85,7 +85,7 @@ def test_every_verb_shows_the_same_digits(study):
         kept = {row[:2]: holds(text, row[2].plain()[0]) for row in own if row[3] or verb in ("analyze", "details")}
         grid += [f"{verb:8} {' '.join(f'{channel}.{symbol}' for channel, symbol in kept)}"]
         assert [key for key, same in kept.items() if not same] == [], (verb, text)
-    print("\n".join(grid))
+    print("\n".join(grid))  # noqa: T201 - for those who ask for it with -s
 
 
 @pytest.mark.slow("every form of a result")

@@ -96,7 +96,7 @@ BOUNDED = say("Least relative standard errors (1 sigma, Cramer-Rao bound) of the
 
 
 def expected_values(model: Model, channel: Modelled | None = None) -> dict[str, tuple[str, str]]:
-    """Each parameter's value, an identified one as it is shown by analyze, and the unit of data sheets that it is in."""
+    """Each parameter's value, an identified one as analyze shows it, and its unit of data sheets."""
     expected, known = {}, {e.symbol: e for e in (channel.fit if channel else None) or ()}
     for t in model:
         name, unit = name_of(t, model), t.signal.sheet[t.row.power]
