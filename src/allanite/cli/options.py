@@ -131,13 +131,13 @@ def _kept(option: click.Option, value: Any) -> Any:
     return parsed if option.multiple else value
 
 
+Names = tuple[str, ...]
+
+
 class Option(click.Option):
     """An option with `synonyms` that are suggested, not taken, and `old` names that are taken, not shown."""
 
-    def __init__(
-        self, *args: Any, synonyms: tuple[str, ...] = (), unlike: tuple[str, ...] = (), old: tuple[str, ...] = (),
-        **form: Any,
-    ) -> None:  # fmt: skip
+    def __init__(self, *args: Any, synonyms: Names = (), unlike: Names = (), old: Names = (), **form: Any) -> None:
         super().__init__(*args, **form)
         self.synonyms, self.unlike, self.old = synonyms, unlike, old
 

@@ -85,11 +85,12 @@ class Watch:
     def events(self) -> Iterator[str]:
         """Read until the end, and say what happens."""
         feed = Feed(tap := opened(self.target, self.settings.baud))
-        self.spool = Spool(self.target, self.settings.record, sent=tap.live)
+        spool = self.spool = Spool(self.target, self.settings.record, sent=tap.live)
         yield say("watching {target!r}", target=self.target)
         self._begun = last = time.monotonic()
         every: dict[Callable[[], Iterator[str]], float]
-        every = {self._look: 1.0, self._news: self.settings.every}
+        news = lambda: iter((self.report(),) if self._rows != spool.rows else ())  # noqa: E731 - rows came since
+        every = {self._look: 1.0, news: self.settings.every}
         due = {work: self._begun + usual for work, usual in every.items()}
         try:
             while not self.stopped():
@@ -145,11 +146,6 @@ class Watch:
                          option=spelled("--record PATH", "record="))  # fmt: skip
             self.findings["disk"] = Finding("disk", what, remedy=remedy)
             yield str(self.findings["disk"])
-
-    def _news(self) -> Iterator[str]:
-        """What is known, if rows came since it was told."""
-        if self.spool is not None and self._rows != self.spool.rows:
-            yield self.report()
 
     def report(self) -> str:
         """Length, coefficients so far, and when more will be known."""

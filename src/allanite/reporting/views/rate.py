@@ -61,11 +61,10 @@ def _unsteady(experiment: Experiment) -> str:
     """That the rate drifts, or differs between the intervals by more than the noise of their means."""
     if experiment.drift or experiment.start.size < 2:
         return experiment.drift
-    found = experiment.scatter(experiment.methods[0], 0.95)
-    if not found.low > found.predicted > 0:
-        return ""
-    return say("the means scatter {ratio:.2g} times as much as predicted: the bias changes between the intervals",
-               ratio=found.deviation / found.predicted)  # fmt: skip
+    scatter = experiment.scatter(experiment.methods[0], 0.95)
+    told = say("the means scatter {ratio:.2g} times as much as predicted: the bias changes between the intervals",
+               ratio=scatter.deviation / scatter.predicted if scatter.predicted else 0.0)  # fmt: skip
+    return told if scatter.low > scatter.predicted > 0 else ""
 
 
 def _channels(channels: Sequence[RateChannel], study: RateStudy, level: float) -> Channels:
