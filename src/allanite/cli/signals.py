@@ -94,7 +94,7 @@ def ended_by(error: BaseException | None) -> BaseException | None:
 
 @contextmanager
 def stopping() -> Iterator[Callable[[], bool]]:
-    """Signals that end the program are noted, and whether one came is told; the handlers are put back."""
+    """Within this context signals that end the program are noted: whether one came is the answer of the value."""
     came = list[int]()
     numbers = (signal.SIGINT, signal.SIGTERM)
     before = {which: signal.signal(which, lambda number, _: came.append(number)) for which in numbers}
