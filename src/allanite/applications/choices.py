@@ -95,4 +95,5 @@ class RateChoices:
     near: float = choice(
         "DEG", "Approximate heading, which selects one of the two solutions for north.", default=90.0)
     position_method: str = choice("NAME", "Estimator for north and the bias.", default="optimal")
-    durations: tuple[float, ...] = choice("S,...", "Measuring times to compare.", default=(), told="")
+    durations: tuple[float, ...] = choice(
+        "S,...", "Measuring times to compare.", default=(), told="", flags=("--measuring-times",), old=("--durations",))

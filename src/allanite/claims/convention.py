@@ -193,7 +193,8 @@ def _factor(study: Study, claim: ClaimedNoise, rows: Sequence[CheckedTerm], *, u
     """The factor that the channels of a sensor have in common, and the conventions that explain it."""
     first, channels = rows[0], tuple(row.channel for row in rows)
     if any(row.low <= 0 for row in rows):
-        absent = (say("the bias is not added to the samples"),) * (first.quantity in (*WALKS, "B"))
+        why = say("the record has no such bias; a simulator may not have added it to the samples")
+        absent = (why,) * (first.quantity in (*WALKS, "B"))
         high = max(row.high for row in rows)
         return Cause(channels, first.quantity, 0.0, 0.0, high, ("",) * len(absent), absent)
     low, high = pooled([(row.low, row.high) for row in rows])

@@ -177,13 +177,14 @@ class DriftCourse:
 class AllowedTerm:
     """The coefficient with which a required drift is just kept, SI: alone, and with an equal share of the variance."""
 
-    # `found` is that of the worst axis; None if it is unknown.
+    # `found` is that of the worst axis with its limits as shares of it; None if it is unknown.
     sensor: str
     name: str
     signal: Signal
     alone: float
     shared: float
     found: float | None
+    limits: tuple[float, float] = (math.nan, math.nan)
 
     @property
     def unit(self) -> str:
@@ -310,7 +311,8 @@ class Drift(Value):
                 unit_size = math.sqrt(unit.variance(settings.response(path), at, settings.averaged, None)[0])
                 cause, alone = causes.get(name), need.limit / unit_size if unit_size else math.inf
                 known = None if cause is None else cause.term.value if cause.term else cause.bias
-                yield AllowedTerm(path.sensor, name, signal, alone, alone / count**0.5, known)
+                limits = (math.nan, math.nan) if cause is None else (cause.low, cause.high)
+                yield AllowedTerm(path.sensor, name, signal, alone, alone / count**0.5, known, limits)
 
     @property
     def results(self) -> list[dict[str, Any]]:

@@ -131,7 +131,7 @@ class DriftSettings(DriftChoices, Value):
         if bool(self.scale_factor) != bool(self.maneuver):
             raise UsageError(
                 "an error of the scale factor acts on a maneuver: give both, e.g. "
-                + spelled("--scale-factor 0.1% --maneuver '90 deg'", "scale_factor=0.001, maneuver=['90 deg']")
+                + spelled("--scale-error 0.1% --maneuver '90 deg'", "scale_factor=0.001, maneuver=['90 deg']")
             )
         assert self.requirements is not None  # noqa: S101 - texts are read now
         for text in self.turn_on:

@@ -21,7 +21,7 @@ from allanite.study.settings import (
 from .deliver import Progress, carry_out, deliver, outputs, progress, recipe_of, settings_of
 from .front import DATA, PARTLY
 from .helping import command
-from .options import IDENTIFYING, RECORDING, RESULTS, SHOWN, options
+from .options import IDENTIFYING, RECORDING, RESULTS, SHOWN, Option, options
 from .streams import complain, show
 from .tasks import ANALYZE, DEVIATION, DYNAMIC, INFO, SPECTRUM, WATCH, Reports, ends_of_units, perform
 
@@ -93,7 +93,7 @@ def end_of_units(batch: "Batch", *, strict: bool) -> None:
 @options(
     click.argument("source", type=click.Path(), metavar="FOLDER_OR_MANIFEST"),
     click.option("--out", "results", required=True, metavar="RESULTS", type=click.Path(),
-        help="Folder of the results; one of an earlier run is continued."),
+        help="Folder of the results; one of an earlier run is continued.", cls=Option, old=("--output", "-o")),
     click.option("--workers", type=click.IntRange(1), metavar="N",
         help="Processes of this machine.  [default: one for each core]"),
     click.option("--scheduler", metavar="ADDRESS",
@@ -127,10 +127,9 @@ def batch(source: str, results: str, workers: int | None, scheduler: str | None,
     if not out.quiet:
         for note in run.notes:
             show(note)
-        show(
-            f"{len(run.files)} files, {len(run.failed)} failed; {run.analyzed} analyzed now, {run.before} done "
-            f"before; tables in {results}"
-        )
+        parts = [f"{len(run.files)} file{'s' * (len(run.files) != 1)}: {run.analyzed} analyzed now"]
+        parts += [f"{run.before} done before"] * bool(run.before) + [f"{len(run.failed)} failed"] * bool(run.failed)
+        show(f"{', '.join(parts)}; tables in {results}")
     for file in run.failed:
         complain(f"{file.file}: {file.error}")
     if run.failed:

@@ -98,7 +98,7 @@ def check(file: str, **choices: Any) -> None:
     *RECORDING, *IDENTIFYING, *RESULTS, settings=(NoiseChoices, DriftChoices),
 )  # fmt: skip
 def drift(files: tuple[str, ...], models: tuple[str, ...], claims: tuple[str, ...], **choices: Any) -> None:
-    """Predict navigation errors without aid.
+    """Predict navigation errors (not bias drift).
 
     FILES are recordings of gyros, accelerometers or both, or results that analyze has written with --json; --model,
     --sensor, --datasheet and --claims give the noise without a recording. Prints the standard deviation of each

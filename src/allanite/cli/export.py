@@ -57,7 +57,7 @@ def convert(values: tuple[str, ...], target: str | None, origin: str | None, **c
 
     VALUE is a value with its unit ('0.66 deg/sqrt(h)', '100 ug/sqrt(Hz)'), a model ('N 0.66 deg/sqrt(h), K 3
     deg/h/sqrt(h)') or the name of a data sheet (adis16470). --to names the target, by default the units of data sheets.
-    With --from, VALUE is a file of that target, whose coefficients are printed, or converted to --to.
+    With --file-of, VALUE is a file of that target, whose coefficients are printed, or converted to --to.
     """
     from allanite.exporting.export import exported, prepared
     from allanite.exporting.fields import How

@@ -211,7 +211,8 @@ def _failure(error: AllaniteError, ctx: click.Context) -> Failure:
 
 def _elsewhere(error: AllaniteError, words: list[str]) -> AllaniteError:
     """The error of a unit that is a target of export: it was asked of a verb that does not write it."""
-    target = dict(pairwise(words)).get("--to")
+    options = dict(pairwise(words))
+    target = options.get("--to", options.get("--output-unit"))
     if not isinstance(error, UnitError) or target is None or repr(target) not in str(error):
         return error
     from allanite.exporting.exports import EXPORTS

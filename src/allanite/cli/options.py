@@ -131,12 +131,22 @@ def _kept(option: click.Option, value: Any) -> Any:
     return parsed if option.multiple else value
 
 
-class Option(click.Option):
-    """An option with other names by which it is asked for; they are suggested, not taken."""
+Names = tuple[str, ...]
 
-    def __init__(self, *args: Any, synonyms: tuple[str, ...] = (), unlike: tuple[str, ...] = (), **form: Any) -> None:
+
+class Option(click.Option):
+    """An option with `synonyms` that are suggested, not taken, and `old` names that are taken, not shown."""
+
+    def __init__(self, *args: Any, synonyms: Names = (), unlike: Names = (), old: Names = (), **form: Any) -> None:
         super().__init__(*args, **form)
-        self.synonyms, self.unlike = synonyms, unlike
+        self.synonyms, self.unlike, self.old = synonyms, unlike, old
+
+    def add_to_parser(self, parser: Any, ctx: click.Context) -> None:
+        """Add it with its old names."""
+        super().add_to_parser(parser, ctx)
+        for name in self.old:
+            table = parser._long_opt if name.startswith("--") else parser._short_opt
+            table[name] = parser._long_opt[self.opts[0]]
 
 
 class Alone(Option):
@@ -184,6 +194,7 @@ def option_of(choice: ChoiceRow) -> Decorator:
         "cls": Option,
         "synonyms": choice.synonyms,
         "unlike": choice.unlike,
+        "old": choice.old,
     }
     if choice.kind.alone:
         form |= {"cls": Alone, "is_flag": False, "flag_value": choice.kind.alone}
@@ -248,15 +259,15 @@ OPTIONS: dict[str, Decorator] = {
         help="Seconds after h = 0."),
     "models": click.option("--model", "models", multiple=True, metavar="TERMS",
         help="Noise of a sensor without a file, e.g. 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'; repeatable."),
-    "origin": click.option("--from", "origin", metavar="TARGET",
+    "origin": click.option("--file-of", "origin", metavar="TARGET", cls=Option, old=("--from",),
         help="VALUE is a file of this target: read its coefficients."),
     "claimed": click.option("--claims", "claims", multiple=True, metavar="FILE",
         help="Configuration of a filter or simulator, e.g. of kalibr; repeatable.", cls=Option, synonyms=("config",)),
     "filter": click.option("--filter", "filter_name", metavar="NAME",
         help="complementary, second-order, kalman, mahony, madgwick, bortz or accelerometer.  "
         "[default: complementary]"),
-    "horizon": click.option("--duration", type=Converted(DURATION), metavar="TIME",
-        help="Horizon without a recording.  [default: 1 h]"),
+    "horizon": click.option("--horizon", "duration", type=Converted(DURATION), metavar="TIME",
+        help="Time to predict without a recording.  [default: 1 h]", cls=Option, old=("--duration",)),
     "estimated sigma": click.option("--sigma", type=float, metavar="ARCSEC",
         help="Noise of a sample.  [default: estimated]"),
     "given sigma": click.option("--sigma", type=float, default=1.0, show_default=True, metavar="ARCSEC",
@@ -270,7 +281,8 @@ OPTIONS: dict[str, Decorator] = {
         help="Write temperature polynomials as parameters of px4 or ardupilot, to --output; --degree is 3 then.",
         cls=Option, synonyms=("target", "format")),
     "written file": click.option("--output", "-o", "output", metavar="PATH", type=click.Path(),
-        help="Write the file; - is standard output. The suffix chooses the form if there are several."),
+        help="Write the file; - is standard output. The suffix chooses the form if there are several.",
+        cls=Option, synonyms=("out", "report", "save")),
     "written parameters": click.option("--output", "-o", "output", metavar="PATH", type=click.Path(),
         help="Write the parameters; - is standard output."),
     "lines that come": _path("record", "Keep the lines that come in this file."),

@@ -3,7 +3,7 @@
 import signal
 import sys
 from _thread import interrupt_main
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from threading import Lock, Timer, current_thread, main_thread
 from types import FrameType
@@ -92,28 +92,14 @@ def ended_by(error: BaseException | None) -> BaseException | None:
     return error
 
 
-class Stopped:
-    """Whether a signal to end has come."""
-
-    def __init__(self) -> None:
-        self.came = False
-
-    def __call__(self) -> bool:
-        """The answer."""
-        return self.came
-
-    def catch(self, *_: object) -> None:
-        """Note the signal."""
-        self.came = True
-
-
 @contextmanager
-def stopping() -> Iterator[Stopped]:
-    """Signals that end the program are noted instead; the handlers are put back."""
-    stopped = Stopped()
-    before = {which: signal.signal(which, stopped.catch) for which in (signal.SIGINT, signal.SIGTERM)}
+def stopping() -> Iterator[Callable[[], bool]]:
+    """Within this context signals that end the program are noted: whether one came is the answer of the value."""
+    came = list[int]()
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before = {which: signal.signal(which, lambda number, _: came.append(number)) for which in numbers}
     try:
-        yield stopped
+        yield lambda: bool(came)
     finally:
         for which, handler in before.items():
             signal.signal(which, handler)

@@ -1,4 +1,4 @@
-"""The special jobs: ``allanite rate``, ``budget``, ``compensate`` and ``vertical``."""
+"""The special jobs: ``allanite rate``, ``quantization``, ``compensate`` and ``vertical``."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,7 @@ from allanite.core.errors import UnitError, UsageError
 
 from .deliver import Extra, Outputs, carry_out, demand_recording, given, outputs, recipe_of, rendered, settings_of
 from .helping import command
-from .options import IDENTIFYING, NUMBERS, RECORDING, RESULTS, options
+from .options import IDENTIFYING, NUMBERS, RECORDING, RESULTS, Option, options
 from .streams import complain
 
 if TYPE_CHECKING:
@@ -40,7 +40,8 @@ if TYPE_CHECKING:
         help="Constants of the torquer in SI: turns, field (T), span (m), radius (m), inertia (kg m^2), spin (rad/s), "
         "sides.",
     ),
-    click.option("--scale-factor", type=float, metavar="K", help="Or the scale factor of the torquer, rad/s per A."),
+    click.option("--torque-scale", "scale_factor", type=float, metavar="K", cls=Option, old=("--scale-factor",),
+        help="Or the scale factor of the torquer, rad/s per A."),
     click.option("--sense", type=float, metavar="V/A", help="Gain of the current sensor, for voltages."),
     click.option("--coupling", type=NUMBERS, metavar="XX,XY,YX,YY",
         help="Two channels are the currents of the x and y torquers: rates about x and y over the scale factor, "
@@ -50,7 +51,7 @@ if TYPE_CHECKING:
     *RESULTS,
 )  # fmt: skip
 def quantization(file: str, **choices: Any) -> None:
-    """Estimate the noise added by quantization.
+    """Estimate quantization (no error budget).
 
     Compares each stage of the signal path of FILE with the recorded noise. A current (--unit A), a voltage or codes
     (--unit 1) are converted to rates with the constants of the torquer.
@@ -63,7 +64,7 @@ def quantization(file: str, **choices: Any) -> None:
 
     torquer, factor = choices["torquer"], choices["scale_factor"]
     if torquer is not None and factor is not None:
-        raise UsageError("the scale factor is given twice: use either --torquer or --scale-factor")
+        raise UsageError("the scale factor is given twice: use either --torquer or --torque-scale")
     scale = factor if torquer is None else TorqueScale.parse(torquer)
     settings = PathSettings(tuple(Stage.parse(text) for text in choices["stages"]), scale, choices["sense"],
                             choices["coupling"])  # fmt: skip
@@ -236,7 +237,7 @@ def _design(choices: dict[str, Any]) -> "VerticalDesign":
     *RESULTS, settings=(IntervalChoices, EstimatorChoices, FitChoices, RateChoices),
 )  # fmt: skip
 def rate(file: str, second: str | None, **choices: Any) -> None:
-    """Estimate the constant rate of a gyro.
+    """Measure a rotation rate, not a sampling rate.
 
     Measures the rate of every channel of FILE in short intervals with every estimator. Prints the scatter of each
     estimator, the standard error predicted by the noise model, and the recommended estimator.

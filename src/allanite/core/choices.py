@@ -273,6 +273,7 @@ class ChoiceRow:
     parts: tuple[Any, ...] | None = None
     # other names of the option by which it is asked for; they are suggested, not taken
     synonyms: tuple[str, ...] = ()
+    old: tuple[str, ...] = ()  # names that the option had, which are taken and not shown
     unlike: tuple[str, ...] = ()  # those of them whose values are of another unit: they are not put in its place
     # what a value must be beyond its kind: returns the value as it is kept, or raises UsageError
     demand: Callable[[Any], Any] | None = None

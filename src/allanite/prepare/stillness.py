@@ -233,7 +233,7 @@ def _unequal(view: View) -> tuple[BoolArray, FloatArray]:
 def lines(view: View) -> Finding | None:
     """Peaks of the averaged periodogram above the median of the octave around them."""
     frequency, power, segments = _periodogram(view)
-    if frequency.size < 64:
+    if frequency.size < 64 or not segments:
         return None
     from scipy.special import gammaincinv
 
@@ -273,19 +273,19 @@ def _strongest(tops: FloatArray, excess: FloatArray, most: int = 5) -> list[floa
 
 
 def _periodogram(view: View) -> tuple[FloatArray, FloatArray, int]:
-    """Frequencies (Hz), mean periodogram of Hann-windowed segments, and their number."""
+    """Frequencies (Hz), mean periodogram of Hann-windowed segments where the level is constant, and their number."""
     from scipy.fft import rfft
 
-    y = view.steps
+    y, uneven = view.steps, _unequal(view)[0]
     length = 1 << int(np.clip(math.log2(max(y.size // 8, 2)), 1, 14))
-    segments = min(y.size // length, 64)
-    starts = np.linspace(0, y.size - length, segments).astype(int)
+    starts = np.linspace(0, y.size - length, min(y.size // length, 64)).astype(int)
+    starts = starts[~(uneven[starts * LEVEL_PARTS // y.size] | uneven[(starts + length - 1) * LEVEL_PARTS // y.size])]
     window = np.hanning(length)
     total = np.zeros(length // 2 + 1)
     for start in starts:
         piece = y[start : start + length] - float(y[start : start + length].mean())
         total += np.abs(rfft(piece * window)) ** 2
-    return np.arange(1, length // 2) * view.rate / length, total[1 : length // 2] / segments, segments
+    return np.arange(1, length // 2) * view.rate / length, total[1 : length // 2] / max(starts.size, 1), starts.size
 
 
 def slope(view: View) -> Finding | None:

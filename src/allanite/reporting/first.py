@@ -76,6 +76,7 @@ class Channels:
     names: Sequence[str]
     rows: Sequence[ChannelRow]
     sensor: str = ""
+    whole: bool = False  # titles are left out where there is too little room, not cut
 
     @classmethod
     def of(cls, names: Sequence[str], cells: Iterable[tuple[str, str, str, str]], sensor: str = "") -> "Channels":

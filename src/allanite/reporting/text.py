@@ -178,7 +178,8 @@ def _blocks(table: Table, width: int) -> list[list[int]]:
 
 
 def spread(count: int, most: int) -> list[int]:
-    """Indices of at most so many items, evenly spread, the first and the last among them; of very many by ratio."""
+    """Indices of every so many of the items, and of the last one; of very many by ratio."""
     if count > 1000:
         return (np.unique(np.rint(np.geomspace(1, count, most))).astype(np.int64) - 1).tolist()  # type: ignore[no-any-return]
-    return [round(i) for i in np.linspace(0, count - 1, min(most, count))]
+    step = max(-(-(count - 1) // max(most - 1, 1)), 1)
+    return sorted({*range(0, count, step), count - 1})

@@ -67,7 +67,7 @@ def demand_shown(recipe: Recipe, channels: Iterable[Channel]) -> None:
     for unit in recipe.to or ():
         if not any(signal.name in signals for signal in showing(unit)):
             units = ", ".join(signal.sheet[0] for signal in signals.values())
-            wanted = spelled("--to", "to=")
+            wanted = spelled("--output-unit", "to=")
             raise UsageError(f"no channel has a coefficient in {unit!r} ({wanted}); the channels are in {units}")
 
 

@@ -189,7 +189,7 @@ class Recipe:
         demand=_device)
     to: tuple[str, ...] | None = choice(
         "UNIT,...", "Units of the coefficients: deg/s, ug/sqrt(Hz), ...", told="those of data sheets", group="showing",
-        demand=_units_shown)
+        demand=_units_shown, flags=("--output-unit",), old=("--to",))
     about: tuple[str, ...] | None = choice(
         "KEY=VALUE", "For the header of the report: serial, operator, date, temperature, ...", kind=LINES,
         group="showing", demand=_facts)

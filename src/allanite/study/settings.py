@@ -20,7 +20,7 @@ def _factors() -> Any:
 
 
 def _unit() -> Any:
-    return choice("UNIT", "Unit of the result.", told="deg/h, ug")
+    return choice("UNIT", "Unit of the result.", told="deg/h, ug", flags=("--output-unit",), old=("--to",))
 
 
 def _unexplained() -> Any:
@@ -219,7 +219,8 @@ class DriftChoices:
         "BIAS", "Standard deviation of a constant bias: '10 deg/h', '2 mg'; repeatable.", kind=LINES, default=(),
         told="", synonyms=("bias",))
     scale_factor: float = choice(
-        "SHARE", "Error of the scale factor, 1 sigma: 0.1%, 1000ppm or 0.001.", kind=SHARE, default=0.0, told="none")
+        "SHARE", "Error of the scale factor, 1 sigma: 0.1%, 1000ppm or 0.001.", kind=SHARE, default=0.0, told="none",
+        flags=("--scale-error",), old=("--scale-factor",))
     maneuver: tuple[str, ...] = choice(
         "SIZE", "On which the scale factor acts: '90 deg', '5 deg/s', '20 m/s', '2 m/s^2'; repeatable.",
         kind=LINES, default=(), told="", synonyms=("turn", "acceleration"))

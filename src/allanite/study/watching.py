@@ -83,11 +83,12 @@ class Watch:
     def events(self) -> Iterator[str]:
         """Read until the end, and say what happens."""
         feed = Feed(tap := opened(self.target, self.settings.baud))
-        self.spool = Spool(self.target, self.settings.record, sent=tap.live)
+        spool = self.spool = Spool(self.target, self.settings.record, sent=tap.live)
         yield say("watching {target!r}", target=self.target)
         self._begun = last = time.monotonic()
         every: dict[Callable[[], Iterator[str]], float]
-        every = {self._look: 1.0, lambda: iter((self.report(),)): self.settings.every}
+        news = lambda: iter((self.report(),) if self._rows != spool.rows else ())  # noqa: E731 - rows came since
+        every = {self._look: 1.0, news: self.settings.every}
         due = {work: self._begun + usual for work, usual in every.items()}
         try:
             while not self.stopped():

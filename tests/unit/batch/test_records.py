@@ -261,7 +261,7 @@ def test_the_verb_names_what_failed(units, serial, tmp_path):
     shutil.copytree(serial[1], tmp_path / "r")
     done = batch(units, "--out", tmp_path / "r")
     assert done.exit_code == 5
-    assert "8 files, 1 failed; 0 analyzed now, 8 done before" in done.stdout
+    assert "8 files: 0 analyzed now, 8 done before, 1 failed" in done.stdout
     assert f"{units / 'bad.csv'}: no rows of numbers" in done.stderr
     (tmp_path / "bad.txt").write_text(str(units / "bad.csv"))
     assert batch(tmp_path / "bad.txt", "--out", tmp_path / "r").exit_code == 3

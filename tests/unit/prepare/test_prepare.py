@@ -174,6 +174,13 @@ def test_sway_of_many_pulses_is_still_found():
     assert found["lines"].what.startswith("spectral lines at 3")
 
 
+def test_a_loud_part_makes_no_lines():
+    y = np.random.default_rng(1).standard_normal(60_000)
+    y[45_000:55_000] *= 7
+    names = inspect(al.Record(y, 100.0, "deg/s")).names
+    assert ("level" in names, "lines" in names) == (True, False)
+
+
 @rows(("low", "high"), [(-1.5, 1.5), (-np.inf, 1.0)])
 def test_clipping_says_what_is_left_of_n(low, high):
     y = np.random.default_rng(1).standard_normal(2**16)

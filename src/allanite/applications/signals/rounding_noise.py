@@ -210,7 +210,7 @@ def budget(
             "name at least one stage, for example " + spelled("--stage 'ADC 12 5V'", "Stage('ADC', 12, 5.0, 'V')")
         )
     counts = [demand_in_range(record, stage) for stage in stages] if clipped is None else clipped
-    rate, needs = record, spelled("--torquer or --scale-factor", "scale=...")
+    rate, needs = record, spelled("--torquer or --torque-scale", "scale=...")
     if not record.signal.inertial:
         if scale is None:
             raise UsageError(

@@ -177,12 +177,9 @@ def _limits_table(batch: Batch) -> Iterator[Part]:
         Column(say("found"), "name"), Column(say("limit"), "interval"), Column(say("result"), "name"),
     )  # fmt: skip
     rows = [
-        [
-            batch.label(unit), j.channel, symbol_of(j.limit.symbol), j.reason,
-            j.limit.words(), OUTCOME_WORDS[j.outcome],
-        ]
-        for unit, j in judged
-    ]  # fmt: skip
+        [batch.label(u), j.channel, symbol_of(j.limit.symbol), j.reason, j.limit.words(), OUTCOME_WORDS[j.outcome]]
+        for u, j in judged
+    ]
     marks = [MARKS.get(j.outcome, "") for _, j in judged]
     yield Table(heads, rows, say("limits that are exceeded or not decided"), marks, most=ALL_ROWS)
 

@@ -45,7 +45,7 @@ def first_of(study: Study, level: float) -> First:
     inertial = any(channel.record.signal.inertial for channel in fitted)
     return First(
         title_of(study), _verdict(channels), answer,
-        without_repeats(doubts(channels), weighed([*alerts(study), *reservations(channels)])),
+        without_repeats(doubts(channels), [*reservations(channels), *weighed(alerts(study))]),
         list(_legend(level).items()), how_read(study),
         [FIGURES, MEANING, *([EXPORT] if inertial else []), *([LONGER] if lost else [])],
     )  # fmt: skip

@@ -93,11 +93,8 @@ def _tables(value: ClaimCheck, signal: Signal) -> Iterator[Channels]:
         first = next(iter(own.values()))
         if quantity == "kurtosis" and not first.contradicts:
             continue
-        claimed = (
-            ""
-            if first.claimed is None or quantity in ("curve", "kurtosis")
-            else rounded(first.shown(first.claimed) or 0.0)
-        )
+        bare = first.claimed is None or quantity in ("curve", "kurtosis")
+        claimed = "" if bare else rounded(first.shown(first.claimed) or 0.0)
         symbol = _symbol(quantity)
         unit = first.unit if symbol or quantity in SETTINGS else ""
         cells = [_cell(own.get(name)) for name in names]
@@ -143,10 +140,8 @@ COLUMNS = (
 
 def _table(rows: Sequence[CheckedTerm]) -> Table:
     cells = [
-        [_symbol(row.quantity), _title(row), *_numbers(row), OUTCOME_WORDS[row.outcome],
-         row.reason]
-        for row in rows
-    ]  # fmt: skip
+        [_symbol(row.quantity), _title(row), *_numbers(row), OUTCOME_WORDS[row.outcome], row.reason] for row in rows
+    ]
     return Table(COLUMNS, cells, marks=[MARKS.get(row.outcome, "alarm") for row in rows])
 
 

@@ -287,10 +287,12 @@ _SCATTER = known(".3g", "-", " %")
 
 
 def _terms_table(channel: PooledChannel, level: float) -> Table:
+    scatter = (say("between records"), say("within a record"))
+    scatter = (say("between axes"), say("within an axis")) if channel.of_axes else scatter
     heads = (
         Column("", "symbol"), Column(say("term"), "name"), Column(say("common")),
         Column(words.interval(level), "interval"), Column(say("unit"), "unit"),
-        Column(say("between records"), form=_SCATTER), Column(say("within a record"), form=_SCATTER),
+        *(Column(heading, form=_SCATTER) for heading in scatter),
         Column(say("chi-square"), aside=True, form=".3g"), Column(say("dof"), aside=True, form="g"),
         Column("p", aside=True, form=words.probability), Column(say("p (Holm)"), form=words.probability),
     )  # fmt: skip

@@ -136,7 +136,9 @@ def first_of_comparison(value: SheetComparison, level: float) -> First:
     alerts = [Remark.of(c.record.name, c.refusal, grave=True) for c in value if c.refusal]
     alerts += merged(Remark.of(c.record.name, alert) for c in value for alert in c.alerts)
     title = say("{file} beside the data sheet of the {sensor}", file=source_of(value), sensor=value.sheet.name)
-    return First(title, value.sheet.document, tables, alerts, read=value.notes)
+    means = say("N: identified; B: minimum of the Allan deviation, {sign}: still falling. ±: {share} half width.",
+                sign=FALLING_SIGN, share=words.percent(level))  # fmt: skip
+    return First(title, value.sheet.document, tables, alerts, [("", means)], value.notes)
 
 
 def _channels(value: SheetComparison, sensor: str, level: float) -> Channels:
@@ -149,8 +151,8 @@ def _channels(value: SheetComparison, sensor: str, level: float) -> Channels:
         measured = [each[claim] for each in coefficients]
         rows.append(ChannelRow(claim.printed, symbol, claim.unit, [f"{claim.value:g}", *map(_shown, measured)]))
         ratios = [_ratio(m) if m.value == m.value else "" for m in measured]
-        rows.append(ChannelRow(say("ratio to the data sheet"), "", "", ["", *ratios]))
-    return Channels([say("data sheet"), *(c.record.name for c in channels)], rows, signal_named(sensor).sensor)
+        rows.append(ChannelRow(say("ratio"), "", "", ["", *ratios]))
+    return Channels([say("data sheet"), *(c.record.name for c in channels)], rows, signal_named(sensor).sensor, True)
 
 
 def _ratio(measured: Measured) -> str:

@@ -6,7 +6,7 @@ from pathlib import PurePath
 
 import numpy as np
 
-from allanite.claims.drift import Drift, DriftCourse, DriftShare
+from allanite.claims.drift import AllowedTerm, Drift, DriftCourse, DriftShare
 from allanite.claims.drift_settings import QUANTITIES, Requirement
 from allanite.core.units import convert, signal_named
 from allanite.phrases.phrase import join, say
@@ -62,7 +62,14 @@ def _several(course: DriftCourse) -> bool:
     return len({share.sensor for share in course.shares}) > 1
 
 
-def _cells(course: DriftCourse) -> list[str]:
+def _lost(value: Drift) -> float:
+    """The time, s, from which on the tilt is so large that velocity and position are lost."""
+    tilt = value["attitude"] if value.settings.platform == "strapdown" and "attitude" in value.quantities else None
+    lost = [] if tilt is None else tilt.times[np.where(tilt.sigma > 0, tilt.sigma, tilt.most) > MAX_TILT_RAD].tolist()
+    return min(lost, default=math.inf)
+
+
+def _cells(course: DriftCourse, lost: float) -> list[str]:
     """The standard deviation at each time, with the half width of its interval and what it is at most."""
     scale, cells = course.scale, []
     for size, low, high, most in zip(course.sigma, course.low, course.high, course.most, strict=True):
@@ -70,7 +77,8 @@ def _cells(course: DriftCourse) -> list[str]:
         shown = plus_minus(size * scale, low * scale, high * scale) if size else ""
         limit = f"≤ {digits(most * scale, figures=2).plain()[0]}" if most > (1 + MIN_RAISED_SHARE) * upper else ""
         cells.append(f"{shown} ({limit})" if shown and limit else shown or limit)
-    return cells
+    gone = course.times >= (lost if course.name in ("velocity", "position") else math.inf)
+    return [say("lost") if past else cell for past, cell in zip(gone.tolist(), cells, strict=True)]
 
 
 def _percent(share: float) -> str:
@@ -112,13 +120,18 @@ def _required(value: Drift, need: Requirement) -> Iterator[Answer]:
     terms = list(value.allowing(need))
     heads = [Column("", "name"), Column("", "symbol"), Column(say("alone"), form=rounded),
              Column(say("with equal shares"), form=rounded),
-             Column(say("found"), form=lambda v: rounded(v) if v else ""), Column("", "unit")]  # fmt: skip
+             Column(say("found")), Column("", "unit")]  # fmt: skip
     scaled = [(t, convert(1.0, t.signal.si[t.power], t.unit)) for t in terms]
-    rows = [
-        [t.signal.name, t.name, t.alone * k, t.shared * k, None if t.found is None else t.found * k, t.unit]
-        for t, k in scaled
-    ]
+    rows = [[t.signal.name, t.name, t.alone * k, t.shared * k, _found(t, k), t.unit] for t, k in scaled]
     yield Table(heads, rows, where="")
+
+
+def _found(term: AllowedTerm, scale: float) -> str:
+    """The coefficient of the record as it is shown by analyze."""
+    if not term.found:
+        return ""
+    size = term.found * scale
+    return digits(size, *(limit * size for limit in term.limits)).plain()[0]
 
 
 def _remarks(value: Drift) -> list[Remark]:
@@ -126,11 +139,10 @@ def _remarks(value: Drift) -> list[Remark]:
     settings, last, sensors = value.settings, value.settings.times[-1], {axis.sensor for axis in value.axes}
     longest = min((axis.longest for axis in value.axes if axis.longest), default=math.inf)
     strapdown = settings.platform == "strapdown" and bool(sensors)
-    tilt = value["attitude"] if "attitude" in value.quantities else None
-    lost = [] if tilt is None else tilt.times[np.where(tilt.sigma > 0, tilt.sigma, tilt.most) > MAX_TILT_RAD].tolist()
+    lost = _lost(value)
     told = (
-        (lost, say("after {time} the tilt is no longer small: take velocity and position there as lost",
-                   time=words.duration(min(lost, default=0.0))), ""),
+        (lost < math.inf, say("from {time} on the tilt is not small: velocity and position are lost",
+                              time=words.duration(min(lost, last))), ""),
         (last > longest, say("beyond {longest} the record says nothing: there the drift is that of the model alone",
                              longest=words.duration(min(longest, last))), ""),
         *((True, note, "") for note in value.notes),
@@ -167,7 +179,11 @@ def first_of_drift(value: Drift, _: float) -> First:
     courses = _alike(value)
     if value.axes:
         heads = [Column(say("after"), "name"), *(Column(f"{name} [{course.unit}]", "name") for name, course in courses)]
-        answer.append(Table(heads, list(zip(_after(value), *(_cells(course) for _, course in courses), strict=True))))
+        answer.append(
+            Table(
+                heads, list(zip(_after(value), *(_cells(course, _lost(value)) for _, course in courses), strict=True))
+            )
+        )
     for need in value.settings.requirements:
         answer += _required(value, need)
     if value.axes and not value.settings.requirements:

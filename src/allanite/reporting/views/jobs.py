@@ -105,7 +105,7 @@ def remark_notes(remarks: Iterable[Remark]) -> Iterator[Note]:
 MILD = ("quantized", "heavy tails", "outliers", "lines", "shared")
 """Findings that change numbers little, or that the fit takes into account: they are told last."""
 
-CAUSES = ("terms", *MOTION)  # findings that explain a misfit, the likeliest first
+CAUSES = ("terms", *MOTION, "level")  # findings that explain a misfit, those of the largest effect first
 ACCOUNTED = ("gaps",)  # findings that explain no misfit: the fit joins the samples on either side of a gap
 
 
@@ -140,7 +140,8 @@ def _rank(told: tuple[Finding, Remark]) -> tuple[bool, int]:
     """How far down a finding stands among those that explain a misfit."""
     finding, remark = told
     # first those that no command cures, and those whose command has values and can be typed as it is
-    known = CAUSES.index(finding.name) if finding.name in CAUSES else len(CAUSES)
+    slight = finding.name == "level" and not finding.fatal
+    known = len(CAUSES) if slight or finding.name not in CAUSES else CAUSES.index(finding.name)
     return bool(remark.command) and not any(map(str.isdigit, remark.command)), known
 
 

@@ -87,10 +87,8 @@ def _tested(lot: Lot) -> Iterator[Note]:
             "{distance:.2g} standard deviations away from the others.",
             "{count} coefficients of {all} were tested for outlying units: of {fewest} units one is found that lies "
             "{distance:.2g} standard deviations away from the others.",
-            all=len(lot.distributions),
-            fewest=min(tested),
-            distance=detectable(min(tested)),
-        )
+            all=len(lot.distributions), fewest=min(tested), distance=detectable(min(tested)),
+        )  # fmt: skip
         yield Note(text, "quiet")
     elif lot.distributions:
         none = say("Not tested for outlying units: no coefficient has values of {fewest} units.", fewest=FEWEST)

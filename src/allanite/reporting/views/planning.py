@@ -95,12 +95,13 @@ DRAWN = say("Relative standard error by the length of the record. The horizontal
 BOUNDED = say("Least relative standard errors (1 sigma, Cramer-Rao bound) of the parameters.")
 
 
-def expected_values(model: Model) -> dict[str, tuple[str, str]]:
-    """Each parameter's value, and the unit of data sheets that it is in."""
-    expected = {}
+def expected_values(model: Model, channel: Modelled | None = None) -> dict[str, tuple[str, str]]:
+    """Each parameter's value, an identified one as analyze shows it, and its unit of data sheets."""
+    expected, known = {}, {e.symbol: e for e in (channel.fit if channel else None) or ()}
     for t in model:
         name, unit = name_of(t, model), t.signal.sheet[t.row.power]
-        expected[name] = (f"{t.to(unit):.4g}", unit)
+        shown = f"{t.to(unit):.4g}" if name not in known else words.brief(known[name], 0.95)
+        expected[name] = shown, unit
         for parameter, value in zip(t.row.parameters, t.shape, strict=True):
             expected[f"{name} {parameter_title(parameter)}"] = (f"{value:.4g}", parameter.unit)
     return expected
@@ -116,14 +117,14 @@ def _plan_about(plan: RecordingPlan) -> str:
     return join(", ", (f"{plan.rate:.8g} Hz", ramp))
 
 
-def _plan_parts(plan: RecordingPlan, _: Modelled | None) -> Iterator[Part]:
+def _plan_parts(plan: RecordingPlan, channel: Modelled | None) -> Iterator[Part]:
     """The accuracy of each coefficient by the length of the record."""
     wanted = say("for {accuracy}", accuracy=_percent(plan.accuracy))
     heads = (
         Column("", "symbol"), Column(say("expected")), Column(say("unit"), "unit"),
         *(Column(words.duration(d)) for d in plan.durations), Column(wanted),
     )  # fmt: skip
-    values, signal = expected_values(plan.model), plan.model.signal
+    values, signal = expected_values(plan.model, channel), plan.model.signal
     kinds = [(SEARCHED if plan.absent else "", plan.searched, plan.searched_needed)]
     kinds += [(KNOWN, plan.errors, plan.needed)] if plan.absent else []
     for title, errors, needed in kinds:
@@ -163,9 +164,9 @@ def _check_about(check: SelfCheck) -> str:
     )  # fmt: skip
 
 
-def _check_parts(check: SelfCheck, _: Modelled | None) -> Iterator[Part]:
+def _check_parts(check: SelfCheck, channel: Modelled | None) -> Iterator[Part]:
     """What the identification finds of known noise."""
-    values = expected_values(check.model)
+    values = expected_values(check.model, channel)
     rows = [
         [c.symbol, *(values.get(c.symbol, ("", "")) if c.truth else (say("absent"), "")),
          c.bound, c.bias, c.spread, c.coverage, c.found]
@@ -187,7 +188,9 @@ def _with_error(measured: tuple[float, float]) -> str:
     value, error = measured
     if math.isnan(value):
         return "-"
-    places = max(0, min(3, 1 - math.floor(math.log10(100 * error)))) if error > 0 else 1
+    if not error > 0:
+        return f"{100 * value:.3g} %"
+    places = max(0, min(3, 1 - math.floor(math.log10(100 * error))))
     return f"{100 * value:.{places}f} +- {100 * error:.{places}f} %"
 
 

@@ -38,7 +38,8 @@ def first_of_rates(study: RateStudy, level: float) -> First:
     for channel in study.channels:
         name, experiment = channel.record.name or say("channel"), channel.experiment
         told_here = (text for text in channel.alerts if text not in map(str, warned(channel)))
-        own += [Remark.of(name, text) for text in (experiment.drift if experiment else "", *told_here) if text]
+        apart = _unsteady(experiment) if experiment else ""
+        own += [Remark.of(name, text) for text in (apart, *told_here) if text]
     remarks += merged(own, len(study.channels))
     answer: list[Answer] = [_channels(alike, study, level) for alike in by_sensor(study.channels)]
     ranked = [c.experiment.ranking for c in study.channels if c.experiment is not None]
@@ -54,6 +55,16 @@ def first_of_rates(study: RateStudy, level: float) -> First:
         ]
     legend = [(PLUS_MINUS, say("±: {share} half width.", share=words.percent(level)))]
     return First(title_of(study), "", answer, [*remarks, *alerts(study)], legend, how_read(study), [FIGURES, DETAILS])
+
+
+def _unsteady(experiment: Experiment) -> str:
+    """That the rate drifts, or differs between the intervals by more than the noise of their means."""
+    if experiment.drift or experiment.start.size < 2:
+        return experiment.drift
+    scatter = experiment.scatter(experiment.methods[0], 0.95)
+    told = say("the means scatter {ratio:.2g} times as much as predicted: the bias changes between the intervals",
+               ratio=scatter.deviation / scatter.predicted if scatter.predicted else 0.0)  # fmt: skip
+    return told if scatter.low > scatter.predicted > 0 else ""
 
 
 def _channels(channels: Sequence[RateChannel], study: RateStudy, level: float) -> Channels:

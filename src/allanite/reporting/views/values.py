@@ -227,8 +227,11 @@ def tables_of(values: Sequence[Any], level: float, rows: int = MAX_ROWS) -> Iter
         for i in range(0, len(same), wide)
     ]
     for title, group in groups:
-        yield title
-        yield _side_by_side(group, level, rows // len(groups), bare=len(group) > MAX_WITH_INTERVALS)
+        table = _side_by_side(group, level, rows // len(groups), bare=len(group) > MAX_WITH_INTERVALS)
+        count, every = len(table.rows), len(_at(group[0]))
+        some = say("{title}, {count} of {every} rows", title=title, count=count, every=every)
+        yield some if count < every else title
+        yield table
 
 
 def _at(value: Curve | Spectrum | Surface) -> FloatArray:
