@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from allanite.core.digits import digits
+from allanite.core.digits import digits, upper_limit
 from allanite.core.errors import UsageError
 from allanite.core.limits import FAIL, NOT_DECIDED, PASS, held
 from allanite.core.model import coefficient_factor
@@ -226,7 +226,7 @@ class Seen(NamedTuple):
         if self.value is None and self.upper is None:
             return self.reason
         if self.value is None:
-            most = digits((self.upper or 0.0) / limit.factor, figures=2).plain()[0]
+            most = upper_limit((self.upper or 0.0) / limit.factor).plain()[0]
             reason = self.reason or say("not identified")
             return say("{reason}, below {limit} {unit}", reason=reason, limit=most, unit=limit.unit)
         size = digits(*(v / limit.factor for v in (self.value, self.low, self.high)))

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from .units import RAISED
 
 LARGE, SMALL = 1e6, 1e-3  # sizes from and below which a power of ten is written
+FUZZ = 1e-9  # of a limit that is rounded up: one that has two digits keeps them
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,14 @@ class Digits:
     def power(self) -> str:
         """The power of ten in print, empty where it is 1."""
         return f" × 10{str(self.exponent).translate(RAISED)}" if self.exponent else ""
+
+
+def upper_limit(value: float) -> Digits:
+    """An upper limit with two digits, rounded up: the one that is shown holds, too."""
+    if not (math.isfinite(value) and value > 0):
+        return digits(value, figures=2)
+    last = 10.0 ** (_order(value) - 1)
+    return digits(math.ceil(value / last * (1 - FUZZ)) * last, figures=2)
 
 
 def digits(

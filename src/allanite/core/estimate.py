@@ -12,7 +12,7 @@ from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 
 from .arrays import FloatArray
-from .digits import Digits, digits
+from .digits import Digits, digits, upper_limit
 from .display_units import shown_unit
 from .encoding import finite
 from .errors import UsageError, given
@@ -281,10 +281,10 @@ class Estimate(Value):
         return digits(self.value / factor, *(v / factor for v in self.interval(level)), signed=signed)
 
     def rounded_limit(self, unit: str) -> Digits | None:
-        """The upper limit in `unit`, rounded; None where there is none."""
-        if self.upper is None:
-            return None
-        return digits(self.upper / coefficient_factor(self.symbol, unit, self.signal), figures=2)
+        """The upper limit in `unit`, rounded up; None where there is none."""
+        return (
+            None if self.upper is None else upper_limit(self.upper / coefficient_factor(self.symbol, unit, self.signal))
+        )
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI, with the data-sheet form under "shown"."""

@@ -17,7 +17,7 @@ from allanite.core.syntax import toml
 from allanite.core.units import convert
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.digits import digits
+from allanite.reporting.digits import digits, upper_limit
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Plot, Sheet, Table, header_of
 from allanite.reporting.words import ARCSEC
 
@@ -175,7 +175,7 @@ def _harmonics(result: Result, level: float) -> Table:
 def _amplitude(h: Harmonics, order: int, level: float) -> tuple[str, str]:
     """Amplitude and interval, arcsec; of one that was not found its limit."""
     if not h.found(order):
-        return say("below {limit}", limit=digits(h.upper(order) / ARCSEC, figures=2).plain()[0]), ""
+        return say("below {limit}", limit=upper_limit(h.upper(order) / ARCSEC).plain()[0]), ""
     size = float(h.amplitude[h.orders.index(order)])
     return digits(size / ARCSEC, *(v / ARCSEC for v in h.interval(order, level))).plain()
 

@@ -13,7 +13,7 @@ from allanite.core.fit import chance
 from allanite.core.units import convert
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.digits import digits
+from allanite.reporting.digits import digits, upper_limit
 from allanite.reporting.first import DETAILS, FIGURES, ChannelRow, Channels, First, Remark, merged
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of, known
 from allanite.statistics import statistic_named
@@ -299,7 +299,7 @@ def _terms_table(channel: PooledChannel, level: float) -> Table:
     rows = []
     for term in channel.terms:
         symbol, title, value, low, high, *rest = term.row(level)
-        limit = say("below {limit}", limit=digits(high, figures=2).plain()[0])
+        limit = say("below {limit}", limit=upper_limit(high).plain()[0])
         rows.append([symbol, title, *(digits(value, low, high).plain() if value else ("-", limit)), *rest])
     marks: list[Mark] = ["alarm" if term.adjusted <= channel.alpha else "" for term in channel.terms]
     return Table(heads, rows, say("what the records have in common"), marks=marks)

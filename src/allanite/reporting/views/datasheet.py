@@ -12,7 +12,7 @@ from allanite.core.units import signal_named
 from allanite.phrases.phrase import join, say
 from allanite.planning.datasheets import QUANTITIES, SENSOR_TYPES, Claim, DataSheet
 from allanite.reporting import words
-from allanite.reporting.digits import digits, printed_unit, rounded
+from allanite.reporting.digits import digits, printed_unit, rounded, upper_limit
 from allanite.reporting.first import DETAILS, ChannelRow, Channels, First, Remark, merged, plus_minus
 from allanite.reporting.sheet import Column, Face, Mark, Note, Part, Table, known, one_sheet
 from allanite.statistics import statistic_named
@@ -45,7 +45,7 @@ def data_sheet_table(channel: Channel, level: float) -> Table:
         if entry.value is not None:
             shown = digits(entry.value, low, high).plain()
         elif entry.high is not None:  # of a term that was not found its limit
-            shown = "", say("below {limit}", limit=digits(high, figures=2).plain()[0])
+            shown = "", say("below {limit}", limit=upper_limit(high).plain()[0])
         unit = entry.unit if entry.high or entry.value else ""
         rows.append([entry.quantity, *shown, unit, entry.tau, entry.remark])
     marks: list[Mark] = ["" if row[1] else "quiet" for row in rows]

@@ -11,7 +11,7 @@ from allanite.claims.drift_settings import QUANTITIES, Requirement
 from allanite.core.units import convert, signal_named
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
-from allanite.reporting.digits import digits, rounded
+from allanite.reporting.digits import digits, rounded, upper_limit
 from allanite.reporting.first import DETAILS, FIGURES, Answer, First, Remark, plus_minus
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, header_of
 
@@ -75,7 +75,7 @@ def _cells(course: DriftCourse, lost: float) -> list[str]:
     for size, low, high, most in zip(course.sigma, course.low, course.high, course.most, strict=True):
         upper = high if math.isfinite(high) else size
         shown = plus_minus(size * scale, low * scale, high * scale) if size else ""
-        limit = f"≤ {digits(most * scale, figures=2).plain()[0]}" if most > (1 + MIN_RAISED_SHARE) * upper else ""
+        limit = f"≤ {upper_limit(most * scale).plain()[0]}" if most > (1 + MIN_RAISED_SHARE) * upper else ""
         cells.append(f"{shown} ({limit})" if shown and limit else shown or limit)
     gone = course.times >= (lost if course.name in ("velocity", "position") else math.inf)
     return [say("lost") if past else cell for past, cell in zip(gone.tolist(), cells, strict=True)]

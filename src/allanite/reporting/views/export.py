@@ -22,7 +22,7 @@ from allanite.interpretation.glossary import Word, words
 from allanite.phrases.phrase import Phrase, join, say
 from allanite.planning.datasheets import DATASHEETS
 from allanite.reporting import figures, sheet
-from allanite.reporting.digits import digits, printed_unit
+from allanite.reporting.digits import digits, printed_unit, upper_limit
 from allanite.reporting.first import DETAILS, Channels, First, Remark, condensed, plus_minus
 from allanite.reporting.sheet import Code, Column, Drawing, Face, Note, Part, Plot, Sheet, Table, header_of, one_sheet
 from allanite.statistics import STATISTICS
@@ -62,7 +62,6 @@ def _fields(value: Export, title: str = "") -> Table:
     return table.only([*range(5), *named, 6, 7] if differs else [0, 1, 3, *named, 6, 7])
 
 
-FUZZ = 1e-9  # share of a limit that is not rounded up
 FILTER = EXPORTS["kalibr"]  # the target whose values stand beside every result
 
 
@@ -86,10 +85,7 @@ def filter_line(study: Study) -> Iterator[Phrase]:
 def _size(entry: Entry, *, limit: bool) -> str:
     """The first value of a field, as a limit, which is rounded up, where its coefficient was not identified."""
     value = entry.values[0]
-    if limit and value > 0:
-        last = 10.0 ** (math.floor(math.log10(value)) - 1)
-        value = math.ceil(value / last * (1 - FUZZ)) * last
-    return "< " * limit + digits(value, figures=2 if limit else 3).plain()[0]
+    return f"< {upper_limit(value).plain()[0]}" if limit else digits(value, figures=3).plain()[0]
 
 
 def filter_parts(study: Study) -> Iterator[Part]:
@@ -155,7 +151,7 @@ def first_of_export(value: Export, level: float) -> First:
     cells = []
     for channel, quantity, size, low, high, unit, tau, remark in (row for row in rows if any(row[2:5])):
         limits = [float(v) if v.strip() else math.nan for v in (low, high)]
-        shown = plus_minus(float(size), *limits) if size.strip() else f"< {digits(float(high), figures=2).plain()[0]}"
+        shown = plus_minus(float(size), *limits) if size.strip() else f"< {upper_limit(float(high)).plain()[0]}"
         if tau.strip():  # read off a curve
             shown = digits(float(size), *limits).words() + f" {FALLING_SIGN}" * (remark.strip() == FALLING)
         cells.append((channel, quantity, unit, shown))

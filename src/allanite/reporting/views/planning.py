@@ -15,7 +15,7 @@ from allanite.planning.bound import Bound, name_of, parameter_title
 from allanite.planning.plan import Properties, RecordingPlan
 from allanite.planning.selfcheck import SelfCheck
 from allanite.reporting import figures, words
-from allanite.reporting.digits import digits
+from allanite.reporting.digits import upper_limit
 from allanite.reporting.first import DETAILS, Answer, First
 from allanite.reporting.sheet import Code, Column, Drawing, Face, Note, Part, Plot, Sheet, Table, header_of, one_sheet
 from allanite.reporting.text import spread
@@ -137,7 +137,7 @@ def _plan_parts(plan: RecordingPlan, channel: Modelled | None) -> Iterator[Part]
         for symbol, limits in zip(plan.absent, plan.limits.tolist(), strict=True) if title != KNOWN else ():
             unit = signal.sheet[TERMS[symbol].power]
             sizes = (limit / coefficient_factor(symbol, unit, signal) for limit in limits)
-            cells = [f"< {digits(size, figures=2).plain()[0]}" if math.isfinite(size) else "-" for size in sizes]
+            cells = [f"< {upper_limit(size).plain()[0]}" if math.isfinite(size) else "-" for size in sizes]
             rows.append([symbol, say("absent"), unit, *cells, ""])
         yield Table(heads, rows, title, details=title == KNOWN)
     label = say("relative standard errors by length of the record")
