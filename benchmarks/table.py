@@ -38,7 +38,7 @@ ROOMS = {
     "end_to_end": "cli reporting study", "environments": "", "explanations": "identification",
     "fuzz": "batch cli core readers study web", "gaps": "identification statistics", "hybrids": "statistics",
     "identification": "identification", "limits": "identification statistics", "methods": "identification",
-    "mutants": "", "noise_identification": "statistics", "out_of_core": "stream statistics",
+    "noise_identification": "statistics", "out_of_core": "stream statistics",
     "prices": "identification", "rate": "applications/constant_rate", "real_sensors": "identification prepare",
     "search_cells": "identification", "selection": "identification",
     "signals": "cli parallel statistics", "simulation": "simulation", "slow_noise": "identification",

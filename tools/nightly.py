@@ -37,7 +37,6 @@ PARTS = {
     "fuzz: results": "benchmarks/fuzz.py results --share 0.1",
     "fuzz: inputs": "benchmarks/fuzz.py inputs --share 0.2",
     "fuzz: page": "benchmarks/fuzz.py page --share 0.2",
-    "planted faults": "benchmarks/mutants.py --faults 20",
 }
 """What is run, from the root of the project: arguments of `python -m`, or a script with its own."""
 
