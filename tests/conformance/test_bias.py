@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from tests import model_of
-from tests.rows import paired, rows
+from tests.rows import paired, refused, rows
 
 import allanite as al
 from allanite.core.units import SIGNALS
@@ -77,8 +77,7 @@ def test_limits_on_one_side_are_those_of_the_wider_interval():
     ],
 )
 def test_corrections_that_make_no_sense_are_refused(name, options, words):
-    with pytest.raises(al.UsageError, match=words):
-        al.deviation(record_of(rate(N=1.0)), name, **options)
+    refused(al.UsageError, words, lambda: al.deviation(record_of(rate(N=1.0)), name, **options))
 
 
 @pytest.mark.slow("seconds of analyses")

@@ -138,8 +138,7 @@ def test_nothing_is_overwritten_without_force(tmp_path, option):
     result = CliRunner().invoke(main, command)
     assert result.exit_code == 2
     assert "--force" in result.stderr
-    assert target.read_text() == "mine"
-    assert CliRunner().invoke(main, [*command, "--force"]).exit_code == 0
+    assert (target.read_text(), CliRunner().invoke(main, [*command, "--force"]).exit_code) == ("mine", 0)
     assert target.read_bytes() != b"mine"
 
 

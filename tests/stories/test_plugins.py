@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import click
 import pytest
 from tests import ROOT
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.cli import Verb
@@ -210,11 +210,9 @@ ROW, VERB = replace(STATISTICS["adev"], order=1), replace(VERBS["info"], group="
 """
     (tmp_path / "theirs.py").write_text(text, "utf-8")
     points = {
-        "allanite.statistics": {"new": "theirs:ROW"},
-        "allanite.readers": {"text": "theirs:text"},
-        "allanite.verbs": {"new": "theirs:VERB"},
-        "allanite.views": {"Fit": "theirs:fit_view"},
-    }
+        "allanite.statistics": {"new": "theirs:ROW"}, "allanite.readers": {"text": "theirs:text"},
+        "allanite.verbs": {"new": "theirs:VERB"}, "allanite.views": {"Fit": "theirs:fit_view"},
+    }  # fmt: skip
     install(tmp_path, "theirs", points)
     script = "from allanite.readers.formats.registry import added\nfrom allanite.reporting.views import VIEWS\n"
     script += 'print(al.statistics.STATISTICS["adev"].order, len(added()), VERBS["info"].group, VIEWS["Fit"])\n'
@@ -308,8 +306,7 @@ def silent(path):
 )
 def test_a_check_says_what_is_wrong(tmp_path, check, row, words):
     (tmp_path / "a.mine").write_text("1.5\n2.5\n" * 40, "utf-8")
-    with pytest.raises(AssertionError, match=words):
-        check(row, *([tmp_path / "a.mine"] if check is check_reader else []))
+    refused(AssertionError, words, lambda: check(row, *([tmp_path / "a.mine"] if check is check_reader else [])))
 
 
 def test_a_row_that_is_tried_is_gone_afterwards_and_the_others_keep_their_places():

@@ -121,13 +121,6 @@ def test_the_cut_off_that_is_not_known_widens_the_limits():
     assert wide[1] - wide[0] > 1.2 * (known[1] - known[0])
 
 
-@pytest.mark.slow("takes more than half a second")
-def test_a_clean_record_has_no_filter():
-    for seed in range(6):
-        fit = al.identify(al.simulate(N + B, 2**14, RATE, rng=np.random.default_rng(seed)))
-        assert fit.scope.whole or fit.goodness.p < 0.05
-
-
 def decimated(order, cutoff, step, seed, *, times=6, n=2**16):
     """White noise behind a low-pass that runs at a multiple of the rate, rounded to steps, and its N, deg/sqrt(s).
 

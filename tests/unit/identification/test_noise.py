@@ -231,19 +231,6 @@ def test_a_ramp_has_its_sign(sign):
     assert low < fit["R"].value < high
 
 
-def test_least_squares_of_an_exact_curve_returns_its_coefficients():
-    truth = {"Q": 1e-3, "N": 0.05, "B": 0.01, "K": 2e-3, "R": 1e-4}
-    model = model_of(**truth)
-    record = al.simulate(model, 4096, 1.0, rng=np.random.default_rng(1))
-    curve = al.deviation(record, taus="octave")
-    from dataclasses import replace
-
-    exact = replace(curve, variance=al.expected(model, "oadev", curve.tau))
-    fit = al.identify(exact, "ls")
-    for symbol, value in truth.items():
-        assert (fit[symbol].value, fit[symbol].status) == (pytest.approx(value, rel=1e-3), "reported")
-
-
 def test_least_squares_reports_negative_squares():
     record = al.simulate(model_of(N=1.0), 4096, 1.0, rng=np.random.default_rng(1))
     fit = al.identify(al.deviation(record, taus="octave"), "ls")

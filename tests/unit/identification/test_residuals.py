@@ -183,8 +183,7 @@ def test_the_study_says_it_in_words_and_pictures():
     assert "Correlation of the channels" in html
     data = study.to_dict()
     assert data["channels"][2]["residuals"] is None
-    assert data["channels"][1]["residuals"]["findings"][0]["name"] == "level"
-    assert data["shared"]["names"] == ["x", "y"]
+    assert (data["channels"][1]["residuals"]["findings"][0]["name"], data["shared"]["names"]) == ("level", ["x", "y"])
 
 
 def test_a_band_has_residuals_and_says_where_it_holds():

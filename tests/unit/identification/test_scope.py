@@ -51,12 +51,6 @@ def test_what_no_component_describes_is_a_factor_and_the_noise_is_that_below_it(
     assert not fit["Q"].claimed
 
 
-def test_a_clean_record_is_read_whole():
-    fit = al.identify(al.Record(white(2**15, 5), RATE, "rad/s"))
-    assert fit.scope.whole
-    assert (fit.scope.band, fit.scope.sentences, fit.validity) == ((0.0, RATE / 2), (), "explained")
-
-
 def test_a_small_misfit_is_allowed_for_in_the_limits():
     """A tilt of the spectrum by three per cent in n = 2^20: no component is so, and the limits are widened."""
     rng = np.random.default_rng(3)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import butter, iirpeak, lfilter
 from scipy.stats import chi2
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.identification.likelihood.filters import FILTERS, Filter
@@ -108,8 +108,7 @@ def test_a_state_never_changes_and_its_parts_stand_in_the_order_of_the_table():
         state.parts = ()
     assert (state.lacking(GM).having(GM), state.lacking(GM, PEAK).of("resonance")) == (state, (HIGH_PASS,))
     assert GM in state.parts
-    with pytest.raises(ValueError, match="not in list"):
-        state.lacking(WIDE)
+    refused(ValueError, "not in list", lambda: state.lacking(WIDE))
     assert state.kind == state.lacking(PEAK).having(PEAK._replace(shape=(0.605, 12.1))).kind
     assert state.lacking(PEAK).having(PEAK._replace(label="high-pass")).form == state.form
     assert state.lacking(PEAK).having(PEAK._replace(label="high-pass")).kind != state.kind
@@ -282,17 +281,6 @@ def test_an_unknown_filter_keeps_the_plateau_or_is_refused(seed):
     assert low < N.value < high
 
 
-@rows("seed", range(3))
-def test_angle_noise_before_a_filter_leaves_the_white_noise(seed):
-    model = al.sensor("fog")
-    truth = next(term.value for term in model if term.symbol == "N")
-    fit = identified(made(model, 2**16, seed, RC))
-    assert fit["N"].value == pytest.approx(truth, rel=0.05)
-    assert covered(fit, "N", truth)
-    assert fit.scope.filter is not None
-    assert not any(c.claimed for c in fit.components if c.name in ("noise", "factor", "resonance"))
-
-
 def test_a_band_and_masks_are_those_of_the_user():
     quiet, t = made(N + B, 2**13, 8), np.arange(2**13) / RATE
     loud = quiet + 20 * quiet.std() * np.sin(2 * np.pi * 30.2 * t)
@@ -319,28 +307,6 @@ def test_a_resonance_is_a_component_with_its_place():
     assert "vibration at" in " ".join(fit.supposed)
     assert not fit.scope.holds(np.array([1 / 20])).any()
     assert fit.scope.holds(np.array([10.0])).all()
-
-
-def test_steps_are_components_and_leave_the_noise():
-    y = made(N, 2**14, 9)
-    y = y + 0.4 * y.std() * (np.arange(y.size) > 6000)
-    fit = identified(y)
-    (step,) = (c for c in fit.components if c.name == "step" and c.claimed)
-    assert ([f.name for f in fit.findings], fit.findings[0].place[0]) == (["steps"], pytest.approx(60, abs=2))
-    assert step.words.startswith("step at ")
-    assert not fit["K"].claimed
-    assert covered(fit, "N", N.value)
-
-
-def test_a_warm_up_is_a_component_and_leaves_the_noise():
-    y = made(N + B, 2**14, 10)
-    fit = identified(y - 60 * B.value * np.exp(-np.arange(y.size) / 3000))
-    (warm,) = (c for c in fit.components if c.name == "warm-up" and c.claimed)
-    assert ([f.name for f in fit.findings], fit.warm_up.shape[0]) == (["warm-up"], pytest.approx(30, rel=0.2))
-    assert fit.warm_up.value == pytest.approx(60 * B.value, rel=0.15)
-    assert warm.weight > 0.9
-    assert not fit["K"].claimed
-    assert covered(fit, "N", N.value)
 
 
 def test_flicker_is_no_power_that_nothing_describes():

@@ -96,8 +96,7 @@ def test_cached_results_come_back(recording):
 
 def test_work_within_work_is_not_shared_again():
     with processes(3):
-        assert how_many(2) == 2
-        assert shared(lambda _: how_many(5), [0, 1, 2, 3], count=2) == [1, 1, 1, 1]
+        assert (how_many(2), shared(lambda _: how_many(5), [0, 1, 2, 3], count=2)) == (2, [1, 1, 1, 1])
     assert how_many(5) == 1
 
 
@@ -179,8 +178,7 @@ def running(pid: int) -> bool:
 
 
 def test_examples_of_threads():
-    assert later(lambda: 3).result() == 3
-    assert list(ahead(iter(range(5)))) == [0, 1, 2, 3, 4]
+    assert (later(lambda: 3).result(), list(ahead(iter(range(5))))) == (3, [0, 1, 2, 3, 4])
     assert spread(abs, [-1, 2, -3], 2) == [1, 2, 3]
     with importing(["string"]):
         imported()

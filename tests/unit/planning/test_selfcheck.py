@@ -47,8 +47,7 @@ def made(symbol="N", truth=2.0, *, value=(2.0, 2.2), low=(1.0, 2.1), high=(3.0, 
 
 def test_the_counts_are_those_of_the_definition():
     check = made()
-    assert check.bias == pytest.approx((0.05, 0.05))
-    assert check.spread == pytest.approx((0.0707107, 0.05), rel=1e-5)
+    assert (check.bias, check.spread) == (pytest.approx((0.05, 0.05)), pytest.approx((0.0707107, 0.05), rel=1e-5))
     assert check.coverage == pytest.approx((0.5, math.sqrt(0.25 / 2)))
     assert check.found == pytest.approx((1.0, math.sqrt(0.75 * 0.25 / 2)))
     assert np.isnan(made(truth=0.0).bias).all()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from scipy.linalg import expm
-from tests.rows import paired, rows
+from tests.rows import paired, refused, rows
 
 import allanite as al
 from allanite.cli import main
@@ -149,15 +149,13 @@ def test_the_deviation_from_the_model_is_told():
     assert 0.001 < space.ripple < 0.02
     assert space.measurement == "mean"  # because of Q
     assert len(space.states) == len(space.units) == len(space.Phi) == 8
-    assert ((space.units[1], space.units[6]), space.F.shape) == (("rad/s^2", "rad"), (6, 6))
-    assert len(space.notes) == 4
+    assert (((space.units[1], space.units[6]), space.F.shape), len(space.notes)) == ((("rad/s^2", "rad"), (6, 6)), 4)
 
 
 def test_the_simpler_measurement_is_taken_where_it_does():
     slow = al.Model("N 0.1 deg/sqrt(h), GM 1 deg/h 100 s")
     fast = al.Model("N 0.001 deg/sqrt(h), GM 10 deg/h 0.02 s")
-    assert al.state_space(slow, 100.0).measurement == "sample"
-    assert al.state_space(fast, 100.0).measurement == "mean"
+    assert (al.state_space(slow, 100.0).measurement, al.state_space(fast, 100.0).measurement) == ("sample", "mean")
 
 
 @rows("text, options, words", [
@@ -168,8 +166,7 @@ def test_the_simpler_measurement_is_taken_where_it_does():
     ("K 1 deg/h/sqrt(h)", {"turn_on": -1.0}, "0 or a positive number"),
 ])  # fmt: skip
 def test_what_is_refused(text, options, words):
-    with pytest.raises(al.UsageError, match=words):
-        al.state_space(al.Model(text), 10.0, **options)
+    refused(al.UsageError, words, lambda: al.state_space(al.Model(text), 10.0, **options))
 
 
 def run(*arguments):

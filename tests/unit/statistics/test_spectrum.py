@@ -194,8 +194,7 @@ def test_kinds_are_one_record():
 def test_the_value_as_rows_and_plain_data():
     found = al.spectrum(noise(), bins=8).to("deg/h")
     headings, rows = found.rows(0.9)
-    assert headings[1] == "one-sided density [(deg/h)^2/Hz]"
-    assert headings[4] == "amplitude [deg/h/sqrt(Hz)]"
+    assert (headings[1], headings[4]) == ("one-sided density [(deg/h)^2/Hz]", "amplitude [deg/h/sqrt(Hz)]")
     assert len(rows) == found.frequency.size
     low, high = found.interval(0.9)
     assert rows[3] == [v[3] for v in (found.frequency, found.density, low, high, found.amplitude, found.dof)]

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.cli import main
@@ -178,8 +178,7 @@ def test_refusals_are_named_and_others_go_on():
     assert [value.name for value in found.values] == ["good"]
     assert "missing" in found["bad"].refusal
     assert "no result: 1000 of 2000 samples are missing" in table(found)
-    with pytest.raises(al.DataError, match="bad: 1000"):
-        survey(pair["bad"], Densities("multitaper"))
+    refused(al.DataError, "bad: 1000", lambda: survey(pair["bad"], Densities("multitaper")))
 
 
 @pytest.fixture(scope="module")
@@ -200,15 +199,13 @@ def labels(figure):
 def test_channels_of_one_statistic_share_a_panel(record):
     curves = [al.deviation(record), al.deviation(record.with_values(record.values * 2, ""))]
     figure = plot([curves[0], type(curves[1])(**{**vars(curves[1]), "name": "gy"})])
-    assert len(figure.axes) == 1
-    assert labels(figure) == ["gz", "gy"]
+    assert (len(figure.axes), labels(figure)) == (1, ["gz", "gy"])
 
 
 def test_statistics_of_one_channel_share_a_panel_with_the_model(record, fit):
     curves = [al.deviation(record, name, noise=fit.model) for name in ("adev", "oadev")]
     figure = plot(curves, fit)
-    assert len(figure.axes) == 1
-    assert figure.axes[0].get_title("left") == "gz"
+    assert (len(figure.axes), figure.axes[0].get_title("left")) == (1, "gz")
     assert labels(figure) == [
         "Allan deviation", "expected by the model", "overlapping Allan deviation",
     ]  # fmt: skip

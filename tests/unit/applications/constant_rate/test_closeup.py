@@ -6,7 +6,7 @@ import io
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.applications.constant_rate import EstimatorSettings, ExperimentSettings, closeup, estimate
@@ -64,8 +64,7 @@ def test_a_rate_without_quantum_has_no_staircase():
 
 @rows("start", [-1.0, 41.0])
 def test_an_interval_outside_is_refused(start, record):
-    with pytest.raises(al.UsageError, match="does not fit into 60 s"):
-        closeup(record, SETTINGS, start=start)
+    refused(al.UsageError, "does not fit into 60 s", lambda: closeup(record, SETTINGS, start=start))
 
 
 @pytest.mark.slow("takes more than half a second")
