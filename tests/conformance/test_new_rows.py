@@ -17,30 +17,16 @@ from allanite.core.syntax import written
 from allanite.core.units import SIGNALS, unit_of
 from allanite.reporting import page
 from allanite.statistics import covariance, edf
-from allanite.statistics.row import Statistic, binomial_window, constant
+from allanite.statistics.row import Statistic, constant
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
 from allanite.testing import check_term
 
 sys.path.append(str(ROOT / "tests" / "plugin"))
+from allanite_sample.fourth import FDEV
 from allanite_sample.relaxation import relaxation
 
-# what a user would write in a file: differences of the fourth order
-
-
-def _fourth(x, m):
-    return np.array([np.sum(np.square(sum(c * x[k * s : x.size - (4 - k) * s] for k, c in FOUR))) for s in m.tolist()])
-
-
-FOUR = [(k, (-1.0) ** k * math.comb(4, k)) for k in range(5)]
-
-FDEV = Statistic(
-    name="fdev", title="fourth-difference deviation", formula="x", reference="this test", meaning="Curvature.",
-    use="Here.", limits="None.", cost="Little.",
-    order=4, norm=constant(20.0), span=(4, 0), sums=_fourth, window=binomial_window(4), differences=4,
-)  # fmt: skip
-
-# ... a window: the rate of its second half less that of its first, both with triangular weights
+# a window: the rate of its second half less that of its first, both with triangular weights
 
 
 def _triangular(m):

@@ -16,7 +16,8 @@ from tests.rows import refused, rows
 
 import allanite as al
 from allanite.cli import Verb
-from allanite.testing import check_data_sheet, check_reader, check_statistic, check_target, check_verb
+from allanite.terms import TERMS
+from allanite.testing import check_data_sheet, check_reader, check_statistic, check_target, check_term, check_verb
 
 SAMPLE = ROOT / "tests" / "plugin"
 SAID = "; update or remove it"
@@ -277,6 +278,15 @@ TWICE = replace(SHEET, claims=SHEET.claims[:1] * 2)
 METERS = replace(KALIBR, fields=(replace(KALIBR.fields[0], unit="m"),))
 
 
+DOUBLED = ("structure", "summed", "derivative", "increments", "spectrum", "dct", "block")
+"""Columns of a term, none of which may be twice what the others say."""
+
+
+def double(name):
+    column = getattr(TERMS["K"], name)
+    return lambda *at: 2.0 * column(*at)
+
+
 @click.command()
 @click.option("--json", "path")
 def silent(path):
@@ -289,6 +299,7 @@ def silent(path):
         (check_statistic, replace(ADEV, meaning=""), "statistic 'adev': meaning is empty"),
         (check_statistic, replace(ADEV, sums=lambda x, m: 2 * ADEV.sums(x, m)), "but those of its windows"),
         (check_statistic, replace(ADEV, order=3), r"order is 3, but t\^2 is not left out"),
+        *((check_term, replace(TERMS["K"], **{name: double(name)}), "noise term K") for name in DOUBLED),
         (check_target, replace(KALIBR, forms={}), "target 'kalibr': it has no form of a file"),
         (check_target, replace(KALIBR, fields=KALIBR.fields * 2), "fields have the same name"),
         (check_target, METERS, "the unit m of .* is not that of N"),

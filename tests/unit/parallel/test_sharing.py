@@ -15,8 +15,7 @@ from tests import all_but
 from tests.rows import rows
 
 import allanite as al
-from allanite.parallel.processes import ahead, later, spread
-from allanite.parallel.processors import how_many, imported, importing, processes
+from allanite.parallel.processors import how_many, processes
 from allanite.parallel.sharing import shared
 from allanite.reporting import page
 
@@ -175,10 +174,3 @@ def running(pid: int) -> bool:
             return file.read().rsplit(")", 1)[1].split()[0] != "Z"
     except FileNotFoundError:
         return False
-
-
-def test_examples_of_threads():
-    assert (later(lambda: 3).result(), list(ahead(iter(range(5))))) == (3, [0, 1, 2, 3, 4])
-    assert spread(abs, [-1, 2, -3], 2) == [1, 2, 3]
-    with importing(["string"]):
-        imported()

@@ -8,13 +8,9 @@ from tests.rows import refused, rows
 
 import allanite as al
 from allanite.prepare import block_means, decimate, detrend, inspect, mark_outliers, quiet_window
-from allanite.prepare.gaps import refusal
-from allanite.prepare.inspector import all_checks, blocks
 from allanite.prepare.readings import clipping
 from allanite.prepare.resampled import filled
-from allanite.prepare.transform import averaged
 from allanite.prepare.view import View, stretches
-from allanite.prepare.window import excluded
 from allanite.simulation.ring_laser import RING_LASERS, simulate_ring_laser
 
 MODEL = al.N(3.0, "deg/h/sqrt(Hz)") + al.B(2.0, "deg/h")
@@ -209,19 +205,3 @@ def test_rounded_samples_are_not_filled_in(step):
     y = np.random.default_rng(2).standard_normal(2**14)
     record = al.Record(np.rint(y / step) * step if step else y, 100.0, "deg/h")
     assert "filled in" not in inspect(record).names
-
-
-def test_examples_of_the_parts_of_inspection():
-    y = np.full(1000, np.nan)
-    y[:150] = np.arange(150) % 7
-    words = "850 of 1000 samples are missing; 150 remain, too few for noise coefficients (at least 200)"
-    assert refusal(al.Record(y, rate=1.0, unit="deg/s")) == words
-    parts = blocks([(0, [np.arange(3)]), (5, [np.arange(5, 9)])], 4)
-    shown = [(0, [0.0, 1.0, 2.0, np.nan]), (4, [np.nan, 5.0, 6.0, 7.0]), (8, [8])]
-    assert repr([(place, column.tolist()) for place, (column,) in parts]) == repr(shown)
-    assert [n for n in range(40) if all_checks(n)] == [*range(9), 10, 12, 14, 16, 20, 24, 28, 32]
-    short = al.Recording((al.Record([1.0, 3.0, 2.0, 6.0], rate=2.0, unit="deg/h"),))
-    assert averaged(short, 1.0)[0].values.tolist() == [2.0, 4.0]
-    record = al.Record(np.arange(6.0), rate=2.0, unit="deg/s", name="z")
-    left = excluded(al.Recording((record,)), [(1.0, 2.0)])["z"].values.tolist()
-    assert repr(left) == "[0.0, 1.0, nan, nan, 4.0, 5.0]"

@@ -293,9 +293,9 @@ def test_the_given_rate_wins_and_a_small_difference_is_a_finding(stamped):
     assert "100.5 Hz is used" in found.what
     # a rate that contradicts the time stamps is refused with a cure
     path = stamped(np.arange(200) * 0.01)
-    with pytest.raises(UsageError, match=r"200\.0 Hz, contradicts the time stamps .*, 100\.0 Hz: omit it") as refused:
+    with pytest.raises(UsageError, match=r"200\.0 Hz, contradicts the time stamps .*, 100\.0 Hz: omit it") as caught:
         read(path, rate=200)
-    assert str(refused.value).endswith("time='none'")
+    assert str(caught.value).endswith("time='none'")
     assert (read(path, rate=200, time="none")["gx"].rate, read(path)["gx"].rate) == (200.0, pytest.approx(100.0))
     # time option
     path = stamped(np.arange(200) * 0.01, "foo")

@@ -113,14 +113,3 @@ def test_a_unit_against_the_header_is_a_warning_that_names_both(write):
     assert "another quantity" in str(other[0])
     same = read(write("time [s],wx [deg/s],wy,ax [g]"), unit="dps")
     assert not same.findings
-    # a rate against the stamps is refused or a warning that names both
-    path = write("time [s],wx [deg/s],wy [deg/s],ax [g]")
-    (close,) = found(read(path, rate=100.5), "given rate")
-    for word in ("100.5 Hz", "100.0 Hz", "'time [s]'", "0.5 % apart"):
-        assert word in str(close)
-    assert not read(path, rate=100.001).findings
-    result = CliRunner().invoke(main, ["analyze", str(path), "--rate", "250", "--method", "slopes"])
-    assert result.exit_code == 2, result.output
-    assert "250.0 Hz, contradicts the time stamps of column 'time [s]', 100.0 Hz" in " ".join(result.output.split())
-    again = CliRunner().invoke(main, ["analyze", str(path), "--rate", "250", "--method", "slopes", "--time", "none"])
-    assert again.exit_code == 0, again.output

@@ -15,7 +15,6 @@ from tests.rows import paired, refused, rows
 import allanite as al
 from allanite.stream.accumulator import streamable
 from allanite.stream.coefficients import grid
-from allanite.stream.sums import basis
 
 RATE = 10.0
 N = 3000
@@ -226,10 +225,3 @@ def test_refusals_say_what_to_do():
     refused(al.UsageError, "cannot be -1", lambda: stream.skip(-1))
     refused(al.DataError, "too few for oadev", lambda: al.Accumulator(1.0, "deg/h").curve())
     refused(al.UsageError, "a noise model must be a Model", lambda: stream.curve("auto").interval())
-
-
-def test_examples_of_the_parts_of_a_stream():
-    assert streamable() == ("oadev", "mdev", "tdev", "ohdev", "haar")
-    weights = basis(16)
-    assert (weights.shape, weights.sum(axis=1)) == ((14, 32), pytest.approx(0))
-    assert (weights**2).sum(axis=1) == pytest.approx(1)

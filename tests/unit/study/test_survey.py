@@ -15,9 +15,7 @@ import allanite as al
 from allanite.cli import main
 from allanite.core.syntax import toml
 from allanite.reporting import plot, table
-from allanite.study.curves import of_record
-from allanite.study.modelled import PlanSettings, run_model_job
-from allanite.study.survey import Densities, Deviations, TheorySettings, expected_curves, survey
+from allanite.study.survey import Densities, survey
 
 VERBS = {"deviation": "Curve", "spectrum": "Spectrum", "dynamic": "Surface"}
 
@@ -264,16 +262,3 @@ def test_the_legend_stays_within_the_figure(record, fit, names):
         box = legend.get_window_extent()
         assert box.x0 >= 0
         assert box.x1 <= figure.bbox.x1
-
-
-def test_examples_of_the_parts_of_a_study():
-    words = of_record(al.Record([1.0, 3.0, 2.0, 5.0], rate=1.0, unit="deg/h")).words
-    assert words.startswith("intervals for the power law identified at each averaging time:")
-    plans = run_model_job(None, PlanSettings(sensor="fog"), al.Recipe(rate=100.0))
-    about = type(plans).__name__, plans[0].name, plans[0].result.names
-    assert about == ("RecordingPlans", "fog", ("Q", "N", "B", "K", "R"))
-    record = al.simulate(al.N(0.1, "deg/sqrt(h)"), 4000, 10.0, rng=np.random.default_rng(1), name="z")
-    values = survey(record, Deviations(("adev", "oadev"), intervals=False)).values
-    assert [(value.name, value.statistic) for value in values] == [("z", "adev"), ("z", "oadev")]
-    curves = expected_curves(None, TheorySettings(sensor="fog"), Deviations(("oadev", "ohdev"))).curves
-    assert [curve.statistic for curve in curves] == ["oadev", "ohdev"]
