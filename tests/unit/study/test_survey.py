@@ -17,8 +17,6 @@ from allanite.core.syntax import toml
 from allanite.reporting import plot, table
 from allanite.study.survey import Densities, survey
 
-VERBS = {"deviation": "Curve", "spectrum": "Spectrum", "dynamic": "Surface"}
-
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory):
