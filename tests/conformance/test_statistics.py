@@ -328,7 +328,7 @@ def test_wrong_grids_say_what_is_possible():
 
 
 @pytest.mark.slow("seconds of analyses")
-@rows("m", [12, 100, 1000, 10_000])
+@rows("m", [12, 100, 1000])
 def test_theo1_of_a_long_random_walk_keeps_its_digits(m):
     """By the path that the program takes by itself, against the definition: in extended precision as far as it goes."""
     record = record_of(np.cumsum(np.random.default_rng(1).standard_normal(720_000)), 100.0)

@@ -201,10 +201,3 @@ def test_gaps_and_outliers_are_dealt_with_and_said(tmp_path):
     # the noise of the exact expectation is another one, which rounds otherwise
     assert curves[""] == pytest.approx(curves["keep"], rel=1e-12)
     assert curves["keep"] > 1.02 * curves["mark"]
-
-
-def test_a_clipped_record_is_analysed_with_a_warning(tmp_path):
-    csv_of(tmp_path / "a.csv", [np.clip(np.round(noise(20_000), 3), -1.8, 1.8)])
-    result = CliRunner().invoke(main, ["analyze", str(tmp_path / "a.csv"), *OPTIONS])
-    assert result.exit_code == 0
-    assert "equal to the upper value" in " ".join(result.stdout.split())

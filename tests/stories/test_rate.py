@@ -76,32 +76,6 @@ def test_the_noise_is_identified_where_none_is_given(vertical):
     assert "Q = 0.2" in result.stdout
 
 
-@pytest.mark.slow("takes more than half a second")
-def test_everything_is_written(vertical, tmp_path):
-    paths = {
-        name: tmp_path / f"out.{suffix}"
-        for name, suffix in (("report", "html"), ("plot", "svg"), ("json", "json"), ("csv", "csv"))
-    }
-    options = [part for name, path in paths.items() for part in (f"--{name}", path)]
-    result = run(vertical, *HOW, *NOISE, "--methods", "mean,optimal", *options)
-    assert result.exit_code == 0, result.stderr
-    assert result.stdout.splitlines()[-4:] == [f"{name}: {path}" for name, path in paths.items()]
-    page = paths["report"].read_text(encoding="utf-8")
-    assert page.startswith("<!DOCTYPE html>")
-    assert "<h1>Rate of vertical.csv</h1>" in page
-    assert "http://" not in page.replace("http://www.w3.org", "")
-    assert "\\" not in page
-    data = json.loads(paths["json"].read_text(), parse_constant=pytest.fail)
-    (channel,) = data["channels"]
-    assert [m["method"] for m in channel["experiment"]["methods"]] == ["mean", "optimal"]
-    assert [e["duration"] for e in channel["by_duration"]] == [1, 3, 10, 30, 60]
-    assert paths["plot"].stat().st_size > 10_000
-    assert {line.split(",")[1] for line in paths["csv"].read_text().splitlines()[1:]} == {"mean", "optimal"}
-    again = run(vertical, *HOW, *NOISE, "--report", paths["report"])
-    assert again.exit_code == 2
-    assert "--force" in again.stderr
-
-
 @pytest.mark.slow("ensemble")
 @pytest.mark.usefixtures("details")
 def test_the_scatter_against_the_measuring_time_is_a_table(vertical, tmp_path):

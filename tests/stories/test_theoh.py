@@ -126,9 +126,6 @@ def test_means_come_before_anything_else(file, record):
 @rows(
     "options, words",
     [
-        ("--bias banana", "unknown bias correction 'banana'; known bias corrections: exact, published, model, plain"),
-        ("--bias model --statistic oadev,theo1", "bias='model' is for theobr, theoh"),
-        ("--bias exact --statistic theoh", "theoh takes bias=model or None"),
         ("--edf foo", "edf must be 'exact' or 'published', not 'foo'"),
         ("--edf published --no-intervals", "they need intervals"),
         ("--edf published --statistic pdev", "no degrees of freedom of pdev are published"),

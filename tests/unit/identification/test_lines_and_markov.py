@@ -64,9 +64,9 @@ def test_gauss_markov_takes_the_place_of_flicker_where_the_record_says_so():
 
 @pytest.mark.slow("takes more than half a second")
 def test_flicker_stays_where_it_is_true():
-    """About 1 % of records say otherwise: none of 10 but with a probability of 10 %, more than 3 with 2e-6."""
-    fits = [al.identify(record_of(N + B + K, 2**16, seed)) for seed in range(1, 11)]
-    assert sum("GM" in [e.symbol for e in fit] for fit in fits) <= 3
+    """About 1 % of records say otherwise: more than 2 of 6 with a probability of 2e-5."""
+    fits = [al.identify(record_of(N + B + K, 2**16, seed)) for seed in range(1, 7)]
+    assert sum("GM" in [e.symbol for e in fit] for fit in fits) <= 2
 
 
 def test_terms_that_are_asked_for_are_obeyed():
@@ -90,26 +90,25 @@ def test_a_wave_is_a_sine(n):
 
 
 @pytest.mark.slow("takes more than half a second")
-@rows(("frequency", "ratio"), [(12.0, 100.0), (0.5, 100.0), (3.3, 1000.0)])
-def test_sinusoids_are_found_and_taken_out(frequency, ratio):
+@rows("frequency, ratio, seed", [(12.0, 100.0, 1), (0.5, 100.0, 2), (3.3, 1000.0, 3)])
+def test_sinusoids_are_found_and_taken_out(frequency, ratio, seed):
     """At a peak 100 times the noise a line is missed in fewer than 1 of 1e6 records."""
     model, n = N + B + K, 2**17
     level = float(model.spectrum(np.array([frequency]), 1 / RATE)[0]) * RATE
     size = math.sqrt(6 * ratio * level / n) / np.sinc(frequency / RATE)
-    for seed in (1, 2, 3):
-        fit = al.identify(record_of(model + al.Sine(size, "rad/s", frequency=frequency, phase=1.0), n, seed))
-        clean = al.identify(record_of(model, n, seed))
-        (line,) = fit.lines
-        assert line.frequency == pytest.approx(frequency, abs=0.6 * RATE / n)
-        assert abs(line.amplitude - size) < 5 * line.standard_error
-        assert line.standard_error == pytest.approx(math.sqrt(3 * level / n) / np.sinc(frequency / RATE), rel=0.5)
-        assert fit.goodness.explained == clean.goodness.explained
-        assert "a sinusoid was removed first" in fit.goodness.verdict
-        assert fit.model["Sine"].shape[0] == line.frequency
-        assert fit.to_dict()["lines"][0]["frequency"] == line.frequency
-        # what is left of the noise is what was there without the line
-        assert fit["N"].value == pytest.approx(clean["N"].value, rel=1e-3)
-        assert al.identify(record_of(model, n, seed), lines=False)["N"].value == clean["N"].value
+    fit = al.identify(record_of(model + al.Sine(size, "rad/s", frequency=frequency, phase=1.0), n, seed))
+    clean = al.identify(record_of(model, n, seed))
+    (line,) = fit.lines
+    assert line.frequency == pytest.approx(frequency, abs=0.6 * RATE / n)
+    assert abs(line.amplitude - size) < 5 * line.standard_error
+    assert line.standard_error == pytest.approx(math.sqrt(3 * level / n) / np.sinc(frequency / RATE), rel=0.5)
+    assert fit.goodness.explained == clean.goodness.explained
+    assert "a sinusoid was removed first" in fit.goodness.verdict
+    assert fit.model["Sine"].shape[0] == line.frequency
+    assert fit.to_dict()["lines"][0]["frequency"] == line.frequency
+    # what is left of the noise is what was there without the line
+    assert fit["N"].value == pytest.approx(clean["N"].value, rel=1e-3)
+    assert al.identify(record_of(model, n, seed), lines=False)["N"].value == clean["N"].value
 
 
 def test_lines_across_gaps():
@@ -128,9 +127,9 @@ def test_lines_across_gaps():
 
 @pytest.mark.slow("ensemble")
 def test_false_lines_are_rare():
-    """In 100 records of noise: more than 5 at 1 % each have a probability of 5e-4."""
-    fits = [al.identify(record_of(N + B + K, 2**13, seed), terms="NBK") for seed in range(1, 101)]
-    assert sum(bool(fit.lines) for fit in fits) <= 5
+    """In 60 records of noise: more than 4 at 1 % each have a probability of 4e-4."""
+    fits = [al.identify(record_of(N + B + K, 2**13, seed), terms="NBK") for seed in range(1, 61)]
+    assert sum(bool(fit.lines) for fit in fits) <= 4
 
 
 @pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests import examples
 from tests.reference.angle import PAPER, PAPER_SUMS, kalman, row
-from tests.rows import paired, refused, rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.applications.angle import AngleSettings, squareroot
@@ -205,24 +205,6 @@ def test_estimates_of_still_and_swaying_gimbals():
     assert found["h_polar"].found(128)
 
 
-@rows("degrees", [0.117, 1.0])
-def test_sway_makes_the_mean_period_the_same_everywhere(degrees):
-    """Four amplitudes a period of the sway: 6 min at 0.117 deg, as the paper says, where the still one has 154 min."""
-    sway = (math.radians(degrees), 60.0)
-    minutes = [planned(s, "linear", interval=2.0, sway=sway).mean_periods["128 h"] / 60 for s in (0.0, 7200.0, 18000.0)]
-    np.testing.assert_allclose(minutes, 360 / 128 / (4 * degrees), rtol=0.03)
-
-
-@rows("law, start", paired(list(Q_LAWS), [0.0, 10800.0, 18000.0]))
-def test_a_turned_ring_tells_harmonics_apart_in_half_the_time(law, start):
-    ring = al.angle.Ring(math.radians(2) / 60, math.radians(-10), math.radians(10))
-    turned = planned(start, law, duration=1800.0, ring=ring)
-    assert turned.total < 0.8 * planned(start, law, duration=1800.0).total
-    assert all(mean < 0.8 * still for mean, still in zip(
-        list(turned.mean_periods.values())[:2], list(planned(start, law).mean_periods.values())[:2], strict=True
-    ))  # fmt: skip
-
-
 def test_estimates_with_a_turned_ring_hold_the_truth():
     """Errors of the ring's own sensor are estimated, too: 17 constants."""
     ring = al.angle.Ring(math.radians(2) / 60, math.radians(-10), math.radians(10), step=math.radians(0.25))
@@ -320,17 +302,6 @@ def test_the_papers_table_has_the_trend_of_the_linear_law_only():
     assert np.argmin(exact) == 0
 
 
-@rows("degrees", [0.5, 1.0])
-def test_sway_halves_the_time_in_the_middle_but_not_at_the_extreme(degrees):
-    sway = (math.radians(degrees), 60.0)
-    half = [planned(3600.0 * i + 900, "linear", duration=1800.0, sway=sway).total for i in range(6)]
-    full = [planned(3600.0 * i, "linear").total for i in range(6)]
-    assert half[0] < full[0]
-    assert half[5] < full[5]
-    assert max(a / b for a, b in zip(half[1:5], full[1:5], strict=True)) < 1.5
-    assert half[5] > 3 * half[0]
-
-
 @rows("options, name, words", [
     ({"start": 18000.0}, "span", "less than one period of its harmonic 128"),
     ({"start": 0.0, "law": "linear"}, "alike", "S256 h and C128 q|S256 h and S128 q"),
@@ -342,26 +313,6 @@ def test_caveats_of_a_plan(options, name, words):
 
     finding = next(f for f in planned(**options).findings if f.name == name)
     assert re.search(words, str(finding))
-
-
-@pytest.mark.slow("takes more than half a second")
-@still
-def test_planning_predicts_the_spread(law):
-    """Ratio of simulated to planned deviation, 60 runs, seeds 1 to 60, 8 amplitudes: 4.5 standard errors (9 %)."""
-    gimbals, unit, errors = hour(3600.0, law), 1e-7, []
-    for seed in range(1, 61):
-        rng = np.random.default_rng(seed)
-        a, rest = 3 * unit * rng.standard_normal(8), 10 * unit * rng.standard_normal(5)
-        true = {
-            name: al.angle.Harmonics.of({128: tuple(p[:2]), 256: tuple(p[2:])})
-            for name, p in (("h", a[:4]), ("q", a[4:]))
-        }
-        z = al.angle.simulate(gimbals, true, nuisance=dict(zip(USUAL, rest, strict=True)), sigma=unit, rng=rng)
-        found = al.angle.estimate(z, gimbals, sigma=unit, prior=(3 * unit, 10 * unit)).solution
-        errors.append((found.values[:8] - a) / unit)
-    ratio = np.sqrt((np.array(errors) ** 2).mean(axis=0)) / planned(3600.0, law).errors[:8]
-    assert np.all(np.abs(ratio - 1) < 4.5 * 0.0913)
-    assert abs(ratio.mean() - 1) < 0.12
 
 
 # harmonics as a correction
