@@ -56,7 +56,7 @@ def test_the_tutorial_prints_what_it_says(desk):
 
 
 @pytest.mark.slow("takes more than half a second")
-@rows("command", thinned(COMMANDS, 20, "every command"))
+@rows("command", thinned(COMMANDS, 12, "every command"))
 def test_commands_run_and_leave_what_they_name(tmp_path, monkeypatch, command):
     monkeypatch.chdir(furnish(tmp_path))
     typed(command)

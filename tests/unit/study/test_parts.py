@@ -198,7 +198,7 @@ def test_defects_are_found_wherever_they_are(tmp_path, monkeypatch):
 ])  # fmt: skip
 def test_what_needs_the_whole_is_refused_by_name(file, recipe, words):
     refused(UsageError, words, lambda: al.analyze(file, Recipe(**HOW, memory="100kB", **recipe)))
-    al.analyze(file, Recipe(**HOW, memory="1GB", channels=("3",), until=300.0, **recipe))  # the cure
+    al.analyze(file, Recipe(**HOW, memory="1GB", channels=("3",), until=150.0, **recipe))  # the cure
 
 
 @rows("job, words", [
