@@ -77,9 +77,6 @@ def as_expected(model, name):
     assert np.all(np.abs(np.mean([c.variance for c in curves], axis=0) - expected) < 5 * error)
 
 
-# statistics
-
-
 @rows("name", ["fdev", "wdev"])
 def test_a_new_statistic_has_its_expectation_and_its_limits(name):
     """Mean and scatter of 60 records, within 5 standard errors of what the row leads one to expect."""
@@ -130,9 +127,6 @@ def test_a_new_statistic_is_read_by_fits(name, method):
 def test_what_cannot_read_a_new_statistic_says_so():
     with pytest.raises(al.UsageError):
         al.identify(simulated(al.N(1.0, "deg/sqrt(h)")), "ls", statistic="fdev")
-
-
-# noise terms
 
 
 def test_a_new_term_is_made_written_and_read():
@@ -198,9 +192,6 @@ def test_new_rows_have_their_pages(tmp_path, monkeypatch):
     assert "[fdev](fdev.md)" in "\n".join(statistic_index())
 
 
-# a noise term whose coefficient has a power of time that no other has
-
-
 def relaxing():
     return al.N(0.1, "deg/sqrt(h)") + al.RR(2e-6, "rad/s^2.5", time_constant=20.0)
 
@@ -246,9 +237,6 @@ def test_everything_that_takes_a_model_takes_a_term_of_a_new_power(tmp_path):
     assert "rad/s^2.5" in study.channels[0].fit["RR"].to_dict()["shown"]["unit"]
     al.plot(study, path=tmp_path / "z.svg")
     assert al.from_dict(study.to_dict()).channels[0].fit["RR"].shape == study.channels[0].fit["RR"].shape
-
-
-# whatever stands for a model
 
 
 def test_a_term_and_a_fit_stand_for_a_model():

@@ -168,9 +168,6 @@ def test_the_page_offers_what_comes_from_outside(used):
     assert [row["formats"] for row in page["exports"] if row["name"] == "pilot"] == [[".cfg"]]
 
 
-# what is broken
-
-
 @pytest.mark.slow("takes more than half a second")
 def test_a_plugin_that_is_broken_is_named_and_left_out(sample, tmp_path):
     lines = ("from allanite.cli import Verb", "from allanite_sample.command import extent", "ROW = object()",
@@ -256,9 +253,6 @@ def test_the_program_says_in_one_line_what_is_left_out(tmp_path):
     assert done.stderr == f"allanite: the verb plugin 'mine' of the package 'theirs' is broken ({why}){SAID}\n"
     assert "Analyze:" in done.stdout
     assert done.returncode == 0
-
-
-# what the checks find
 
 
 def reader(**parts):

@@ -215,7 +215,7 @@ def test_a_manifest_lists_files_and_what_is_known_of_them(units, tmp_path):
     assert (got["SN1"]["temperature"], got["SN1"]["date"].isoformat(), got["SN1"]["lab"]) == (
         25.5, "2024-05-31T10:00:00", "A",
     )  # fmt: skip
-    assert ((got["SN0"]["temperature"], got["SN0"]["lab"]), got["SN9"]["status"]) == ((None, None), "failed")
+    assert (got["SN0"]["temperature"], got["SN0"]["lab"], got["SN9"]["status"]) == (None, None, "failed")
 
 
 @rows(("name", "text", "words"), [

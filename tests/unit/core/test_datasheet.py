@@ -74,7 +74,7 @@ def test_the_other_quantities_of_a_gyro(gyro):
     assert gyro["10 s stability", "deg/h"].value == pytest.approx(3.0)
     assert gyro["bandwidth (-3 dB)", ""].remark == "no roll-off up to 50 Hz"
     q = gyro["quantization noise Q", "arcsec"]
-    assert ((q.value, q.low, q.remark), q.high) == ((None, None, "not identified"), pytest.approx(0.3))
+    assert (q.value, q.low, q.remark, q.high) == (None, None, "not identified", pytest.approx(0.3))
 
 
 def test_the_quantities_of_an_accelerometer():

@@ -177,7 +177,7 @@ def test_words_of_an_absent_term_and_terms_that_are_asked_for():
     fit = al.identify(record)
     for symbol in "QBKR":
         e = fit[symbol]
-        assert ((e.status, e.value), e.interval()) == (("absent", None), e.profile(0.95))
+        assert (e.status, e.value, e.interval()) == ("absent", None, e.profile(0.95))
         low, high = e.interval()
         assert low < 0 < high if symbol == "R" else low == 0.0  # a ramp has a sign
         assert max(high, -low) > e.upper  # two-sided beyond one-sided

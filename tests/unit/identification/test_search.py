@@ -55,9 +55,6 @@ GM, PEAK, HIGH_PASS = (
 WIDE, ABOVE = Part("factor", "all", (0.0, 13.0, 0.3)), Part("factor", "above", (9.0, 13.0, 0.6))
 
 
-# --- derivatives ---------------------------------------------------------------------------------------------------
-
-
 @rows(
     "parts",
     [
@@ -96,9 +93,6 @@ def test_slopes_are_those_of_the_expected_power(parts):
         assert np.linalg.norm(a - b) < 0.01 * np.linalg.norm(b) + 1e-4 * np.linalg.norm(c)
 
 
-# --- states --------------------------------------------------------------------------------------------------------
-
-
 def test_a_state_never_changes_and_its_parts_stand_in_the_order_of_the_table():
     every = [ABOVE, HIGH_PASS, PEAK, Part("filter", "rc", (0.1,)), GM, Part("step", "", (900.0,))]
     states = {State().having(*(every[i] for i in np.random.default_rng(k).permutation(len(every)))) for k in range(10)}
@@ -122,9 +116,6 @@ def test_a_state_never_changes_and_its_parts_stand_in_the_order_of_the_table():
 ])  # fmt: skip
 def test_what_may_stand_together(parts, may):
     assert State().having(*parts).admitted(frame_from(made())) is may
-
-
-# --- prices --------------------------------------------------------------------------------------------------------
 
 
 def test_a_price_is_what_noise_alone_gains_at_its_rate():
@@ -154,9 +145,6 @@ def test_a_state_costs_what_its_parts_and_terms_do():
     assert behind.score - behind.value - behind.state.cost(frame) == pytest.approx(4 * 2.0 + 4.0, abs=0.1)
     loop = Part("noise", "GM2", (9.0, 0.1))
     assert cost_of(loop, frame) > cost_of(GM, frame) + 5
-
-
-# --- the search ----------------------------------------------------------------------------------------------------
 
 
 def humped(n=2**13, seed=3):
@@ -196,9 +184,6 @@ def test_a_refined_fit_is_the_least_nearby():
     for factor in (0.9, 0.97, 1.03, 1.1):
         near = fitted(frame, with_values(best.state, values_of(best.state) + math.log(factor)))
         assert near.value > best.value - 1e-3
-
-
-# --- laws ----------------------------------------------------------------------------------------------------------
 
 
 def test_weights_and_laws_are_those_of_all_that_is_kept():
@@ -243,9 +228,6 @@ def test_a_value_lies_within_its_limits():
             if e.value is not None and e.limits is not None:
                 low, high = e.interval(0.3)
                 assert low <= e.value <= high
-
-
-# --- the room ------------------------------------------------------------------------------------------------------
 
 
 NOTCHED = butter(4, 0.24)

@@ -171,9 +171,6 @@ def test_definitions_that_are_too_large_are_refused():
         Definition({"a/msg/A": ([], [("x", (base, ("wstring", 0)))])}, "a/msg/A", aligned=True)
 
 
-# which topic
-
-
 @pytest.fixture(scope="module", params=FORMS)
 def several(request, tmp_path_factory):
     form = request.param
@@ -291,9 +288,6 @@ def test_a_definition_that_the_bag_does_not_hold_is_read_beside_it(tmp_path):
     assert "defined by Logged.msg beside the bag" in recording.notes
 
 
-# which clock
-
-
 @rows("form, frozen", paired(list(FORMS), [0, 1_700_000_000_000_000_000]))
 def test_constant_stamps_of_headers_give_way_to_the_receive_time(tmp_path, form, frozen):
     rows = [(10**18 + k * 4_000_000, packed(form, imu(form, frozen, row))) for k, row in enumerate(VALUES)]
@@ -331,9 +325,6 @@ def test_a_counter_in_the_header_shows_what_is_missing(tmp_path):
     recording = al.read(write(tmp_path, "bag", [topic._replace(messages=rows)]))
     assert recording[0].size == len(VALUES)
     assert np.flatnonzero(np.isnan(recording[0].values)).tolist() == [100, 101, 102, 103, 104]
-
-
-# folders, packings
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -379,9 +370,6 @@ def test_progress_is_told_while_a_bag_is_read(tmp_path):
     path = write(tmp_path, "bag", [imu_topic("bag", VALUES)])
     open_recording(path, al.Recipe(), progress=lambda what, fraction: told.append((what, fraction)))
     assert (told[0], told[-1]) == (("reading", 0.0), ("reading, 100 %", pytest.approx(0.04)))
-
-
-# damaged
 
 
 @pytest.mark.slow("seconds of analyses")

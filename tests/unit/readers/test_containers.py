@@ -38,12 +38,12 @@ def test_several_sensors_are_listed_and_chosen(two_sensors):
     ):
         al.read(two_sensors)
     gyro = al.read(two_sensors, channels=["imu0/gyro"])
-    assert (gyro.channels, (gyro["y"].rate, gyro["y"].unit)) == (("x", "y", "z"), (200.0, "deg/s"))
+    assert (gyro.channels, gyro["y"].rate, gyro["y"].unit) == (("x", "y", "z"), 200.0, "deg/s")
     assert np.array_equal(gyro["y"].values, GYRO[:, 1])
     assert any("rate 200.0 Hz from 'imu0/rate'" in note for note in gyro.notes)
     for choice in (["acc"], ["acc 2"], ["6"]):
         acc = al.read(two_sensors, channels=choice)
-        assert ((acc[0].unit, acc[0].start), acc[0].rate) == (("m/s^2", 7.0), pytest.approx(50.0))
+        assert (acc[0].unit, acc[0].start, acc[0].rate) == ("m/s^2", 7.0, pytest.approx(50.0))
     assert np.array_equal(acc[0].values, ACC[:, 2])
     assert any("imu0/gyro (60 x 3)" in note for note in acc.notes)
     refused(UsageError, "2 recordings", lambda: al.read(two_sensors, channels=["nothing"]))
@@ -156,9 +156,6 @@ def test_heavy_libraries_are_imported_by_none_but_their_readers(tmp_path):
     assert run.stdout.strip() == "[]"
 
 
-# MATLAB
-
-
 def savemat(path, content, **options):
     from scipy.io import savemat as save
 
@@ -202,9 +199,6 @@ def test_of_a_bomb_in_a_mat_file_no_more_is_unpacked_than_it_may(tmp_path):
     path = savemat(tmp_path / "a.mat", {"gyro": np.zeros(30_000_000)}, do_compression=True)
     with pytest.raises(DataError, match=r"claims more than the \S+ MB that a file of this size may unpack to"):
         al.read(path, rate=1, unit="deg/s")
-
-
-# R
 
 
 def r_file(path, body, version=2):
@@ -274,9 +268,6 @@ def test_a_million_empty_entries_are_not_gone_through(tmp_path):
         al.read(path, rate=1, unit="deg/s")
 
 
-# Parquet
-
-
 def test_parquet_of_others(tmp_path):
     import pyarrow as pa
     from pyarrow import parquet
@@ -325,9 +316,6 @@ def test_a_dictionary_of_long_words_is_not_spelled_out(tmp_path):
     channels, taken = run.stdout.rsplit(" ", 1)
     assert channels == "('gx_dps',)"
     assert int(taken) < 100
-
-
-# archives
 
 
 def test_an_archive_with_several_asks(tmp_path):
@@ -399,9 +387,6 @@ def test_archives_that_hold_nothing_to_read(tmp_path):
         for i in range(30_000):
             archive.writestr(f"{i}.csv", b"")
     refused(DataError, "directory of the archive claims", lambda: al.read(tmp_path / "a.zip"))
-
-
-# raw binary
 
 
 @rows("options, words", [

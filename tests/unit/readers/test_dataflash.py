@@ -63,7 +63,7 @@ def test_instances_are_listed_and_chosen(flight):
     words = r"3 tables.*\(IMU/0 \(300 rows at 50 Hz\), IMU/1 \(300 rows at 50 Hz\), GYR/0 \(900 rows at 150.3 Hz\)\)"
     refused(UsageError, words, lambda: al.read(path))
     recording = al.read(path, channels=["GYR"])
-    assert (recording.channels, (recording[0].unit, recording[0].size)) == (("GyrX", "GyrY", "GyrZ"), ("rad/s", 900))
+    assert (recording.channels, recording[0].unit, recording[0].size) == (("GyrX", "GyrY", "GyrZ"), "rad/s", 900)
     assert recording[0].rate == pytest.approx(1e6 / 6667)
     assert np.array_equal(recording[1].values, gyro[:, 1].astype(float))
     assert any("'SampleUS [us]' is used as the clock, of 2 candidates" in note for note in recording.notes)

@@ -44,7 +44,7 @@ def test_one_segment_with_times_and_a_comment(tmp_path):
     lines = rows(GYRO)
     lines[3] += "\ton the table"
     recording = al.read(save(tmp_path / "a.lvm", head("One") + segment(("X_Value", "gx", "gy", "Comment"), lines)))
-    assert (recording.channels, (recording[0].unit, recording[0].size)) == (("gx", "gy"), ("deg/s", 400))
+    assert (recording.channels, recording[0].unit, recording[0].size) == (("gx", "gy"), "deg/s", 400)
     assert recording[0].rate == pytest.approx(100.0)
     assert np.array_equal(np.column_stack([r.values for r in recording]), GYRO)
     # without times the step of the header counts

@@ -72,8 +72,7 @@ def test_increments_and_several_kinds(tmp_path):
     refused(UsageError, r"2 tables.*VNDTV \(300 rows\).*VNIMU", lambda: al.read(save(tmp_path, lines), rate=100))
     lines = [line.split("\n")[0] + "\n" for line in lines] + [sentence("GPGGA", [1.0])] * 300
     recording = al.read(save(tmp_path, lines), rate=100)
-    assert {r.kind for r in recording} == {"increment"}
-    assert [r.unit for r in recording] == ["deg"] * 3 + ["m/s"] * 3
+    assert ({r.kind for r in recording}, [r.unit for r in recording]) == ({"increment"}, ["deg"] * 3 + ["m/s"] * 3)
     assert np.array_equal(recording["delta_theta_y"].values, VALUES[:, 2])
 
 

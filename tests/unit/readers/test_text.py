@@ -228,7 +228,7 @@ def test_a_file_of_many_blocks(write):
     # integers that become fractions after the first megabyte, comments in the middle, empty lines
     rows = ["1"] * 400_000 + ["# pause", "", "0.5"] + ["2"] * 400_000
     values = read(write("gx [deg/s]\n" + "\n".join(rows)), rate=10)["gx"].values
-    assert (len(values), (values[0], values[400_000], values[-1])) == (800_001, (1.0, 0.5, 2.0))
+    assert (len(values), values[0], values[400_000], values[-1]) == (800_001, 1.0, 0.5, 2.0)
 
 
 @rows("text", ["1,2,3\n4,5,6\n", "1;2;3\n4;5;6\n", "1\t2\t3\n4\t5\t6\n", "1 2  3\n 4 5 6\n"])

@@ -63,7 +63,7 @@ def test_several_topics_are_listed_with_rate_and_count_and_chosen(log):
         recording = al.read(path, channels=[key])
         assert recording.channels == ("x", "y", "z")
         assert np.array_equal(np.column_stack([r.values for r in recording]), second.astype(float))
-    assert ((recording[0].unit, recording[0].kind), recording[0].rate) == (("rad/s", "rate"), pytest.approx(100.0))
+    assert (recording[0].unit, recording[0].kind, recording[0].rate) == ("rad/s", "rate", pytest.approx(100.0))
     assert recording.others[0].name == "temperature"
     assert any("sensor_gyro/0 (400 rows" in note for note in recording.notes)
     assert al.read(path, channels=["sensor_gyro/1/z"]).channels == ("z",)

@@ -103,7 +103,7 @@ def test_what_the_user_says_wins_over_the_description(tmp_path, suffix):
     records = [al.Record(np.arange(50.0) % 7, 100.0, "deg/s", name=name, start=5.0) for name in ("gx", "gy")]
     al.write(al.Recording(tuple(records)), tmp_path / f"a{suffix}")
     recording = al.read(tmp_path / f"a{suffix}", rate=50.0, unit="deg/h", channels=["gy"])
-    assert (recording.channels, (recording["gy"].rate, recording["gy"].unit)) == (("gy",), (50.0, "deg/h"))
+    assert (recording.channels, recording["gy"].rate, recording["gy"].unit) == (("gy",), 50.0, "deg/h")
 
 
 def in_reverse(path):

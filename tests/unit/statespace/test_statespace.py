@@ -149,7 +149,7 @@ def test_the_deviation_from_the_model_is_told():
     assert 0.001 < space.ripple < 0.02
     assert space.measurement == "mean"  # because of Q
     assert len(space.states) == len(space.units) == len(space.Phi) == 8
-    assert (((space.units[1], space.units[6]), space.F.shape), len(space.notes)) == ((("rad/s^2", "rad"), (6, 6)), 4)
+    assert ((space.units[1], space.units[6]), space.F.shape, len(space.notes)) == (("rad/s^2", "rad"), (6, 6), 4)
 
 
 def test_the_simpler_measurement_is_taken_where_it_does():

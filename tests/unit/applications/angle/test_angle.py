@@ -41,9 +41,6 @@ def sensors(unit=1e-6):
             "q": al.angle.Harmonics.of({128: (-2 * unit, 2 * unit), 256: (unit, 0.0)}, "q")}  # fmt: skip
 
 
-# geometry
-
-
 @rows("latitude", [-1.2, 0.0, 0.3, LATITUDE, 1.5])
 @rows("sway", [None, (0.02, 60.0), al.angle.Sway(0.1, 0.03, 47.0, heading=0.7)])
 @rows("ring", [None, al.angle.Ring(1e-3, -0.2, 0.4), al.angle.Ring(1e-3, 0.1, 0.3, 0.01, 2.0)])
@@ -128,9 +125,6 @@ def test_periods_of_the_errors():
     assert scan.mean_periods["128 h"].tolist() == [planned(s, law="linear").mean_periods["128 h"] for s in scan.starts]
     linear = hour(law="linear")
     np.testing.assert_allclose(linear.period("q", 128) / 60, 11.22, atol=0.01)
-
-
-# the estimator
 
 
 @still
@@ -251,9 +245,6 @@ def test_checks_are_right_as_often_as_they_say():
     assert max(failed.values()) <= 11
 
 
-# planning
-
-
 @rows(
     ("law", "totals"),
     [("linear", (5.28, 1.43, 1.14, 1.41, 2.09, 8.78)), ("exact", (1.01, 1.74, 1.16, 1.32, 2.84, 9.20))],
@@ -315,9 +306,6 @@ def test_caveats_of_a_plan(options, name, words):
     assert re.search(words, str(finding))
 
 
-# harmonics as a correction
-
-
 def test_harmonics_are_sines_that_keep_gaps_and_correct_a_record_in_its_own_unit():
     known = al.angle.Harmonics.of({128: (10 * ARCSEC, 0.0), 256: (0.0, 5 * ARCSEC)}, "encoder")
     true = np.linspace(0.0, 400.0, 5001)
@@ -341,9 +329,6 @@ def test_harmonics_are_sines_that_keep_gaps_and_correct_a_record_in_its_own_unit
 def test_only_angles_are_corrected(kind, unit):
     record = al.Record(np.arange(5.0), rate=1.0, unit=unit, kind=kind, name="x")
     refused(al.UsageError, "'angle' in rad or deg", lambda: al.angle.Harmonics.of({128: (1e-5, 0.0)}).apply(record))
-
-
-# any encoder against a reference
 
 
 def encoder(n=4000, seed=1, turns=2.0, offset=0.0, noise=2.0):

@@ -79,8 +79,7 @@ def test_every_interval_is_written(record, tmp_path):
     )  # fmt: skip
     assert done.exit_code == 0, done.stderr
     rows = list(csv.DictReader(io.StringIO(table.read_text(encoding="utf-8"))))
-    assert len(rows) == 6 * 6
-    assert {row["interval"] for row in rows} == set("123456")
+    assert (len(rows), {row["interval"] for row in rows}) == (6 * 6, set("123456"))
     mean = next(row for row in rows if row["method"] == "mean" and row["interval"] == "3")
     counted = record.values[8000:12_000].sum() * record.scale / 10.0
     assert float(mean["rate"]) == pytest.approx(counted)

@@ -31,9 +31,6 @@ def white(n=1000, mean=10.0, seed=1, rate=10.0):
     return al.Record(values, rate=rate, unit="deg/h", name="z")
 
 
-# ---- intervals
-
-
 def test_intervals_fill_the_record_but_for_its_end():
     found = experiment(white(1050), MODEL, ExperimentSettings(interval=10.0, methods=("mean",)))
     assert found.start.tolist() == [10.0 * i for i in range(10)]
@@ -96,9 +93,6 @@ def test_errors_are_counted_from_the_reference_and_useless_methods_named():
         experiment(white(), None, ExperimentSettings(methods=("optimal",)))
 
 
-# ---- bias, reversal
-
-
 def test_bias_is_subtracted_or_removed_by_reversal():
     """12.335042 less a bias of -0.0948 is 12.4298; the vertical earth rate there is that of Moscow."""
     raw = replace(
@@ -120,9 +114,6 @@ def test_bias_is_subtracted_or_removed_by_reversal():
     assert rate.standard_error == pytest.approx(up.standard_error / math.sqrt(2))
     assert rate.duration == 200.0
     refused(al.UsageError, "one target", lambda: reversal(up, replace(down, target="start")))
-
-
-# ---- the earth
 
 
 def test_earth_rate():
@@ -192,9 +183,6 @@ def test_what_gives_no_heading_is_refused():
     refused(al.UsageError, "a gyro", lambda: north(accelerometer, 50.0))
 
 
-# ---- the ring laser
-
-
 def test_the_model_of_the_gl1_is_that_of_its_counts():
     """20 records of 4 min, seeds 1 to 20: the spread of the counts over 30 s is that of the model to 4 %."""
     ends = []
@@ -251,9 +239,6 @@ def test_a_ring_laser_is_sampled_faster_than_its_residual():
         al.simulation.simulate_ring_laser(GL1, 1.0, 100, 50.0, rng=np.random.default_rng(1))
     with pytest.raises(al.UsageError, match="at least 2"):
         al.simulation.simulate_ring_laser(GL1, 1.0, 1, 400.0, rng=np.random.default_rng(1))
-
-
-# ---- all of it
 
 
 @pytest.mark.slow("takes more than half a second")

@@ -214,9 +214,6 @@ def test_a_ramp_is_no_error_of_the_mean_but_one_of_the_start():
     )
 
 
-# ---- dither
-
-
 @rows("method, frequency", paired(list(RATE_ESTIMATORS), [30.37, 412.7]))
 def test_dither_is_taken_out_exactly(method, frequency):
     n, rate = 4001, 400.0
@@ -244,9 +241,6 @@ def test_dither_that_cannot_be_told_from_a_rate_is_refused(frequency):
     refused(al.UsageError, "dither", lambda: estimate(record, "mean", dither=(frequency,)))
 
 
-# ---- the same data said in other words
-
-
 @rows("method", RATE_ESTIMATORS)
 def test_counts_increments_angle_and_rate_are_the_same_data(method):
     record = counts(1000)
@@ -260,9 +254,6 @@ def test_counts_increments_angle_and_rate_are_the_same_data(method):
         found = estimate(other, method, model=MODELS["QN"], options=chosen)
         assert found.value == pytest.approx(wanted.value, rel=1e-9)
         assert found.standard_error == pytest.approx(wanted.standard_error, rel=1e-9)
-
-
-# ---- bad input
 
 
 BAD = {"a reading that is no number": (lambda: ([1.0, math.nan, 2.0], "mean", {}), al.DataError, "1 of 3 samples"),
@@ -308,9 +299,6 @@ def test_dead_stuck_and_slipped_outputs_are_named():
     stuck = al.Record(np.full(5000, 7), rate=100.0, unit="arcsec", kind="count", scale=0.33)
     assert [f.name for f in estimate(stuck, "mean").findings] == ["constant"]
     assert estimate(record, "mean").findings == ()
-
-
-# ---- the value, the ranking
 
 
 def test_the_value_says_what_it_is():
