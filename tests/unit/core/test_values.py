@@ -224,20 +224,6 @@ def test_recipes_are_plain_data(tmp_path):
     refused(al.UsageError, "cannot be read", lambda: al.Recipe.load(path))
 
 
-@pytest.mark.slow("takes more than half a second")
-def test_a_study_is_the_documented_json():
-    study = al.analyze(al.Recording((record(20_000, name="x"), record(20_000, name="y"))), al.Recipe(taus="octave"))
-    data = json.loads(json.dumps(study.to_dict(), allow_nan=False))
-    assert (data["allanite"], data["type"]) == (1, "Study")
-    assert {"channels", "recipe", "provenance"} <= set(data)
-    channel = data["channels"][0]
-    assert {"name", "quality", "curves", "fit"} <= set(channel)
-    curve = channel["curves"][0]
-    assert {"statistic", "unit", "m", "tau", "deviation", "edf", "low", "high"} <= set(curve)
-    assert {"method", "terms", "gof_p", "lines"} <= set(channel["fit"])
-    assert data["provenance"]["allanite"] == al.__version__
-
-
 def test_a_fit_without_a_valid_term_has_no_model():
     fit = al.identify(al.simulate(al.N(1, "deg/sqrt(h)"), 5000, 1.0, rng=np.random.default_rng(1)), terms="N,K")
     hidden = tuple(replace(e, status="not valid" if e.symbol == "N" else "not observable") for e in fit)

@@ -130,14 +130,5 @@ def test_another_method_can_be_checked():
     assert json.loads(result.stdout)["recipe"]["method"] == "gls"
 
 
-@pytest.mark.slow("takes more than half a second")
-def test_the_verb_takes_the_length_of_a_recording(tmp_path):
-    record = al.simulate(MODEL, 3000, 10.0, rng=np.random.default_rng(1), unit="deg/h", name="gx")
-    al.write(record, tmp_path / "one.npz")
-    result = run(tmp_path / "one.npz", "--records", 3)
-    assert result.exit_code == 0, result.stderr
-    assert "  3 records of 3000 samples at 10 Hz (5 min)" in result.stdout
-
-
 def test_the_verb_needs_a_length():
     assert run("--sensor", "fog", "--rate", 10).exit_code == 2

@@ -141,15 +141,6 @@ def test_a_gap_names_the_longest_whole_stretch():
     assert "3 of 10000 samples are missing (0.03 %), in 2 gaps, the first from 1 s" in gaps
 
 
-def test_findings_are_plain_data():
-    import json
-
-    data = json.loads(json.dumps(inspect(record(3000)).to_dict()))
-    assert data["findings"][0]["name"] == "short"
-    own = {"name", "what", "consequence", "remedy", "place", "fatal"}
-    assert set(data["findings"][0]) == {"allanite", "type", *own}
-
-
 @rows("name", ["gl1", "gl1-smooth"])
 def test_a_healthy_ring_laser_raises_no_alarm(name):
     """The residual of the dither, the frequency of the pulses and their pattern are within a pulse."""

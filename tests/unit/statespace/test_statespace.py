@@ -1,7 +1,5 @@
 """State spaces: exact discretisation, Allan curves from the matrices, filters that work."""
 
-import json
-
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -185,18 +183,6 @@ def test_the_verb_prints_matrices_that_can_be_pasted(tmp_path):
         np.testing.assert_array_equal(np.array(matrix, dtype=float), getattr(space, name))
     assert set(pasted) == {"Phi", "Qd", "H", "R", "P0"}
     assert (tmp_path / "a.png").stat().st_size > 10_000
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_the_verb_takes_a_recording(tmp_path):
-    record = al.simulate(al.sensor("mems"), 40_000, 20.0, rng=np.random.default_rng(1), unit="deg/h", name="gz")
-    al.write(record, tmp_path / "one.npz")
-    result = run(tmp_path / "one.npz", "--tau", "1 s,10 min", "--json", "-", "--plot", tmp_path / "a.svg")
-    assert result.exit_code == 0, result.stderr
-    (channel,) = json.loads(result.stdout)["channels"]
-    assert (channel["name"], channel["model"]) == ("gz", al.identify(record).valid.to_dict())
-    assert channel["tau"] == [1.0, 600.0]
-    assert "measured gz" in (tmp_path / "a.svg").read_text() or (tmp_path / "a.svg").stat().st_size > 10_000
 
 
 @rows("arguments", [("--tau", "1"), ("--tau", "0,3"), ("--turn-on", "3"), ("--order", "99")])
