@@ -27,15 +27,10 @@ import bag_files
 
 INTERVAL, START = 5_000_000, 1_700_000_000_000_000_000
 FORMS = {
-    "bag": ("bag", ""),
-    "lz4": ("bag", "lz4"),
-    "bz2": ("bag", "bz2"),
-    "db3": ("db3", ""),
-    "db3-message": ("db3", "message"),
-    "db3-file": ("db3", "file"),
-    "mcap": ("mcap", ""),
+    "bag": ("bag", ""), "lz4": ("bag", "lz4"), "bz2": ("bag", "bz2"), "db3": ("db3", ""),
+    "db3-message": ("db3", "message"), "db3-file": ("db3", "file"), "mcap": ("mcap", ""),
     "mcap-chunk": ("mcap", "storage"),
-}
+}  # fmt: skip
 COMPRESSED = {"message": "zstd by message", "file": "zstd of the file", "storage": "zstd by chunk"}
 HEADINGS = ("bag", "file MB", "rosbags s", "allanite s", "times faster", "record MB", "memory MB", "times the record")
 

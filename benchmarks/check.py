@@ -122,12 +122,10 @@ SHORT = Sensor(3.394e-4, 3.8785e-5, 300.0), Sensor(4e-3, 6e-3, 30.0)
 RIGHT = {
     row.name: row
     for row in (
-        Simulator("kalibr", kalibr(*ADIS16448), *ADIS16448),
-        Simulator("gazebo", gazebo(*SITL), *SITL),
-        Simulator("pegasus", pegasus(*SHIPPED), *SHIPPED),
-        Simulator("gazebo-classic", classic(*SITL), *SITL),
+        Simulator("kalibr", kalibr(*ADIS16448), *ADIS16448), Simulator("gazebo", gazebo(*SITL), *SITL),
+        Simulator("pegasus", pegasus(*SHIPPED), *SHIPPED), Simulator("gazebo-classic", classic(*SITL), *SITL),
     )
-}
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -18,12 +18,9 @@ from allanite.statistics.moments.gls import Covariance
 
 N, B, K = al.N(2.525648, "deg/sqrt(h)"), al.B(12.023988, "deg/h"), al.K(32.72457, "deg/h/sqrt(h)")
 NOISE = {
-    "table 2": N + B + K,
-    "no walk": N + B,
-    "fourfold flicker": N + al.B(48.0, "deg/h"),
-    "threefold walk": al.Q(30.0, "arcsec") + N + B + al.K(100.0, "deg/h/sqrt(h)"),
-    "white": al.Model((N,)),
-}
+    "table 2": N + B + K, "no walk": N + B, "fourfold flicker": N + al.B(48.0, "deg/h"),
+    "threefold walk": al.Q(30.0, "arcsec") + N + B + al.K(100.0, "deg/h/sqrt(h)"), "white": al.Model((N,)),
+}  # fmt: skip
 SIZE, STEP = 3600, 0.0625
 RATE = convert(1.0, "deg/h", "rad/s")
 EFFECTS = {"temp": 20.0 * RATE, "d temp/dt": 2000.0 * RATE}  # rate per degC, and per degC/s

@@ -67,12 +67,10 @@ def _parquet() -> bytes:
     stamps = pa.array(np.arange(len(NUMBERS)) * 10_000, pa.timestamp("us"))
     table = pa.table(
         {
-            "time": stamps,
-            "gx_dps": NUMBERS[:, 0],
-            "n": np.arange(len(NUMBERS)) % 3,
+            "time": stamps, "gx_dps": NUMBERS[:, 0], "n": np.arange(len(NUMBERS)) % 3,
             "tag": ["a", "b"] * (len(NUMBERS) // 2),
         }
-    )
+    )  # fmt: skip
     return _saved(lambda file: parquet.write_table(table, file, compression="none"))
 
 

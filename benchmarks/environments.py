@@ -24,11 +24,8 @@ PYTHONS = ["python3.11", "python3.12", "python3.13", "python3.14"]
 FIRST, LAST, EACH = slice(0, 1), slice(-1, None), slice(None)  # which of the Pythons at hand a kind is tried with
 
 ROOMS = (
-    "tests/unit/readers",
-    "tests/unit/reporting",
-    "tests/unit/cli/test_cli.py",
-    "tests/conformance/test_statistics.py",
-)
+    "tests/unit/readers", "tests/unit/reporting", "tests/unit/cli/test_cli.py", "tests/conformance/test_statistics.py",
+)  # fmt: skip
 """Tests of everything that meets a dependency, and of every statistic."""
 
 PLACES = (

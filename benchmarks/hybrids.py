@@ -13,13 +13,9 @@ from allanite.core.units import SIGNALS
 
 SAMPLES = 512
 CASES = (
-    ({"N": 1.0}, None),
-    ({"B": 1.0}, None),
-    ({"K": 1.0}, None),
-    ({"N": 1.0, "K": 0.05}, "model"),
-    ({"N": 1.0, "B": 0.3}, "model"),
-    ({"Q": 2.0, "N": 1.0, "B": 0.3, "K": 0.02}, "model"),
-)
+    ({"N": 1.0}, None), ({"B": 1.0}, None), ({"K": 1.0}, None), ({"N": 1.0, "K": 0.05}, "model"),
+    ({"N": 1.0, "B": 0.3}, "model"), ({"Q": 2.0, "N": 1.0, "B": 0.3, "K": 0.02}, "model"),
+)  # fmt: skip
 FACTORS = {"theobr": (32, 100, 200, 400), "theoh": (8, 64, 200, 400)}
 FEWEST = 1.5
 HEADINGS = (

@@ -120,81 +120,6 @@ def resonance(n: int, f: float, quality: float, peak: float, rng: Rng, *, square
     return math.sqrt(peak) / top * lfilter(b, a, rng.standard_normal(n))
 
 
-def hump(y: Values, share: float, center: float, octaves: float = 1.0) -> Values:
-    """The power multiplied by 1 + share exp(-x^2 / 2), x: octaves from the center over `octaves`; around in a ring."""
-    f = np.arange(1, y.size // 2 + 1) / y.size
-    c = rfft(y)
-    c[1 : f.size + 1] *= np.sqrt(1 + share * np.exp(-0.5 * (np.log2(f / center) / octaves) ** 2))
-    return irfft(c, y.size)
-
-
-def stepped(y: Values, size: float, count: int, rng: Rng) -> Values:
-    """Steps of 0.7 to 1.3 times a size, up or down, in the middle 90 % of the record."""
-    at = (rng.uniform(0.05, 0.95, count) * y.size).astype(int)
-    jumps = size * rng.choice([-1.0, 1.0], count) * rng.uniform(0.7, 1.3, count)
-    return y + np.cumsum(np.bincount(at, jumps, y.size))
-
-
-def warmed(y: Values, size: float, tau: float) -> Values:
-    """A bias that decays exponentially; tau in samples."""
-    return y + size * np.exp(-np.arange(y.size) / tau)
-
-
-def handled(y: Values, size: float, samples: int, rng: Rng) -> Values:
-    """Motion at the start: a rate that wanders below a fortieth of the sampling rate, and fades over `samples`."""
-    motion = behind(rng.standard_normal(samples), [butterworth(1 / 40)])
-    fading = np.linspace(1, 0, samples)
-    return np.concatenate([y[:samples] + size * motion / np.std(motion) * fading, y[samples:]])
-
-
-def popping(y: Values, size: float, dwell: float, rng: Rng) -> Values:
-    """A bias that jumps to and fro after exponentially distributed times of the mean `dwell`, samples."""
-    at = np.cumsum(rng.exponential(dwell, int(3 * y.size / dwell) + 20)).astype(int)
-    jumps = np.bincount(at[at < y.size], minlength=y.size)
-    return y + size * (np.cumsum(jumps) % 2)
-
-
-def bursting(y: Values, size: float, share: float, band: tuple[float, float], rng: Rng) -> Values:
-    """Bursts of vibration in a band, each 0.5 to 2 % of the record, over a share of it."""
-    on, left = np.zeros(y.size), int(share * y.size)
-    while left > 0:
-        length = min(left, int(rng.uniform(0.005, 0.02) * y.size))
-        at = int(rng.integers(0, y.size - length))
-        on[at : at + length] = 1.0
-        left -= length
-    shaking = lfilter(*butter(1, [2 * f for f in band], "band"), rng.standard_normal(y.size))
-    return y + size * on * shaking / np.std(shaking)
-
-
-def held(y: Values, times: Sequence[int], n: int, rng: Rng) -> Values:
-    """Each sample repeated so many times, drawn anew for each where there are several numbers."""
-    return np.repeat(y, rng.choice(np.asarray(times), y.size))[:n]
-
-
-def rounded(y: Values, step: float) -> Values:
-    """Rounded to whole steps."""
-    return np.round(y / step) * step
-
-
-def regained(x: Values, y: Values, low: float, high: float) -> float:
-    """Density of a rounded record y over that of x before it, in a band; known better than either density."""
-    first, last = math.ceil(low * x.size), int(high * x.size)
-    before, rounded_off = (np.sum(np.abs(rfft(z - z.mean())[first:last]) ** 2) for z in (x, y))
-    return float(rounded_off / before)
-
-
-def student(n: int, N: float, rate: float, freedom: float, rng: Rng) -> Values:
-    """White noise with the tails of Student's distribution."""
-    return N * math.sqrt(rate * (freedom - 2) / freedom) * rng.standard_t(freedom, n)
-
-
-def clipped(y: Values, share: float) -> Values:
-    """Clipped, so that a share of the samples stands at the limits."""
-    middle = float(np.median(y))
-    reach = float(np.quantile(np.abs(y - middle), 1 - share))
-    return np.clip(y, middle - reach, middle + reach)
-
-
 SIZE, RECORDS = 2**14, 60
 """Samples and records of the check: an octave of the spectrum is known to 1 % or so, the lowest read to 4 %."""
 
@@ -232,8 +157,6 @@ TEXTBOOK: dict[str, tuple[Callable[[int, Rng], Values], Callable[[Values], Value
     "GM, 300 samples": (lambda n, rng: markov(n, 1.0, 300.0, 1.0, rng),
                         lambda f: aliased(lambda x: 600 / (1 + (600 * np.pi * x) ** 2), f)),
     "resonance": (lambda n, rng: resonance(n + 500, 0.2, 8.0, 30.0, rng, squared=False)[500:], _resonant),
-    "hump": (lambda n, rng: hump(white(n, 1.0, 1.0, rng), 0.5, 0.05),
-             lambda f: 1 + 0.5 * np.exp(-0.5 * np.log2(f / 0.05) ** 2)),
     "RC, 0.1, one in 4": (lambda n, rng: behind(white(4 * n + 400, 1.0, 4.0, rng), [rc(0.1 / 4)])[400::4],
                           lambda f: aliased(lambda x: 1 / (1 + (x / 0.1) ** 2) / np.sinc(x) ** 2, f) + 0.0),
 }  # fmt: skip

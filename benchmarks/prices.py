@@ -15,7 +15,7 @@ from table import begin, section
 import json
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +26,7 @@ from zlib import crc32
 import numpy as np
 
 import allanite as al
+import independent as sim
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.search import moves, search
 from allanite.identification.search.components import CLAIMED, FACTORS, ODDS, cost_of
@@ -34,9 +35,40 @@ from allanite.identification.search.frame import Frame, frame_of
 from allanite.identification.search.refining import Local, Move, pruned, refined, resized
 from allanite.identification.search.state import State
 from prices_table import claims_rows, gains_rows, nulls_rows, weights_rows
-from search_cells import BEHIND, CLEAN, FOG, MEMS, RATE, SETTLING, Made, Maker, lines_of, plain, sim
 
 SYMBOLS = ("Q", "N", "B", "K", "R")
+RATE, SETTLING = 100.0, 8192
+"""Rate, Hz, and samples in which filters and resonances forget their start."""
+
+Truth = dict[str, Any]
+Made = tuple[sim.Values, Truth]
+Maker = Callable[[int, float, sim.Rng], Made]
+
+ARCSEC = 1 / 3600
+MEMS: Truth = {"N": 0.005, "B": 0.002, "K": 3e-4}
+FOG: Truth = {"Q": 0.4 * ARCSEC, "N": 3 * ARCSEC, "B": ARCSEC, "K": 0.09 * ARCSEC, "R": 0.002 * ARCSEC}
+RLG: Truth = {"Q": 0.5 * ARCSEC, "N": 0.18 * ARCSEC, "B": 0.05 * ARCSEC}
+CLEAN: dict[str, Truth] = {
+    "mems": MEMS, "fog": FOG, "rlg": RLG, "N": {"N": 0.005}, "N+K": {"N": 0.005, "K": 1e-3},
+    "strong N+K": {"N": 0.005, "K": 1e-2}, "Q+N": {"Q": 2e-4, "N": 0.002},
+}  # fmt: skip
+
+
+def plain(noise: Truth) -> Maker:
+    """A sensor, deg and s."""
+    return lambda n, rate, rng: (sim.sensor(n, rate, rng, **noise), dict(noise))
+
+
+def behind(noise: Truth, low_pass: sim.Filter) -> Maker:
+    """A sensor behind a digital filter at the rate of the record."""
+
+    def make(n: int, rate: float, rng: sim.Rng) -> Made:
+        y = sim.behind(sim.sensor(n + SETTLING, rate, rng, **noise), [low_pass])[SETTLING:]
+        return y, dict(noise, N=noise["N"] * math.sqrt(sim.folded([low_pass])))
+
+    return make
+
+
 ROWS: dict[str, tuple[Move, str]] = {
     "noise": (moves.markov, ""), "filter": (moves.filters, ""), "floor": (moves.floors, ""),
     "resonance": (moves.resonances, ""), "step": (moves.steps, ""), "warm-up": (moves.warm_ups, ""),
@@ -69,7 +101,7 @@ def resonant(n: int, rate: float, rng: sim.Rng) -> Made:
 
 NULLS: dict[str, Null] = {
     **{name: Null(plain(noise)) for name, noise in CLEAN.items()},
-    "fog behind rc fs/12": Null(BEHIND["rc fs/12"](FOG), "filter"),
+    "fog behind rc fs/12": Null(behind(FOG, sim.rc(1 / 12)), "filter"),
     "mems beside a resonance": Null(resonant, "resonance"),
 }
 BASE: dict[str, tuple[Move, ...]] = {
@@ -158,6 +190,15 @@ def line_of(name: str, n: int, index: int) -> dict[str, Any]:
     seen = spectrum(record, detrend=True)
     gains = gains_of(frame_of(seen, SYMBOLS, seen.read(None, ())), null.beside)
     return {"null": name, "n": n, "index": index, "gains": gains, "cpu": time.process_time() - since} | claims
+
+
+def lines_of(path: Path) -> Iterator[dict[str, Any]]:
+    """The lines of a file; one that was cut off is left out."""
+    for text in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
+        try:
+            yield json.loads(text)
+        except json.JSONDecodeError:
+            continue
 
 
 def run(sizes: dict[int, int], path: Path) -> list[dict[str, Any]]:

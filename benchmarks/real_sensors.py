@@ -68,15 +68,10 @@ def louder(y: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
 POLE = math.exp(-2 * math.pi / 12)
 FAULTS: dict[str, Fault] = {
-    "clean": lambda y, rng: y,
-    "1st-order filter, fs/12": filtered([1 - POLE], [1, -POLE]),
-    "2nd-order filter, fs/6": filtered(*butter(2, 1 / 3)),
-    "boxcar of 4": filtered([0.25] * 4, [1.0]),
-    "two lines": two_lines,
-    "hump": hump,
-    "coarse rounding": rounded,
-    "20 % louder from half time": louder,
-}
+    "clean": lambda y, rng: y, "1st-order filter, fs/12": filtered([1 - POLE], [1, -POLE]),
+    "2nd-order filter, fs/6": filtered(*butter(2, 1 / 3)), "boxcar of 4": filtered([0.25] * 4, [1.0]),
+    "two lines": two_lines, "hump": hump, "coarse rounding": rounded, "20 % louder from half time": louder,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

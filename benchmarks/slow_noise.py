@@ -78,13 +78,10 @@ def popcorn(length: float, interval: float, size: float) -> Callable[[Noise, al.
 
 
 SLOW = {
-    "warm-up": warm_up,
-    "f^-0.8, corner 1 Hz": power_law(0.8, 1.0),
-    "f^-1.2, corner 1 Hz": power_law(1.2, 1.0),
+    "warm-up": warm_up, "f^-0.8, corner 1 Hz": power_law(0.8, 1.0), "f^-1.2, corner 1 Hz": power_law(1.2, 1.0),
     "bursts of 3 s every 100 s by 9 B": popcorn(3.0, 100.0, 9.0),
-    "bursts of 5 s every 200 s by 11 B": popcorn(5.0, 200.0, 11.0),
-    "clean": nothing,
-}
+    "bursts of 5 s every 200 s by 11 B": popcorn(5.0, 200.0, 11.0), "clean": nothing,
+}  # fmt: skip
 CELLS = [
     *(("clean", sensor, LENGTH) for sensor in ("MEMS", "FOG", "RLG", "N K", "N GM 5 s")),
     ("clean", "MEMS", 2**14),

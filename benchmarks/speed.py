@@ -184,11 +184,9 @@ def ratios(run: Run) -> bool:
     select = partial(selection, record)
     select()
     jobs = [
-        lambda: al.deviation(record, "oadev", m=curve.m.tolist()),
-        select,
-        lambda: al.identify(record),
+        lambda: al.deviation(record, "oadev", m=curve.m.tolist()), select, lambda: al.identify(record),
         lambda: al.analyze(record),
-    ]
+    ]  # fmt: skip
     rounds = [[least(job, 1) for job in jobs] for _ in range(7)]
     allan, selected, identified, analysis = np.min(rounds, axis=0).tolist()
     peer = least(lambda: allantools_of("oadev", record, curve.m), 3)

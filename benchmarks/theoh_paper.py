@@ -131,13 +131,11 @@ def main() -> None:
     symbols = [t.symbol for t in FOG]
     fits = [
         (
-            method,
-            statistic or "-",
-            *(f"{x:.2f}" for x in row[0]),
+            method, statistic or "-", *(f"{x:.2f}" for x in row[0]),
             *(f"{x:.2f}" if method in CLAIMS else "-" for x in row[1][-2:]),
         )
         for (method, statistic), row in zip(FITS, rmse, strict=True)
-    ]
+    ]  # fmt: skip
     scatter = np.sqrt(((np.array(drawn).reshape(len(CURVES), asked.curves, -1) - 1) ** 2).mean(axis=1))
     curves = [
         (statistic, bias or ("own ratio" if statistic == "theoh" else "-"), *(f"{x:.2f}" for x in row))

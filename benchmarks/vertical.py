@@ -34,40 +34,23 @@ HOUR = math.pi / 180 / 3600
 GYRO, TILT = "N 0.3 deg/sqrt(h)", "N 100 ug/sqrt(Hz)"
 WHOLE = (f"{GYRO}, B 10 deg/h, K 20 deg/h/sqrt(h)", f"{TILT}, B 50 ug")
 MODELS = (
-    (GYRO, TILT),
-    ("N 3 deg/sqrt(h)", TILT),
-    ("N 0.03 deg/sqrt(h)", TILT),
-    (f"{GYRO}, B 10 deg/h", TILT),
-    (f"{GYRO}, B 100 deg/h", TILT),
-    (f"{GYRO}, K 20 deg/h/sqrt(h)", TILT),
-    (f"{GYRO}, K 500 deg/h/sqrt(h)", TILT),
-    (f"{GYRO}, Q 5 arcsec", TILT),
-    (f"{GYRO}, GM 30 deg/h 5 s", TILT),
-    (f"{GYRO}, GM 100 deg/h 50 s", TILT),
-    (GYRO, f"{TILT}, B 50 ug"),
-    (GYRO, f"{TILT}, B 500 ug"),
-    (GYRO, f"{TILT}, K 500 ug/sqrt(h)"),
-    (GYRO, f"{TILT}, Q 1e-4 m/s"),
-    (GYRO, f"{TILT}, GM 200 ug 2 s"),
-    (GYRO, "N 1000 ug/sqrt(Hz), GM 2000 ug 0.5 s"),
-    WHOLE,
-    ("N 0.01 deg/sqrt(h), B 0.1 deg/h", "N 20 ug/sqrt(Hz), B 10 ug"),
+    (GYRO, TILT), ("N 3 deg/sqrt(h)", TILT), ("N 0.03 deg/sqrt(h)", TILT), (f"{GYRO}, B 10 deg/h", TILT),
+    (f"{GYRO}, B 100 deg/h", TILT), (f"{GYRO}, K 20 deg/h/sqrt(h)", TILT), (f"{GYRO}, K 500 deg/h/sqrt(h)", TILT),
+    (f"{GYRO}, Q 5 arcsec", TILT), (f"{GYRO}, GM 30 deg/h 5 s", TILT), (f"{GYRO}, GM 100 deg/h 50 s", TILT),
+    (GYRO, f"{TILT}, B 50 ug"), (GYRO, f"{TILT}, B 500 ug"), (GYRO, f"{TILT}, K 500 ug/sqrt(h)"),
+    (GYRO, f"{TILT}, Q 1e-4 m/s"), (GYRO, f"{TILT}, GM 200 ug 2 s"), (GYRO, "N 1000 ug/sqrt(Hz), GM 2000 ug 0.5 s"),
+    WHOLE, ("N 0.01 deg/sqrt(h), B 0.1 deg/h", "N 20 ug/sqrt(Hz), B 10 ug"),
     ("GM 0.02 deg/s 5 s", "GM 0.0087266 g 0.5 s"),
     ("Q 2 arcsec, N 2 deg/sqrt(h), B 30 deg/h, K 200 deg/h/sqrt(h)", "N 300 ug/sqrt(Hz), B 300 ug, K 100 ug/sqrt(h)"),
-)
+)  # fmt: skip
 TIMES = (0.5, 2.0, 8.0)
 RATE, HORIZON, LONGER = 10.0, 100.0, 4
 SCENARIO_FIGURES = {
-    "accelerometer": (0.0573, 2.378, 0.838),
-    "bortz": (0.975, 0.906, 0.843),
-    "first order, 1 s": (0.0058, 2.286, 0.507),
-    "first order, 10 s": (0.0279, 1.465, 0.0439),
-    "first order, 100 s": (0.2462, 0.328, 0.215),
-    "second order, 100 s, 500 s": (0.226, 0.318, 0.196),
-    "madgwick, beta 0.033": (0.0313, 2.300, 0.838),
-    "madgwick, beta 0.001": (0.0064, 0.555, 0.0521),
-    "mahony, 50 s": (0.123, 0.467, 0.108),
-}
+    "accelerometer": (0.0573, 2.378, 0.838), "bortz": (0.975, 0.906, 0.843), "first order, 1 s": (0.0058, 2.286, 0.507),
+    "first order, 10 s": (0.0279, 1.465, 0.0439), "first order, 100 s": (0.2462, 0.328, 0.215),
+    "second order, 100 s, 500 s": (0.226, 0.318, 0.196), "madgwick, beta 0.033": (0.0313, 2.300, 0.838),
+    "madgwick, beta 0.001": (0.0064, 0.555, 0.0521), "mahony, 50 s": (0.123, 0.467, 0.108),
+}  # fmt: skip
 """RMS, deg, of an independent prototype; its gyros read the rate at the end of each interval."""
 BIAS = (10 * HOUR, -7 * HOUR, 5 * HOUR)
 FIRST_ORDER = {"first order, 1 s": 1.0, "first order, 10 s": 10.0, "first order, 100 s": 100.0}

@@ -13,7 +13,7 @@ from pathlib import Path, PurePosixPath
 ROOT = Path(__file__).resolve().parents[1]
 BESIDE = {
     "kernels": ("tests/conformance/test_kernels.py", "tests/unit/statistics"),
-    "statistics": ("tests/reference", "tests/conformance/test_statistics.py"),
+    "statistics": ("tests/conformance/test_statistics.py",),
     "terms": ("tests/conformance/test_noise_terms.py", "tests/unit/reporting/test_colors.py"),
 }
 """Tests outside of the folder of a package: of all rows of its table, or of a package without a folder."""
@@ -36,7 +36,7 @@ def selection(paths: Iterable[str], there: Path = ROOT) -> Iterator[str]:
     Examples
     --------
     >>> sorted(selection(["src/allanite/web/store.py", "tests/reference/allan.py"]))
-    ['tests/conformance/test_statistics.py', 'tests/reference', 'tests/web']
+    ['tests/conformance/test_statistics.py', 'tests/web']
     """
     for path in map(PurePosixPath, paths):
         match path.parts:

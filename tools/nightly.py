@@ -24,7 +24,7 @@ LANGUAGES, SITE = "tests/stories/test_languages.py", "tests/stories/test_site.py
 PARTS = {
     "all examples": f"{PYTEST} tests -m 'hypothesis and not ensemble'",
     "long ensembles": f"{PYTEST} tests -m ensemble",
-    "rooms": f"{PYTEST} tests/unit tests/anchors tests/reference -m 'not (hypothesis or ensemble)'",
+    "rooms": f"{PYTEST} tests/unit tests/anchors -m 'not (hypothesis or ensemble)'",
     "recordings": f"{PYTEST} tests/recordings",
     "grids": f"{PYTEST} tests/conformance --ignore-glob={TABLES} -m 'not (hypothesis or ensemble)'",
     "committed tables": f"{PYTEST} {TABLES} tests/stories/test_numbers.py",
@@ -37,7 +37,6 @@ PARTS = {
     "fuzz: results": "benchmarks/fuzz.py results --share 0.1",
     "fuzz: inputs": "benchmarks/fuzz.py inputs --share 0.2",
     "fuzz: page": "benchmarks/fuzz.py page --share 0.2",
-    "planted faults": "benchmarks/mutants.py --faults 20",
 }
 """What is run, from the root of the project: arguments of `python -m`, or a script with its own."""
 

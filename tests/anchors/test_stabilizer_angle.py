@@ -30,8 +30,7 @@ def fit(angle):
 )
 def test_the_coefficients_come_back_in_units_of_the_angle(fit, symbol, unit, error):
     found, true = fit[symbol], MODEL[symbol].to(unit)
-    assert fit.validity == "explained"
-    assert (found.status, found.sheet_unit) == ("identified", unit)
+    assert (fit.validity, found.status, found.sheet_unit) == ("explained", "identified", unit)
     assert found.to(unit) == pytest.approx(true, rel=error)
     low, high = found.interval(0.999)
     assert low <= MODEL[symbol].value <= high

@@ -12,12 +12,9 @@ from allanite.readers.options import Options
 
 SIZE = 20_000
 CLOCKS = {  # rate, resolution of the stamps, s
-    "100 Hz in us": (100.0, 1e-6),
-    "100 Hz in ms": (100.0, 1e-3),
-    "400 Hz in ms": (400.0, 1e-3),
-    "96.07 Hz in us": (96.07, 1e-6),
-    "1 kHz in 0.1 ms": (1000.0, 1e-4),
-}
+    "100 Hz in us": (100.0, 1e-6), "100 Hz in ms": (100.0, 1e-3), "400 Hz in ms": (400.0, 1e-3),
+    "96.07 Hz in us": (96.07, 1e-6), "1 kHz in 0.1 ms": (1000.0, 1e-4),
+}  # fmt: skip
 
 
 def clean(clock, rng, size=SIZE):

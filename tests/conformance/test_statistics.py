@@ -11,7 +11,7 @@ from tests.reference import REFEREES, largest
 from tests.reference.dense import moments, quadratic_form
 from tests.reference.terms import UndefinedError
 from tests.reference.windows import windowed
-from tests.rows import paired, rows
+from tests.rows import paired, refused, rows
 
 import allanite as al
 from allanite.statistics import GRIDS, covariance, edf
@@ -324,12 +324,11 @@ def test_wrong_grids_say_what_is_possible():
     ]:
         with pytest.raises(al.UsageError, match=words):
             al.deviation(record, "oadev", **options)
-    with pytest.raises(al.UsageError, match="unknown statistic 'nadev'; did you mean adev"):
-        al.deviation(record, "nadev")
+    refused(al.UsageError, "unknown statistic 'nadev'; did you mean adev", lambda: al.deviation(record, "nadev"))
 
 
 @pytest.mark.slow("seconds of analyses")
-@rows("m", [12, 100, 1000, 10_000])
+@rows("m", [12, 100, 1000])
 def test_theo1_of_a_long_random_walk_keeps_its_digits(m):
     """By the path that the program takes by itself, against the definition: in extended precision as far as it goes."""
     record = record_of(np.cumsum(np.random.default_rng(1).standard_normal(720_000)), 100.0)

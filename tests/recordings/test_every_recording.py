@@ -113,7 +113,7 @@ FILES = [
 
 
 @pytest.mark.slow("takes more than half a second")
-@rows("file", thinned(FILES, 6, "every recording"), ids=lambda file: file.name)
+@rows("file", thinned(FILES, 4, "every recording"), ids=lambda file: file.name)
 def test_what_the_command_says_of_a_file(recordings, file):
     result = CliRunner().invoke(main, ["analyze", str(recordings / file.name), *file.words])
     said = " ".join((result.stdout + " " + result.stderr).split())
@@ -150,7 +150,7 @@ def as_theirs(record, file, unit):
 COMPARED = [(file, unit) for file in FILES for unit in file.compared]
 
 
-@rows("file, unit", thinned(COMPARED, 8, "every recording"), ids=lambda value: getattr(value, "name", value))
+@rows("file, unit", thinned(COMPARED, 5, "every recording"), ids=lambda value: getattr(value, "name", value))
 def test_deviations_are_those_that_others_computed(recordings, file, unit):
     channels, name = file.compared[unit], file.reference or file.name.rpartition("/")[2]
     with (recordings / "reference_oadev.csv").open() as table:

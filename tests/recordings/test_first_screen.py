@@ -5,6 +5,7 @@ import shlex
 
 import pytest
 from click.testing import CliRunner
+from tests import thinned
 from tests.rows import rows
 
 from allanite.cli import main
@@ -30,7 +31,7 @@ SCREENS = {
 
 
 @pytest.mark.slow("takes more than half a second")
-@rows("line", SCREENS)
+@rows("line", thinned(SCREENS, 4))
 def test_the_first_screen_of_a_recording(recordings, line):
     verb, file, *rest = shlex.split(line)
     done = CliRunner().invoke(main, [verb, str(recordings / file), *rest])

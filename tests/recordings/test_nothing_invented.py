@@ -101,7 +101,7 @@ def outside_its_band(channel):
 
 
 @pytest.mark.slow("takes more than half a second")
-@rows("name, choices", thinned(FILES, 4, "every recording"), ids=lambda x: str(x)[:24])
+@rows("name, choices", thinned(FILES, 3, "every recording"), ids=lambda x: str(x)[:24])
 def test_no_claim_is_contradicted(recordings, name, choices):
     for channel in al.analyze(recordings / name, al.Recipe(**choices)).channels:
         if channel.noise is None:

@@ -107,7 +107,7 @@ TABLE = [
 
 
 @pytest.mark.slow("takes more than half a second")
-@rows("row", thinned(TABLE, 10, "every recording"), ids=lambda row: f"{row.file}-{row.verb}-{row.options}")
+@rows("row", thinned(TABLE, 6, "every recording"), ids=lambda row: f"{row.file}-{row.verb}-{row.options}")
 def test_what_is_said_of_a_recording(recordings, row):
     if row.reader not in READERS:
         pytest.skip(f"no reader {row.reader!r}")

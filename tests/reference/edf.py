@@ -19,14 +19,8 @@ def s_w(t, alpha):
     if t == 0:
         return 0.0
     return {
-        2: -t,
-        1: t**2 * math.log(t),
-        0: t**3,
-        -1: -(t**4) * math.log(t),
-        -2: -(t**5),
-        -3: t**6 * math.log(t),
-        -4: t**7,
-    }[alpha]
+        2: -t, 1: t**2 * math.log(t), 0: t**3, -1: -(t**4) * math.log(t), -2: -(t**5), -3: t**6 * math.log(t), -4: t**7,
+    }[alpha]  # fmt: skip
 
 
 def s_x(t, F, alpha):

@@ -48,15 +48,11 @@ def _theo1(m):
 
 WINDOWS = {
     # name: (factor, rate weights) of each square of a window; their divisor; stride; width in intervals
-    "adev": (_allan, 2, lambda m: m, lambda m: 2 * m),
-    "oadev": (_allan, 2, lambda m: 1, lambda m: 2 * m),
-    "hdev": (_hadamard, 6, lambda m: m, lambda m: 3 * m),
-    "ohdev": (_hadamard, 6, lambda m: 1, lambda m: 3 * m),
-    "mdev": (_modified, 2, lambda m: 1, lambda m: 3 * m - 1),
-    "pdev": (_parabolic, 2, lambda m: 1, lambda m: 2 * m),
-    "theo1": (_theo1, 0.75, lambda m: 1, lambda m: m),
-    "haar": (_allan, 4, lambda m: 1, lambda m: 2 * m),
-}
+    "adev": (_allan, 2, lambda m: m, lambda m: 2 * m), "oadev": (_allan, 2, lambda m: 1, lambda m: 2 * m),
+    "hdev": (_hadamard, 6, lambda m: m, lambda m: 3 * m), "ohdev": (_hadamard, 6, lambda m: 1, lambda m: 3 * m),
+    "mdev": (_modified, 2, lambda m: 1, lambda m: 3 * m - 1), "pdev": (_parabolic, 2, lambda m: 1, lambda m: 2 * m),
+    "theo1": (_theo1, 0.75, lambda m: 1, lambda m: m), "haar": (_allan, 4, lambda m: 1, lambda m: 2 * m),
+}  # fmt: skip
 """The width says how many windows there are; a parabolic one of 2m intervals has 2m - 1 weights (see `parabolic`)."""
 
 

@@ -140,14 +140,6 @@ def test_the_guide_is_short_and_every_path_in_it_exists():
     assert [name for name in named if not any((ROOT / room / name).exists() for room in rooms)] == []
 
 
-@rows("rows", ["statistic", "format", "target of export", "verb, result"])
-def test_what_other_packages_may_add_takes_two_lines_in_a_file_beside_its_own(rows):
-    """In one file of the package, and a verb with a result in two."""
-    changed = [path for path, _, _ in ADDITIONS[rows][1]]
-    assert len(set(changed)) <= 1 + ("," in rows)
-    assert len(changed) <= 2
-
-
 @pytest.mark.nightly("additions in copies of the package")
 @rows("rows", ADDITIONS)
 def test_an_addition_needs_the_places_of_the_guide_and_no_other(rows, tmp_path):

@@ -89,36 +89,6 @@ def test_a_temperature_that_explains_the_drift_is_named_with_the_line_to_type(tm
     assert "follows temp" in run("info", file)
 
 
-@pytest.mark.slow("takes more than half a second")
-def test_a_drift_of_its_own_is_not_blamed_on_the_temperature(tmp_path):
-    assert "follows" not in run("analyze", write(tmp_path / "day.csv", warm(False)))
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_raw_and_corrected_readings_of_one_file_are_compared_as_a_pair(tmp_path):
-    file = write(tmp_path / "day.csv", {k: v for k, v in warm(True).items() if k != "gy [deg/h]"})
-    corrected = tmp_path / "corrected.csv"
-    run("compensate", file, "--regressors", "temp", "--corrected", corrected)
-    said = run("compare", file, corrected, "--details")
-    assert "raw and corrected samples" in said
-    assert "the noise has changed, p " in said
-    assert re.search(r"likelihood ratio \S+ for \d+ octaves of frequency", said)
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_a_hum_that_grew_is_in_the_verdict_of_a_comparison(tmp_path):
-    rng = np.random.default_rng(1)
-    hum = np.sin(2 * np.pi * 3.1 * np.arange(20_000) / RATE)
-    files = [
-        write(tmp_path / f"{size}.csv", {"gx [deg/h]": rng.standard_normal(20_000) + size * hum}) for size in (0.2, 0.3)
-    ]
-    said = run("compare", *files, "--details")
-    assert re.search(r"Sine at 3\.1 Hz \+\d\d\.\d %", said)
-    assert re.search(r"Sine sinusoid at 3\.1 Hz 0\.\d+ 0\.\d+ °/h \+\d\d", said)
-    assert "no change of the noise" not in said
-    assert re.search(r"K \(at \S+ (min|h|d) or more\)", said)
-
-
 def still(y):
     y[6000:6400] = y[6000]
 
@@ -164,15 +134,3 @@ def test_a_window_without_the_fault_is_free_of_it(name, tmp_path):
     typed = re.search(r"(--from \S+ )?--until [\d.]+", found["remedy"])
     assert typed or name in ("clipped", "outliers")
     assert not typed or finding(*typed[0].split()) is None
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_where_nearly_all_is_lost_a_window_of_what_is_left_is_analysed(tmp_path):
-    y = np.random.default_rng(4).standard_normal(20_000)
-    y[:18_500] = np.nan
-    file = write(tmp_path / "day.csv", {"gx [deg/s]": y})
-    refused = CliRunner().invoke(main, ["analyze", str(file)])
-    assert refused.exit_code == 3
-    assert "less than a tenth remains" in refused.output
-    assert "choose a window (--from, --until)" in " ".join(refused.output.split())
-    assert "angle random walk" in run("analyze", file, "--from", 18_500 / RATE)

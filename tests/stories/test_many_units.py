@@ -56,12 +56,10 @@ def test_each_unit_has_a_row_and_the_lot_a_summary(lot):
     result, _ = lot
     rows = re.findall(r"^  (unit\d\d\.csv)  gz .* (pass|fail|not decided)$", result.stdout, re.MULTILINE)
     table = dict(rows[-39:])
-    assert len(table) == 39
-    assert {name for name, outcome in table.items() if outcome == "fail"} == set(NOISY)
+    assert (len(table), {name for name, outcome in table.items() if outcome == "fail"}) == (39, set(NOISY))
     (summary,) = re.findall(r"^  gz +N +39 of 39 +(\S+) +(\S+) +(\S+) +(\S+)", result.stdout, re.MULTILINE)
     mean, spread, worst = map(float, summary[:3])
-    assert mean == pytest.approx(0.105, abs=0.003)
-    assert spread == pytest.approx(0.022, abs=0.005)
+    assert (mean, spread) == (pytest.approx(0.105, abs=0.003), pytest.approx(0.022, abs=0.005))
     assert worst == pytest.approx(0.2, abs=0.02)
     assert summary[3] in NOISY
 
@@ -71,15 +69,13 @@ def test_the_table_has_limits_status_and_result(lot):
         rows = list(csv.DictReader(file))
     assert len({row["file"] for row in rows}) == 40
     judged = [row for row in rows if row["result"]]
-    assert {row["term"] for row in judged} == {"N", "K"}
-    assert len(judged) == 78
+    assert ({row["term"] for row in judged}, len(judged)) == ({"N", "K"}, 78)
     assert {row["limit"] for row in judged} == {"0.13 deg/sqrt(h)", "500 deg/h/sqrt(h)"}
     assert all(float(row["low"]) < float(row["high"]) for row in judged)
 
 
 def test_one_page_and_one_figure_hold_all_units(lot):
     page = lot[1]["html"].read_text("utf-8")
-    assert page.count("<figure") == 1
-    assert page.count("<details>") == 39
+    assert (page.count("<figure"), page.count("<details>")) == (1, 39)
     assert all(f"unit{i:02d}.csv" in page for i in range(1, 41))
     assert lot[1]["png"].stat().st_size > 20_000

@@ -12,11 +12,12 @@ from types import SimpleNamespace
 import click
 import pytest
 from tests import ROOT
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.cli import Verb
-from allanite.testing import check_data_sheet, check_reader, check_statistic, check_target, check_verb
+from allanite.terms import TERMS
+from allanite.testing import check_data_sheet, check_reader, check_statistic, check_target, check_term, check_verb
 
 SAMPLE = ROOT / "tests" / "plugin"
 SAID = "; update or remove it"
@@ -167,9 +168,6 @@ def test_the_page_offers_what_comes_from_outside(used):
     assert "pilot" in [row["name"] for row in page["exports"]]
 
 
-# what is broken
-
-
 @pytest.mark.slow("takes more than half a second")
 def test_a_plugin_that_is_broken_is_named_and_left_out(sample, tmp_path):
     lines = ("from allanite.cli import Verb", "from allanite_sample.command import extent", "ROW = object()",
@@ -210,11 +208,9 @@ ROW, VERB = replace(STATISTICS["adev"], order=1), replace(VERBS["info"], group="
 """
     (tmp_path / "theirs.py").write_text(text, "utf-8")
     points = {
-        "allanite.statistics": {"new": "theirs:ROW"},
-        "allanite.readers": {"text": "theirs:text"},
-        "allanite.verbs": {"new": "theirs:VERB"},
-        "allanite.views": {"Fit": "theirs:fit_view"},
-    }
+        "allanite.statistics": {"new": "theirs:ROW"}, "allanite.readers": {"text": "theirs:text"},
+        "allanite.verbs": {"new": "theirs:VERB"}, "allanite.views": {"Fit": "theirs:fit_view"},
+    }  # fmt: skip
     install(tmp_path, "theirs", points)
     script = "from allanite.readers.formats.registry import added\nfrom allanite.reporting.views import VIEWS\n"
     script += 'print(al.statistics.STATISTICS["adev"].order, len(added()), VERBS["info"].group, VIEWS["Fit"])\n'
@@ -259,9 +255,6 @@ def test_the_program_says_in_one_line_what_is_left_out(tmp_path):
     assert done.returncode == 0
 
 
-# what the checks find
-
-
 def reader(**parts):
     """A reader of numbers, a line each, with other parts."""
 
@@ -279,6 +272,15 @@ TWICE = replace(SHEET, claims=SHEET.claims[:1] * 2)
 METERS = replace(KALIBR, fields=(replace(KALIBR.fields[0], unit="m"),))
 
 
+DOUBLED = ("structure", "summed", "derivative", "increments", "spectrum", "dct", "block")
+"""Columns of a term, none of which may be twice what the others say."""
+
+
+def double(name):
+    column = getattr(TERMS["K"], name)
+    return lambda *at: 2.0 * column(*at)
+
+
 @click.command()
 @click.option("--json", "path")
 def silent(path):
@@ -291,6 +293,7 @@ def silent(path):
         (check_statistic, replace(ADEV, meaning=""), "statistic 'adev': meaning is empty"),
         (check_statistic, replace(ADEV, sums=lambda x, m: 2 * ADEV.sums(x, m)), "but those of its windows"),
         (check_statistic, replace(ADEV, order=3), r"order is 3, but t\^2 is not left out"),
+        *((check_term, replace(TERMS["K"], **{name: double(name)}), "noise term K") for name in DOUBLED),
         (check_target, replace(KALIBR, forms={}), "target 'kalibr': it has no form of a file"),
         (check_target, replace(KALIBR, fields=KALIBR.fields * 2), "fields have the same name"),
         (check_target, METERS, "the unit m of .* is not that of N"),
@@ -308,8 +311,7 @@ def silent(path):
 )
 def test_a_check_says_what_is_wrong(tmp_path, check, row, words):
     (tmp_path / "a.mine").write_text("1.5\n2.5\n" * 40, "utf-8")
-    with pytest.raises(AssertionError, match=words):
-        check(row, *([tmp_path / "a.mine"] if check is check_reader else []))
+    refused(AssertionError, words, lambda: check(row, *([tmp_path / "a.mine"] if check is check_reader else [])))
 
 
 def test_a_row_that_is_tried_is_gone_afterwards_and_the_others_keep_their_places():

@@ -101,13 +101,6 @@ def test_two_runs_are_compared(folder):
     assert "angle random walk" not in said
 
 
-def test_three_runs_are_pooled():
-    model = al.Model(VOLTS)
-    fits = [al.identify(al.simulate(model, 3000, 10.0, rng=np.random.default_rng(i))) for i in range(3)]
-    assert {fit.signal.name for fit in fits} == {"voltage"}
-    assert fits[0].rows()[1][1][1] == "white noise of the voltage"
-
-
 def test_other_programs_take_no_angle(folder):
     said = run(f"export '{folder}/run1.csv' --kind value --to kalibr", 3).stderr
     assert "gyroscopes and accelerometers, not of 'az' (angle)" in said

@@ -2,7 +2,6 @@
 
 import csv
 import json
-import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -57,20 +56,6 @@ def test_counts_are_analyzed_over_a_second(vertical):
     assert "Try" not in said[1]
 
 
-@pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")
-def test_an_ideal_staircase_is_certain(folder):
-    # the example of the paper: 6 deg/h in pulses of 1 arcsec, 720 in two minutes
-    angle = np.floor(6.0 * np.arange(48_001) / 400 + 0.3013)
-    np.savetxt(folder / "ideal.csv", np.diff(angle), fmt="%d", header="z", comments="")
-    said = run(
-        folder / "ideal.csv", "--rate", "400", "--unit", "arcsec", "--kind", "count", "--scale", "1", "--no-times"
-    )
-    assert "6.000000 ± 0.000042" in said.stdout
-    assert "an ideal staircase: 720 ± 1 pulses alone leave ±0.0083 °/h, its steps ±4.2e-05 °/h" in said.stdout
-    assert "FIT" not in said.stdout
-    assert not said.stderr
-
-
 @pytest.mark.slow("ensemble")
 @pytest.mark.usefixtures("details")
 def test_which_method(vertical):
@@ -89,32 +74,6 @@ def test_the_noise_is_identified_where_none_is_given(vertical):
     result = run(vertical, *HOW, "--interval", "60", "--methods", "mean,regression")
     assert "the noise was identified from counts over 1 s" in result.stdout
     assert "Q = 0.2" in result.stdout
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_everything_is_written(vertical, tmp_path):
-    paths = {
-        name: tmp_path / f"out.{suffix}"
-        for name, suffix in (("report", "html"), ("plot", "svg"), ("json", "json"), ("csv", "csv"))
-    }
-    options = [part for name, path in paths.items() for part in (f"--{name}", path)]
-    result = run(vertical, *HOW, *NOISE, "--methods", "mean,optimal", *options)
-    assert result.exit_code == 0, result.stderr
-    assert result.stdout.splitlines()[-4:] == [f"{name}: {path}" for name, path in paths.items()]
-    page = paths["report"].read_text(encoding="utf-8")
-    assert page.startswith("<!DOCTYPE html>")
-    assert "<h1>Rate of vertical.csv</h1>" in page
-    assert "http://" not in page.replace("http://www.w3.org", "")
-    assert "\\" not in page
-    data = json.loads(paths["json"].read_text(), parse_constant=pytest.fail)
-    (channel,) = data["channels"]
-    assert [m["method"] for m in channel["experiment"]["methods"]] == ["mean", "optimal"]
-    assert [e["duration"] for e in channel["by_duration"]] == [1, 3, 10, 30, 60]
-    assert paths["plot"].stat().st_size > 10_000
-    assert {line.split(",")[1] for line in paths["csv"].read_text().splitlines()[1:]} == {"mean", "optimal"}
-    again = run(vertical, *HOW, *NOISE, "--report", paths["report"])
-    assert again.exit_code == 2
-    assert "--force" in again.stderr
 
 
 @pytest.mark.slow("ensemble")
@@ -156,26 +115,6 @@ def test_a_staircase_without_noise_has_certain_limits(folder):
     low, high = (float(line.replace("(", "").replace(")", "").split()[i]) for i in (2, 4))
     assert low <= 12.4392 <= high
     assert high - low < 2e-5
-
-
-@pytest.mark.slow("takes more than half a second")
-@pytest.mark.usefixtures("details")
-def test_reversal_and_north(folder):
-    horizontal = al.constant_rate.earth_rate(55.8, "north") * 206264.806247
-    heading = 97.0
-    east = float(horizontal * np.cos(np.radians(heading)))
-    biased = replace(GL1, bias=0.7)
-    first = counts(folder / "first.csv", east, 120, seed=1, gyro=biased)
-    second = counts(folder / "second.csv", -east, 120, seed=2, gyro=biased)
-    result = run(first, *HOW, *NOISE, "--horizontal", "--latitude", "55.8", "--second", second, "--no-times")
-    assert result.exit_code == 0, result.stderr
-    said = next(line for line in result.stdout.splitlines() if "heading" in line)
-    assert abs(float(said.split()[1].rstrip("°")) - heading) < 0.03
-    assert "2 positions" in result.stdout
-    bias = next(line for line in result.stdout.splitlines() if "bias by reversal" in line)
-    assert abs(float(bias.split()[3]) - 0.7) < 0.01
-    single = run(first, *HOW, *NOISE, "--horizontal", "--latitude", "55.8", "--bias", "0.7", "--no-times")
-    assert "1 position;" in single.stdout
 
 
 WANDERING = "N 0.001 deg/sqrt(h), K 1 deg/h/sqrt(h)"
@@ -252,26 +191,3 @@ def test_a_noise_that_explains_nothing_is_not_used():
     assert np.isnan(channel.experiment.predicted).all()
     stored = study.to_dict()["channels"][0]
     assert (stored["validity"], {term["status"] for term in stored["fit"]["terms"]}) == ("unexplained", {"not valid"})
-
-
-@pytest.mark.slow("takes more than half a second")
-@rows("width", [80, 120])
-def test_text_keeps_to_its_width(brief, width):
-    study = al.constant_rate.measure_rates(brief, al.Recipe(rate=400.0, unit="arcsec", kind="count", scale=0.32795))
-    assert max(map(len, table(study, width=width).splitlines())) <= width
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_results_travel(brief):
-    recipe = al.Recipe(rate=400.0, unit="arcsec", kind="count", scale=0.32795)
-    study = pickle.loads(pickle.dumps(al.constant_rate.measure_rates(brief, recipe)))
-    (channel,) = study.channels
-    found = channel.experiment
-    again = al.from_dict(json.loads(json.dumps(found.to_dict())))
-    assert (again.methods, again.ranking.verdict) == (found.methods, found.ranking.verdict)
-    np.testing.assert_array_equal(again.rates, found.rates)
-    assert al.plot(again).axes
-    measured = al.constant_rate.estimate(channel.record, "mean", model=GL1.model)
-    assert al.from_dict(json.loads(json.dumps(measured.to_dict()))).words() == measured.words()
-    for value in (again, found.ranking, measured):
-        assert "mean" in table(value)

@@ -4,10 +4,9 @@ import re
 import tomllib
 from datetime import date
 
-import pytest
 import yaml
 from tests import ROOT
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite
 import changes
@@ -57,8 +56,7 @@ def test_fragments_join_the_section_of_the_version(version, texts, expected):
 
 @rows("text", ["- C.\n", "### Read\n- C.\n", "### Read\n\nC.\n", ""])
 def test_a_fragment_of_another_form_is_refused(text):
-    with pytest.raises(ValueError, match="a fragment is"):
-        changes.joined(BEGUN, [text], "1.0", DAY)
+    refused(ValueError, "a fragment is", lambda: changes.joined(BEGUN, [text], "1.0", DAY))
 
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))

@@ -115,7 +115,7 @@ class Links(HTMLParser):
             self.led.append(found["href"])
 
 
-@pytest.mark.slow("builds the documentation site")
+@pytest.mark.nightly("builds the documentation site, as docs.yml does on the main branch")
 def test_nothing_is_loaded_from_a_network_and_every_link_leads_somewhere(site):
     for page in site.rglob("*.html"):
         links = Links()

@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.batch.sources import expand, several
@@ -57,10 +57,8 @@ def test_files_folders_and_patterns_name_units(folder):
 
 
 def test_names_that_stand_for_nothing_are_refused(folder, tmp_path):
-    with pytest.raises(al.DataError, match=r"no file matches '.*\*\.npz'"):
-        expand([f"{folder}/*.npz"])
-    with pytest.raises(al.DataError, match="holds no recording"):
-        expand([tmp_path])
+    refused(al.DataError, r"no file matches '.*\*\.npz'", lambda: expand([f"{folder}/*.npz"]))
+    refused(al.DataError, "holds no recording", lambda: expand([tmp_path]))
 
 
 def test_a_file_with_the_letters_of_a_pattern_is_a_file(tmp_path):
@@ -181,8 +179,7 @@ def test_exit_codes(folder, tmp_path, files, limits, code):
 
 def test_where_the_mistake_is_that_of_the_command_it_is_said_once(folder):
     result = run(folder, "--terms", "XYZ")
-    assert result.exit_code == 2
-    assert result.stderr.count("unknown term") == 1
+    assert (result.exit_code, result.stderr.count("unknown term")) == (2, 1)
     assert "u0.csv" in result.stderr
 
 
@@ -213,8 +210,7 @@ def test_the_table_of_coefficients_has_a_row_for_everything(folder, tmp_path):
     first = next(row for row in rows if row["term"] == "N")
     assert (first["channel"], first["unit"], first["status"]) == ("gz", "deg/sqrt(h)", "identified")
     assert float(first["low"]) < float(first["value"]) < float(first["high"])
-    assert rows[-1]["file"] == str(folder / "missing.csv")
-    assert rows[-1]["status"] == "not analyzed"
+    assert (rows[-1]["file"], rows[-1]["status"]) == (str(folder / "missing.csv"), "not analyzed")
     assert "no such file" in rows[-1]["remark"]
     alone = run(folder / "u0.csv", "--coefficients", "-").stdout
     assert alone == run(folder / "u0.csv", "--table", "-").stdout
@@ -237,8 +233,7 @@ def test_mean_spread_and_worst_are_over_the_values(folder):
     values = [u.study["gz"].fit["N"].value for u in batch]
     assert found["N"].mean == pytest.approx(np.mean(values))
     assert found["N"].deviation == pytest.approx(np.std(values, ddof=1))
-    assert (found["N"].worst, found["N"].file) == (max(values), str(folder / "u1.csv"))
-    assert found["K"].identified == 0
+    assert (found["N"].worst, found["N"].file, found["K"].identified) == (max(values), str(folder / "u1.csv"), 0)
     assert found["K"].below == max(u.study["gz"].fit["K"].upper for u in batch)
     assert np.isnan(found["K"].mean)
 
@@ -255,5 +250,4 @@ def test_a_batch_holds_no_samples(folder):
     record = batch[0].study["gz"].record
     assert not isinstance(record, al.Record)
     assert (record.size, record.rate, record.name) == (3000, 10.0, "gz")
-    with pytest.raises(al.UsageError, match="no unit 'x'"):
-        batch["x"]
+    refused(al.UsageError, "no unit 'x'", lambda: batch["x"])

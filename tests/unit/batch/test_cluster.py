@@ -10,6 +10,7 @@ from queue import SimpleQueue
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import refused
 from tests.unit.batch.tasks import deadly, doubled, waiting
 
 import allanite as al
@@ -118,8 +119,7 @@ def test_workers_of_other_versions_are_refused_before_any_work(scheduler, tmp_pa
     worker(path=[tmp_path])
     said = rf"tcp://\S+ has {name} 0.0.7 instead of \d\S+; install the same versions everywhere"
     mark = tmp_path / "mark"
-    with pytest.raises(al.UsageError, match=said):
-        list(Dask(at).run(deadly, [{"x": "once", "mark": str(mark)}]))
+    refused(al.UsageError, said, lambda: list(Dask(at).run(deadly, [{"x": "once", "mark": str(mark)}])))
     assert not mark.exists()
 
 
@@ -149,5 +149,4 @@ def test_a_scheduler_that_ends_is_named(scheduler, tmp_path):
     done = Dask(at).run(waiting, [{"x": 0}, {"x": 3600}])
     assert next(done).result
     process.kill()
-    with pytest.raises(al.UsageError, match="ended before the work was done; start it again"):
-        next(done)
+    refused(al.UsageError, "ended before the work was done; start it again", lambda: next(done))

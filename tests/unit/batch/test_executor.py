@@ -3,7 +3,7 @@
 import multiprocessing
 
 import pytest
-from tests.rows import rows
+from tests.rows import refused, rows
 from tests.unit.batch.tasks import deadly, doubled, out_of_memory
 
 import allanite as al
@@ -41,5 +41,4 @@ def test_memory_that_does_not_suffice_is_said():
 
 
 def test_no_worker_is_refused():
-    with pytest.raises(al.UsageError, match="at least 1, not 0"):
-        Processes(0)
+    refused(al.UsageError, "at least 1, not 0", lambda: Processes(0))

@@ -11,7 +11,7 @@ import pyarrow as pa
 import pytest
 from click.testing import CliRunner
 from pyarrow import parquet
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.batch import job, store
@@ -178,8 +178,7 @@ def test_a_failure_that_another_run_may_not_have_is_not_kept(units, tmp_path, mo
     with monkeypatch.context() as patch:
         patch.setattr(job, "analyze_plainly", lambda item: {"error": "needs h5py", "usage": True,
                                                                "allanite": al.__version__})  # fmt: skip
-        with pytest.raises(al.UsageError, match="needs h5py"):
-            run_batch(entry, tmp_path / "r")
+        refused(al.UsageError, "needs h5py", lambda: run_batch(entry, tmp_path / "r"))
     with monkeypatch.context() as patch:
         patch.setattr(job, "analyze_plainly", lambda item: {"study": {}, "allanite": "0.0.1"})
         assert "by version 0.0.1" in run_batch(entry, tmp_path / "r").failed[0].error
@@ -198,10 +197,8 @@ def test_a_full_disk_ends_the_batch_in_words_and_keeps_what_is_stored(units, tmp
 
     with monkeypatch.context() as patch:
         patch.setattr(os, "fsync", full)
-        with pytest.raises(al.UsageError, match="No space left on device"):
-            run_batch(units, tmp_path / "r")
-    assert len(list((tmp_path / "r" / "parts").iterdir())) == 2
-    assert run_batch(units, tmp_path / "r").analyzed == 5
+        refused(al.UsageError, "No space left on device", lambda: run_batch(units, tmp_path / "r"))
+    assert (len(list((tmp_path / "r" / "parts").iterdir())), run_batch(units, tmp_path / "r").analyzed) == (2, 5)
 
 
 def test_a_manifest_lists_files_and_what_is_known_of_them(units, tmp_path):
@@ -218,8 +215,7 @@ def test_a_manifest_lists_files_and_what_is_known_of_them(units, tmp_path):
     assert (got["SN1"]["temperature"], got["SN1"]["date"].isoformat(), got["SN1"]["lab"]) == (
         25.5, "2024-05-31T10:00:00", "A",
     )  # fmt: skip
-    assert (got["SN0"]["temperature"], got["SN0"]["lab"]) == (None, None)
-    assert got["SN9"]["status"] == "failed"
+    assert (got["SN0"]["temperature"], got["SN0"]["lab"], got["SN9"]["status"]) == (None, None, "failed")
 
 
 @rows(("name", "text", "words"), [
@@ -242,14 +238,12 @@ def test_a_manifest_lists_files_and_what_is_known_of_them(units, tmp_path):
 ])  # fmt: skip
 def test_a_wrong_manifest_is_refused_by_line(tmp_path, name, text, words):
     (tmp_path / name).write_text(text)
-    with pytest.raises(al.UsageError, match=words):
-        manifest_of(tmp_path / name)
+    refused(al.UsageError, words, lambda: manifest_of(tmp_path / name))
 
 
 def test_a_folder_of_something_else_is_left_alone(units, tmp_path):
     (tmp_path / "thesis.tex").write_text("x")
-    with pytest.raises(al.UsageError, match="does not hold the results of a batch"):
-        run_batch(units, tmp_path)
+    refused(al.UsageError, "does not hold the results of a batch", lambda: run_batch(units, tmp_path))
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
 
 

@@ -97,10 +97,8 @@ def test_each_term_agrees_with_the_claim_that_is_true(symbol):
 
 
 @rows("model, unclaimed", [
-    ("N 1 deg/sqrt(h), R 900 deg/h^2", {"R"}),
-    ("N 1 deg/sqrt(h), R -1e6 deg/h^2", {"R"}),
-    ("N 1 deg/sqrt(h), B 50 deg/h, R 20000 deg/h^2", {"R", "B"}),
-    ("N 1 deg/sqrt(h), K 2000 deg/h/sqrt(h)", {"K"}),
+    ("N 1 deg/sqrt(h), R 900 deg/h^2", {"R"}), ("N 1 deg/sqrt(h), R -1e6 deg/h^2", {"R"}),
+    ("N 1 deg/sqrt(h), B 50 deg/h, R 20000 deg/h^2", {"R", "B"}), ("N 1 deg/sqrt(h), K 2000 deg/h/sqrt(h)", {"K"}),
 ])  # fmt: skip
 def test_a_ramp_and_a_random_walk_that_are_not_claimed_are_told_apart(model, unclaimed):
     found = al.check(simulated(model, "gx", 7), "N 1 deg/sqrt(h)")

@@ -3,6 +3,7 @@
 import os
 
 import pytest
+from tests.rows import refused
 
 from allanite.core.errors import UsageError
 from allanite.core.files import demand_writable, write
@@ -11,8 +12,7 @@ from allanite.core.files import demand_writable, write
 def test_an_existing_file_is_kept_unless_it_is_to_be_replaced(tmp_path):
     path = tmp_path / "page.html"
     path.write_bytes(b"old")
-    with pytest.raises(UsageError, match=r"already exists.*force=True"):
-        write(path, b"new")
+    refused(UsageError, r"already exists.*force=True", lambda: write(path, b"new"))
     assert path.read_bytes() == b"old"
     write(path, b"new", force=True)
     assert path.read_bytes() == b"new"
@@ -22,12 +22,10 @@ def test_an_existing_file_is_kept_unless_it_is_to_be_replaced(tmp_path):
 def test_folders_that_cannot_hold_the_file_are_named(tmp_path, monkeypatch):
     with pytest.raises(UsageError, match=r"'.*missing' of 'page.html' does not exist"):
         demand_writable(tmp_path / "missing" / "page.html")
-    with pytest.raises(UsageError, match=r"is a folder"):
-        demand_writable(tmp_path, force=True)
+    refused(UsageError, r"is a folder", lambda: demand_writable(tmp_path, force=True))
     # the system is stood in for: root may write everywhere
     monkeypatch.setattr("allanite.core.files.os.access", lambda *_: False)
-    with pytest.raises(UsageError, match=f"the folder '{tmp_path}' is not writable"):
-        demand_writable(tmp_path / "page.html")
+    refused(UsageError, f"the folder '{tmp_path}' is not writable", lambda: demand_writable(tmp_path / "page.html"))
 
 
 def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
@@ -38,8 +36,7 @@ def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "replace", full)
-    with pytest.raises(UsageError, match=r"cannot be written .No space left"):
-        write(path, b"new", force=True)
+    refused(UsageError, r"cannot be written .No space left", lambda: write(path, b"new", force=True))
     assert path.read_bytes() == b"old"
     assert os.listdir(tmp_path) == ["page.html"]
 
@@ -59,8 +56,7 @@ def test_a_disk_that_takes_the_data_only_at_first_leaves_the_old_file(tmp_path, 
     path = tmp_path / "page.html"
     path.write_bytes(b"old")
     monkeypatch.setattr(os, "fsync", gone)
-    with pytest.raises(UsageError, match=r"cannot be written .Input/output error"):
-        write(path, b"new", force=True)
+    refused(UsageError, r"cannot be written .Input/output error", lambda: write(path, b"new", force=True))
     assert path.read_bytes() == b"old"
     assert os.listdir(tmp_path) == ["page.html"]
 

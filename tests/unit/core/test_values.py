@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.core.units import convert
@@ -32,8 +32,7 @@ WRONG = [({"rate": 0}, "between 1e-09 and 1e\\+15 Hz, not 0"), ({"rate": -1.0}, 
 @rows(("wrong", "words"), WRONG)
 def test_the_door_refuses(wrong, words):
     good = {"values": [1.0, 2.0, 3.0], "rate": 1.0, "unit": "deg/s", "kind": "rate"}
-    with pytest.raises(al.AllaniteError, match=words):
-        al.Record(**(good | wrong))
+    refused(al.AllaniteError, words, lambda: al.Record(**(good | wrong)))
 
 
 def test_a_record_cannot_be_changed():
@@ -64,8 +63,7 @@ def test_columns_of_tables_are_taken():
         np.testing.assert_array_equal(al.Record(column, 10.0, "deg/h").values, lost)
     counts = al.Record(pandas.Series([1, 2, 3], dtype="Int64"), 10.0, "arcsec", kind="count", scale=0.1)
     assert counts.values.dtype == np.int64
-    with pytest.raises(al.DataError, match="not real numbers"):
-        al.Record(polars.Series(["1", "2", "3"]), 10.0, "deg/h")
+    refused(al.DataError, "not real numbers", lambda: al.Record(polars.Series(["1", "2", "3"]), 10.0, "deg/h"))
 
 
 class Column:
@@ -80,8 +78,7 @@ def test_a_column_needs_no_more_than_to_numpy():
 
 
 def test_numbers_of_numpy_are_written_as_numbers():
-    with pytest.raises(al.UsageError, match=r"15 Hz, not -1$"):
-        al.Record([1.0, 2.0], np.float64(-1.0), "deg/h")
+    refused(al.UsageError, r"15 Hz, not -1$", lambda: al.Record([1.0, 2.0], np.float64(-1.0), "deg/h"))
     with pytest.raises(al.DataError, match=r"sample 1 of 'z' is 1\.25;"):
         al.Record([1.0, 1.25, 2.0], 10.0, "arcsec", kind="count", scale=0.1, name="z")
     assert "always 1.25)" in inspect(al.Record(np.full(300, 1.25), 10.0, "deg/h")).refusal
@@ -100,26 +97,19 @@ def test_recordings_by_name_and_number():
     recording = al.Recording((record(name="x"), record(name="y")))
     assert recording["y"] is recording[1]
     assert [r.name for r in recording] == ["x", "y"]
-    with pytest.raises(al.UsageError, match="channels: x, y"):
-        recording["z"]
-    with pytest.raises(al.UsageError, match="must differ"):
-        al.Recording((record(name="x"), record(name="x")))
-    with pytest.raises(al.DataError, match="at least one"):
-        al.Recording(())
+    refused(al.UsageError, "channels: x, y", lambda: recording["z"])
+    refused(al.UsageError, "must differ", lambda: al.Recording((record(name="x"), record(name="x"))))
+    refused(al.DataError, "at least one", lambda: al.Recording(()))
 
 
 def test_models_add_and_come_back():
     model = al.Q(0.1, "arcsec") + MODEL + al.R(-1.0, "deg/h^2")
-    assert [t.symbol for t in model] == ["Q", "N", "B", "R"]
-    assert model["R"].to("deg/h^2") == pytest.approx(-1.0)
+    assert ([t.symbol for t in model], model["R"].to("deg/h^2")) == (["Q", "N", "B", "R"], pytest.approx(-1.0))
     assert str(model["B"]) == "B = 1 deg/h"
     assert al.Model.from_dict(json.loads(json.dumps(model.to_dict()))) == model
-    with pytest.raises(al.UsageError, match="once"):
-        model + al.N(1.0, "deg/sqrt(h)")
-    with pytest.raises(al.UsageError, match="not negative"):
-        al.N(-1.0, "deg/sqrt(h)")
-    with pytest.raises(al.UsageError, match="Q, N, B, R"):
-        model["K"]
+    refused(al.UsageError, "once", lambda: model + al.N(1.0, "deg/sqrt(h)"))
+    refused(al.UsageError, "not negative", lambda: al.N(-1.0, "deg/sqrt(h)"))
+    refused(al.UsageError, "Q, N, B, R", lambda: model["K"])
 
 
 def test_curves_come_back_with_their_limits_as_numbers():
@@ -129,12 +119,10 @@ def test_curves_come_back_with_their_limits_as_numbers():
         np.testing.assert_allclose(getattr(again, name), getattr(curve, name), rtol=1e-14)
     np.testing.assert_allclose(again.interval(0.95), curve.interval(0.95), rtol=1e-12)
     assert (again.unit, again.name, again.noise) == ("deg/h", "z", MODEL)
-    with pytest.raises(al.UsageError, match=r"were stored for level 0\.95"):
-        again.interval(0.5)
+    refused(al.UsageError, r"were stored for level 0\.95", lambda: again.interval(0.5))
     with pytest.raises(al.UsageError, match="identify"):
         _ = al.deviation(record(), noise=None).edf
-    with pytest.raises(al.UsageError, match="between 0 and 1"):
-        al.deviation(record(), noise=MODEL).interval(95)
+    refused(al.UsageError, "between 0 and 1", lambda: al.deviation(record(), noise=MODEL).interval(95))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -170,17 +158,14 @@ def test_fits_are_plain_data():
     headings, rows = fit.rows()
     assert len(rows) == 5
     assert all(len(row) == len(headings) for row in rows)
-    with pytest.raises(al.UsageError, match="not a term of this fit"):
-        fit["GM"]
-    with pytest.raises(al.UnitError, match="not a unit of N"):
-        fit["N"].to("deg/h")
+    refused(al.UsageError, "not a term of this fit", lambda: fit["GM"])
+    refused(al.UnitError, "not a unit of N", lambda: fit["N"].to("deg/h"))
 
 
 def test_windows():
     recording = al.Recording((record(name="x"),))
     part = trim(recording, 10, 20)["x"]
-    assert part.size == 1000
-    assert part.start == 10.0
+    assert (part.size, part.start) == (1000, 10.0)
     assert "cut from 10 s to 20 s" in part.history
     np.testing.assert_array_equal(part.values, recording["x"].values[1000:2000])
     assert trim(recording) is recording
@@ -224,8 +209,7 @@ def test_recipes_are_plain_data(tmp_path):
     path.write_text('rate = 100.0\nchannels = ["x", "y"]\nband = [0.0, 5.0]\n')
     assert al.Recipe.load(path) == recipe
     path.write_text("speed = 1\n")
-    with pytest.raises(al.UsageError, match="unknown key 'speed'"):
-        al.Recipe.load(path)
+    refused(al.UsageError, "unknown key 'speed'", lambda: al.Recipe.load(path))
     for line, words in [
         ('level = "0.95"', "level must be a number"),
         ("level = 95", "between 0 and 1"),
@@ -237,22 +221,7 @@ def test_recipes_are_plain_data(tmp_path):
         with pytest.raises(al.UsageError, match=words):
             al.Recipe.load(path)
     path.write_text("rate = = 1\n")
-    with pytest.raises(al.UsageError, match="cannot be read"):
-        al.Recipe.load(path)
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_a_study_is_the_documented_json():
-    study = al.analyze(al.Recording((record(20_000, name="x"), record(20_000, name="y"))), al.Recipe(taus="octave"))
-    data = json.loads(json.dumps(study.to_dict(), allow_nan=False))
-    assert (data["allanite"], data["type"]) == (1, "Study")
-    assert {"channels", "recipe", "provenance"} <= set(data)
-    channel = data["channels"][0]
-    assert {"name", "quality", "curves", "fit"} <= set(channel)
-    curve = channel["curves"][0]
-    assert {"statistic", "unit", "m", "tau", "deviation", "edf", "low", "high"} <= set(curve)
-    assert {"method", "terms", "gof_p", "lines"} <= set(channel["fit"])
-    assert data["provenance"]["allanite"] == al.__version__
+    refused(al.UsageError, "cannot be read", lambda: al.Recipe.load(path))
 
 
 def test_a_fit_without_a_valid_term_has_no_model():

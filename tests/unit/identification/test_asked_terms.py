@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.identification.methods import symbols_of
@@ -65,8 +65,7 @@ def test_the_automatic_search_does_not_look_for_them():
 
 
 def test_a_third_process_or_shape_is_refused():
-    with pytest.raises(al.UsageError, match="must name each symbol once, GM twice at most"):
-        symbols_of("N,GM,GM,GM")
+    refused(al.UsageError, "must name each symbol once, GM twice at most", lambda: symbols_of("N,GM,GM,GM"))
     with pytest.raises(al.UsageError, match=r"at most two noises with a time constant or a frequency .* GM, GML, GM2"):
         identified(NB, "N,GM,GM,GM2", 1)
 

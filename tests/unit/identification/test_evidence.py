@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.fft import dct
 from scipy.signal import butter, lfilter
-from tests.rows import paired, rows
+from tests.rows import paired, refused, rows
 
 import allanite as al
 from allanite.identification.checks.contradiction import held, measured, not_rounding
@@ -82,7 +82,7 @@ SLOW = "N 0.6 deg/sqrt(h), GM 72 deg/h 1 s"
 
 
 @pytest.mark.slow("seconds of analyses")
-@rows("seed", [1, 2, 3])
+@rows("seed", [1, 2])
 def test_a_filter_is_tuned_beside_gauss_markov_noise(seed):
     fit = al.identify(made(SLOW, 2**15, RATE, seed, lambda y, rng: lfilter(*butter(1, 8 / 50), y)))
     assert fit.scope.filter is not None
@@ -91,7 +91,7 @@ def test_a_filter_is_tuned_beside_gauss_markov_noise(seed):
 
 
 @pytest.mark.slow("seconds of analyses")
-@rows("count", [2, 5, 10])
+@rows("count", [2, 10])
 def test_moving_averages_are_named_and_their_lobes_are_no_lines(count):
     fit = al.identify(made(WHITE, 2**16, RATE, count, lambda y, rng: lfilter(np.full(count, 1 / count), [1.0], y)))
     assert fit.scope.filter is not None
@@ -111,15 +111,15 @@ def test_a_long_gap_makes_no_ramp():
         y[QUIET + 12_000 : QUIET + 25_000] = np.nan
         return y
 
-    found = [al.identify(made(LONG, 2**15, 20.0, seed, gap))["R"].claimed for seed in range(20)]
-    assert sum(found) <= 5
+    found = [al.identify(made(LONG, 2**15, 20.0, seed, gap))["R"].claimed for seed in range(10)]
+    assert sum(found) <= 3
 
 
 BESIDE = "N 0.1 deg/sqrt(h), B 3 deg/h, GM 3 deg/h 60 s"
 
 
 @pytest.mark.xfail(reason="8 of 12 limits hold: below its price the slower noise is counted as flicker", strict=True)
-@pytest.mark.slow("takes more than half a second")
+@pytest.mark.nightly("a deficiency that is known")
 def test_limits_of_flicker_know_of_gauss_markov_noise_that_was_not_selected():
     """They held it in 13 of 20."""
     held_in = [holds(al.identify(made(BESIDE, 2**16, 20.0, seed)), BESIDE, "B") for seed in range(12)]
@@ -148,8 +148,7 @@ def test_resonances_are_described_with_their_skirts():
 
 def test_masks_that_leave_nothing_are_refused():
     record = made(WHITE, 2**12, RATE, 1)
-    with pytest.raises(al.DataError, match=r"fewer than 24"):
-        al.identify(record, masks=[(0.0, 45.0)])
+    refused(al.DataError, r"fewer than 24", lambda: al.identify(record, masks=[(0.0, 45.0)]))
     with pytest.raises(al.UsageError, match="masks is for method 'whittle'"):
         al.identify(record, "nnls", terms="QN", masks=[(1.0, 2.0)])
     with pytest.raises(al.UsageError, match=r"a piece is a pair of numbers in Hz, as 0\.4\.\.2\.1, not 'wide'"):
@@ -182,7 +181,7 @@ def test_a_hump_near_half_the_rate_is_no_angle_noise():
 @pytest.mark.slow("takes more than half a second")
 def test_steps_of_the_bias_are_no_random_walk():
     found, walks = [], []
-    for seed in range(6):
+    for seed in range(4):
 
         def step(y, rng):
             return y + 0.2 * y.std() * (np.arange(y.size) > QUIET + 20_000 + 2000 * seed)  # noqa: B023 - used at once
@@ -192,7 +191,7 @@ def test_steps_of_the_bias_are_no_random_walk():
         for finding in fit.findings:
             assert finding.place[0] == pytest.approx(200 + 20 * seed, abs=8)
         walks.append(fit["K"].claimed)
-    assert sum(found) >= 5
+    assert sum(found) >= 3
     assert sum(walks) <= 1
 
 
@@ -219,7 +218,7 @@ def test_the_time_of_a_step_is_that_of_the_recording_and_the_cure_leaves_it_out(
 
 
 @pytest.mark.slow("seconds of analyses")
-@rows("seed", range(3))
+@rows("seed", range(2))
 def test_a_slow_cycle_is_no_ramp(seed):
     """A ramp is told by the lowest coefficients: of a cycle that no component describes, they tell of none."""
     y = np.random.default_rng(seed).standard_normal(60_000)
@@ -244,7 +243,7 @@ def test_the_power_of_steps_is_that_of_their_literal_transform():
 @pytest.mark.slow("takes more than half a second")
 def test_a_random_walk_is_no_steps():
     walk = "N 0.1 deg/sqrt(h), K 12 deg/h/sqrt(h)"
-    fits = [al.identify(made(walk, 2**14, 20.0, seed)) for seed in range(15)]
+    fits = [al.identify(made(walk, 2**14, 20.0, seed)) for seed in range(8)]
     assert sum(any(finding.name == "steps" for finding in fit.findings) for fit in fits) <= 1
 
 

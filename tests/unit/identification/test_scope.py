@@ -51,12 +51,6 @@ def test_what_no_component_describes_is_a_factor_and_the_noise_is_that_below_it(
     assert not fit["Q"].claimed
 
 
-def test_a_clean_record_is_read_whole():
-    fit = al.identify(al.Record(white(2**15, 5), RATE, "rad/s"))
-    assert fit.scope.whole
-    assert (fit.scope.band, fit.scope.sentences, fit.validity) == ((0.0, RATE / 2), (), "explained")
-
-
 def test_a_small_misfit_is_allowed_for_in_the_limits():
     """A tilt of the spectrum by three per cent in n = 2^20: no component is so, and the limits are widened."""
     rng = np.random.default_rng(3)
@@ -133,7 +127,7 @@ def test_white_noise_below_the_curve_is_not_valid():
 def test_white_noise_is_not_struck_by_chance():
     """The octaves of the curve are many: at 1 % each, one record in forty lost its N."""
     struck = 0
-    for seed in range(60):
+    for seed in range(40):
         record = al.Record(np.random.default_rng([7, seed]).standard_normal(2**12), RATE, "deg/s")
         fit = al.identify(record, terms="N")
         struck += "N" in contradictions(fit, measured(fit, record))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import butter, iirpeak, lfilter
 from scipy.stats import chi2
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.identification.likelihood.filters import FILTERS, Filter
@@ -55,9 +55,6 @@ GM, PEAK, HIGH_PASS = (
 WIDE, ABOVE = Part("factor", "all", (0.0, 13.0, 0.3)), Part("factor", "above", (9.0, 13.0, 0.6))
 
 
-# --- derivatives ---------------------------------------------------------------------------------------------------
-
-
 @rows(
     "parts",
     [
@@ -96,9 +93,6 @@ def test_slopes_are_those_of_the_expected_power(parts):
         assert np.linalg.norm(a - b) < 0.01 * np.linalg.norm(b) + 1e-4 * np.linalg.norm(c)
 
 
-# --- states --------------------------------------------------------------------------------------------------------
-
-
 def test_a_state_never_changes_and_its_parts_stand_in_the_order_of_the_table():
     every = [ABOVE, HIGH_PASS, PEAK, Part("filter", "rc", (0.1,)), GM, Part("step", "", (900.0,))]
     states = {State().having(*(every[i] for i in np.random.default_rng(k).permutation(len(every)))) for k in range(10)}
@@ -108,8 +102,7 @@ def test_a_state_never_changes_and_its_parts_stand_in_the_order_of_the_table():
         state.parts = ()
     assert (state.lacking(GM).having(GM), state.lacking(GM, PEAK).of("resonance")) == (state, (HIGH_PASS,))
     assert GM in state.parts
-    with pytest.raises(ValueError, match="not in list"):
-        state.lacking(WIDE)
+    refused(ValueError, "not in list", lambda: state.lacking(WIDE))
     assert state.kind == state.lacking(PEAK).having(PEAK._replace(shape=(0.605, 12.1))).kind
     assert state.lacking(PEAK).having(PEAK._replace(label="high-pass")).form == state.form
     assert state.lacking(PEAK).having(PEAK._replace(label="high-pass")).kind != state.kind
@@ -123,9 +116,6 @@ def test_a_state_never_changes_and_its_parts_stand_in_the_order_of_the_table():
 ])  # fmt: skip
 def test_what_may_stand_together(parts, may):
     assert State().having(*parts).admitted(frame_from(made())) is may
-
-
-# --- prices --------------------------------------------------------------------------------------------------------
 
 
 def test_a_price_is_what_noise_alone_gains_at_its_rate():
@@ -155,9 +145,6 @@ def test_a_state_costs_what_its_parts_and_terms_do():
     assert behind.score - behind.value - behind.state.cost(frame) == pytest.approx(4 * 2.0 + 4.0, abs=0.1)
     loop = Part("noise", "GM2", (9.0, 0.1))
     assert cost_of(loop, frame) > cost_of(GM, frame) + 5
-
-
-# --- the search ----------------------------------------------------------------------------------------------------
 
 
 def humped(n=2**13, seed=3):
@@ -197,9 +184,6 @@ def test_a_refined_fit_is_the_least_nearby():
     for factor in (0.9, 0.97, 1.03, 1.1):
         near = fitted(frame, with_values(best.state, values_of(best.state) + math.log(factor)))
         assert near.value > best.value - 1e-3
-
-
-# --- laws ----------------------------------------------------------------------------------------------------------
 
 
 def test_weights_and_laws_are_those_of_all_that_is_kept():
@@ -246,9 +230,6 @@ def test_a_value_lies_within_its_limits():
                 assert low <= e.value <= high
 
 
-# --- the room ------------------------------------------------------------------------------------------------------
-
-
 NOTCHED = butter(4, 0.24)
 
 
@@ -282,17 +263,6 @@ def test_an_unknown_filter_keeps_the_plateau_or_is_refused(seed):
     assert low < N.value < high
 
 
-@rows("seed", range(3))
-def test_angle_noise_before_a_filter_leaves_the_white_noise(seed):
-    model = al.sensor("fog")
-    truth = next(term.value for term in model if term.symbol == "N")
-    fit = identified(made(model, 2**16, seed, RC))
-    assert fit["N"].value == pytest.approx(truth, rel=0.05)
-    assert covered(fit, "N", truth)
-    assert fit.scope.filter is not None
-    assert not any(c.claimed for c in fit.components if c.name in ("noise", "factor", "resonance"))
-
-
 def test_a_band_and_masks_are_those_of_the_user():
     quiet, t = made(N + B, 2**13, 8), np.arange(2**13) / RATE
     loud = quiet + 20 * quiet.std() * np.sin(2 * np.pi * 30.2 * t)
@@ -319,28 +289,6 @@ def test_a_resonance_is_a_component_with_its_place():
     assert "vibration at" in " ".join(fit.supposed)
     assert not fit.scope.holds(np.array([1 / 20])).any()
     assert fit.scope.holds(np.array([10.0])).all()
-
-
-def test_steps_are_components_and_leave_the_noise():
-    y = made(N, 2**14, 9)
-    y = y + 0.4 * y.std() * (np.arange(y.size) > 6000)
-    fit = identified(y)
-    (step,) = (c for c in fit.components if c.name == "step" and c.claimed)
-    assert ([f.name for f in fit.findings], fit.findings[0].place[0]) == (["steps"], pytest.approx(60, abs=2))
-    assert step.words.startswith("step at ")
-    assert not fit["K"].claimed
-    assert covered(fit, "N", N.value)
-
-
-def test_a_warm_up_is_a_component_and_leaves_the_noise():
-    y = made(N + B, 2**14, 10)
-    fit = identified(y - 60 * B.value * np.exp(-np.arange(y.size) / 3000))
-    (warm,) = (c for c in fit.components if c.name == "warm-up" and c.claimed)
-    assert ([f.name for f in fit.findings], fit.warm_up.shape[0]) == (["warm-up"], pytest.approx(30, rel=0.2))
-    assert fit.warm_up.value == pytest.approx(60 * B.value, rel=0.15)
-    assert warm.weight > 0.9
-    assert not fit["K"].claimed
-    assert covered(fit, "N", N.value)
 
 
 def test_flicker_is_no_power_that_nothing_describes():

@@ -32,9 +32,6 @@ def settling(size, share):
     return add
 
 
-# --- pieces --------------------------------------------------------------------------------------------------------
-
-
 @rows("tau", [40.0, 300.0])
 def test_directions_are_sums_of_literal_transforms(tau):
     """Edges, warm-up and ramp, by bins: exact where a bin holds one coefficient, nearly so where it holds several."""
@@ -105,9 +102,6 @@ def test_the_size_of_a_burst_in_white_noise_and_outliers_are_none():
     u = np.random.default_rng(1).standard_normal(2**15).astype(np.float32)
     u[8000:8004] += 60  # outliers
     assert jumps(u, al.Model((al.N(0.001, "rad/sqrt(s)"),)), RATE) is None
-
-
-# --- records -------------------------------------------------------------------------------------------------------
 
 
 def test_a_warm_up_is_named_and_taken_off_the_noise():

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.cli import main
@@ -214,5 +214,4 @@ def test_the_command_says_it_and_the_recipe_holds_it(recorded, tmp_path):
     recipe = al.Recipe(device="mems")
     study = al.analyze(recorded, recipe)
     assert al.from_dict(study.to_dict()).recipe == recipe
-    with pytest.raises(al.UsageError, match="unknown device 'x'"):
-        al.Recipe(device="x")
+    refused(al.UsageError, "unknown device 'x'", lambda: al.Recipe(device="x"))

@@ -15,8 +15,7 @@ from tests import all_but
 from tests.rows import rows
 
 import allanite as al
-from allanite.parallel.processes import ahead, later, spread
-from allanite.parallel.processors import how_many, imported, importing, processes, shared
+from allanite.parallel.processors import how_many, processes, shared
 from allanite.reporting import page
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="forks only where they are safe")
@@ -95,16 +94,14 @@ def test_cached_results_come_back(recording):
 
 def test_work_within_work_is_not_shared_again():
     with processes(3):
-        assert how_many(2) == 2
-        assert shared(lambda _: how_many(5), [0, 1, 2, 3], count=2) == [1, 1, 1, 1]
+        assert (how_many(2), shared(lambda _: how_many(5), [0, 1, 2, 3], count=2)) == (2, [1, 1, 1, 1])
     assert how_many(5) == 1
 
 
 @pytest.mark.all_processors
 def test_as_many_processes_as_the_samples_allow():
     with processes(None):
-        assert how_many(100, samples=2**30) == 1
-        assert how_many(100) == len(os.sched_getaffinity(0))
+        assert (how_many(100, samples=2**30), how_many(100)) == (1, len(os.sched_getaffinity(0)))
     with processes(2):
         assert how_many(100, samples=2**30) == 2
 
@@ -175,11 +172,3 @@ def running(pid: int) -> bool:
             return file.read().rsplit(")", 1)[1].split()[0] != "Z"
     except FileNotFoundError:
         return False
-
-
-def test_examples_of_threads():
-    assert later(lambda: 3).result() == 3
-    assert list(ahead(iter(range(5)))) == [0, 1, 2, 3, 4]
-    assert spread(abs, [-1, 2, -3], 2) == [1, 2, 3]
-    with importing(["string"]):
-        imported()

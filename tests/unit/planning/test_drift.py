@@ -59,24 +59,15 @@ def flicker(t, window):
 
 
 @rows("symbol, order, calibration, expected", [
-    ("N", 0, 0.0, lambda t: t),
-    ("N", 1, 0.0, lambda t: t**3 / 3),
-    ("N", 2, 0.0, lambda t: t**5 / 20),
-    ("N", 0, T, lambda t: t + t**2 / T),
-    ("N", 2, T, lambda t: t**5 / 20 + t**6 / 36 / T),
-    ("K", 0, 0.0, lambda t: t**3 / 3),
-    ("K", 1, 0.0, lambda t: t**5 / 20),
-    ("K", 2, 0.0, lambda t: t**7 / 252),
-    ("K", 0, T, lambda t: t**2 * (t + T) / 3),
-    ("R", 0, 0.0, lambda t: t**4 / 4),
-    ("R", 2, 0.0, lambda t: t**8 / 576),
-    ("R", 0, T, lambda t: (t * (t + T) / 2) ** 2),
-    ("Q", 0, 0.0, lambda t: 2 + 0 * t),
+    ("N", 0, 0.0, lambda t: t), ("N", 1, 0.0, lambda t: t**3 / 3), ("N", 2, 0.0, lambda t: t**5 / 20),
+    ("N", 0, T, lambda t: t + t**2 / T), ("N", 2, T, lambda t: t**5 / 20 + t**6 / 36 / T),
+    ("K", 0, 0.0, lambda t: t**3 / 3), ("K", 1, 0.0, lambda t: t**5 / 20), ("K", 2, 0.0, lambda t: t**7 / 252),
+    ("K", 0, T, lambda t: t**2 * (t + T) / 3), ("R", 0, 0.0, lambda t: t**4 / 4), ("R", 2, 0.0, lambda t: t**8 / 576),
+    ("R", 0, T, lambda t: (t * (t + T) / 2) ** 2), ("Q", 0, 0.0, lambda t: 2 + 0 * t),
     ("Q", 0, T, lambda t: (1 + t / T) ** 2 + 1 + (t / T) ** 2),
     ("GM", 0, 0.0, lambda t: 2 * 25 * (t / 5 - 1 + np.exp(-t / 5))),
     ("Sine", 0, 0.0, lambda t: (1 - np.cos(2 * math.pi * 0.07 * t)) / (2 * math.pi * 0.07) ** 2),
-    ("B", 0, T, lambda t: flicker(t, T)),
-    ("B", 0, 0.0, lambda t: flicker(t, 1.0)),
+    ("B", 0, T, lambda t: flicker(t, T)), ("B", 0, 0.0, lambda t: flicker(t, 1.0)),
 ])  # fmt: skip
 def test_closed_forms(symbol, order, calibration, expected):
     t = np.array([0.1, 1.0, 10.0, 60.0, 600.0, 3600.0])

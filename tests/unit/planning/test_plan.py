@@ -225,8 +225,7 @@ def test_averaging_times_or_factors():
     ("theo1", {"m": [11]}, "must be even"), ("theo1", {"taus": [8.0]}, "is not a multiple of 1.5 s"),
 ])  # fmt: skip
 def test_bad_input(name, more, message):
-    with pytest.raises(UsageError, match=message):
-        properties(name, 1000, **more)
+    refused(UsageError, message, lambda: properties(name, 1000, **more))
 
 
 def test_limits_under_quantization_alone():

@@ -6,11 +6,10 @@ import zipfile
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.core.errors import DataError, UsageError
-from allanite.readers.formats.registry import READERS, reader_named
 
 h5py = pytest.importorskip("h5py")
 
@@ -39,25 +38,21 @@ def test_several_sensors_are_listed_and_chosen(two_sensors):
     ):
         al.read(two_sensors)
     gyro = al.read(two_sensors, channels=["imu0/gyro"])
-    assert gyro.channels == ("x", "y", "z")
-    assert (gyro["y"].rate, gyro["y"].unit) == (200.0, "deg/s")
+    assert (gyro.channels, gyro["y"].rate, gyro["y"].unit) == (("x", "y", "z"), 200.0, "deg/s")
     assert np.array_equal(gyro["y"].values, GYRO[:, 1])
     assert any("rate 200.0 Hz from 'imu0/rate'" in note for note in gyro.notes)
     for choice in (["acc"], ["acc 2"], ["6"]):
         acc = al.read(two_sensors, channels=choice)
-        assert (acc[0].unit, acc[0].start) == ("m/s^2", 7.0)
-        assert acc[0].rate == pytest.approx(50.0)
+        assert (acc[0].unit, acc[0].start, acc[0].rate) == ("m/s^2", 7.0, pytest.approx(50.0))
     assert np.array_equal(acc[0].values, ACC[:, 2])
     assert any("imu0/gyro (60 x 3)" in note for note in acc.notes)
-    with pytest.raises(UsageError, match="2 recordings"):
-        al.read(two_sensors, channels=["nothing"])
+    refused(UsageError, "2 recordings", lambda: al.read(two_sensors, channels=["nothing"]))
 
 
 def test_a_dataset_may_be_named_by_its_absolute_path(two_sensors, monkeypatch):
     monkeypatch.chdir(two_sensors.parent)
     gyro = al.read("a.h5", channels=["/imu0/gyro"])
-    assert gyro.source == "a.h5"
-    assert gyro.channels == ("x", "y", "z")
+    assert (gyro.source, gyro.channels) == ("a.h5", ("x", "y", "z"))
     assert np.array_equal(gyro["z"].values, GYRO[:, 2])
 
 
@@ -66,8 +61,7 @@ def test_sensors_of_one_length_with_rates_of_their_own_are_not_mixed(tmp_path):
         for name, rate in (("a", 100.0), ("b", 400.0)):
             file[f"{name}/gyro"] = GYRO
             file[f"{name}/gyro"].attrs["fs"] = rate
-    with pytest.raises(UsageError, match="2 recordings"):
-        al.read(tmp_path / "a.h5", unit="deg/s")
+    refused(UsageError, "2 recordings", lambda: al.read(tmp_path / "a.h5", unit="deg/s"))
     assert al.read(tmp_path / "a.h5", unit="deg/s", channels=["b/gyro"])[0].rate == 400.0
 
 
@@ -91,15 +85,13 @@ def test_links_out_of_a_file_are_not_followed(tmp_path, two_sensors):
         file["outer"] = h5py.ExternalLink(str(two_sensors), "imu0/gyro")
         file["loop"] = h5py.SoftLink("/")
         file["self"] = file["/"]
-    with pytest.raises(DataError, match="no array of samples"):
-        al.read(tmp_path / "b.h5", rate=1.0, unit="deg/s")
+    refused(DataError, "no array of samples", lambda: al.read(tmp_path / "b.h5", rate=1.0, unit="deg/s"))
     with h5py.File(tmp_path / "c.h5", "w") as file:
         layout = h5py.VirtualLayout((60, 3), "f8")
         layout[:] = h5py.VirtualSource(str(two_sensors), "imu0/gyro", (60, 3))
         file.create_virtual_dataset("virtual", layout)
         file.create_dataset("external", (60,), "f8", external=[(str(two_sensors), 0, 480)])
-    with pytest.raises(DataError, match="no array"):
-        al.read(tmp_path / "c.h5", rate=1.0, unit="deg/s")
+    refused(DataError, "no array", lambda: al.read(tmp_path / "c.h5", rate=1.0, unit="deg/s"))
 
 
 @rows("bits", [{"precision": 12, "offset": 2}, {"precision": 8, "offset": 0}, {}])
@@ -121,12 +113,10 @@ def test_integers_of_fewer_bits_than_their_width(tmp_path, bits):
 def test_a_dataset_that_claims_more_than_its_file(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file.create_dataset("gyro", (10**9, 3), "f8", chunks=(1000, 3))
-    with pytest.raises(DataError, match="'gyro' claims 24000 MB"):
-        al.read(tmp_path / "a.h5", rate=1.0, unit="deg/s")
+    refused(DataError, "'gyro' claims 24000 MB", lambda: al.read(tmp_path / "a.h5", rate=1.0, unit="deg/s"))
     with h5py.File(tmp_path / "b.h5", "w") as file:
         file.create_dataset("gyro", (10**8,), "f8", chunks=(10**8,))
-    with pytest.raises(DataError, match="larger than the file can hold"):
-        al.read(tmp_path / "b.h5", rate=1.0, unit="deg/s")
+    refused(DataError, "larger than the file can hold", lambda: al.read(tmp_path / "b.h5", rate=1.0, unit="deg/s"))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -149,22 +139,11 @@ def test_a_crash_or_a_stop_of_the_library_is_a_sentence(two_sensors, monkeypatch
 def test_cut_and_foreign_files_of_every_suffix(tmp_path, two_sensors):
     whole = two_sensors.read_bytes()
     two_sensors.write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(DataError, match="damaged or incomplete"):
-        al.read(two_sensors)
+    refused(DataError, "damaged or incomplete", lambda: al.read(two_sensors))
     for suffix in (".h5", ".parquet", ".rda", ".mat", ".npz", ".zip", ".gz"):
         (tmp_path / f"b{suffix}").write_bytes(RNG.bytes(3000))
         with pytest.raises(DataError, match=r"begin|format|damaged"):
             al.read(tmp_path / f"b{suffix}", rate=1.0, unit="deg/s")
-
-
-def test_a_missing_library_is_named_with_its_extra(two_sensors, tmp_path, monkeypatch):
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    with pytest.raises(UsageError, match=r"pip install h5py"):
-        al.read(two_sensors)
-    with pytest.raises(UsageError, match=r"pip install h5py"):
-        al.write(al.Record([1.5, 2.5], 1.0, "deg/s"), tmp_path / "b.h5")
-    with pytest.raises(UsageError, match=r"needs rdata, .*pip install rdata"):
-        al.read(r_file(tmp_path / "a.rds", b""))
 
 
 def test_heavy_libraries_are_imported_by_none_but_their_readers(tmp_path):
@@ -175,9 +154,6 @@ def test_heavy_libraries_are_imported_by_none_but_their_readers(tmp_path):
         capture_output=True, text=True, check=True,
     )  # fmt: skip
     assert run.stdout.strip() == "[]"
-
-
-# MATLAB
 
 
 def savemat(path, content, **options):
@@ -195,16 +171,14 @@ def test_structures_and_what_is_no_number(tmp_path, compress):
         "small": np.arange(60, dtype=np.int8),
     }  # fmt: skip
     recording = al.read(savemat(tmp_path / "a.mat", content, do_compression=compress), unit="deg/s", channels=["gyro"])
-    assert recording.channels == ("gyro 1", "gyro 2", "gyro 3")
-    assert recording[0].rate == pytest.approx(100.0)
+    assert (recording.channels, recording[0].rate) == (("gyro 1", "gyro 2", "gyro 3"), pytest.approx(100.0))
     assert any("run/cells" in note and "flags" in note and "z" in note for note in recording.notes)
     assert al.read(tmp_path / "a.mat", rate=1, unit="deg/s", channels=["small"])[0].values.dtype == np.int64
 
 
 def test_an_ascii_mat_is_text(tmp_path):
     np.savetxt(tmp_path / "a.mat", np.column_stack((np.arange(60) * 0.01 + 3, GYRO)))
-    with pytest.raises(UsageError, match=r"rate=100.*'column 2'.*unit="):
-        al.read(tmp_path / "a.mat")
+    refused(UsageError, r"rate=100.*'column 2'.*unit=", lambda: al.read(tmp_path / "a.mat"))
     assert al.read(tmp_path / "a.mat", rate=100, unit="deg/s").channels == ("column 2", "column 3", "column 4")
 
 
@@ -225,9 +199,6 @@ def test_of_a_bomb_in_a_mat_file_no_more_is_unpacked_than_it_may(tmp_path):
     path = savemat(tmp_path / "a.mat", {"gyro": np.zeros(30_000_000)}, do_compression=True)
     with pytest.raises(DataError, match=r"claims more than the \S+ MB that a file of this size may unpack to"):
         al.read(path, rate=1, unit="deg/s")
-
-
-# R
 
 
 def r_file(path, body, version=2):
@@ -268,8 +239,7 @@ def test_what_r_files_claim_is_not_believed(tmp_path, hex_body, words):
     body = bytes.fromhex(hex_body.replace(" ", ""))
     if "63" in hex_body and "claims more" in words:
         body = body.replace(b"\0\0\0\x0ecompact_realseq", b"\0\0\0\x0fcompact_realseq")
-    with pytest.raises(DataError, match=words):
-        al.read(r_file(tmp_path / "a.rds", body), rate=1, unit="deg/s")
+    refused(DataError, words, lambda: al.read(r_file(tmp_path / "a.rds", body), rate=1, unit="deg/s"))
 
 
 def test_an_r_file_that_was_cut_off_is_not_a_shorter_one(tmp_path):
@@ -277,8 +247,7 @@ def test_an_r_file_that_was_cut_off_is_not_a_shorter_one(tmp_path):
 
     whole = struct.pack(">ii", 14, 100) + np.arange(100.0).astype(">f8").tobytes()
     assert len(al.read(r_file(tmp_path / "a.rds", whole), rate=1, unit="deg/s", channels=["1"])[0].values) == 100
-    with pytest.raises(DataError, match="only 480"):
-        al.read(r_file(tmp_path / "a.rds", whole[:-320]), rate=1, unit="deg/s")
+    refused(DataError, "only 480", lambda: al.read(r_file(tmp_path / "a.rds", whole[:-320]), rate=1, unit="deg/s"))
 
 
 def test_sequences_of_a_small_r_file_do_not_take_gigabytes(tmp_path):
@@ -299,9 +268,6 @@ def test_a_million_empty_entries_are_not_gone_through(tmp_path):
         al.read(path, rate=1, unit="deg/s")
 
 
-# Parquet
-
-
 def test_parquet_of_others(tmp_path):
     import pyarrow as pa
     from pyarrow import parquet
@@ -317,8 +283,7 @@ def test_parquet_of_others(tmp_path):
     said = {b"pandas": b'{"index_columns": ["__index_level_0__"]}'}
     parquet.write_table(table.cast(pa.schema(fields, said)), tmp_path / "a.parquet")
     recording = al.read(tmp_path / "a.parquet")
-    assert recording.channels == ("gyro_x_dps", "acc")
-    assert [record.unit for record in recording] == ["deg/s", "m/s^2"]
+    assert (recording.channels, [record.unit for record in recording]) == (("gyro_x_dps", "acc"), ["deg/s", "m/s^2"])
     assert recording[0].rate == pytest.approx(200.0)
     assert np.isnan(recording[0].values[0])
     assert any("list" in note for note in recording.notes)
@@ -329,8 +294,7 @@ def test_parquet_that_claims_too_much(tmp_path):
     from pyarrow import parquet
 
     parquet.write_table(pa.table({"gx": np.zeros(2 * 10**7)}), tmp_path / "a.parquet")
-    with pytest.raises(DataError, match="claims 160 MB"):
-        al.read(tmp_path / "a.parquet", rate=1, unit="deg/s")
+    refused(DataError, "claims 160 MB", lambda: al.read(tmp_path / "a.parquet", rate=1, unit="deg/s"))
 
 
 def test_a_dictionary_of_long_words_is_not_spelled_out(tmp_path):
@@ -354,9 +318,6 @@ def test_a_dictionary_of_long_words_is_not_spelled_out(tmp_path):
     assert int(taken) < 100
 
 
-# archives
-
-
 def test_an_archive_with_several_asks(tmp_path):
     with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
         for name in ("run/a.csv", "run/b.csv"):
@@ -368,8 +329,7 @@ def test_an_archive_with_several_asks(tmp_path):
     recording = al.read(f"{tmp_path / 'a.zip'}::run/b.csv", rate=1)
     assert recording.source == f"{tmp_path / 'a.zip'}::run/b.csv"
     (tmp_path / "a.csv").write_text("gx [deg/s]\n1.5\n2.5\n")
-    with pytest.raises(UsageError, match=r"::a names a member of a \.zip"):
-        al.read(f"{tmp_path / 'a.csv'}::a", rate=1)
+    refused(UsageError, r"::a names a member of a \.zip", lambda: al.read(f"{tmp_path / 'a.csv'}::a", rate=1))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -396,8 +356,7 @@ def test_streams_of_one_xz_file_follow_each_other(tmp_path):
     (tmp_path / "a.csv.xz").write_bytes(first + bytes(8) + second)
     assert al.read(tmp_path / "a.csv.xz", rate=1)["gx"].values.tolist() == [1.5, 2.5, 3.5]
     (tmp_path / "a.csv.xz").write_bytes(first + b"anything else that is longer")
-    with pytest.raises(DataError, match=r"the \.xz packing is damaged"):
-        al.read(tmp_path / "a.csv.xz", rate=1)
+    refused(DataError, r"the \.xz packing is damaged", lambda: al.read(tmp_path / "a.csv.xz", rate=1))
 
 
 def test_bombs_in_bombs_do_not_multiply(tmp_path):
@@ -407,8 +366,7 @@ def test_bombs_in_bombs_do_not_multiply(tmp_path):
     al.read(tmp_path / "a.npz", rate=1, unit="deg/s", channels=["gx"])
     with zipfile.ZipFile(tmp_path / "a.zip", "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         archive.writestr("a.npz", inner)
-    with pytest.raises(DataError, match=r"claims 35\.2"):
-        al.read(tmp_path / "a.zip", rate=1, unit="deg/s")
+    refused(DataError, r"claims 35\.2", lambda: al.read(tmp_path / "a.zip", rate=1, unit="deg/s"))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -419,23 +377,16 @@ def test_archives_that_hold_nothing_to_read(tmp_path):
                 archive.writestr(name, content)
 
     archive_of(**{"readme.txt": "1 2 3\n"})
-    with pytest.raises(DataError, match=r"contains readme\.txt"):
-        al.read(tmp_path / "a.zip")
+    refused(DataError, r"contains readme\.txt", lambda: al.read(tmp_path / "a.zip"))
     archive_of(**{"xl/workbook.xml": "<x/>"})
-    with pytest.raises(DataError, match="Excel"):
-        al.read(tmp_path / "a.zip")
+    refused(DataError, "Excel", lambda: al.read(tmp_path / "a.zip"))
     whole = (tmp_path / "a.zip").read_bytes()
     (tmp_path / "a.zip").write_bytes(whole[:-30])
-    with pytest.raises(DataError, match="is incomplete"):
-        al.read(tmp_path / "a.zip")
+    refused(DataError, "is incomplete", lambda: al.read(tmp_path / "a.zip"))
     with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
         for i in range(30_000):
             archive.writestr(f"{i}.csv", b"")
-    with pytest.raises(DataError, match="directory of the archive claims"):
-        al.read(tmp_path / "a.zip")
-
-
-# raw binary
+    refused(DataError, "directory of the archive claims", lambda: al.read(tmp_path / "a.zip"))
 
 
 @rows("options, words", [
@@ -453,8 +404,7 @@ def test_archives_that_hold_nothing_to_read(tmp_path):
 ])  # fmt: skip
 def test_impossible_layouts(tmp_path, options, words):
     (tmp_path / "a.bin").write_bytes(bytes(120))
-    with pytest.raises(al.AllaniteError, match=words):
-        al.read(tmp_path / "a.bin", **({"rate": 100} | options))
+    refused(al.AllaniteError, words, lambda: al.read(tmp_path / "a.bin", **({"rate": 100} | options)))
 
 
 def test_raw_rows_of_mixed_types_and_packed_ones(tmp_path):
@@ -474,10 +424,6 @@ def test_raw_rows_of_mixed_types_and_packed_ones(tmp_path):
 def test_raw_numbers_that_begin_like_a_packed_file_are_numbers(tmp_path):
     (tmp_path / "a.bin").write_bytes(b"\x1f\x8b\x08\x00" + bytes(60))
     assert al.read(tmp_path / "a.bin", dtype="i2", rate=1, unit="deg/s")[0].size == 32
-
-
-def test_every_reader_tells_its_title():
-    assert all(len(reader.TITLE) > 3 for reader in map(reader_named, READERS))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -502,8 +448,7 @@ def test_a_parquet_table_of_thousands_of_columns(tmp_path):
     from pyarrow import parquet
 
     parquet.write_table(pa.table({str(i): [1.0, 2.0] for i in range(1001)}), tmp_path / "a.parquet")
-    with pytest.raises(DataError, match="1001 columns"):
-        al.read(tmp_path / "a.parquet", rate=1, unit="deg/s")
+    refused(DataError, "1001 columns", lambda: al.read(tmp_path / "a.parquet", rate=1, unit="deg/s"))
 
 
 @rows("kind", [7, 0])

@@ -4,11 +4,9 @@ import struct
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.core.errors import DataError, UsageError
 from damaged import generator, mutated, read
 from fuzz import judged
@@ -63,21 +61,17 @@ def flight(tmp_path):
 def test_instances_are_listed_and_chosen(flight):
     path, gyro = flight
     words = r"3 tables.*\(IMU/0 \(300 rows at 50 Hz\), IMU/1 \(300 rows at 50 Hz\), GYR/0 \(900 rows at 150.3 Hz\)\)"
-    with pytest.raises(UsageError, match=words):
-        al.read(path)
+    refused(UsageError, words, lambda: al.read(path))
     recording = al.read(path, channels=["GYR"])
-    assert recording.channels == ("GyrX", "GyrY", "GyrZ")
-    assert (recording[0].unit, recording[0].size) == ("rad/s", 900)
+    assert (recording.channels, recording[0].unit, recording[0].size) == (("GyrX", "GyrY", "GyrZ"), "rad/s", 900)
     assert recording[0].rate == pytest.approx(1e6 / 6667)
     assert np.array_equal(recording[1].values, gyro[:, 1].astype(float))
     assert any("'SampleUS [us]' is used as the clock, of 2 candidates" in note for note in recording.notes)
     second = al.read(path, channels=["IMU/1"])
     assert [record.unit for record in second] == ["rad/s"] * 3 + ["m/s^2"] * 3
     assert al.read(path, channels=["imu/1/AccZ"]).channels == ("AccZ",)
-    with pytest.raises(UsageError, match="contains IMU/0"):
-        al.read(path, channels=["GYRO"])
-    with pytest.raises(UsageError, match=r"'Alt'"):
-        al.read(path, channels=["BARO"])
+    refused(UsageError, "contains IMU/0", lambda: al.read(path, channels=["GYRO"]))
+    refused(UsageError, r"'Alt'", lambda: al.read(path, channels=["BARO"]))
 
 
 def test_the_samples_are_those_of_pymavlink(flight):
@@ -113,8 +107,7 @@ def test_batches_are_unrolled_with_gaps_between_them(tmp_path):
     recording = al.read(log(tmp_path / "a.bin", *made))
     assert "3 batches of up to 1024 samples" in recording.notes
     assert (recording.channels, recording[0].unit) == (("x", "y", "z"), "rad/s")
-    assert recording[0].rate == pytest.approx(1000.0)
-    assert recording[2].size == 3000 + 1024
+    assert (recording[0].rate, recording[2].size) == (pytest.approx(1000.0), 3000 + 1024)
     values = recording[2].values
     assert np.allclose(values[:1024], counts[0, 2] / 500, rtol=1e-12)
     assert np.allclose(values[3000:], counts[2, 2] / 500, rtol=1e-12)
@@ -197,8 +190,7 @@ def test_damaged_lines_of_a_log_as_text(tmp_path):
     assert any("2 lines of IMU cannot be read" in note for note in recording.notes)
     assert recording[0].size == 150
     path.write_text("FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n")
-    with pytest.raises(DataError, match="no rows"):
-        al.read(path)
+    refused(DataError, "no rows", lambda: al.read(path))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -223,18 +215,6 @@ def test_damaged_logs(flight, tmp_path):
     assert np.nanmax(np.abs(damaged[0].values)) < 10
     assert any("bytes belong to no message" in note for note in damaged.notes)
     cut.write_bytes(whole[:534])
-    with pytest.raises(DataError, match="no rows"):
-        al.read(cut)
+    refused(DataError, "no rows", lambda: al.read(cut))
     cut.write_bytes(header() + message("BARO", 1, 2.0, 3) * 9)
-    with pytest.raises(UsageError, match=r"BARO \(9 rows\)"):
-        al.read(cut)
-
-
-def test_exit_codes(flight, tmp_path):
-    def code(path, *options):
-        return CliRunner().invoke(main, ["info", str(path), *options]).exit_code
-
-    (tmp_path / "b.bin").write_bytes(header()[:300])
-    assert code(flight[0]) == code(flight[0], "--channels", "GYRO") == 2
-    assert code(flight[0], "--channels", "GYR") == 0
-    assert code(tmp_path / "b.bin") == 3
+    refused(UsageError, r"BARO \(9 rows\)", lambda: al.read(cut))

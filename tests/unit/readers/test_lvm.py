@@ -44,8 +44,7 @@ def test_one_segment_with_times_and_a_comment(tmp_path):
     lines = rows(GYRO)
     lines[3] += "\ton the table"
     recording = al.read(save(tmp_path / "a.lvm", head("One") + segment(("X_Value", "gx", "gy", "Comment"), lines)))
-    assert recording.channels == ("gx", "gy")
-    assert (recording[0].unit, recording[0].size) == ("deg/s", 400)
+    assert (recording.channels, recording[0].unit, recording[0].size) == (("gx", "gy"), "deg/s", 400)
     assert recording[0].rate == pytest.approx(100.0)
     assert np.array_equal(np.column_stack([r.values for r in recording]), GYRO)
     # without times the step of the header counts
@@ -69,8 +68,7 @@ def test_one_segment_with_times_and_a_comment(tmp_path):
     parts = [segment(names, rows(GYRO[at : at + 200]), second=s) + "\n" for at, s in ((0, 5.25), (200, 7.75))]
     for times, text in (("One", "".join(parts)), ("No", "".join(parts))):
         recording = al.read(save(tmp_path / "a.lvm", head(times) + text))
-        assert recording[0].rate == pytest.approx(100.0)
-        assert recording[0].size == 450
+        assert (recording[0].rate, recording[0].size) == (pytest.approx(100.0), 450)
         assert np.isnan(recording[0].values[200:250]).all()
         assert np.array_equal(recording[1].values[250:], GYRO[200:, 1])
 

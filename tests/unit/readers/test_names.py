@@ -115,8 +115,7 @@ NANO = [(990 + 10 * i) % 1000 * 1_000_000 for i in range(300)]
 ])  # fmt: skip
 def test_seconds_and_nanoseconds_are_one_clock(write, seconds, parts):
     recording = read(write([seconds, parts, "gx [rad/s]"], [SECONDS, NANO, *vector(0, 1)]))
-    assert recording.channels == ("gx",)
-    assert recording["gx"].rate == pytest.approx(100, rel=1e-12)
+    assert (recording.channels, recording["gx"].rate) == (("gx",), pytest.approx(100, rel=1e-12))
     assert recording["gx"].start == pytest.approx(EPOCH + 0.99, abs=1e-6)
     assert not recording.findings
     assert any(seconds in note and parts in note and "joined" in note for note in recording.notes)

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from tests import examples
-from tests.rows import rows
+from tests.rows import refused, rows
 
 from allanite.core.errors import DataError, UsageError
 from allanite.readers import read
@@ -65,15 +65,13 @@ def test_one_channel_and_rows_that_are_channels_where_they_are_fewer(save):
     array["time_us"], array["gyro_dps"] = np.arange(50) * 10_000, DATA
     recording = read(save(array))
     assert recording.channels == ("gyro_dps 1", "gyro_dps 2", "gyro_dps 3")
-    assert {record.unit for record in recording} == {"deg/s"}
-    assert recording[0].rate == pytest.approx(100.0)
+    assert ({record.unit for record in recording}, recording[0].rate) == ({"deg/s"}, pytest.approx(100.0))
 
 
 def test_archive(savez):
     recording = read(savez(t=np.arange(50) * 0.01 + 0.005, gx_dps=DATA[:, 0], acc_mps2=DATA, temperature=np.ones(7)))
     assert recording.channels == ("gx_dps", "acc_mps2 1", "acc_mps2 2", "acc_mps2 3")
-    assert [r.unit for r in recording] == ["deg/s"] + ["m/s^2"] * 3
-    assert recording[0].rate == pytest.approx(100.0)
+    assert ([r.unit for r in recording], recording[0].rate) == (["deg/s"] + ["m/s^2"] * 3, pytest.approx(100.0))
     recording = read(savez(gyro=DATA, rate=200.0, note=np.array("room 3")), unit="deg/s")
     assert recording[0].rate == 200.0
     assert any("rate 200.0 Hz from the number stored" in note for note in recording.notes)
@@ -140,5 +138,4 @@ def test_pickled_objects_are_never_loaded(tmp_path, name):
 def test_elements_without_width_are_not_counted_out(tmp_path, kind):
     header = f"{{'descr': '|{kind}', 'fortran_order': False, 'shape': (100000000000,), }}\n".encode()
     (tmp_path / "a.npy").write_bytes(b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header)
-    with pytest.raises(DataError, match="the array claims 100000 MB"):
-        read(tmp_path / "a.npy", rate=1, unit="deg/s")
+    refused(DataError, "the array claims 100000 MB", lambda: read(tmp_path / "a.npy", rate=1, unit="deg/s"))

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyarrow import parquet
 from tests import examples
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.core.errors import DataError, UsageError
@@ -152,8 +152,7 @@ def test_a_file_that_becomes_shorter_while_it_is_read_is_refused(case, tmp_path)
     path = make(tmp_path)
     reader = opened(path, "1kB", choices)
     os.truncate(path, os.stat(path).st_size - 100)
-    with pytest.raises(DataError, match="ends in the middle of its numbers"):
-        list(reader.pieces(4096))
+    refused(DataError, "ends in the middle of its numbers", lambda: list(reader.pieces(4096)))
 
 
 @settings(max_examples=examples(25), deadline=None)
@@ -244,8 +243,7 @@ def test_what_fits_is_read_as_a_whole(tmp_path):
         opened(path, "1MB", UNIT)
     cure = str(error.value).partition("allow more with memory=")[2].strip("'")
     assert opened(path, cure, UNIT) is None
-    with pytest.raises(UsageError, match="not read in parts"):
-        demand_memory(path, "1MB", UNIT)
+    refused(UsageError, "not read in parts", lambda: demand_memory(path, "1MB", UNIT))
     demand_memory(path, cure, UNIT)
     # what fits by its rows is not refused by its size
     path = npy(tmp_path, np.column_stack([noise()] * 20))
@@ -263,8 +261,7 @@ def test_every_format_with_parts_is_tried_here():
 
 @rows("text", ["much", "0", "-1GB", "GB", ""])
 def test_a_size_is_a_number_of_bytes(text):
-    with pytest.raises(UsageError, match="a size such as 1GB or 500MB"):
-        bytes_of(text)
+    refused(UsageError, "a size such as 1GB or 500MB", lambda: bytes_of(text))
 
 
 def test_an_error_of_a_thread_comes_where_its_results_are_used():
@@ -274,8 +271,7 @@ def test_an_error_of_a_thread_comes_where_its_results_are_used():
 
     items = ahead(broken())
     assert next(items) == 1
-    with pytest.raises(DataError, match="no more"):
-        next(items)
+    refused(DataError, "no more", lambda: next(items))
     with pytest.raises(ZeroDivisionError):
         later(lambda: 1 / 0).result()
 

@@ -2,16 +2,13 @@
 
 import hashlib
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.rows import paired, rows
+from tests.rows import paired, refused, rows
 
 from allanite.core.errors import AllaniteError, DataError, UnitError, UsageError
-from allanite.core.kinds import KINDS
 from allanite.readers import read
 from allanite.readers.formats.registry import READERS, reader_named
 
@@ -45,36 +42,23 @@ def test_table_of_formats(name):
     assert not READERS[name].sniff(b"\x00\x01\x02" * 100, ".bin")
 
 
-def test_import_is_cheap():
-    heavy = "pyarrow,scipy,numba,matplotlib,pandas,h5py,rdata,zipfile"
-    code = f"import sys, allanite.readers; print([m for m in '{heavy}'.split(',') if m in sys.modules])"
-    assert (
-        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
-    )
-
-
 def test_what_is_not_a_file_is_refused(tmp_path):
-    with pytest.raises(DataError, match="no such file"):
-        read(tmp_path / "absent.csv")
-    with pytest.raises(DataError, match="directory"):
-        read(tmp_path)
+    refused(DataError, "no such file", lambda: read(tmp_path / "absent.csv"))
+    refused(DataError, "directory", lambda: read(tmp_path))
     with pytest.raises(DataError):
         read("nul\0l")
-    with pytest.raises(UsageError, match="path"):
-        read(7)
+    refused(UsageError, "path", lambda: read(7))
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
 def test_a_pipe_is_refused_and_does_not_hang(tmp_path):
     os.mkfifo(tmp_path / "pipe.csv")
-    with pytest.raises(DataError, match="pipe"):
-        read(tmp_path / "pipe.csv")
+    refused(DataError, "pipe", lambda: read(tmp_path / "pipe.csv"))
 
 
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="this system has no /dev/zero")
 def test_a_device_is_refused():
-    with pytest.raises(DataError, match="not a regular file"):
-        read("/dev/zero")
+    refused(DataError, "not a regular file", lambda: read("/dev/zero"))
 
 
 def test_no_permission(write, monkeypatch):
@@ -84,8 +68,7 @@ def test_no_permission(write, monkeypatch):
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr(Path, "open", refuse)
-    with pytest.raises(DataError, match="Permission denied"):
-        read(path)
+    refused(DataError, "Permission denied", lambda: read(path))
 
 
 @rows(
@@ -109,8 +92,7 @@ def test_useless_content_is_refused_in_words(write, name, content):
 @pytest.mark.slow("takes more than half a second")
 def test_rows_of_thousands_of_numbers_are_refused(write):
     row = b"1.5," * 1500
-    with pytest.raises(DataError, match="one row per sample"):
-        read(write((row + b"\n") * 2000), rate=100, unit="deg/s")
+    refused(DataError, "one row per sample", lambda: read(write((row + b"\n") * 2000), rate=100, unit="deg/s"))
 
 
 @rows("options, error, words", [
@@ -124,8 +106,7 @@ def test_rows_of_thousands_of_numbers_are_refused(write):
     ({"channels": ["time"], "time": "time", "unit": "deg/s"}, UsageError, "time and as a channel"),
 ])  # fmt: skip
 def test_impossible_options_are_refused_in_words(write, options, error, words):
-    with pytest.raises(error, match=words):
-        read(write(GOOD), **options)
+    refused(error, words, lambda: read(write(GOOD), **options))
 
 
 def test_missing_rate_and_unit_are_asked_for_together(write):
@@ -133,17 +114,6 @@ def test_missing_rate_and_unit_are_asked_for_together(write):
         read(write("gx,gy\n" + "1.5,2.5\n" * 20))
     for words in ("rate=100", "unit=", "'gx', 'gy'"):
         assert words in str(caught.value)
-
-
-@rows("unit", ["arcsec", "m/s", "rad"])
-def test_an_ambiguous_kind_is_asked_for_with_the_difference(write, unit):
-    path = write("x\n" + "1\n2\n" * 20)
-    with pytest.raises(UsageError) as caught:
-        read(path, rate=100, unit=unit, scale=0.1)
-    assert "kind=" in str(caught.value)
-    assert all(f"kind={kind!r}" in str(caught.value) for kind in KINDS if kind != "rate")
-    assert f"unit='{unit}/s'" in str(caught.value)
-    assert read(path, rate=100, unit=unit, kind="count", scale=0.1)["x"].values.dtype == np.int64
 
 
 def test_counts_need_a_scale(write):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.cli import main
@@ -50,23 +50,20 @@ def test_a_gap_in_which_a_turn_may_be_lost_is_refused():
 
 @rows("speed", [1.7, 3.0, -2.0])
 def test_steps_near_half_a_turn_are_refused(speed):
-    with pytest.raises(al.DataError, match="turns cannot be counted with certainty"):
-        angle_of(*pair(turning(speed=speed)))
+    refused(al.DataError, "turns cannot be counted with certainty", lambda: angle_of(*pair(turning(speed=speed))))
 
 
 def test_what_is_not_sine_and_cosine_is_refused():
     rng = np.random.default_rng(1)
     sine, cosine = (al.Record(rng.standard_normal(1000), RATE, "V", "value", name=n) for n in "sc")
-    with pytest.raises(al.DataError, match="not the sine and cosine of an angle"):
-        angle_of(sine, cosine)
+    refused(al.DataError, "not the sine and cosine of an angle", lambda: angle_of(sine, cosine))
 
 
 def test_a_few_dropouts_are_marked():
     sine, cosine = pair(turning())
     sine.values[700], cosine.values[700] = 0.0, 0.01
     angle, (finding,), _ = angle_of(sine, cosine)
-    assert np.flatnonzero(np.isnan(angle.values)).tolist() == [700]
-    assert finding.name == "amplitude"
+    assert (np.flatnonzero(np.isnan(angle.values)).tolist(), finding.name) == ([700], "amplitude")
     assert "1 sample without the amplitude of sine and cosine, the first at 14 s" in finding.what
 
 

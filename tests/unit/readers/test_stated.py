@@ -5,13 +5,11 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests import translated
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.cli import main
 from allanite.core.errors import UsageError
-from allanite.phrases.phrase import say
 from allanite.readers import read
 
 NOISE = np.random.default_rng(1).standard_normal((400, 4)).round(4)
@@ -83,10 +81,8 @@ def test_what_the_file_has_not_is_refused_by_name(write, unit, words):
 
 def test_one_scale_for_several_units_is_refused(write):
     path = write("time [s],wx,wy,ax")
-    with pytest.raises(UsageError, match="one scale"):
-        read(path, unit="gyro=arcsec,accel=m/s", kind="count", scale=0.1)
-    with pytest.raises(UsageError, match="give the scale as a number"):
-        read(path, unit="gyro=deg/s", scale="0.1deg/h")
+    refused(UsageError, "one scale", lambda: read(path, unit="gyro=arcsec,accel=m/s", kind="count", scale=0.1))
+    refused(UsageError, "give the scale as a number", lambda: read(path, unit="gyro=deg/s", scale="0.1deg/h"))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -117,28 +113,3 @@ def test_a_unit_against_the_header_is_a_warning_that_names_both(write):
     assert "another quantity" in str(other[0])
     same = read(write("time [s],wx [deg/s],wy,ax [g]"), unit="dps")
     assert not same.findings
-    # a rate against the stamps is refused or a warning that names both
-    path = write("time [s],wx [deg/s],wy [deg/s],ax [g]")
-    (close,) = found(read(path, rate=100.5), "given rate")
-    for word in ("100.5 Hz", "100.0 Hz", "'time [s]'", "0.5 % apart"):
-        assert word in str(close)
-    assert not read(path, rate=100.001).findings
-    result = CliRunner().invoke(main, ["analyze", str(path), "--rate", "250", "--method", "slopes"])
-    assert result.exit_code == 2, result.output
-    assert "250.0 Hz, contradicts the time stamps of column 'time [s]', 100.0 Hz" in " ".join(result.output.split())
-    again = CliRunner().invoke(main, ["analyze", str(path), "--rate", "250", "--method", "slopes", "--time", "none"])
-    assert again.exit_code == 0, again.output
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_both_warnings_are_shown_by_the_report(write, tmp_path):
-    page = tmp_path / "page.html"
-    path = write("time [s],wx [rad/s],wy [rad/s],ax [g]")
-    command = ["analyze", str(path), "--rate", "100.5", "--unit", "gyro=deg/s", "--report", str(page), "--lang", "ru"]
-    result = CliRunner().invoke(main, [*command, "--method", "slopes"])
-    assert result.exit_code == 0, result.output
-    text = page.read_text()
-    unit = "unit {unit} is used as requested, but according to the file it is {theirs} for {columns}"
-    said = translated(say(unit, unit="°/s", theirs="|", columns=""), "ru")
-    assert said.partition("|")[0][1:] in text
-    assert translated(say("{share} apart", share="0.5 %"), "ru") in text

@@ -30,16 +30,14 @@ def chosen(found, *channels):
 
 def test_the_likeliest_is_taken_if_it_is_long_enough():
     known, named, other = stream("known", likely=2), stream("named"), stream("other", likely=0)
-    assert chosen([other, named, known]) == "known"
-    assert chosen([other, named, stream("known", 9, likely=2)]) == "named"
+    assert (chosen([other, named, known]), chosen([other, named, stream("known", 9, likely=2)])) == ("known", "named")
     with pytest.raises(UsageError, match=r"2 tables that may be meant.*named \(300 rows\), again \(300 rows\)"):
         chosen([other, named, stream("again")])
 
 
 def test_names_may_begin_with_a_slash_and_differ_by_case_or_type():
     found = [stream("/imu"), stream("/IMU"), stream("/raw/lab/Counts"), stream("/raw/lab/Rates", type="lab/Rates")]
-    assert chosen(found, "/imu") == "/imu"
-    assert chosen(found, "IMU") == "/IMU"
+    assert (chosen(found, "/imu"), chosen(found, "IMU")) == ("/imu", "/IMU")
     assert [chosen(found, f"{name}/gx") for name in ("/imu", "/IMU")] == ["/imu", "/IMU"]
     assert chosen(found, "/raw/lab/Rates") == "/raw/lab/Rates"
     with pytest.raises(UsageError, match=r"/raw/lab/Counts \(300 rows\), /raw/lab/Rates of type lab/Rates \(300 rows"):

@@ -9,7 +9,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.core.errors import AllaniteError, DataError
@@ -119,7 +119,7 @@ def joined(parts, wanted, at_once):
     return [np.concatenate([piece[i] for piece in pieces]) for i in range(len(wanted))]
 
 
-@rows("case", CASES)
+@rows("case", ["a header", "missing cells", "words", "midnight every hundred rows", "latin letters", "a zero byte"])
 def test_columns_in_parts_are_those_of_the_whole(case, tmp_path):
     content, choices = CASES[case]
     path = str(file_of(tmp_path, content))
@@ -195,11 +195,9 @@ def test_a_damaged_or_too_large_packing_is_refused_in_parts(tmp_path):
     path = packed(tmp_path, ".gz", PLAIN.encode())
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(DataError, match=r"the \.gz packing is damaged or was cut off"):
-        opened(path, "1kB", {})
+    refused(DataError, r"the \.gz packing is damaged or was cut off", lambda: opened(path, "1kB", {}))
     path.write_bytes(gzip.compress(b"0.0,1.0\n" * (5 << 20)))
-    with pytest.raises(DataError, match="unpacks to more than the limit of"):
-        opened(path, "1kB", UNIT | {"rate": 100.0})
+    refused(DataError, "unpacks to more than the limit of", lambda: opened(path, "1kB", UNIT | {"rate": 100.0}))
     # lines that are not rows are not read in parts
     options = Options(rate=100.0, unit="deg/s")
     wide = "\n".join(",".join(map(str, row)) for row in (GX[:2000], GY[:2000])) + "\n"

@@ -6,7 +6,7 @@ import shlex
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.cli import main
@@ -31,8 +31,7 @@ def test_the_refusal_lists_every_meaning_and_each_option_works(angles):
         run = CliRunner().invoke(main, ["info", str(angles), "--channels", "az,tilt", *shlex.split(option)])
         assert run.exit_code == 0, (option, run.stderr)
     # the refusal in python names arguments
-    with pytest.raises(al.UsageError, match=r"kind='angle': .*kind='value': .*unit='arcmin/s': "):
-        al.read(angles)
+    refused(al.UsageError, r"kind='angle': .*kind='value': .*unit='arcmin/s': ", lambda: al.read(angles))
 
 
 def test_pulses_are_offered_for_integers_only(tmp_path):
@@ -59,8 +58,7 @@ def test_values_are_all_columns_with_a_unit(angles):
 def test_columns_without_a_unit_are_asked_for(tmp_path):
     path = tmp_path / "plain.csv"
     np.savetxt(path, np.random.default_rng(1).standard_normal((500, 2)), "%.6g", ",", header="a,seq", comments="")
-    with pytest.raises(al.UsageError, match="unit is unknown"):
-        al.read(path, kind="value", rate=10.0)
+    refused(al.UsageError, "unit is unknown", lambda: al.read(path, kind="value", rate=10.0))
     recording = al.read(path, kind="value", rate=10.0, unit="mV")
     assert [(r.name, r.signal.name) for r in recording] == [("a", "voltage")]
     # an unknown quantity is refused by its unit

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.rows import paired, rows
+from tests.rows import paired, refused, rows
 
 import allanite as al
 from allanite.simulation import faults
@@ -102,8 +102,7 @@ def test_a_step_and_a_profile_multiply_the_noise():
 
 @rows(("times", "factors"), [([], []), ([0, 1], [1]), ([1, 0], [1, 1]), ([0, 1], [1, -1]), ([0, np.nan], [1, 1])])
 def test_a_profile_that_is_none_is_refused(times, factors):
-    with pytest.raises(al.UsageError, match="a noise profile needs"):
-        faults.noise_profile(white(), times, factors)
+    refused(al.UsageError, "a noise profile needs", lambda: faults.noise_profile(white(), times, factors))
 
 
 @rows("order", [1, 4])
@@ -153,8 +152,7 @@ RNG = np.random.default_rng(1)
     (lambda: faults.noise_step(white(), at=1.0), "between 0 and 1"),
 ])  # fmt: skip
 def test_what_is_refused(fault, words):
-    with pytest.raises(al.UsageError, match=words):
-        fault()
+    refused(al.UsageError, words, fault)
 
 
 def test_they_compose_and_say_so():

@@ -31,8 +31,7 @@ def test_the_same_seed_gives_the_same_record():
     model = al.N(1.0, "deg/sqrt(h)") + al.B(1.0, "deg/h")
     one, two = (al.simulate(model, 1000, 10.0, rng=np.random.default_rng(7), name="x") for _ in range(2))
     np.testing.assert_array_equal(one.values, two.values)
-    assert one.unit == "rad/s"
-    assert one.history == ("simulated: N = 1 deg/sqrt(h), B = 1 deg/h",)
+    assert (one.unit, one.history) == ("rad/s", ("simulated: N = 1 deg/sqrt(h), B = 1 deg/h",))
 
 
 @rows("n", [2, 3, 17, 1000, 1009])

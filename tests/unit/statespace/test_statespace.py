@@ -1,12 +1,10 @@
 """State spaces: exact discretisation, Allan curves from the matrices, filters that work."""
 
-import json
-
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from scipy.linalg import expm
-from tests.rows import paired, rows
+from tests.rows import paired, refused, rows
 
 import allanite as al
 from allanite.cli import main
@@ -149,15 +147,13 @@ def test_the_deviation_from_the_model_is_told():
     assert 0.001 < space.ripple < 0.02
     assert space.measurement == "mean"  # because of Q
     assert len(space.states) == len(space.units) == len(space.Phi) == 8
-    assert ((space.units[1], space.units[6]), space.F.shape) == (("rad/s^2", "rad"), (6, 6))
-    assert len(space.notes) == 4
+    assert ((space.units[1], space.units[6]), space.F.shape, len(space.notes)) == (("rad/s^2", "rad"), (6, 6), 4)
 
 
 def test_the_simpler_measurement_is_taken_where_it_does():
     slow = al.Model("N 0.1 deg/sqrt(h), GM 1 deg/h 100 s")
     fast = al.Model("N 0.001 deg/sqrt(h), GM 10 deg/h 0.02 s")
-    assert al.state_space(slow, 100.0).measurement == "sample"
-    assert al.state_space(fast, 100.0).measurement == "mean"
+    assert (al.state_space(slow, 100.0).measurement, al.state_space(fast, 100.0).measurement) == ("sample", "mean")
 
 
 @rows("text, options, words", [
@@ -168,8 +164,7 @@ def test_the_simpler_measurement_is_taken_where_it_does():
     ("K 1 deg/h/sqrt(h)", {"turn_on": -1.0}, "0 or a positive number"),
 ])  # fmt: skip
 def test_what_is_refused(text, options, words):
-    with pytest.raises(al.UsageError, match=words):
-        al.state_space(al.Model(text), 10.0, **options)
+    refused(al.UsageError, words, lambda: al.state_space(al.Model(text), 10.0, **options))
 
 
 def run(*arguments):
@@ -188,18 +183,6 @@ def test_the_verb_prints_matrices_that_can_be_pasted(tmp_path):
         np.testing.assert_array_equal(np.array(matrix, dtype=float), getattr(space, name))
     assert set(pasted) == {"Phi", "Qd", "H", "R", "P0"}
     assert (tmp_path / "a.png").stat().st_size > 10_000
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_the_verb_takes_a_recording(tmp_path):
-    record = al.simulate(al.sensor("mems"), 40_000, 20.0, rng=np.random.default_rng(1), unit="deg/h", name="gz")
-    al.write(record, tmp_path / "one.npz")
-    result = run(tmp_path / "one.npz", "--tau", "1 s,10 min", "--json", "-", "--plot", tmp_path / "a.svg")
-    assert result.exit_code == 0, result.stderr
-    (channel,) = json.loads(result.stdout)["channels"]
-    assert (channel["name"], channel["model"]) == ("gz", al.identify(record).valid.to_dict())
-    assert channel["tau"] == [1.0, 600.0]
-    assert "measured gz" in (tmp_path / "a.svg").read_text() or (tmp_path / "a.svg").stat().st_size > 10_000
 
 
 @rows("arguments", [("--tau", "1"), ("--tau", "0,3"), ("--turn-on", "3"), ("--order", "99")])

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.rows import paired, rows
+from tests.rows import paired, refused, rows
 
 import allanite as al
 
@@ -38,14 +38,11 @@ def test_closed_forms_and_what_a_spectrum_does_not_tell():
     curve = al.deviation_of_spectrum(flat, taus=[0.1, 0.4, 1.6])
     np.testing.assert_allclose(curve.variance, 1 / curve.tau, rtol=1e-3)
     np.testing.assert_allclose(al.deviation_of_spectrum(flat.to("deg/h"), taus=[0.4]).variance, 1 / 0.4, rtol=1e-3)
-    with pytest.raises(al.UsageError, match=r"theo1 has no"):
-        al.deviation_of_spectrum(spectrum, "theo1")
-    with pytest.raises(al.UsageError, match=r"not 1000 s"):
-        al.deviation_of_spectrum(spectrum, taus=[1000.0])
+    refused(al.UsageError, r"theo1 has no", lambda: al.deviation_of_spectrum(spectrum, "theo1"))
+    refused(al.UsageError, r"not 1000 s", lambda: al.deviation_of_spectrum(spectrum, taus=[1000.0]))
     with pytest.raises(al.UsageError, match=r"multiples of the sample interval, 0.1 s"):
         al.deviation_of_spectrum(spectrum, taus=[0.25])
-    with pytest.raises(al.UsageError, match=r"taus must be 'octave'"):
-        al.deviation_of_spectrum(spectrum, taus="log")
+    refused(al.UsageError, r"taus must be 'octave'", lambda: al.deviation_of_spectrum(spectrum, taus="log"))
 
 
 def test_a_measured_angle_is_a_signal_of_its_own():

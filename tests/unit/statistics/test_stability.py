@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.core.readings import FLICKER
@@ -48,10 +48,8 @@ def test_records_agree_with_the_expectation(symbols):
 
 def test_wrong_lengths_are_refused():
     record = record_of(np.arange(30.0))
-    with pytest.raises(al.UsageError, match="not a multiple of the sample interval"):
-        al.averaging_stability(record, 2.5)
-    with pytest.raises(al.DataError, match="longest possible time is 15 s"):
-        al.averaging_stability(record, 20.0)
+    refused(al.UsageError, "not a multiple of the sample interval", lambda: al.averaging_stability(record, 2.5))
+    refused(al.DataError, "longest possible time is 15 s", lambda: al.averaging_stability(record, 20.0))
 
 
 def test_the_minimum_of_a_curve_is_that_of_the_crossing_or_a_limit():

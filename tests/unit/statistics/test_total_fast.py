@@ -19,12 +19,9 @@ def one_by_one(x, m):
 def angle(kind, seed=1):
     white = np.random.default_rng(seed).standard_normal(N)
     y = {
-        "white": white,
-        "random walk": np.cumsum(white),
-        "ramp": 1.0 * np.arange(N),
-        "ramp and white": 1e-3 * np.arange(N) + white,
-        "quantization": np.diff(white, prepend=0.0),
-    }[kind]
+        "white": white, "random walk": np.cumsum(white), "ramp": 1.0 * np.arange(N),
+        "ramp and white": 1e-3 * np.arange(N) + white, "quantization": np.diff(white, prepend=0.0),
+    }[kind]  # fmt: skip
     return np.concatenate(([0.0], np.cumsum(y - y[0])))
 
 

@@ -37,8 +37,7 @@ def test_what_is_named_describes_the_record(name):
     found = channel_of(record).fit.findings[0]
     assert (found.name, found.remedy) == ("terms", f"ask for them (terms={terms!r})")
     channel = channel_of(record, terms=terms)
-    assert channel.noise.validity == "explained"
-    assert channel.warnings == ()
+    assert (channel.noise.validity, channel.warnings) == ("explained", ())
     meant = meaning(channel.fit, rate=RATE, length=SIZE / RATE, device="stabilizer")
     shaped = [t for t in al.Model(text) if t.shape]
     for term, estimate in zip(shaped, (e for e in channel.fit if e.shape), strict=True):

@@ -9,17 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.cli import main
 from allanite.core.syntax import toml
 from allanite.reporting import plot, table
-from allanite.study.curves import of_record
-from allanite.study.modelled import PlanSettings, run_model_job
-from allanite.study.survey import Densities, Deviations, TheorySettings, expected_curves, survey
-
-VERBS = {"deviation": "Curve", "spectrum": "Spectrum", "dynamic": "Surface"}
+from allanite.study.survey import Densities, survey
 
 
 @pytest.fixture(scope="module")
@@ -178,8 +174,7 @@ def test_refusals_are_named_and_others_go_on():
     assert [value.name for value in found.values] == ["good"]
     assert "missing" in found["bad"].refusal
     assert "no result: 1000 of 2000 samples are missing" in table(found)
-    with pytest.raises(al.DataError, match="bad: 1000"):
-        survey(pair["bad"], Densities("multitaper"))
+    refused(al.DataError, "bad: 1000", lambda: survey(pair["bad"], Densities("multitaper")))
 
 
 @pytest.fixture(scope="module")
@@ -200,15 +195,13 @@ def labels(figure):
 def test_channels_of_one_statistic_share_a_panel(record):
     curves = [al.deviation(record), al.deviation(record.with_values(record.values * 2, ""))]
     figure = plot([curves[0], type(curves[1])(**{**vars(curves[1]), "name": "gy"})])
-    assert len(figure.axes) == 1
-    assert labels(figure) == ["gz", "gy"]
+    assert (len(figure.axes), labels(figure)) == (1, ["gz", "gy"])
 
 
 def test_statistics_of_one_channel_share_a_panel_with_the_model(record, fit):
     curves = [al.deviation(record, name, noise=fit.model) for name in ("adev", "oadev")]
     figure = plot(curves, fit)
-    assert len(figure.axes) == 1
-    assert figure.axes[0].get_title("left") == "gz"
+    assert (len(figure.axes), figure.axes[0].get_title("left")) == (1, "gz")
     assert labels(figure) == [
         "Allan deviation", "overlapping Allan deviation", "expected by the model",
     ]  # fmt: skip
@@ -267,16 +260,3 @@ def test_the_legend_stays_within_the_figure(record, fit, names):
         box = legend.get_window_extent()
         assert box.x0 >= 0
         assert box.x1 <= figure.bbox.x1
-
-
-def test_examples_of_the_parts_of_a_study():
-    words = of_record(al.Record([1.0, 3.0, 2.0, 5.0], rate=1.0, unit="deg/h")).words
-    assert words.startswith("intervals for the power law identified at each averaging time:")
-    plans = run_model_job(None, PlanSettings(sensor="fog"), al.Recipe(rate=100.0))
-    about = type(plans).__name__, plans[0].name, plans[0].result.names
-    assert about == ("RecordingPlans", "fog", ("Q", "N", "B", "K", "R"))
-    record = al.simulate(al.N(0.1, "deg/sqrt(h)"), 4000, 10.0, rng=np.random.default_rng(1), name="z")
-    values = survey(record, Deviations(("adev", "oadev"), intervals=False)).values
-    assert [(value.name, value.statistic) for value in values] == [("z", "adev"), ("z", "oadev")]
-    curves = expected_curves(None, TheorySettings(sensor="fog"), Deviations(("oadev", "ohdev"))).curves
-    assert [curve.statistic for curve in curves] == ["oadev", "ohdev"]

@@ -172,13 +172,6 @@ def test_strict_refuses_two_records_of_which_one_is_not_explained(tmp_path):
     assert "8.npz (not explained), 9.npz (explained)" in " ".join(result.stdout.split())
 
 
-def test_a_band_that_is_none_is_refused(file):
-    for band in ("wide", "1", "1,2,3"):
-        result = run("analyze", file, "--band", band)
-        assert result.exit_code == 2
-        assert "expected auto, all, or two frequencies in Hz, e.g. 0.01,10" in result.stderr
-
-
 def test_a_filter_that_was_not_looked_for_is_found_as_the_message_says():
     record = al.simulation.faults.low_pass(record_of(white(1), "z"), 5.0)
     before = noise_of(record, Recipe(terms="QNB", band="all"))
@@ -223,17 +216,6 @@ def test_readings_too_coarse_are_told_without_a_p_value():
     assert noise.validity == "unexplained"
     assert "p =" not in noise.statement.head
     assert "p =" not in table(al.analyze(record, Recipe(terms="N"))).split("read off")[0]
-
-
-@rows("verb, expected", [
-    (("deviation", "--statistic", "mdev", "--taus", "decade"), {"statistic": ["mdev"], "taus": "decade"}),
-    (("spectrum", "--segment", 20, "--window", "hann"), {"estimator": "welch", "segment": 20.0, "window": "hann"}),
-    (("dynamic", "--window", 60, "--statistic", "adev"), {"statistic": "adev", "window": 60.0}),
-])  # fmt: skip
-def test_the_recipe_says_what_was_used(file, verb, expected):
-    found = json.loads(run(verb[0], file, "--channels", "good", *verb[1:], "--json", "-").stdout)["recipe"]
-    assert {key: found[key] for key in expected} == expected
-    assert ("method" in found) == (verb[0] == "deviation")
 
 
 @pytest.mark.slow("takes more than half a second")

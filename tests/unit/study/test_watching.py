@@ -21,7 +21,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.cli import main
@@ -87,8 +87,7 @@ def test_a_line_without_an_other_end_is_gone(monkeypatch):
     os.write(ends[1], b"1.5\n")
     assert (tap.take(1.0), tap.take(0.0)) == (b"1.5\n", b"")
     os.close(ends[1])
-    with pytest.raises(OSError, match="the device is gone"):
-        tap.take(1.0)
+    refused(OSError, "the device is gone", lambda: tap.take(1.0))
     tap.close()
 
 
@@ -208,8 +207,7 @@ def test_what_a_short_stream_lacks_is_reported(tmp_path):
     with closing(watch):
         assert len(list(watch.events())) == 1
         assert "20 samples are too few" in watch.report()
-        with pytest.raises(al.DataError, match="20 samples are too few"):
-            watch.study()
+        refused(al.DataError, "20 samples are too few", watch.study)
     assert not Path(watch.spool.path).exists()
 
 
@@ -321,8 +319,7 @@ def test_what_came_is_kept_if_asked(tmp_path):
 
 def test_the_page_names_no_file_to_write():
     assert "record" not in accepted("watch")
-    with pytest.raises(al.UsageError, match="unknown key 'record'"):
-        Request.of("watch", {"record": "lines.txt"})
+    refused(al.UsageError, "unknown key 'record'", lambda: Request.of("watch", {"record": "lines.txt"}))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -573,20 +570,17 @@ def test_the_last_rows_are_read_below_the_headings():
 def test_a_file_that_is_no_text_is_named_for_what_it_is(tmp_path):
     path = tmp_path / "log.csv.gz"
     path.write_bytes(gzip.compress(lines_of(np.random.default_rng(3).normal(size=2000)), mtime=0))
-    with pytest.raises(al.DataError, match="allanite analyze"):
-        watched(path)
+    refused(al.DataError, "allanite analyze", lambda: watched(path))
     assert al.analyze(path, al.Recipe(rate=100.0, unit="deg/h"))[0].fit is not None  # the cure
 
 
 def test_what_has_no_lines_is_refused():
     spool = Spool("port")
-    with pytest.raises(al.UsageError, match="no lines"):
-        spool.add(b"1" * 100_000)
+    refused(al.UsageError, "no lines", lambda: spool.add(b"1" * 100_000))
     spool.close()
 
 
 def test_a_port_that_is_taken_is_refused():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind(("127.0.0.1", 0))
-        with pytest.raises(al.DataError, match="cannot be watched"):
-            opened(f"udp://127.0.0.1:{other.getsockname()[1]}", 9600)
+        refused(al.DataError, "cannot be watched", lambda: opened(f"udp://127.0.0.1:{other.getsockname()[1]}", 9600))

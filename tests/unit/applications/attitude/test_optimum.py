@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.linalg import solve_continuous_are
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 import vertical as benchmark
@@ -138,5 +138,4 @@ def test_sources_add_by_the_formulas():
     (lambda: Loop(-1.0), "gain k1 above 0"),
 ])  # fmt: skip
 def test_bad_input(call, said):
-    with pytest.raises(al.UsageError, match=said):
-        call()
+    refused(al.UsageError, said, call)

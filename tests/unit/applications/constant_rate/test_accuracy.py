@@ -101,9 +101,6 @@ def test_the_staircase_of_counts_is_predicted():
     assert 0.92 <= (np.abs(errors) < 1.959964 * predicted).mean() <= 0.98
 
 
-# ---- the acceptance experiment
-
-
 @pytest.fixture(scope="module")
 def gl1():
     """Two runs of 94 intervals of two minutes, as in the paper; and one with a warm-up."""

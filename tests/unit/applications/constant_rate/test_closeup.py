@@ -6,7 +6,7 @@ import io
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.applications.constant_rate import EstimatorSettings, ExperimentSettings, closeup, estimate
@@ -64,8 +64,7 @@ def test_a_rate_without_quantum_has_no_staircase():
 
 @rows("start", [-1.0, 41.0])
 def test_an_interval_outside_is_refused(start, record):
-    with pytest.raises(al.UsageError, match="does not fit into 60 s"):
-        closeup(record, SETTINGS, start=start)
+    refused(al.UsageError, "does not fit into 60 s", lambda: closeup(record, SETTINGS, start=start))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -80,8 +79,7 @@ def test_every_interval_is_written(record, tmp_path):
     )  # fmt: skip
     assert done.exit_code == 0, done.stderr
     rows = list(csv.DictReader(io.StringIO(table.read_text(encoding="utf-8"))))
-    assert len(rows) == 6 * 6
-    assert {row["interval"] for row in rows} == set("123456")
+    assert (len(rows), {row["interval"] for row in rows}) == (6 * 6, set("123456"))
     mean = next(row for row in rows if row["method"] == "mean" and row["interval"] == "3")
     counted = record.values[8000:12_000].sum() * record.scale / 10.0
     assert float(mean["rate"]) == pytest.approx(counted)
