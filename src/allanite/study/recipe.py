@@ -1,6 +1,7 @@
 """Recipe: every choice of an analysis as plain data."""
 
 import os
+import shlex
 import stat
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
@@ -207,6 +208,13 @@ class Recipe:
     def to_dict(self, keys: tuple[str, ...] | None = None) -> dict[str, Any]:
         """Plain data of these keys, by default all; those not given are omitted."""
         return {key: value for key, value in chosen(self).items() if keys is None or key in keys}
+
+    def typed(self, keys: tuple[str, ...]) -> str:
+        """The options of the command line that state these keys, each behind a blank."""
+        rows = choices_of(Recipe)
+        texts = {key: ",".join(v) if isinstance(v, list) else str(v) if isinstance(v, str) else f"{v:.15g}"
+                 for key, v in self.to_dict(keys).items()}
+        return "".join(f" {rows[key].options[0]} {shlex.quote(text)}" for key, text in texts.items())
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Recipe":

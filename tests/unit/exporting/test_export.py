@@ -4,6 +4,7 @@ import io
 import json
 import pickle
 import re
+import shlex
 import shutil
 import subprocess
 from dataclasses import replace
@@ -338,3 +339,14 @@ def test_flicker_without_a_field_is_said_with_what_it_costs():
     (alert,) = said["kalibr"]
     assert re.search(r"errs up to 2\.\d times what it predicts with this file$", alert)
     assert alert in made["kalibr"].text
+
+
+def test_the_command_beside_the_values_is_complete(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("ALLANITE_DETAILS")
+    y = np.random.default_rng(4).standard_normal((4000, 6)) * 1e-3 + [0, 0, 0, 0, 0, 1]
+    np.savetxt("imu.csv", y, delimiter=",", header="gx,gy,gz,ax,ay,az", comments="")
+    run = CliRunner().invoke(main, ["analyze", "imu.csv", "--rate", "100", "--unit", "gyro=deg/s,accel=g"])
+    line = " ".join(run.stdout.split()).split("(allanite ")[1].split(")")[0]
+    assert CliRunner().invoke(main, [*shlex.split(line.replace("FILE", "imu.csv")), "-o", "imu.yaml"]).exit_code == 0
+    assert (tmp_path / "imu.yaml").exists()
