@@ -1,11 +1,13 @@
 """The layout of a text file: delimiter, decimal sign, comments, names, and the first row of numbers."""
 
 import csv
+import math
 import re
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import accumulate, chain, islice
+from itertools import accumulate, chain, islice, takewhile, zip_longest
 
 from allanite.core.errors import DataError
 from allanite.phrases.phrase import say, say_count
@@ -64,6 +66,8 @@ def decoded(raw: bytes) -> str:
 
 HEAD = 1 << 17  # bytes at the beginning of a file from which its layout is determined
 JUDGED_ROWS, FEW_ROWS = 200, 600  # rows by which the columns are judged, and rows of which all are looked at for them
+
+HEADING = 3  # lines of words above the numbers, at most: groups, names and units
 
 MARKS = ("#", "%", "//", ";")
 """Prefixes of comment lines; a semicolon is not one if it is the delimiter."""
@@ -136,7 +140,8 @@ def find(data: bytes) -> Layout:
 def _style_of(texts: list[str]) -> tuple[str, str]:
     """Delimiter and decimal sign of all but comments, among which lines of cells between semicolons may be."""
     plain = [text for text in texts if not text.startswith(MARKS)]
-    return style([*plain[:1], *plain[-JUDGED_ROWS:]] or [text for text in texts if not text.startswith(MARKS[:3])])
+    edged = [text for text in plain[1:4] if text.startswith("\t")]  # a cell that is empty, unless all lines begin so
+    return style([*plain[:1], *edged, *plain[-JUDGED_ROWS:]] or [text for text in texts if not text.startswith(MARKS[:3])])
 
 
 def marks_of(delimiter: str) -> tuple[str, ...]:
@@ -224,10 +229,16 @@ def _columns(rows: list[Row], decimal: str) -> tuple[int, frozenset[int]]:
 
 
 def _numbered(row: Row, following: list[Row]) -> bool:
-    """Whether a row is the header 0, 1, 2.. that pandas writes for columns without names."""
-    names = row.cells[1:] if row.cells[0] == "" else row.cells
-    fractions = following and any(not re.fullmatch(r"[-+]?\d*", cell) for cell in following[0].cells)
-    return len(names) > 1 and names == [str(i) for i in range(len(names))] and bool(fractions)
+    """Whether a row is the header 0, 1, 2.. that pandas writes for columns without names, above fractions only."""
+    at = int(row.cells[0] == "")  # below it pandas writes the numbers of the rows
+    names = row.cells[at:]
+    cells = [cell for other in following[:JUDGED_ROWS] for cell in other.cells[at:] if cell]
+    fractions = [cell for cell in cells if not re.fullmatch(r"[-+]?\d*", cell)]
+    if len(names) < 2 or names != [str(i) for i in range(len(names))] or not 0 < len(cells) == len(fractions):
+        return False
+    begin = [other.cells[at].replace(row.style[1], ".") for other in following[:2]]
+    # a clock goes on evenly from the zero
+    return not (all(map(is_number, begin)) and math.isclose(2 * float(begin[0]), float(begin[-1]), rel_tol=1e-3))
 
 
 def _named(
@@ -235,22 +246,24 @@ def _named(
 ) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
     """Names, units and notes from the lines above the first row of numbers, which is the last of `rows`."""
     above, width = rows[:-1], len(rows[-1].cells)
-    worded = [row for row in above[-2:] if not row.has_number]
     blank = ("",) * width
-    units = blank
-    # the second of two lines of words may be one of units
-    last = worded[-1].cells if len(worded) == 2 and above[-1] is worded[-1] else []
-    marked = [cell.strip("[](){} ") for cell in last if cell.strip("[](){} -")]
-    if sum(headers.known(cell.strip()) is not None for cell in marked) > len(marked) / 2:
-        units = tuple((worded.pop().cells + list(blank))[:width])
-    named = _names(worded[-1].cells, width, delimiter) if worded and worded[-1] is above[-1 - any(units)] else None
-    if named is not None:
-        passed = len(above) - 1 - any(units)
-        filled = sum(map(bool, named))
+    heading = list(takewhile(lambda row: not row.has_number, reversed(above[-HEADING:])))
+    united = next((row for row in heading if len(heading) > 1 and _of_units(row.cells)), None)
+    named = [row.cells for row in heading if row is not united]
+    units = blank if united is None else tuple((united.cells + list(blank))[:width])
+    names = _names(named[0], width, delimiter) if named else None
+    if names is not None:
+        groups = [cells for cells in named[1:] if _groups(cells, names)]
+        if groups or united is not heading[0]:  # a merged cell of units ends with its group
+            units = tuple(_merged(units, names, groups[0] if groups else ()))
+        for group in groups:
+            names, units = _grouped(_merged(group, names), names, units)
+        passed = len(above) - 1 - (united is not None)
+        filled = sum(map(bool, names))
         unnamed = (
             (say("the header names {filled} of {width} columns", filled=filled, width=width),) if filled < width else ()
         )
-        return named, units, _passed(passed, above[0]) + unnamed
+        return names, units, _passed(passed - len(groups), above[0]) + unnamed
     commented = [(number, text) for number, text in comments if number < rows[-1].line][-1:]
     for number, text in commented:
         header = _commented(text, width, delimiter, decimal)
@@ -261,6 +274,38 @@ def _named(
                 (*_passed(len(above), rows[0]), say("column names from the comment on line {number}", number=number)),
             )
     return blank, blank, _passed(len(above), rows[0])
+
+
+def _of_units(row: list[str]) -> bool:
+    """Whether most cells of a line of words are units."""
+    marked = [cell.strip("[](){} ") for cell in row if cell.strip("[](){} -")]
+    return sum(headers.known(cell) is not None for cell in marked) > len(marked) / 2
+
+
+def _groups(row: list[str], names: tuple[str, ...]) -> bool:
+    """Whether a line names groups of columns whose own names do not suffice."""
+    again = len({name for name in names if name}) < sum(map(bool, names))
+    return 1 < len(row) <= len(names) and (again or ("" in names and len(row) == len(names)))
+
+
+def _merged(row: Sequence[str], names: tuple[str, ...], groups: Sequence[str] = ()) -> list[str]:
+    """The cells of a line over names, of which a merged one stands in the first of its columns only."""
+    filled, left = list[str](), ""
+    for cell, name, group in zip_longest(row, names, groups, fillvalue=""):
+        left = cell or ("" if group else left)
+        filled.append(left if name else cell)
+    return filled
+
+
+def _grouped(
+    groups: list[str], names: tuple[str, ...], units: tuple[str, ...]
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names and units of columns, each after its group, in which the unit may stand."""
+    split = [headers.split(group) for group in groups]
+    known = [(stem, unit) if headers.known(unit) else (group, "") for group, (stem, unit) in zip(groups, split, strict=True)]
+    united = (own or ("" if headers.split(name)[1] else unit)
+              for own, name, (_, unit) in zip(units, names, known, strict=True))  # fmt: skip
+    return tuple(f"{stem} {name}".strip() for (stem, _), name in zip(known, names, strict=True)), tuple(united)
 
 
 def _names(row: list[str], width: int, delimiter: str) -> tuple[str, ...] | None:
