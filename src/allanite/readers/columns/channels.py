@@ -187,7 +187,7 @@ def climbs(column: FileColumn, options: Options, pool: Sequence[FileColumn]) -> 
     """Whether an unmarked column increases in every row; an integrated angle may, but not as the first of several."""
     may_climb = options.kind in ("angle", "value") and column.position > 1
     values = column.values
-    if column.unit or column.text or len(pool) < 2 or len(values) < 10 or may_climb:
+    if column.unit or column.text or headers.identifies(column.name) or len(pool) < 2 or len(values) < 10 or may_climb:
         return False
     return bool(np.all(values[1:100] > values[:99][: len(values) - 1]) and np.all(values[1:] > values[:-1]))
 

@@ -23,6 +23,9 @@ CONVENTIONS = (
     Convention("PX4", re.compile(_ABOVE + r"accelerometer_m_s2(?:\[[0-2]\]|[._][0-2])"), "m/s^2"),
     Convention("EuRoC", re.compile("w_rs_s_[xyz]"), "rad/s"),
     Convention("EuRoC", re.compile("a_rs_s_[xyz]"), "m/s^2"),
+    # the app writes 3, 4 and 5 before acceleration, angular rate and magnetic field
+    Convention("Sensorstream IMU+GPS", re.compile("sensor 3 [xyz]"), "m/s^2"),
+    Convention("Sensorstream IMU+GPS", re.compile("sensor 4 [xyz]"), "rad/s"),
 )
 """The units of the definitions of messages and data sets: sensor_msgs/Imu.msg, SensorCombined.msg of PX4, ASL."""
 
@@ -55,4 +58,4 @@ def applied(columns: tuple[FileColumn, ...]) -> tuple[FileColumn, ...]:
 
 
 def _names(convention: Convention, column: FileColumn) -> bool:
-    return bool(convention.names.fullmatch(column.header.strip().lower()))
+    return bool(convention.names.fullmatch((column.header or column.name).strip().lower()))

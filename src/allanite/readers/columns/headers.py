@@ -41,30 +41,31 @@ _RAW = ("-", "", "lsb", "lsbs", "count", "counts", "raw", "digit", "digits", "ad
 _COUNTS = re.compile(r"\[ *(lsbs?|counts?|raw|digits?|adc|bits?) *\]|\( *(lsbs?|counts?|raw|digits?|adc|bits?) *\)")
 """What a header says of numbers as they come from a converter."""
 
-_INCREMENT = re.compile(
-    r"(delta_?|(^|[^a-z])d(el)?_?)(ang(?!ul)|theta|vel|v(_?[xyz])?$)|vel_?inc"
-)
+_INCREMENT = re.compile(r"(delta_?|(^|[^a-z])d(el)?_?)(ang(?!ul)|theta|vel|v(_?[xyz])?$)|vel_?inc")
 
 _OTHER = re.compile(  # a name that begins like this, up to its end or a number, is not an inertial signal
     r"(temp|temperature|t_?deg_?c|index|idx|id|count|counter|packet|seq|sequence|samples?|frame|row|no|n|status|flags?|date|"
     r"mag|magnetometer|magnetic|m_?[xyz]|baro|pressure|press|humidity|alt|altitude|lat|latitude|lon|longitude|volt|voltage|"
-    r"battery|quat|quaternion|q_?[0-3wxyz]|roll|pitch|yaw|heading|euler|heater|ori_?inc|dq)([^a-z]|$)|.*temperature|.*[^a-z](temp|cnt|ctr)([^a-z]|$)|"
+    r"battery|quat|quaternion|q_?[0-3wxyz]|roll|pitch|yaw|heading|euler|heater|ori_?inc|dq|sensor_5)([^a-z]|$)|.*temperature|.*[^a-z](temp|cnt|ctr)([^a-z]|$)|"
     r"(номер|сч[её]тчик|пакет|кадр|статус|флаг|магн|давлен|высот|широт|долгот|крен|тангаж|курс|напряж|ток)|"
     r"(序号|编号|计数|帧|状态|标志|磁|气压|压力|湿度|高度|纬度|经度|横滚|滚转|俯仰|航向|偏航|姿态|电压|电流)"
 )
 _TEMPERATURE = re.compile(r"((^|[^a-z])(temp|temperature)|(^|[^a-zа-я])темпер[а-я]*|温度)(_?[0-9xyz])*$")
-_LENGTH = re.compile(r"free_?acc|(absolute|magnitude|norm|модуль|模)($|_(acc|gyr|ang|lin|rate|уск|угл))|.*_(norm|magnitude|abs)$")
+_LENGTH = re.compile(
+    r"free_?acc|(absolute|magnitude|norm|модуль|模)($|_(acc|gyr|ang|lin|rate|уск|угл))|.*_(norm|magnitude|abs)$"
+)
 """A name of the length of a vector, or of an acceleration without gravity: not the output of a sensor."""
 
 _IDENTIFIER = re.compile(
     r"(^|[^a-z])(ids?|dt|seq|sequence|instance|index|idx|status|state|flags?|valid|health|timestamp_relative|counter|cnt|ctr|"
     r"(error|calib(ration)?|message|samples?|packet)_?counts?)[^a-z]*$|(^|[^a-z])clip(s|ped|ping)?([^a-z]|$)|"
-    r"covariance|orientation"
+    r"covariance|orientation|sample_?time_?fine"  # a count of 10 kHz of Xsens
 )
 """A name of what is not a sample, whichever sensor it names beside: gyro_device_id, delta_angle_dt."""
 
 _DRIVER = re.compile(r"temp|deg_?c|baro|press|humid|volt|battery|heater|темпер|давлен|напряж|温度|压力|气压|湿度|电压")
-_BY_NAME = {  # in lower case, of English, German, French, Spanish, Italian, Portuguese, Russian, Chinese, Japanese, Korean
+# in English, German, French, Spanish, Italian, Portuguese, Russian, Chinese, Japanese and Korean
+_BY_NAME = {
     "gyro": re.compile(
         r"gyr|^[gwω][_ ]?[xyz]$|omega|ang(ul|ol)ar|angulaire|rot(ation)?_?rate|turn_?rate|rate_of_turn|^fog|^d_?theta"
         r"|(delta_?|(^|[^a-z])d(el)?_?)(ang|theta)|drehrate|drehgeschw|winkelgeschw|kreisel|vitesse_de_rot"
@@ -146,7 +147,7 @@ def clock_rank(name: str) -> int:
     lower = _bare(name)
     if lower in TIME_NAMES:
         return 1 if name.strip() == "T" else 0
-    return 1 if re.search(r"time(?!out)|stamp|elapsed|врем|时间|时刻", lower) else 2
+    return 1 if re.search(r"time(?!out|fine|_fine)|stamp|elapsed|врем|时间|时刻", lower) else 2
 
 
 def clock_unit(name: str) -> str:

@@ -141,7 +141,9 @@ def _style_of(texts: list[str]) -> tuple[str, str]:
     """Delimiter and decimal sign of all but comments, among which lines of cells between semicolons may be."""
     plain = [text for text in texts if not text.startswith(MARKS)]
     edged = [text for text in plain[1:4] if text.startswith("\t")]  # a cell that is empty, unless all lines begin so
-    return style([*plain[:1], *edged, *plain[-JUDGED_ROWS:]] or [text for text in texts if not text.startswith(MARKS[:3])])
+    return style(
+        [*plain[:1], *edged, *plain[-JUDGED_ROWS:]] or [text for text in texts if not text.startswith(MARKS[:3])]
+    )
 
 
 def marks_of(delimiter: str) -> tuple[str, ...]:
@@ -302,7 +304,9 @@ def _grouped(
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Names and units of columns, each after its group, in which the unit may stand."""
     split = [headers.split(group) for group in groups]
-    known = [(stem, unit) if headers.known(unit) else (group, "") for group, (stem, unit) in zip(groups, split, strict=True)]
+    known = [
+        (stem, unit) if headers.known(unit) else (group, "") for group, (stem, unit) in zip(groups, split, strict=True)
+    ]
     united = (own or ("" if headers.split(name)[1] else unit)
               for own, name, (_, unit) in zip(units, names, known, strict=True))  # fmt: skip
     return tuple(f"{stem} {name}".strip() for (stem, _), name in zip(known, names, strict=True)), tuple(united)
@@ -313,6 +317,8 @@ def _names(row: list[str], width: int, delimiter: str) -> tuple[str, ...] | None
     if delimiter == " ":
         row = row if len(row) == width else _BLANK_HEADER.findall(" ".join(row))
         return tuple(row) if len(row) == width else None
+    if "Start" in row and "Increment" in row:  # over the rate that Rigol states beside the names
+        row = row[: row.index("Start")]
     while len(row) > width and not row[-1]:
         row = row[:-1]
     if len(row) > width:

@@ -24,6 +24,14 @@ _STATED = re.compile(
     r"[\s\"':=：,;]+(?P<number>\d+(?P<fraction>[.,]\d+)?(?:e[-+]?\d+)?)[\s\"',;]*(?P<after>[^\W\d]+(?:/[^\W\d]+)?)?(?![\w.,%]*\d|[/-])",
     re.IGNORECASE,
 )
+_SCOPE = re.compile(
+    r"\W*(?:sample interval|x ?inc(?:rement)?|sequence(?:,[a-z]+)+,[-+.\de]+)\W*?[:,;\t](?:analog:|[\s\"',;:])*"
+    r"(?P<number>\d*\.?\d+(?:e[-+]?\d+)?)[\s\"',;s]*",
+    re.IGNORECASE,
+)
+"""The interval in s of oscilloscopes: ``Sample Interval,1e-6`` of Tektronix, ``Sample Interval,Analog:1e-6`` of
+Siglent, ``XInc:,1e-6`` of Keysight, ``Sequence,Volt,-1e-3,1e-6`` of Rigol under ``Start,Increment``."""
+
 _HERTZ = {"hz": 1.0, "гц": 1.0, "赫兹": 1.0, "赫": 1.0, "khz": 1e3, "кгц": 1e3, "sps": 1.0, "samples/s": 1.0}
 _FASTEST = 1e7
 
@@ -38,6 +46,9 @@ class StatedRate(NamedTuple):
 
 def statement(line: int, text: str, decimal: str = ".") -> StatedRate | None:
     """The sampling rate that a line states; None if it states none."""
+    scope = _SCOPE.fullmatch(text) if len(text) <= headers.LONGEST_HEADER else None
+    if scope and float(scope["number"]) > 0:
+        return StatedRate(1 / float(scope["number"]), line, text[:60])
     stated = _STATED.search(text) if len(text) <= headers.LONGEST_HEADER else None
     if stated is None or (stated["fraction"] or "").startswith(",") > (decimal == ","):
         return None

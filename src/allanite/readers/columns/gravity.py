@@ -1,0 +1,177 @@
+"""Gravity and noise as a check of units: three axes at rest have its length, and no gyro is noisier than others."""
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from allanite.core.errors import UNIT
+from allanite.core.units import unit_of
+from allanite.core.validity import Finding
+from allanite.phrases.phrase import Phrase, say, spelled
+
+from . import conventions, headers
+from .channels import SignalColumn
+from .column import FileColumn, some
+
+RATES: tuple[str, ...] = ("g", "m/s^2", "mg", "mm/s^2")
+INCREMENTS: tuple[str, ...] = ("g*s", "m/s")  # units in which loggers write accelerations, and velocity increments
+COUNTS = (1024, 8192)  # counts per g of common sensors that are near a thousand mg or 9810 mm/s^2
+
+NAMED = 0.25
+"""Share by which accelerometers at rest may miss gravity, by their offsets and scale factors: units are ten apart."""
+
+UNNAMED = 0.05  # the same for columns that nothing but their length makes accelerometers
+DOUBTED = 0.1  # the same for axes with a unit, beyond which it is doubted
+STILL = 0.02  # standard deviation of an axis at rest, relative to gravity, at most
+REMOVED = 0.1  # length, relative to gravity, below which it is no gravity at all
+
+NOISIEST, QUIETEST = 10.0, 1e-5 / 60
+"""White noise of any gyro, from the best ring lasers up, deg/s/sqrt(Hz)."""
+
+BLOCKS = (1, 4, 16, 64, 256)  # samples that are averaged to see the noise of a filtered gyro
+FEWEST = 1024  # samples, at least, by which it is judged
+FIRST = 1 << 18  # samples by which it is judged
+
+_AXIS = re.compile(r"(?<![a-z])[xyz123](?![a-z0-9])|(?<=[a-z])[xyz123]$")
+"""The axis in a name: ``rate x``, ``x_rate``, ``rateX``, ``rate[1]``."""
+
+
+class Weighed(NamedTuple):
+    """The unit in which three means have the length of gravity, and why; empty if there is none."""
+
+    unit: str = ""
+    why: str = ""
+
+
+def triples(columns: Sequence[FileColumn]) -> list[list[FileColumn]]:
+    """Each three columns whose names differ by the letter or the number of an axis only."""
+    stems: dict[str, list[FileColumn]] = {}
+    for column in columns:
+        stems.setdefault(_AXIS.sub("", column.name.strip().lower()), []).append(column)
+    return [three for three in stems.values() if len(three) == 3]
+
+
+def length_of(columns: Sequence[FileColumn]) -> tuple[float, float]:
+    """The length of the mean of three axes, and the largest standard deviation of one relative to it; or zeros."""
+    if len(columns) != 3:
+        return 0.0, 0.0
+    with np.errstate(all="ignore"):  # of numbers that are no samples
+        length = math.hypot(*(float(np.mean(column.values)) for column in columns))
+        spread = max(float(np.std(column.values)) for column in columns)
+    return (length, spread / length) if 0 < length < math.inf else (0.0, 0.0)
+
+
+def weighed(columns: Sequence[FileColumn], known: Sequence[str], rate: float, share: float) -> Weighed:
+    """The unit in which the means of three columns, times a rate, have the length of gravity, within a share of it."""
+    length, spread = length_of(columns)
+    if not length * rate or (share <= UNNAMED and not spread < STILL):
+        return Weighed()
+    whole = all(column.values.dtype.kind == "i" for column in columns)
+    unit, off = _nearest(length * rate, known)
+    if off > math.log1p(share) or (whole and any(abs(length / count - 1) < UNNAMED for count in COUNTS)):
+        return Weighed()
+    why = say("the mean has the length of gravity in {unit} ({length:.4g})", unit=unit, length=length * rate)
+    return Weighed(unit, why)
+
+
+def _nearest(length: float, known: Sequence[str]) -> tuple[str, float]:
+    """The unit in which a length is nearest to gravity, and the logarithm of their ratio."""
+    off = {unit: abs(math.log(length * unit_of(unit).factor / unit_of("g").factor)) for unit in known}
+    return min(off.items(), key=lambda item: item[1])
+
+
+class Doubt(NamedTuple):
+    """Columns whose numbers contradict their unit: what they show, the unit that would fit, and the sensor."""
+
+    columns: tuple[FileColumn, ...]
+    what: Phrase
+    unit: str
+    sensor: str
+
+    @property
+    def words(self) -> str:
+        """The unit to type, or a placeholder."""
+        return f"{self.sensor}={self.unit}"
+
+    @property
+    def assumed(self) -> bool:
+        """Whether the unit is that of a convention."""
+        return all(conventions.convention_of(column) is not None for column in self.columns)
+
+    def finding(self) -> Finding:
+        """The warning."""
+        return Finding(
+            "unit", self.what, say("if the unit or the scale is wrong, so are the coefficients, by the same factor"),
+            say("check the unit: {option}", option=spelled(f"--unit {self.words}", f"unit={self.words!r}")),
+        )  # fmt: skip
+
+
+def doubts(signals: Sequence[SignalColumn], rate: float) -> Iterator[Doubt]:
+    """The doubts about the units of signals at a rate in Hz."""
+    sensors: dict[str, dict[FileColumn, SignalColumn]] = {"accelerometer": {}, "gyro": {}}
+    for signal in signals:
+        sensor = headers.inertial(signal.unit)
+        if sensor is not None and signal.kind in ("rate", "increment"):
+            sensors[sensor.name][signal.column] = signal
+    of = sensors["accelerometer"]
+    for three in [list(of)] if len(of) == 3 else triples(list(of)):
+        yield from _of_gravity(three, of[three[0]], rate)
+    yield from _of_noise(tuple(sensors["gyro"].values()), rate)
+
+
+def _of_gravity(three: Sequence[FileColumn], signal: SignalColumn, rate: float) -> Iterator[Doubt]:
+    """A doubt about three accelerometer axes at rest whose mean does not have the length of gravity."""
+    length, spread = length_of(three)
+    scale, times = signal.scale or 1.0, rate if signal.kind == "increment" else 1.0
+    ratio = length * scale * times * unit_of(signal.unit).factor / unit_of("g").factor
+    if not 0 < spread < STILL or abs(ratio - 1) <= DOUBTED:
+        return
+    fit, off = _nearest(length * scale * times, INCREMENTS if signal.kind == "increment" else RATES)
+    fits = off < math.log1p(NAMED) and unit_of(fit).factor != unit_of(signal.unit).factor
+    if not fits and ratio < REMOVED:
+        return
+    names = some([repr(column.header or column.name) for column in three])
+    what = say(
+        "{columns}: at rest the mean has a length of {length:.4g} {unit}, which is {ratio:.3g} times gravity",
+        columns=names, length=length * scale * times, unit=signal.unit, ratio=ratio,
+    )  # fmt: skip
+    if fits:
+        what = say("{what}, and is gravity in {unit}", what=what, unit=fit)
+    yield Doubt(tuple(three), what, fit if fits else UNIT, "accel")
+
+
+def _of_noise(signals: tuple[SignalColumn, ...], rate: float) -> Iterator[Doubt]:
+    """A doubt about gyros all of which are noisier than any sensor, or quieter."""
+    levels = [level for signal in signals if (level := _noise_of(signal, rate))[1] > 0]
+    if not levels or len(levels) < len(signals):
+        return
+    least, most = min(level[0] for level in levels), max(level[1] for level in levels)
+    if least <= NOISIEST and most >= QUIETEST:
+        return
+    names = some([repr(signal.column.header or signal.column.name) for signal in signals], 6)
+    what = say(
+        "{columns}: in {unit} the white noise is {limit}, beyond that of any gyro",
+        columns=names, unit=signals[0].unit,
+        limit=say("above {level:.2g} deg/s/sqrt(Hz)", level=NOISIEST) if least > NOISIEST
+        else say("below {level:.2g} deg/s/sqrt(Hz)", level=QUIETEST),
+    )  # fmt: skip
+    yield Doubt(tuple(signal.column for signal in signals), what, UNIT, "gyro")
+
+
+def _noise_of(signal: SignalColumn, rate: float) -> tuple[float, float]:
+    """The white noise by the differences of samples and of means of several, least and most, deg/s/sqrt(Hz)."""
+    values = np.asarray(signal.column.values[:FIRST], np.float64)
+    size = (signal.scale or 1.0) * unit_of(signal.unit).factor / unit_of("deg/s").factor
+    size *= rate if signal.kind == "increment" else 1.0
+    levels = list[float]()
+    for block in BLOCKS:
+        with np.errstate(all="ignore"):  # of numbers that are no samples
+            steps = np.diff(values[: values.size // block * block].reshape(-1, block).mean(axis=1))
+            steps = steps[np.isfinite(steps)]
+            if steps.size > FEWEST // BLOCKS[-1]:
+                levels.append(float(np.std(steps)) * math.sqrt(block / rate / 2) * size)
+    judged = len(signal.column.values) >= FEWEST and bool(levels) and math.isfinite(sum(levels))
+    return (min(levels), max(levels)) if judged else (0.0, 0.0)
