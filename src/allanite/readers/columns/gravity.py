@@ -10,7 +10,7 @@ import numpy as np
 from allanite.core.errors import UNIT
 from allanite.core.units import unit_of
 from allanite.core.validity import Finding
-from allanite.phrases.phrase import Phrase, say, spelled
+from allanite.phrases.phrase import Phrase, join, say, spelled
 
 from . import conventions, headers
 from .channels import SignalColumn
@@ -49,25 +49,26 @@ class Weighed(NamedTuple):
 def triples(columns: Sequence[FileColumn]) -> list[list[FileColumn]]:
     """Each three columns whose names differ by the letter or the number of an axis only."""
     stems: dict[str, list[FileColumn]] = {}
-    for column in columns:
+    for column in (column for column in columns if column.header):
         stems.setdefault(_AXIS.sub("", column.name.strip().lower()), []).append(column)
     return [three for three in stems.values() if len(three) == 3]
 
 
-def length_of(columns: Sequence[FileColumn]) -> tuple[float, float]:
-    """The length of the mean of three axes, and the largest standard deviation of one relative to it; or zeros."""
+def length_of(columns: Sequence[FileColumn]) -> tuple[float, bool]:
+    """The length of the mean of three axes, 0 if there is none, and whether they are at rest if it is gravity."""
     if len(columns) != 3:
-        return 0.0, 0.0
+        return 0.0, False
     with np.errstate(all="ignore"):  # of numbers that are no samples
         length = math.hypot(*(float(np.mean(column.values)) for column in columns))
-        spread = max(float(np.std(column.values)) for column in columns)
-    return (length, spread / length) if 0 < length < math.inf else (0.0, 0.0)
+        off = [np.abs(column.values - np.median(column.values)) for column in columns]
+        spread = max(1.5 * float(np.median(each)) for each in off)  # of a normal distribution, without outliers
+    return (length, spread < STILL * length) if 0 < length < math.inf else (0.0, False)
 
 
 def weighed(columns: Sequence[FileColumn], known: Sequence[str], rate: float, share: float) -> Weighed:
     """The unit in which the means of three columns, times a rate, have the length of gravity, within a share of it."""
-    length, spread = length_of(columns)
-    if not length * rate or (share <= UNNAMED and not spread < STILL):
+    length, still = length_of(columns)
+    if not length * rate or (share <= UNNAMED and not still):
         return Weighed()
     whole = all(column.values.dtype.kind == "i" for column in columns)
     unit, off = _nearest(length * rate, known)
@@ -84,81 +85,89 @@ def _nearest(length: float, known: Sequence[str]) -> tuple[str, float]:
 
 
 class Doubt(NamedTuple):
-    """Columns whose numbers contradict their unit: what they show, the unit that would fit, and the sensor."""
+    """Signals whose numbers contradict their unit: what they show, the unit that would fit, and the sensor."""
 
     columns: tuple[FileColumn, ...]
     what: Phrase
     unit: str
     sensor: str
 
-    @property
-    def words(self) -> str:
-        """The unit to type, or a placeholder."""
-        return f"{self.sensor}={self.unit}"
-
-    @property
-    def assumed(self) -> bool:
-        """Whether the unit is that of a convention."""
-        return all(conventions.convention_of(column) is not None for column in self.columns)
-
     def finding(self) -> Finding:
         """The warning."""
-        return Finding(
-            "unit", self.what, say("if the unit or the scale is wrong, so are the coefficients, by the same factor"),
-            say("check the unit: {option}", option=spelled(f"--unit {self.words}", f"unit={self.words!r}")),
-        )  # fmt: skip
+        words = f"{self.sensor}={self.unit}"
+        effect = say("if the unit or the scale is wrong, so are the coefficients, by the same factor")
+        option = "" if self.unit == UNIT else spelled(f"--unit {words}", f"unit={words!r}")
+        remedy = say("check the unit: {option}", option=option) if option else say("check the unit and the scale")
+        return Finding("unit", self.what, effect, remedy)
 
 
 def doubts(signals: Sequence[SignalColumn], rate: float) -> Iterator[Doubt]:
     """The doubts about the units of signals at a rate in Hz."""
-    sensors: dict[str, dict[FileColumn, SignalColumn]] = {"accelerometer": {}, "gyro": {}}
+    of: dict[str, dict[FileColumn, SignalColumn]] = {"accelerometer": {}, "gyro": {}}
     for signal in signals:
         sensor = headers.inertial(signal.unit)
         if sensor is not None and signal.kind in ("rate", "increment"):
-            sensors[sensor.name][signal.column] = signal
-    of = sensors["accelerometer"]
-    for three in [list(of)] if len(of) == 3 else triples(list(of)):
-        yield from _of_gravity(three, of[three[0]], rate)
-    yield from _of_noise(tuple(sensors["gyro"].values()), rate)
+            of[sensor.name][signal.column] = signal
+    axes = of["accelerometer"]
+    for three in [list(axes)] if len(axes) == 3 else triples(list(axes)):
+        yield from _of_gravity(three, axes[three[0]], rate)
+    yield from _of_noise(tuple(of["gyro"].values()), rate)
+
+
+def contradiction(signals: Sequence[SignalColumn], rate: float) -> tuple[Phrase, str] | None:
+    """What contradicts the units that conventions define, and the units to type instead; None if nothing does."""
+    known = {doubt: conventions.convention_of(doubt.columns[0]) for doubt in doubts(signals, rate)}
+    wrong = {doubt: convention for doubt, convention in known.items() if convention is not None}
+    if not wrong:
+        return None
+    # if one unit is not that of the definition, the other may not be, either, unless gravity has shown it
+    gyros = [signal for signal in signals if headers.signal_of(signal.unit) is headers.signal_of("rad/s")]
+    units = ({"gyro": UNIT} if gyros else {}) | {doubt.sensor: doubt.unit for doubt in wrong}
+    families = ", ".join(sorted({convention.family for convention in wrong.values()}))
+    why = say("this contradicts the unit that {family} defines; state the unit", family=families)
+    return join("; ", (*(doubt.what for doubt in wrong), why)), ",".join(
+        f"{name}={unit}" for name, unit in units.items()
+    )
 
 
 def _of_gravity(three: Sequence[FileColumn], signal: SignalColumn, rate: float) -> Iterator[Doubt]:
     """A doubt about three accelerometer axes at rest whose mean does not have the length of gravity."""
-    length, spread = length_of(three)
-    scale, times = signal.scale or 1.0, rate if signal.kind == "increment" else 1.0
-    ratio = length * scale * times * unit_of(signal.unit).factor / unit_of("g").factor
-    if not 0 < spread < STILL or abs(ratio - 1) <= DOUBTED:
+    length, still = length_of(three)
+    length *= (signal.scale or 1.0) * (rate if signal.kind == "increment" else 1.0)
+    ratio = length * unit_of(signal.unit).factor / unit_of("g").factor
+    if not still or abs(ratio - 1) <= DOUBTED:
         return
-    fit, off = _nearest(length * scale * times, INCREMENTS if signal.kind == "increment" else RATES)
+    fit, off = _nearest(length, INCREMENTS if signal.kind == "increment" else RATES)
     fits = off < math.log1p(NAMED) and unit_of(fit).factor != unit_of(signal.unit).factor
     if not fits and ratio < REMOVED:
         return
-    names = some([repr(column.header or column.name) for column in three])
     what = say(
         "{columns}: at rest the mean has a length of {length:.4g} {unit}, which is {ratio:.3g} times gravity",
-        columns=names, length=length * scale * times, unit=signal.unit, ratio=ratio,
+        columns=_names(three), length=length, unit=signal.unit, ratio=ratio,
     )  # fmt: skip
-    if fits:
-        what = say("{what}, and is gravity in {unit}", what=what, unit=fit)
+    what = say("{what}, and is gravity in {unit}", what=what, unit=fit) if fits else what
     yield Doubt(tuple(three), what, fit if fits else UNIT, "accel")
+
+
+def _names(columns: Sequence[FileColumn]) -> Phrase:
+    return some([repr(column.header or column.name) for column in columns], 6)
 
 
 def _of_noise(signals: tuple[SignalColumn, ...], rate: float) -> Iterator[Doubt]:
     """A doubt about gyros all of which are noisier than any sensor, or quieter."""
-    levels = [level for signal in signals if (level := _noise_of(signal, rate))[1] > 0]
-    if not levels or len(levels) < len(signals):
+    levels = [_noise_of(signal, rate) for signal in signals]
+    if not levels or not all(most for _, most in levels):
         return
-    least, most = min(level[0] for level in levels), max(level[1] for level in levels)
-    if least <= NOISIEST and most >= QUIETEST:
+    loud, quiet = min(levels)[0] > NOISIEST, max(most for _, most in levels) < QUIETEST
+    if not loud and not quiet:
         return
-    names = some([repr(signal.column.header or signal.column.name) for signal in signals], 6)
+    level, columns = NOISIEST if loud else QUIETEST, tuple(signal.column for signal in signals)
+    limit = f"> {level:.2g} deg/s/sqrt(Hz)" if loud else f"< {level:.2g} deg/s/sqrt(Hz)"
     what = say(
         "{columns}: in {unit} the white noise is {limit}, beyond that of any gyro",
-        columns=names, unit=signals[0].unit,
-        limit=say("above {level:.2g} deg/s/sqrt(Hz)", level=NOISIEST) if least > NOISIEST
-        else say("below {level:.2g} deg/s/sqrt(Hz)", level=QUIETEST),
+        columns=_names(columns), unit=signals[0].unit, limit=limit,
     )  # fmt: skip
-    yield Doubt(tuple(signal.column for signal in signals), what, UNIT, "gyro")
+    yield Doubt(columns, what, UNIT, "gyro")
 
 
 def _noise_of(signal: SignalColumn, rate: float) -> tuple[float, float]:

@@ -142,11 +142,15 @@ def comments(data: bytes, layout: Layout) -> int:
 
 def commented(count: int) -> tuple[str, ...]:
     """The note on so many comments."""
-    one, more = (
-        "skipped {count} comment among the rows of numbers",
-        "skipped {count} comments among the rows of numbers",
+    if not count:
+        return ()
+    return (
+        say_count(
+            count,
+            "skipped {count} comment among the rows of numbers",
+            "skipped {count} comments among the rows of numbers",
+        ),
     )
-    return (say_count(count, one, more),) if count else ()
 
 
 def _holds(data: bytes, mark: bytes, start: int) -> bool:

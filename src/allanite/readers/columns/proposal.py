@@ -130,7 +130,7 @@ def _looks(column: FileColumn, steps: FloatArray, spread: float) -> str:
         (whole and len(np.unique(column.values[:1000])) <= FEW, say("a state or flags")),
         (170 < largest <= 180 and steps.max(initial=0) > 180, say("an angle within 180 deg")),
         (float(np.quantile(steps, 0.9)) < SLOW * spread, say("slow, such as a temperature")),
-        (whole, say("whole numbers: counts, of the size --scale")),
+        (whole, say("whole numbers, such as counts")),
     )  # fmt: skip
     return next((words for fits, words in kinds if fits), "")
 

@@ -22,7 +22,7 @@ from allanite.readers.clock import clocks
 from allanite.readers.clock import sampling_rate as clock
 from allanite.readers.options import Options
 
-from . import channels, conventions, gravity, headers, proposal, resolver, sensors, shapes, stated
+from . import channels, conventions, gravity, proposal, resolver, sensors, shapes, stated
 from .arrays import RATE_NAMES
 from .column import FileColumn, unique
 
@@ -127,30 +127,11 @@ class Sense:
             raise UsageError(
                 "; ".join((*questions, *why, *omitted)) + table, choice="rate" if beat.questions else "unit", cure=asked
             )
-        self._demand_fit(beat.rate)
-
-    def _demand_fit(self, rate: float) -> None:
-        """Refuse numbers that contradict the units that the names of their columns define."""
-        if self.options.unit or self.options.units:
-            return
-        doubts = [doubt for doubt in gravity.doubts(self.choice.signals, rate) if doubt.assumed]
-        if not doubts:
-            return
-        words = {doubt.sensor: doubt.unit for doubt in doubts}
-        for signal in self.choice.signals:  # if one unit is not that of the definition, the other may not be, either
-            sensor = headers.inertial(signal.unit)
-            words.setdefault("gyro" if sensor is not None and sensor.name == "gyro" else "accel", UNIT)
-        if "accel" in words and not any(doubt.sensor == "accel" for doubt in doubts):
-            del words["accel"]  # its length has shown its unit
-        unit = ",".join(f"{sensor}={words[sensor]}" for sensor in sorted(words, reverse=True))
-        names = sorted(
-            {known.family for doubt in doubts for c in doubt.columns if (known := conventions.convention_of(c))}
-        )
-        why = say("this contradicts the unit that {family} defines; state the unit", family=", ".join(names))
-        raise UsageError(
-            join("; ", (*(doubt.what for doubt in doubts), why)),
-            choice="unit", cure=("", spelled(f"--unit '{unit}'", f"unit='{unit}'")),
-        )  # fmt: skip
+        stated = self.options.unit or self.options.units
+        against = None if stated else gravity.contradiction(self.choice.signals, beat.rate)
+        if against is not None:
+            what, unit = against
+            raise UsageError(what, choice="unit", cure=("", spelled(f"--unit '{unit}'", f"unit='{unit}'")))
 
     @property
     def _rising(self) -> list[FileColumn]:
@@ -179,10 +160,8 @@ class Sense:
 
     def findings(self, beat: clock.Beat) -> tuple[Finding, ...]:
         """The findings about the clock, and about the meaning of the columns."""
-        return (
-            *beat.findings, *self.choice.findings,
-            *(doubt.finding() for doubt in gravity.doubts(self.choice.signals, beat.rate)),
-        )  # fmt: skip
+        doubts = gravity.doubts(self.choice.signals, beat.rate)
+        return (*beat.findings, *self.choice.findings, *(doubt.finding() for doubt in doubts))
 
 
 def repeated(columns: Sequence[NDArray[Any]]) -> NDArray[np.bool_]:
