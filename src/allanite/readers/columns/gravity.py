@@ -39,13 +39,6 @@ _AXIS = re.compile(r"(?<![a-z])[xyz123](?![a-z0-9])|(?<=[a-z])[xyz123]$")
 """The axis in a name: ``rate x``, ``x_rate``, ``rateX``, ``rate[1]``."""
 
 
-class Weighed(NamedTuple):
-    """The unit in which three means have the length of gravity, and why; empty if there is none."""
-
-    unit: str = ""
-    why: str = ""
-
-
 def triples(columns: Sequence[FileColumn]) -> list[list[FileColumn]]:
     """Each three columns whose names differ by the letter or the number of an axis only."""
     stems: dict[str, list[FileColumn]] = {}
@@ -65,17 +58,16 @@ def length_of(columns: Sequence[FileColumn]) -> tuple[float, bool]:
     return (length, spread < STILL * length) if 0 < length < math.inf else (0.0, False)
 
 
-def weighed(columns: Sequence[FileColumn], known: Sequence[str], rate: float, share: float) -> Weighed:
-    """The unit in which the means of three columns, times a rate, have the length of gravity, within a share of it."""
+def weighed(columns: Sequence[FileColumn], known: Sequence[str], rate: float, share: float) -> tuple[str, str]:
+    """The unit in which three means, times a rate, have the length of gravity within a share, and why; or none."""
     length, still = length_of(columns)
     if not length * rate or (share <= UNNAMED and not still):
-        return Weighed()
+        return "", ""
     whole = all(column.values.dtype.kind == "i" for column in columns)
     unit, off = _nearest(length * rate, known)
     if off > math.log1p(share) or (whole and any(abs(length / count - 1) < UNNAMED for count in COUNTS)):
-        return Weighed()
-    why = say("the mean has the length of gravity in {unit} ({length:.4g})", unit=unit, length=length * rate)
-    return Weighed(unit, why)
+        return "", ""
+    return unit, say("the mean has the length of gravity in {unit} ({length:.4g})", unit=unit, length=length * rate)
 
 
 def _nearest(length: float, known: Sequence[str]) -> tuple[str, float]:

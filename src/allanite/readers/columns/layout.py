@@ -141,9 +141,8 @@ def _style_of(texts: list[str]) -> tuple[str, str]:
     """Delimiter and decimal sign of all but comments, among which lines of cells between semicolons may be."""
     plain = [text for text in texts if not text.startswith(MARKS)]
     edged = [text for text in plain[1:4] if text.startswith("\t")]  # a cell that is empty, unless all lines begin so
-    return style(
-        [*plain[:1], *edged, *plain[-JUDGED_ROWS:]] or [text for text in texts if not text.startswith(MARKS[:3])]
-    )
+    judged = [*plain[:1], *edged, *plain[-JUDGED_ROWS:]]
+    return style(judged or [text for text in texts if not text.startswith(MARKS[:3])])
 
 
 def marks_of(delimiter: str) -> tuple[str, ...]:
@@ -299,17 +298,14 @@ def _merged(row: Sequence[str], names: tuple[str, ...], groups: Sequence[str] = 
     return filled
 
 
-def _grouped(
-    groups: list[str], names: tuple[str, ...], units: tuple[str, ...]
-) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _grouped(groups: list[str], names: tuple[str, ...], units: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
     """Names and units of columns, each after its group, in which the unit may stand."""
-    split = [headers.split(group) for group in groups]
-    known = [
-        (stem, unit) if headers.known(unit) else (group, "") for group, (stem, unit) in zip(groups, split, strict=True)
-    ]
-    united = (own or ("" if headers.split(name)[1] else unit)
-              for own, name, (_, unit) in zip(units, names, known, strict=True))  # fmt: skip
-    return tuple(f"{stem} {name}".strip() for (stem, _), name in zip(known, names, strict=True)), tuple(united)
+    pairs = list[tuple[str, str]]()
+    for group, name, unit in zip(groups, names, units, strict=True):
+        stem, its = headers.split(group)
+        stem, its = (stem, its) if headers.known(its) else (group, "")
+        pairs.append((f"{stem} {name}".strip(), unit or ("" if headers.split(name)[1] else its)))
+    return tuple(name for name, _ in pairs), tuple(unit for _, unit in pairs)
 
 
 def _names(row: list[str], width: int, delimiter: str) -> tuple[str, ...] | None:

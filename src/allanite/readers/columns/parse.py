@@ -128,9 +128,7 @@ def clean_rows(data: bytes, layout: Layout, *, last: bool = True) -> tuple[bytes
 
 
 def _comment_of(marks: tuple[str, ...]) -> re.Pattern[bytes]:
-    return re.compile(
-        rb"^[ \t]*(?:" + b"|".join(re.escape(mark.encode()) for mark in marks) + rb")[^\r\n]*", re.MULTILINE
-    )
+    return re.compile(rb"(?m)^[ \t]*(?:" + b"|".join(re.escape(mark.encode()) for mark in marks) + rb")[^\r\n]*")
 
 
 def comments(data: bytes, layout: Layout) -> int:
@@ -144,13 +142,8 @@ def commented(count: int) -> tuple[str, ...]:
     """The note on so many comments."""
     if not count:
         return ()
-    return (
-        say_count(
-            count,
-            "skipped {count} comment among the rows of numbers",
-            "skipped {count} comments among the rows of numbers",
-        ),
-    )
+    return (say_count(count, "skipped {count} comment among the rows of numbers",
+                      "skipped {count} comments among the rows of numbers"),)  # fmt: skip
 
 
 def _holds(data: bytes, mark: bytes, start: int) -> bool:

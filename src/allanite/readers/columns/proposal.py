@@ -97,15 +97,13 @@ def overview(columns: Sequence[FileColumn], unsaid: Sequence[FileColumn], clocks
     """A line for each column: its mean, its standard deviation, its usual step, and what its numbers look like."""
     likely = {column.position: _paced(column) for column in clocks}
     for three in (*_threes(unsaid), *gravity.triples(unsaid)):
-        unit = gravity.weighed(three, gravity.RATES, 1.0, gravity.UNNAMED).unit
+        unit = gravity.weighed(three, gravity.RATES, 1.0, gravity.UNNAMED)[0]
         likely |= {c.position: say("gravity in {unit}", unit=unit) for c in three if unit}
     head = say("column"), say("mean"), say("std"), say("step"), say("looks like")
-    lines = [head, *((_label(c), *_sized(c, likely.get(c.position, ""))) for c in columns[:SHOWN])]
+    labels = (f"{c.position}: {c.name}" if c.header else c.name for c in columns[:SHOWN])
+    rows = (_sized(c, likely.get(c.position, "")) for c in columns)
+    lines = [head, *((label, *row) for label, row in zip(labels, rows, strict=False))]
     return "".join("\n  {:<16}{:>11}  {:>10}  {:>10}  {}".format(*line).rstrip() for line in lines)
-
-
-def _label(column: FileColumn) -> str:
-    return column.name if column.name.endswith(f" {column.position}") else f"{column.position}: {column.name}"
 
 
 def _paced(column: FileColumn) -> str:
