@@ -29,6 +29,8 @@ def write(tmp_path):
     ('"sample_rate","100"', 100), ("Sample interval: 0.01 s", 100), ("Sampling period: 10 ms", 100),
     ("ODR 200Hz, range 250dps", 200), ("Частота дискретизации: 400 Гц", 400), ("Период опроса, мс: 10", 100),
     ("采样率：100Hz", 100), ("采样间隔: 10 毫秒", 100), ("Sample Rate:\t100.00 samples/s", 100),
+    ("Imu,SampleRate 10Hz", 10), ("Sample Interval,4.0e-3", 250), ("Sample Interval,Analog:1.0E-03", 1000),
+    ("XInc:,2.0E-03", 500), ("Sequence,Volt,-6.0e-03,5.0e-03,", 200),
 ])  # fmt: skip
 def test_statements(line, rate):
     said = statement(7, line)
