@@ -38,7 +38,9 @@ TIME_NAMES: dict[str, str] = {  # names of a clock, with the unit that some of t
 
 _RAW = ("-", "", "lsb", "lsbs", "count", "counts", "raw", "digit", "digits", "adc", "bit", "bits", "a.u.", "au")
 
-_COUNTS = re.compile(r"\[ *(lsbs?|counts?|raw|digits?|adc|bits?) *\]|\( *(lsbs?|counts?|raw|digits?|adc|bits?) *\)")
+_COUNTS = re.compile(
+    r"\[ *(lsbs?|counts?|raw|digits?|adc|bits?) *\]|\( *(lsbs?|counts?|raw|digits?|adc|bits?) *\)|[_ ](lsbs?|counts?)$"
+)
 """What a header says of numbers as they come from a converter."""
 
 _INCREMENT = re.compile(r"(delta_?|(^|[^a-z])d(el)?_?)(ang(?!ul)|theta|vel|v(_?[xyz])?$)|vel_?inc")
