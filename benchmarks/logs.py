@@ -101,15 +101,15 @@ def log(seed: int, number: int) -> Log:
     """The file that a seed draws."""
     rng = np.random.default_rng((seed, number))
 
-    def one(choices):
+    def pick(choices):
         return choices[int(rng.integers(len(choices)))]
 
-    make, clock, heading, layout = (one(choices) for choices in (list(MAKES), CLOCKS, HEADINGS, LAYOUTS))
+    make, clock, heading, layout = (pick(choices) for choices in (list(MAKES), CLOCKS, HEADINGS, LAYOUTS))
     (language, times, of_gyro, of_accel, axes), unit = MAKES[make], clock.split()[-1]
     fits = [r for r in RATES if unit != "ms" or 1000 % r == 0]
-    rate, count = one(fits), int(rng.integers(600, 1500))
+    rate, count = pick(fits), int(rng.integers(600, 1500))
     heading = "names" if make in ("ROS", "numbers") and heading.startswith("groups") else heading
-    units = {"gyro": one(list(GYRO)), "accel": one(list(ACCEL))}
+    units = {"gyro": pick(list(GYRO)), "accel": pick(list(ACCEL))}
     if make == "ROS" and heading == "names":  # which define them
         units = {"gyro": "rad/s", "accel": "m/s^2"}
     down = rng.standard_normal(3) if rng.random() < 0.3 else np.eye(3)[rng.integers(3)] * rng.choice([-1, 1])
@@ -119,10 +119,10 @@ def log(seed: int, number: int) -> Log:
                "g": written(bias + 0.08 * noise[1], *GYRO[units["gyro"]]),
                "t": [[f"{31.5 + 0.4 * k / count:.2f}" for k in range(count)]]}  # fmt: skip
     comma = language in COMMAS and rng.random() < 0.7
-    separator = one((";", "\t") if comma else (",", ";", "\t", ", "))
+    separator = pick((";", "\t") if comma else (",", ";", "\t", ", "))
     columns, values = [], []
     if clock != "none":
-        columns.append((one(times), "", unit if unit in SIZES else ""))
+        columns.append((pick(times), "", unit if unit in SIZES else ""))
         values.append(stamps(rng, clock, rate, count))
     of, sensors = {"g": ("gyro", of_gyro, axes), "a": ("accel", of_accel, axes), "t": ("", "temp", [""])}, {}
     for sensor, pattern, letters, own in ((*of[letter], samples[letter]) for letter in layout):
@@ -135,7 +135,7 @@ def log(seed: int, number: int) -> Log:
     rows = list(map(separator.join, zip(*values, strict=True)))
     if rng.random() < 0.1:
         rows[count // 2 : count // 2] = ["# paused", "# resumed"]
-    lines = headed(columns, heading, one((" ({})", " [{}]", "({})")), separator) + rows
+    lines = headed(columns, heading, pick((" ({})", " [{}]", "({})")), separator) + rows
     about = {"make": make, "heading": heading, "clock": clock, "separator": repr(separator) + ", comma" * comma}
     return Log("\n".join(lines) + "\n", about, rate, units, sensors)
 

@@ -33,7 +33,7 @@ NOISIEST, QUIETEST = 10.0, 1e-5 / 60
 
 BLOCKS = (1, 4, 16, 64, 256)  # samples that are averaged to see the noise of a filtered gyro
 FEWEST = 1024  # samples, at least, by which it is judged
-FIRST = 1 << 18  # samples by which it is judged
+FIRST = 1 << 18  # samples by which they are judged, about
 
 _AXIS = re.compile(r"(?<![a-z])[xyz123](?![a-z0-9])|(?<=[a-z])[xyz123]$")
 """The axis in a name: ``rate x``, ``x_rate``, ``rateX``, ``rate[1]``."""
@@ -51,9 +51,10 @@ def length_of(columns: Sequence[FileColumn]) -> tuple[float, bool]:
     """The length of the mean of three axes, 0 if there is none, and whether they are at rest if it is gravity."""
     if len(columns) != 3:
         return 0.0, False
+    axes = [column.values[:: max(1, len(column.values) // FIRST)] for column in columns]
     with np.errstate(all="ignore"):  # of numbers that are no samples
-        length = math.hypot(*(float(np.mean(column.values)) for column in columns))
-        off = [np.abs(column.values - np.median(column.values)) for column in columns]
+        length = math.hypot(*(float(np.mean(values)) for values in axes))
+        off = [np.abs(values - np.median(values)) for values in axes]
         spread = max(1.5 * float(np.median(each)) for each in off)  # of a normal distribution, without outliers
     return (length, spread < STILL * length) if 0 < length < math.inf else (0.0, False)
 

@@ -291,10 +291,10 @@ def _groups(row: list[str], names: tuple[str, ...]) -> bool:
 
 def _merged(row: Sequence[str], names: tuple[str, ...], groups: Sequence[str] = ()) -> list[str]:
     """The cells of a line over names, of which a merged one stands in the first of its columns only."""
-    filled, left = list[str](), ""
+    filled, last = list[str](), ""
     for cell, name, group in zip_longest(row, names, groups, fillvalue=""):
-        left = cell or ("" if group else left)
-        filled.append(left if name else cell)
+        last = cell or ("" if group else last)
+        filled.append(last if name else cell)
     return filled
 
 
