@@ -65,7 +65,8 @@ def unit_by_rate(stamps: NDArray[Any]) -> tuple[str, str]:
     since = [unit for unit in rates if EPOCH[0] <= float(stamps[0]) * unit_of(unit).factor <= EPOCH[1]]
     if since:
         return since[0], say("time stamps assumed to be in {unit} since 1970, by their size", unit=since[0])
-    if rates.get("s", 0) >= SLOWEST and np.any(stamps != np.floor(stamps)):
+    # by the usual step, which no jump changes
+    if np.any(stamps != np.floor(stamps)) and 0 < float(np.median(np.diff(stamps))) <= 1 / SLOWEST:
         return "s", say("time stamps assumed to be in seconds")
     usual = [unit for unit, rate in rates.items() if IMUS[0] <= rate <= IMUS[1]] or list(rates)
     if len(usual) != 1 or counts_rows(stamps):
