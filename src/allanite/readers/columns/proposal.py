@@ -97,7 +97,8 @@ def overview(columns: Sequence[FileColumn], unsaid: Sequence[FileColumn], clocks
     """A line for each column: its mean, its standard deviation, its usual step, and what its numbers look like."""
     likely = {column.position: _paced(column) for column in clocks}
     for three in (*_threes(unsaid), *gravity.triples(unsaid)):
-        unit = gravity.weighed(three, gravity.RATES, 1.0, gravity.UNNAMED)[0]
+        named = all(headers.sensor_by_name(column.name) == "accelerometer" for column in three)
+        unit = gravity.weighed(three, gravity.RATES, 1.0, gravity.NAMED if named else gravity.UNNAMED)[0]
         likely |= {c.position: say("gravity in {unit}", unit=unit) for c in three if unit}
     head = say("column"), say("mean"), say("std"), say("step"), say("looks like")
     labels = (f"{c.position}: {c.name}" if c.header else c.name for c in columns[:SHOWN])
