@@ -31,6 +31,7 @@ REMOVED = 0.1  # length, relative to gravity, below which it is no gravity at al
 NOISIEST, QUIETEST = 10.0, 1e-5 / 60
 """White noise of any gyro, from the best ring lasers up, deg/s/sqrt(Hz)."""
 
+EARTH, NEAR_EARTH = 15.041, 0.04  # rate of the earth, deg/h, and the share up to which a mean rate is taken for it
 BLOCKS = (1, 4, 16, 64, 256)  # samples that are averaged to see the noise of a filtered gyro
 FEWEST = 1024  # samples, at least, by which it is judged
 FIRST = 1 << 18  # samples by which they are judged, about
@@ -107,6 +108,37 @@ def doubts(signals: Sequence[SignalColumn], rate: float) -> Iterator[Doubt]:
     yield from _of_noise(tuple(of["gyro"].values()), rate)
 
 
+def earth(signals: Sequence[SignalColumn], rate: float) -> Iterator[Phrase]:
+    """A note where three gyros that are quiet enough show the rate of the earth, with its angle to gravity."""
+    of: dict[str, list[SignalColumn]] = {"gyro": [], "accelerometer": []}
+    for signal in signals:
+        sensor = headers.inertial(signal.unit)
+        if sensor is not None and signal.kind in ("rate", "increment", "count"):
+            of[sensor.name].append(signal)
+    gyros, axes = of["gyro"], of["accelerometer"]
+    if len(gyros) != 3:
+        return
+    means = np.array([_mean_of(signal, "deg/h", rate) for signal in gyros])
+    noise = max(_noise_of(signal, rate)[0] * 3600 for signal in gyros) / math.sqrt(len(gyros[0].column.values) / rate)
+    length = float(np.linalg.norm(means))
+    if not abs(length / EARTH - 1) < NEAR_EARTH or not 0 < noise < NEAR_EARTH * EARTH:
+        return
+    yield say("the mean rate of the gyros has a length of {length:.4g} deg/h; that of the earth is {earth:g} deg/h",
+              length=length, earth=EARTH)  # fmt: skip
+    down = np.array([_mean_of(signal, "g", rate) for signal in axes])
+    if len(axes) == 3 and length_of([signal.column for signal in axes])[1]:
+        latitude = math.degrees(math.asin(float(means @ down) / length / float(np.linalg.norm(down))))
+        yield say("the angle between the rate of the earth and gravity is that at a latitude of {latitude:.3g} deg",
+                  latitude=latitude)  # fmt: skip
+
+
+def _mean_of(signal: SignalColumn, unit: str, rate: float) -> float:
+    """The mean of a signal as a rate in a unit."""
+    size = (signal.scale or 1.0) * unit_of(signal.unit).factor / unit_of(unit).factor
+    with np.errstate(all="ignore"):  # of numbers that are no samples
+        return float(np.nanmean(signal.column.values)) * size * (1.0 if signal.kind == "rate" else rate)
+
+
 def contradiction(signals: Sequence[SignalColumn], rate: float) -> tuple[Phrase, str] | None:
     """What contradicts the units that conventions define, and the units to type instead; None if nothing does."""
     known = {doubt: conventions.convention_of(doubt.columns[0]) for doubt in doubts(signals, rate)}
@@ -167,7 +199,7 @@ def _noise_of(signal: SignalColumn, rate: float) -> tuple[float, float]:
     """The white noise by the differences of samples and of means of several, least and most, deg/s/sqrt(Hz)."""
     values = np.asarray(signal.column.values[:FIRST], np.float64)
     size = (signal.scale or 1.0) * unit_of(signal.unit).factor / unit_of("deg/s").factor
-    size *= rate if signal.kind == "increment" else 1.0
+    size *= 1.0 if signal.kind == "rate" else rate
     levels = list[float]()
     for block in BLOCKS:
         with np.errstate(all="ignore"):  # of numbers that are no samples

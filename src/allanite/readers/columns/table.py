@@ -155,7 +155,9 @@ class Sense:
         rates = (signal_of_kind(s.unit, s.kind) for s in self.choice.signals if s.kind == "rate")
         # samples of an inertial sensor that are dropped are not in the others
         slow = 0 < beat.rate <= SLOW and any(what is not None and what.inertial for what in rates)
-        return (*before, *beat.notes, *([DROPPED] if slow else []), *self.choice.notes, *self.choice.omitted, *after)
+        earth = gravity.earth(self.choice.signals, beat.rate)
+        own = (*([DROPPED] if slow else []), *self.choice.notes, *earth, *self.choice.omitted)
+        return (*before, *beat.notes, *own, *after)
 
     def findings(self, beat: clock.Beat) -> tuple[Finding, ...]:
         """The findings about the clock, and about the meaning of the columns."""
