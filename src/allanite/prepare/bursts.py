@@ -15,6 +15,7 @@ SPANS = (8, 32, 128)  # samples of a block whose power is compared with that of 
 FEWEST_BLOCKS = 100
 TAIL = 0.01  # probability that noise of one level shows a block that is called loud
 MANY = 6.0  # standard deviations of their number by which there are more loud blocks than by chance
+CLUSTERED = 2.0  # times as often as by chance that loud blocks follow each other in bursts
 FEWEST_BURSTS = 5  # separate stretches; fewer are changes of the level, or motion
 LONGEST = 1 / 32  # share of the record up to which a stretch is a burst
 USUAL = 0.4  # share of the samples up to which the stronger noise is that of bursts
@@ -70,8 +71,10 @@ def _loud(bends: FloatArray, span: int) -> tuple[BoolArray, float, int] | None:
         return None
     mean, limit = _law(float(middle / low))
     loud = np.asarray(power > limit * middle)
-    chance = count * TAIL
-    if loud.sum() < chance + MANY * math.sqrt(chance):
+    share, chance = float(loud.mean()), count * TAIL
+    # heavy tails make loud blocks as well, but not one after the other
+    together = float(np.mean(loud[1:] & loud[:-1])) > CLUSTERED * share**2
+    if loud.sum() < chance + MANY * math.sqrt(chance) or not together:
         return None
     return loud, math.sqrt(max(float(power.mean() / (mean * middle)), 1.0)) - 1, span
 

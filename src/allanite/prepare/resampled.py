@@ -1,9 +1,8 @@
 """Check for resampling: samples repeated periodically, or fast noise whose power is modulated periodically."""
 
 import math
-from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,6 +26,7 @@ DEPTH = 0.08
 0.3.
 """
 
+FIRST = 32  # bins of the periodogram below which there is only a changing noise level
 WIDE, NARROW = 20, 0.7  # bins around a line, and the share of their power that it has in the five at its top
 
 CONSEQUENCE = say(
@@ -52,18 +52,54 @@ def _held(view: View) -> Finding | None:
 
 def interpolated_together(records: Sequence[Record | Header], qualities: Sequence[Quality]) -> list[Quality]:
     """The findings of channels without an interpolation that other channels of the same sensor do not show."""
-    # a logger interpolates all of them; what modulates the noise of one alone is in the sensor
-    shown = Counter(r.signal.name for r, q in zip(records, qualities, strict=True) if "resampled" in q.names)
-    every = Counter(record.signal.name for record in records)
-    return [
-        replace(q, findings=tuple(f for f in q.findings if f.name != "resampled"))
-        if shown[record.signal.name] < every[record.signal.name]
-        else q
-        for record, q in zip(records, qualities, strict=True)
-    ]
+    # a logger interpolates all of them at one rate; what modulates the noise of one alone is in the sensor
+    told = list(qualities)
+    for i, (record, quality) in enumerate(zip(records, qualities, strict=True)):
+        if "resampled" in quality.names and isinstance(record, Record):
+            own = _modulation(View(record))
+            alike = [r for r in records if isinstance(r, Record) and r.signal.name == record.signal.name]
+            others = [_modulation(View(r)) for r in alike if r is not record]
+            if own is not None and not all(m is None or m.stands(m.place(own.beat)) for m in others):
+                told[i] = Quality(tuple(f for f in quality.findings if f.name != "resampled"))
+    return told
 
 
-def _interpolated(view: View) -> Finding | None:
+class Modulation(NamedTuple):
+    """The periodogram of the power of the fast noise, normalized to its mean, at a sampling rate; the noise itself."""
+
+    spectrum: FloatArray
+    size: int
+    rate: float
+    bends: FloatArray
+
+    @property
+    def at(self) -> int:
+        """Place of the strongest line."""
+        return FIRST + int(self.spectrum[FIRST:].argmax())
+
+    @property
+    def beat(self) -> float:
+        """Its frequency, Hz."""
+        return self.at * self.rate / self.size
+
+    def place(self, frequency: float) -> int:
+        """Place of the strongest line near a frequency in Hz."""
+        near = max(FIRST, round(frequency * self.size / self.rate) - 1)
+        return near + int(self.spectrum[near : near + 3].argmax())
+
+    def depth(self, at: int) -> float:
+        """Relative amplitude of a line: the window spreads it, so that it has at most A^2 size / 6 in one bin."""
+        return math.sqrt(6 * float(self.spectrum[at]) / self.size)
+
+    def stands(self, at: int) -> bool:
+        """Whether there is a narrow line, as interpolation at a constant rate makes one; bursts make a hump."""
+        around = float(np.median(self.spectrum[max(FIRST, at - 200) : at + 200]))
+        near = np.clip(self.spectrum[max(FIRST, at - WIDE) : at + WIDE + 1] - around, 0, None)
+        narrow = self.spectrum[at - 2 : at + 3].sum() >= NARROW * near.sum()
+        return bool(narrow and self.spectrum[at] >= 30 * around and self.depth(at) >= DEPTH)
+
+
+def _modulation(view: View) -> Modulation | None:
     middle = max(0, (view.bends.size - LONGEST) // 2)
     bends, inside = view.bends[middle : middle + LONGEST], np.ones(min(view.bends.size, LONGEST), dtype=np.bool_)
     over = view.over - middle  # a gap has no part in the modulation
@@ -73,26 +109,21 @@ def _interpolated(view: View) -> Finding | None:
     bends = np.clip(bends, -6 * math.sqrt(6) * view.fast, 6 * math.sqrt(6) * view.fast)
     power = np.square(bends)
     mean = float(power[inside].mean())
-    spectrum = _lines(np.where(inside, power - mean, 0.0))
-    first = 32  # anything slower is a changing noise level
-    at = first + int(spectrum[first:].argmax())
-    around = np.median(spectrum[max(first, at - 200) : at + 200])
-    # the window spreads a line over bins; a sinusoid of amplitude A has at most A^2 size / 6 in one bin
-    depth = math.sqrt(6 * float(spectrum[at]) / power.size) / mean
-    if spectrum[at] < 30 * around or depth < DEPTH:
+    return Modulation(_lines(np.where(inside, power / mean - 1, 0.0)), power.size, view.rate, bends)
+
+
+def _interpolated(view: View) -> Finding | None:
+    modulation = _modulation(view)
+    if modulation is None or not modulation.stands(modulation.at):
         return None
-    # interpolation at a constant rate makes a line, which the window spreads over three bins; bursts make a hump
-    near = np.clip(spectrum[max(first, at - WIDE) : at + WIDE + 1] - around, 0, None)
-    if spectrum[at - 2 : at + 3].sum() < NARROW * near.sum():
-        return None
+    depth, beat = modulation.depth(modulation.at), modulation.beat
     # two sinusoids beat as well, in proportion to their power: its share in narrow lines
-    narrow = _lines(bends)
+    narrow = _lines(modulation.bends)
     size = max(narrow.size // 64, 16)
     blocks = narrow[: narrow.size // size * size].reshape(-1, size)
     high = np.where(blocks > 20 * np.median(blocks, axis=1, keepdims=True), blocks, 0.0)
     if depth < 3 * float(high.sum() / narrow.sum()):
         return None
-    beat = at * view.rate / power.size
     what = say(
         "the power of the fast noise is modulated at {beat:.5g} Hz by {share}: the samples were "
         "interpolated, from {rate:.6g} Hz or another rate that differs by a multiple of {beat:.5g} Hz",

@@ -145,7 +145,7 @@ def test_the_verb_plans_for_a_sensor():
     assert lines[at + 2].strip() == "if all five terms are looked for, as analyze does"
     assert lines[at + 3].split()[-5:] == ["24", "h", "for", "5", "%"]
     assert lines[at + 5].split()[:6] == ["B", "7.2", "°/h", "-", "19", "%"]
-    assert lines[at + 8].split() == ["R", "absent", "°/h²", "-", "<", "290", "<", "22"]
+    assert lines[at + 8].split() == ["R", "absent", "°/h²", "-", "<", "300", "<", "22"]
     assert lines[at + 10].strip() == "if it is known which terms there are"
     assert lines[at + 13].split() == ["B", "7.2", "°/h", "-", "17", "%", "1.4", "%", "1.97", "h"]
     whole = run("--sensor", "fog", "--rate", 100).stdout  # nothing more can be there

@@ -166,7 +166,7 @@ def test_a_unit_of_no_channel_is_refused(tmp_path, unit):
     file.write_text(f"gx [deg/s]\n{rows}\n", encoding="utf-8")
     result = CliRunner().invoke(main, ["analyze", str(file), "--rate", "10", "--to", unit])
     assert result.exit_code == 2
-    assert f"no channel has a coefficient in '{unit}' (--to); the channels are in deg/h" in result.output
+    assert f"no channel has a coefficient in '{unit}' (--output-unit); the channels are in deg/h" in result.output
     with pytest.raises(UsageError, match=r"\(to=\); the channels are in deg/h"):
         analyze(str(file), Recipe(rate=10.0, to=(unit,)))
 
