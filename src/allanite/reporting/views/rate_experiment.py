@@ -178,7 +178,7 @@ def finite(value: float) -> float | str:
 
 
 @view(
-    lambda values, fit, level: figures.plot_rates([(found, ()) for found in values]),
+    lambda values, fit, level: figures.plot_rates([(experiment, ()) for experiment in values]),
     lambda found, level: (HEADINGS, list(experiment_rows(found))),
 )
 def experiment_view(found: Experiment, _: float) -> Face:
