@@ -13,6 +13,7 @@ from allanite.core.validity import Finding, Quality
 from allanite.phrases.phrase import join, percent, say
 
 from .held import held_of, held_words
+from .rounding import rounding
 from .view import View
 
 LONGEST = 1 << 18  # number of samples checked, in the middle of the record
@@ -113,7 +114,8 @@ def _modulation(view: View) -> Modulation | None:
 
 
 def _interpolated(view: View) -> Finding | None:
-    modulation = _modulation(view)
+    # a sinusoid that is rounded coarsely modulates its rounding errors; interpolated samples are on no such grid
+    modulation = None if rounding(view.steps, view.fast).coarse else _modulation(view)
     if modulation is None or not modulation.stands(modulation.at):
         return None
     depth, beat = modulation.depth(modulation.at), modulation.beat
