@@ -99,17 +99,13 @@ _SQUARE, _VARIANCE = say("density squared"), say("variance per sample")
 UNKNOWN = "", "", 1.0, 0, 0
 
 NATURES: dict[tuple[str, int, int, int], tuple[str, str, float, int, int]] = {
-    ("", 0, 2, 1): (say("correlation time"), "", 1.0, 0, 0),
-    ("N", 0, 0, 1): (_DENSITY, _SIGMA, 1.0, 1, 0),
-    ("N", 1, 0, 1): (_SIGMA, _DENSITY, 1.0, 0, 0),
-    ("N", 0, 0, 2): (_SQUARE, _VARIANCE, 1.0, 1, 0),
-    ("N", 1, 0, 2): (_VARIANCE, _SQUARE, 1.0, 0, 0),
-    ("K", 0, 0, 1): (_DENSITY, _STEADY, 0.5, 0, 1),
+    ("", 0, 2, 1): (say("correlation time"), "", 1.0, 0, 0), ("N", 0, 0, 1): (_DENSITY, _SIGMA, 1.0, 1, 0),
+    ("N", 1, 0, 1): (_SIGMA, _DENSITY, 1.0, 0, 0), ("N", 0, 0, 2): (_SQUARE, _VARIANCE, 1.0, 1, 0),
+    ("N", 1, 0, 2): (_VARIANCE, _SQUARE, 1.0, 0, 0), ("K", 0, 0, 1): (_DENSITY, _STEADY, 0.5, 0, 1),
     ("K", 1, 0, 1): (say("sigma of the rate of the bias"), _DENSITY, 1.0, 0, 0),
-    ("K", 0, 1, 1): (_STEADY, _DENSITY, 1.0, 0, 0),
-    ("K", 0, 0, 2): (_SQUARE, say("variance of a step"), 1.0, -1, 0),
+    ("K", 0, 1, 1): (_STEADY, _DENSITY, 1.0, 0, 0), ("K", 0, 0, 2): (_SQUARE, say("variance of a step"), 1.0, -1, 0),
     ("B", 0, 0, 1): (say("level of flicker"), say("minimum of the curve"), 2 * math.log(2) / math.pi, 0, 0),
-}
+}  # fmt: skip
 """By term and powers of rate, time and value: what a field is, what is written instead, and weight and powers of it."""
 
 

@@ -53,29 +53,21 @@ def nowhere(rest: str) -> None:
 
 
 ROUTES: dict[str, tuple[str, Any]] = {
-    "get /api/tables": ("GET", routes.menus),
-    "get /report.css": ("GET", routes.style),
-    "post /api/link": ("POST", routes.link),
-    "get /api/workspaces": ("GET", routes.workspaces),
-    "post /api/workspaces": ("POST", routes.new_workspace),
-    "get /api/workspaces/{name}": ("GET", routes.workspace),
+    "get /api/tables": ("GET", routes.menus), "get /report.css": ("GET", routes.style),
+    "post /api/link": ("POST", routes.link), "get /api/workspaces": ("GET", routes.workspaces),
+    "post /api/workspaces": ("POST", routes.new_workspace), "get /api/workspaces/{name}": ("GET", routes.workspace),
     "delete /api/workspaces/{name}": ("DELETE", routes.drop_workspace),
     "put /api/workspaces/{name}/choices": ("PUT", routes.choices),
     "post /api/workspaces/{name}/files": ("POST", routes.upload),
     "delete /api/workspaces/{name}/files/{file}": ("DELETE", routes.drop_file),
     "post /api/workspaces/{name}/open": ("POST", routes.opened),
     "post /api/workspaces/{name}/example": ("POST", routes.example),
-    "post /api/workspaces/{name}/jobs": ("POST", routes.begin),
-    "get /api/jobs/{name}": ("GET", routes.job),
-    "get /api/jobs/{name}/events": ("GET", routes.events),
-    "post /api/jobs/{name}/cancel": ("POST", routes.cancel),
-    "get /api/files/{file}/trace": ("GET", routes.traced),
-    "get /api/jobs/{name}/deviation": ("GET", routes.deviation),
-    "post /api/jobs/{name}/refit": ("POST", routes.refit),
-    "post /api/jobs/{name}/export": ("POST", routes.export),
-    "get /api/jobs/{name}/save": ("GET", routes.save),
-    "get /api/{rest:path}": ("GET", nowhere),
-}
+    "post /api/workspaces/{name}/jobs": ("POST", routes.begin), "get /api/jobs/{name}": ("GET", routes.job),
+    "get /api/jobs/{name}/events": ("GET", routes.events), "post /api/jobs/{name}/cancel": ("POST", routes.cancel),
+    "get /api/files/{file}/trace": ("GET", routes.traced), "get /api/jobs/{name}/deviation": ("GET", routes.deviation),
+    "post /api/jobs/{name}/refit": ("POST", routes.refit), "post /api/jobs/{name}/export": ("POST", routes.export),
+    "get /api/jobs/{name}/save": ("GET", routes.save), "get /api/{rest:path}": ("GET", nowhere),
+}  # fmt: skip
 """Method and path of each route: its function."""
 
 

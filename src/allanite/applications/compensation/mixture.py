@@ -44,14 +44,10 @@ def restricted(y: FloatArray, X: FloatArray, stretches: Sequence[Stretch], *, ra
         W += [base.W] if edged else []
     terms = parts[0][0].S.shape[1]
     return Likelihood(
-        S=np.concatenate([base.S for base, *_ in parts]),
-        power=np.concatenate([base.power for base, *_ in parts]),
-        count=np.concatenate([base.count for base, *_ in parts]),
-        UU=np.concatenate(UU),
-        Uc=np.concatenate(Uc),
-        W=np.concatenate([*W, np.zeros((p, terms))]),
-        flat=np.arange(edges + p) >= edges,
-    )
+        S=np.concatenate([base.S for base, *_ in parts]), power=np.concatenate([base.power for base, *_ in parts]),
+        count=np.concatenate([base.count for base, *_ in parts]), UU=np.concatenate(UU), Uc=np.concatenate(Uc),
+        W=np.concatenate([*W, np.zeros((p, terms))]), flat=np.arange(edges + p) >= edges,
+    )  # fmt: skip
 
 
 def _part(y: FloatArray, X: FloatArray, rate: float, symbols: str) -> tuple[Likelihood, int, FloatArray, FloatArray]:

@@ -85,44 +85,32 @@ def _conditional(interval: Interval, _: FloatArray, task: Task) -> RateMeasureme
 
 
 MEAN = RateEstimator(
-    name="mean",
-    title=say("mean of all samples"),
-    formula=r"\hat\Omega = \theta(T) / T",
+    name="mean", title=say("mean of all samples"), formula=r"\hat\Omega = \theta(T) / T",
     reference=say("IEEE Std 647; the mean of means of equal parts is the same number"),
-    assumes=say("white rate noise (angle random walk) alone"),
-    weights=lambda task: np.full(task.size, 1 / task.size),
+    assumes=say("white rate noise (angle random walk) alone"), weights=lambda task: np.full(task.size, 1 / task.size),
     measure=linear,
-)
+)  # fmt: skip
 HAMMING = RateEstimator(
-    name="hamming",
-    title=say("mean under a window"),
+    name="hamming", title=say("mean under a window"),
     formula=r"\hat\Omega = \sum a_j \Omega_j / \sum a_j, a_j = 0.54 - 0.46 \cos(2 \pi j / (n - 1))",
     reference=say("R. W. Hamming, Digital Filters, 1977"),
     assumes=say("nothing: a sixth of the accuracy under angle random walk is given up for a low weight of the ends"),
-    weights=_window,
-    measure=linear,
-    color="#B97700",
-)
+    weights=_window, measure=linear, color="#B97700",
+)  # fmt: skip
 REGRESSION = RateEstimator(
-    name="regression",
-    title=say("slope of the line through the angle"),
+    name="regression", title=say("slope of the line through the angle"),
     formula=r"\hat\Omega = 12 \sum (t_i - \bar t) \theta_i / (n (n + 1) (n + 2) \tau_0)",
     reference=say("Enin, Saneev, Science and Education of the Bauman MSTU 2017(2) 52, formula (1)"),
-    assumes=say("white angle noise (quantization, residual dither) alone"),
-    weights=lambda task: parabola(task.size),
-    measure=linear,
-    color="#0072B2",
-)
+    assumes=say("white angle noise (quantization, residual dither) alone"), weights=lambda task: parabola(task.size),
+    measure=linear, color="#0072B2",
+)  # fmt: skip
 CONDITIONAL = RateEstimator(
-    name="conditional",
-    title=say("mean of regression lines without outliers"),
+    name="conditional", title=say("mean of regression lines without outliers"),
     formula=r"\hat\Omega = \overline{\Omega_k}, |\Omega_k - \mathrm{median}| \le 2 \sigma",
     reference=say("Saneev, Engineering Journal 2015(1); Enin, Saneev 2017"),
     assumes=say("as regression, to which it is nearly identical: adjacent lines share all but one sample"),
-    weights=_many_parabolas,
-    measure=_conditional,
-    color="#56A0D3",
-)
+    weights=_many_parabolas, measure=_conditional, color="#56A0D3",
+)  # fmt: skip
 
 
 def white_and_angle(n: int, kappa: float) -> FloatArray:
@@ -165,13 +153,9 @@ def _optimal(task: Task) -> FloatArray:
 
 
 OPTIMAL = RateEstimator(
-    name="optimal",
-    title=say("best linear unbiased for the model"),
+    name="optimal", title=say("best linear unbiased for the model"),
     formula=r"\hat\Omega = 1^T C^{-1} \Omega / 1^T C^{-1} 1",
     reference=say("Aitken, Proc. R. Soc. Edinburgh 55 (1935) 42; with a wandering rate: universal kriging"),
     assumes=say("that the noise model holds; under Gaussian noise its variance is the Cramer-Rao bound"),
-    weights=_optimal,
-    measure=linear,
-    needs_model=True,
-    color="#008F6B",
-)
+    weights=_optimal, measure=linear, needs_model=True, color="#008F6B",
+)  # fmt: skip

@@ -132,17 +132,12 @@ def _excess(task: Task) -> float:
 
 
 STAIRCASE = RateEstimator(
-    name="staircase",
-    title=say("recognition of the staircase of counts"),
+    name="staircase", title=say("recognition of the staircase of counts"),
     formula=r"\min_{U, \varphi} \sum (y_i - \lfloor U t_i + \varphi \rfloor)^2",
     reference=say("Enin, Saneev, Science and Education of the Bauman MSTU 2017(2) 52, formula (2)"),
     assumes=say(
         "counts without noise, for which its limits are certain; with noise above a fraction of a pulse it is "
         "slightly worse than regression"
     ),
-    weights=lambda task: parabola(task.size),
-    measure=_staircase,
-    excess=_excess,
-    needs_quantum=True,
-    color="#AA4499",
-)
+    weights=lambda task: parabola(task.size), measure=_staircase, excess=_excess, needs_quantum=True, color="#AA4499",
+)  # fmt: skip

@@ -28,8 +28,7 @@ KF_GINS = Target(
 )
 
 NAVEGO = Target(
-    name="navego",
-    title=say("IMU errors of NaveGo, in SI"),
+    name="navego", title=say("IMU errors of NaveGo, in SI"),
     fields=(
         *pair("arw", "vrw", *DENSITY),
         *pair("gb_psd", "ab_psd", *WALK),
@@ -43,10 +42,8 @@ NAVEGO = Target(
         say("set these after imu_si_errors, which would overwrite gb_psd and ab_psd"),
         say("gb_dyn and ab_dyn, the standard deviations at the start, do not follow from the noise"),
     ),
-    markov=True,
-    each=True,
-    comments=MATLAB_SYNTAX.pattern,
-)
+    markov=True, each=True, comments=MATLAB_SYNTAX.pattern,
+)  # fmt: skip
 
 GRAVITY = 9.80665 / 9.7803267714  # PSINS has 9.7803267714 m/s^2 for 1 g
 
@@ -115,15 +112,13 @@ GNSS_INS_SIM = Target(
 )
 
 MATLAB = Target(
-    name="matlab",
-    synonyms=("imusensor", "simulink"),
+    name="matlab", synonyms=("imusensor", "simulink"),
     title=say("parameters of MATLAB's imuSensor, for loadparams(imu, file, 'IMU')"),
     fields=sectioned(
         "Gyroscope", "Accelerometer", ("NoiseDensity", *DENSITY), ("RandomWalk", *WALK),
         ("BiasInstability", TargetField("", GYRO, "B", "rad/s", needed=False), "m/s^2"),
     ),
-    forms={".json": JsonLayout(root="IMU", extra=(("NoiseType", "single-sided"),), each=True)},
-    simulates=True,
+    forms={".json": JsonLayout(root="IMU", extra=(("NoiseType", "single-sided"),), each=True)}, simulates=True,
     source="MathWorks, pages of gyroparams, accelparams and imuSensor, and the example of the Allan variance, "
     "which sets single-sided noise to match N and K. The keys of the file are the names of the "
     "properties; no sample of a file was seen",
@@ -136,6 +131,5 @@ MATLAB = Target(
             "the longest averaging time"
         ),
     ),
-    each=True,
-    comments=JSON_COMMENT,
+    each=True, comments=JSON_COMMENT,
 )  # fmt: skip

@@ -216,10 +216,8 @@ def study_view(study: AngleStudy, level: float) -> Face:
     return replace(
         view_of(study.result).face(study.result, level),
         header=header_of(study.provenance, study.notes)[0 if study.provenance.get("source") else -1 :],
-        choices=toml(study.choices()),
-        provenance=study.provenance,
-        notes=study.notes,
-    )
+        choices=toml(study.choices()), provenance=study.provenance, notes=study.notes,
+    )  # fmt: skip
 
 
 @view(
@@ -327,11 +325,9 @@ def _plan_sheet(plan: AnglePlan, title: str, compared: Scan | None = None) -> Sh
         turned = say(
             "outer ring turned at {rate:.4g} deg/min between {low:.4g} and {high:.4g} deg about an axis at "
             "{heading:.4g} deg from north",
-            rate=math.degrees(ring.rate) * 60,
-            low=math.degrees(ring.low),
-            high=math.degrees(ring.high),
+            rate=math.degrees(ring.rate) * 60, low=math.degrees(ring.low), high=math.degrees(ring.high),
             heading=math.degrees(ring.heading),
-        )
+        )  # fmt: skip
         steps = [say("in steps of {step:.4g} deg", step=math.degrees(ring.step))] if ring.step else []
         where = join("; ", (where, join(", ", (turned, *steps))))
     accuracy = Table(CONSTANTS, plan.rows()[1], details=compared is not None)

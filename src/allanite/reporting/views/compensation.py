@@ -76,14 +76,12 @@ def found(name: str, regression: Regression, shown: Callable[[str], str] = str) 
         also.append(say("{share} in cross-validation", share=shown(f"{100 * held.explained:.3g} %")))
     sentences = [
         say(
-            "{channel} depends on {regressors}. The correction reduces the variance by {share} ({also}).",
-            channel=name,
-            regressors=_names([e for e in own if e.significant]),
-            share=shown(f"{100 * gain.explained:.3g} %"),
+            "{channel} depends on {regressors}. The correction reduces the variance by {share} ({also}).", channel=name,
+            regressors=_names([e for e in own if e.significant]), share=shown(f"{100 * gain.explained:.3g} %"),
             also=join("; ", also),
         ),
         *undecided,
-    ]
+    ]  # fmt: skip
     rest = _names([e for e in own if not (e.chosen or e.significant)])
     sentences += [say("Leave out {regressors}: no dependence on it is shown.", regressors=rest)] if rest else []
     if not regression.harmless:

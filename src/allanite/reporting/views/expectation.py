@@ -137,12 +137,10 @@ def first_of_simulation(simulation: Simulation, _: float) -> First:
 def simulation_view(simulation: Simulation, _: float) -> Face:
     """The channels of a simulation, and the truth."""
     return Face(
-        say("Simulation of {model}", model=str(simulation.model)),
-        say("a recording whose noise is known"),
+        say("Simulation of {model}", model=str(simulation.model)), say("a recording whose noise is known"),
         [Sheet(c.name, (words.about(c), *c.history)) for c in simulation.channels],
-        close=(model_table(simulation.model),),
-        choices=toml({"seed": simulation.seed}),
-    )
+        close=(model_table(simulation.model),), choices=toml({"seed": simulation.seed}),
+    )  # fmt: skip
 
 
 def meaning_of(channel: Channel, device: str | None) -> Meaning | None:

@@ -272,9 +272,7 @@ def ranking_view(ranking: Ranking, _: float) -> Face:
 def estimate_view(found: RateEstimate, level: float) -> Face:
     """One rate."""
     return one_sheet(
-        found.name or say("Rate"),
-        experiments.BRAND,
-        found.name or say("rate"),
+        found.name or say("Rate"), experiments.BRAND, found.name or say("rate"),
         (*(Note(str(finding), "warning") for finding in found.findings), *_estimates([found], level)),
         about=found.history,
-    )
+    )  # fmt: skip
