@@ -76,11 +76,7 @@ class Requirement(NamedTuple):
 
     @classmethod
     def of(cls, text: str) -> "Requirement":
-        """Read ``1 deg in 10 min`` or ``attitude 1 deg in 10 min``.
-
-        >>> Requirement.of("100 m in 1 min")[1:]
-        ('position', 100.0, 'm', 60.0)
-        """
+        """Read ``1 deg in 10 min`` or ``attitude 1 deg in 10 min``."""
         size, _, time = text.partition(" in ")
         words = size.split()
         name = words.pop(0) if words and words[0] in QUANTITIES else ""

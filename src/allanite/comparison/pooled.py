@@ -283,10 +283,7 @@ class PooledLaw:
 
 
 def bartlett(variance: FloatArray, edf: FloatArray) -> FloatArray:
-    """Probability that variances, shape (runs, k), with these degrees of freedom differ as much by chance, shape (k,).
-
-    M. S. Bartlett, Proc. Royal Society A 160 (1937) 268.
-    """
+    """Probability that variances (runs, k) differ so by chance (k,). M. S. Bartlett, Proc. R. Soc. A 160 (1937) 268."""
     from scipy.special import chdtrc
 
     runs, whole = len(edf), edf.sum(axis=0)

@@ -33,10 +33,7 @@ def remedy() -> str:
 
 
 def bounded(axis: Axis, *, asked: bool) -> Axis:
-    """The axis with upper bounds: if `asked`, of all terms where no model explains the record, and of missing ones.
-
-    A term of long memory that was struck out as not valid has one in either case.
-    """
+    """The axis with upper bounds of terms struck out, and if `asked` of all where no model explains the record."""
     if asked and axis.doubt:  # nothing but bounds; a model of them is one of too much noise
         estimates = tuple(_estimates(axis, BOUNDED).values())
         model = Model(tuple(Term(e.symbol, e.upper or 0.0, e.signal) for e in estimates))

@@ -154,20 +154,13 @@ def selected(axes: Sequence[Axis], policy: str) -> tuple[Axis, ...]:
 
 
 def placed(names: Sequence[str], axis: str) -> int | None:
-    """Which channel is an axis: the one whose name ends in x, y or z, or of three that at its place.
-
-    >>> placed(["gyro_y", "gyro_x"], "x"), placed(["w[0]", "w[1]", "w[2]"], "y"), placed(["left", "right"], "z")
-    (1, 1, None)
-    """
+    """Which channel is an axis: the one whose name ends in x, y or z, or of three that at its place."""
     named = [i for i, name in enumerate(names) if name.lower().endswith(axis)]
     return named[0] if len(named) == 1 else "xyz".index(axis) if len(names) == 3 else None
 
 
 def coefficients(axes: Sequence[Axis], symbol: str, *, markov: bool, unexplained: bool) -> tuple[Found, list[str]]:
-    """The coefficient of each axis, and why others have none.
-
-    `markov`: a Gauss-Markov process that was identified may replace a random walk that was not.
-    """
+    """The coefficient of each axis, and why others have none; with `markov` GM may replace a K that is absent."""
     chosen: list[AxisCoefficient] = []
     reasons: dict[str, list[str]] = {}
     for axis in axes:

@@ -87,11 +87,7 @@ class Entry(Value):
 
 @dataclass(frozen=True, eq=False)
 class Content:
-    """What a file says: comments, fields, and for targets that take whole models the axes; `rate` in Hz.
-
-    Comments and names are as the recording has them: a form writes them by the `Syntax` of its file.
-    `inflate` is a factor on the coefficients of whole models; the fields have it already.
-    """
+    """What a file says: comments, fields (inflated already), and the axes for targets that take whole models."""
 
     header: tuple[str, ...]
     entries: tuple[Entry, ...]
@@ -105,11 +101,7 @@ class Content:
 
 
 def number(value: float) -> str:
-    """A number with all its digits and a point, without which YAML reads 1e-05 as text and ROS an integer.
-
-    >>> number(1e-05), number(200), number(0.25)
-    ('1.0e-05', '200.0', '0.25')
-    """
+    """A number with all its digits and a point, without which YAML reads 1e-05 as text and ROS an integer."""
     text = repr(float(value))
     mantissa, exponent, power = text.partition("e")
     return text if "." in mantissa or not exponent else f"{mantissa}.0e{power}"

@@ -32,11 +32,7 @@ TEMPERATURE = {"px4": PX4_TC, "ardupilot": ARDUPILOT_TCAL}
 
 
 def target_named(name: str) -> Target:
-    """The row of a target; upper case and underscores do not matter.
-
-    >>> target_named("LIO_SAM").name
-    'lio-sam'
-    """
+    """The row of a target; upper case and underscores do not matter."""
     return row_alike("target", name, EXPORTS)
 
 

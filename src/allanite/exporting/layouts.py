@@ -67,10 +67,7 @@ def told(entry: Entry) -> str:
 
 @dataclass(frozen=True)
 class JsonLayout:
-    """A JSON file: an object for each section of the fields; `extra` are further keys of each, `root` encloses all.
-
-    JSON has no comments: they are the last key, "comment".
-    """
+    """A JSON file: an object for each section, with `extra` keys, within `root`; comments are its last key."""
 
     root: str = ""
     extra: tuple[tuple[str, str], ...] = ()

@@ -61,12 +61,7 @@ class TargetField:
 
     @property
     def formula(self) -> str:
-        """How the value follows from the coefficient: ``N sqrt(2 f)``.
-
-        >>> vins = TargetField("gyr_n", GYRO, "N", "rad/s", weight=2.0, rate=1)
-        >>> vins.formula, TargetField("c", GYRO, "N", "rad^2/s", power=2).formula
-        ('N sqrt(2 f)', 'N^2')
-        """
+        """How the value follows from the coefficient: ``N sqrt(2 f)``."""
         if not self.term:
             return "T"
         root = _root_of(self.weight, self.rate, self.time, self.power)

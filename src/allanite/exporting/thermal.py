@@ -16,10 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ThermalTarget(Target):
-    """A row of `TEMPERATURE`.
-
-    The autopilot subtracts the sum over k of c_k (T - T0)^k from a sample in SI units, with T limited to a range.
-    """
+    """A row of `TEMPERATURE`: an autopilot that subtracts sum_k c_k (T - T0)^k in SI units, T within a range."""
 
     forms: Mapping[str, LineLayout]
     # template of what the names of the fields of each sensor begin with, with `sensor`; the usual instance first

@@ -29,9 +29,5 @@ REFERENCES: dict[str, str] = {say(name): say(text) for name, text in map(dict.va
 
 
 def device(name: str) -> Device:
-    """A device of the table.
-
-    >>> device("fog").terms["R"].sources[0]
-    'slow monotonic change of the intensity of the light source'
-    """
+    """A device of the table."""
     return row_of("device", name, DEVICES)

@@ -54,14 +54,7 @@ def height(estimate: Estimate, tau: float) -> float:
 
 
 def crossing(one: Estimate, other: Estimate) -> float:
-    """Averaging time, s, at which the asymptotes of two terms of different slope are equal.
-
-    >>> from allanite import Estimate
-    >>> from allanite.core.units import SIGNALS
-    >>> N, K = (Estimate(s, SIGNALS[0], v, 0.0, "identified", None, "whittle") for s, v in (("N", 2.0), ("K", 0.1)))
-    >>> round(crossing(N, K), 3)  # sqrt(3) N / K
-    34.641
-    """
+    """Averaging time, s, at which the asymptotes of two terms of different slope are equal."""
     slope = TERMS[other.symbol].slope - TERMS[one.symbol].slope
     return float((height(one, 1.0) / height(other, 1.0)) ** (1 / slope))
 
@@ -139,15 +132,7 @@ class Meaning(Value):
 def meaning(
     fit: Fit, readings: Readings | None = None, *, rate: float, length: float, device: str | None = None
 ) -> Meaning:
-    """What the coefficients of a fit say, and what may cause them.
-
-    >>> import numpy as np
-    >>> from allanite import N, identify, simulate
-    >>> record = simulate(N(0.1, "deg/sqrt(h)"), 6000, 10.0, rng=np.random.default_rng(1))
-    >>> found = meaning(identify(record), rate=10.0, length=600.0, device="mems")
-    >>> found.causes["N"].sources[0]
-    'thermo-mechanical noise, much faster than the sampling'
-    """
+    """What the coefficients of a fit say, and what may cause them."""
     texts = sentences(fit, readings, rate=rate, length=length)
     if device is None:
         return Meaning(fit.name, texts)
@@ -168,15 +153,7 @@ HUMP_PERIODS = 0.37  # averaging time of the first hump of a damped oscillation,
 
 
 def sentences(fit: Fit, readings: Readings | None = None, *, rate: float, length: float) -> tuple[str, ...]:
-    """What the coefficients of a fit say, in sentences; none where its model does not explain the record.
-
-    >>> import numpy as np
-    >>> from allanite import N, R, identify, simulate
-    >>> model = N(0.1, "deg/sqrt(h)") + R(3000.0, "deg/h^2")
-    >>> record = simulate(model, 6000, 10.0, rng=np.random.default_rng(1))
-    >>> sentences(identify(record), rate=10.0, length=600.0)[0]  # doctest: +ELLIPSIS
-    'White noise (angle random walk) dominates up to 4.66 s: beyond that, averaging longer reduces the error ...'
-    """
+    """What the coefficients of a fit say, in sentences; none where its model does not explain the record."""
     if fit.valid is None or not fit.validity:
         return ()
     present = {e.symbol: e for e in fit if e.claimed and e.value}

@@ -275,11 +275,7 @@ def listed(names: Sequence[str]) -> str:
 
 
 def plus_minus(value: float, low: float, high: float, *, signed: bool = False) -> str:
-    """A value and the half width of its interval as a share of it: ``0.119 ± 1 %``.
-
-    >>> plus_minus(0.1192, 0.1178, 0.1202), plus_minus(1.0, float("nan"), float("nan"))
-    ('0.1192 ± 1 %', '1.000')
-    """
+    """A value and the half width of its interval as a share of it: ``0.119 ± 1 %``."""
     number = digits(value, low, high, signed=signed).plain()[0]
     half = 50 * (high - low) / abs(value) if value else float("nan")
     return f"{number} ± {half:.2g} %" if math.isfinite(half) else number

@@ -76,11 +76,7 @@ Result = TypeVar("Result")
 def open_recording(
     source: Source, recipe: Recipe, *, along: Sequence[str] = (), progress: Progress | None = None, fits: bool = False
 ) -> Recording:
-    """The part of a recording selected by the recipe.
-
-    Paths and tables are read with the options of the recipe, with the columns `along` as the last channels, whose
-    outliers are not marked; `fits` says that memory suffices.
-    """
+    """The part of a recording selected by the recipe, with the columns `along` last; `fits`: memory suffices."""
     whole = whole_recording(source, recipe, along=along, progress=progress, fits=fits)
     if recipe.average is not None:
         whole = averaged(whole, recipe.average)
@@ -234,11 +230,7 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
     demand: bool = True,
     progress: Progress | None = None,
 ) -> Result:
-    """Open a source as `open_recording`, and process its channels as `each_channel`; `kind` makes the result.
-
-    A file that does not fit into memory is read in parts, if the job has a `keeping`, which makes the keeper of a
-    channel; notes of its record are then `in_parts_too`.
-    """
+    """Open a source, whole or in parts with a `keeping`, and process its channels; `kind` makes the result."""
     reader = None if keeping is None else in_parts(source, recipe)
     if reader is not None and keeping is not None:
         read, findings, notes, provenance = passed(reader, recipe, keeping, progress)
@@ -277,11 +269,7 @@ def run_together(  # noqa: PLR0913 - each has a default but those that make the 
     demand: bool = True,
     progress: Progress | None = None,
 ) -> Result:
-    """Process the channels of recordings that are open, as `run` those of one source.
-
-    By default the `channels` are those of the first recording, with the records of the same name of the others, and the
-    `findings` those of all; `notes` are assumptions beside those of the recordings.
-    """
+    """Process the channels of recordings that are open; `channels` and `findings` are by default all of theirs."""
     first, *others = recordings
     if channels is None:
         channels = [(record.name, (record, *(other[record.name] for other in others))) for record in first]

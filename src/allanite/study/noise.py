@@ -83,12 +83,7 @@ def noise_of(
     lines: bool = True,
     moved: bool = False,
 ) -> Noise:
-    """Identify the noise of a channel with the choices of the recipe, or with these `terms` and this `band`.
-
-    A method that fits a curve uses the recipe's statistic; if it cannot, the notes of the fit say so. `lines` says
-    whether sinusoids are removed first. If the sensor `moved`, no further terms are tried: what the automatic ones
-    leave is motion.
-    """
+    """Identify the noise of a channel with the choices of the recipe, or with these `terms`, `band` and `lines`."""
     recipe = replace(recipe, terms=terms or recipe.terms, band=band or recipe.band)
     return _judged(begun(record, recipe, lines=lines).fit(), record, recipe, moved=moved)
 

@@ -86,15 +86,7 @@ class Look(NamedTuple):
 
 @limited
 class Chart:
-    """The part of matplotlib's `Figure` that figures of a page use.
-
-    >>> chart = Chart(4.0, 3.0, Look("#1a1a1a", "#555b63"))
-    >>> panel = chart.subplots()
-    >>> panel.plot([1, 2, 3], [1.0, 4.0, 9.0], color="#2e5c94", label="squares")
-    >>> text = chart.svg()
-    >>> text.startswith("<svg"), text.endswith("</svg>"), ">9</text>" in text
-    (True, True, True)
-    """
+    """The part of matplotlib's `Figure` that figures of a page use."""
 
     def __init__(self, width: float, height: float, look: Look) -> None:
         self.width, self.height, self.look = width * POINTS, height * POINTS, look

@@ -23,11 +23,7 @@ FULL_WIDTH = 1.0  # width of a letter that the font does not have, sizes: Chines
 
 @cache
 def wide(text: str, *, bold: bool = False) -> float:
-    """Width of a line of text, in sizes of its letters.
-
-    >>> 0.5 < wide("0") < 0.7, wide("00") == 2 * wide("0"), wide("0", bold=True) > wide("0")
-    (True, True, True)
-    """
+    """Width of a line of text, in sizes of its letters."""
     return sum(_letter(letter, bold) for letter in text)
 
 
@@ -71,11 +67,7 @@ def number(value: float) -> str:
 
 
 def path(x: FloatArray, y: FloatArray, *, closed: bool = False) -> str:
-    """Lines through points; a point that is not finite ends one.
-
-    >>> path(np.array([0.0, 1.0, np.nan, 2.0, 3.0]), np.array([0.0, 1.5, 0.0, 2.0, 0.0]))
-    'M0 0L1 1.5M2 2L3 0'
-    """
+    """Lines through points; a point that is not finite ends one."""
     finite = np.isfinite(x) & np.isfinite(y)
     x, y = (np.clip(np.round(values, 1), -MAX_COORDINATE, MAX_COORDINATE) + 0.0 for values in (x, y))
     parts, last = [], False
