@@ -35,11 +35,9 @@ class QuantityUnits(NamedTuple):
 
 
 QUANTITIES: dict[str, QuantityUnits] = {
-    "heading": QuantityUnits(say("heading"), "rad", "deg"),
-    "attitude": QuantityUnits(say("attitude"), "rad", "deg"),
-    "velocity": QuantityUnits(say("velocity"), "m/s", "m/s"),
-    "position": QuantityUnits(say("position"), "m", "m"),
-}
+    "heading": QuantityUnits(say("heading"), "rad", "deg"), "attitude": QuantityUnits(say("attitude"), "rad", "deg"),
+    "velocity": QuantityUnits(say("velocity"), "m/s", "m/s"), "position": QuantityUnits(say("position"), "m", "m"),
+}  # fmt: skip
 
 
 class DriftPath(NamedTuple):

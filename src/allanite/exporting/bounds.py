@@ -56,10 +56,9 @@ def _estimates(axis: Axis, symbols: Iterable[str]) -> dict[str, Estimate]:
         raise DataError(
             say(
                 "{axis}: there is no Allan deviation with intervals to read bounds off; analyze it with {option}",
-                axis=axis.label,
-                option=spelled("--statistic oadev", "statistic='oadev'"),
+                axis=axis.label, option=spelled("--statistic oadev", "statistic='oadev'"),
             )
-        )
+        )  # fmt: skip
     tau, upper = curve.tau, curve.to(signal.unit).interval(axis.level)[1]
     late = tau >= min(ONCE, tau[-1])
     limits = {}

@@ -216,11 +216,9 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
         demand_rate(target, rate)
     doubts = [axis for axis in axes if axis.doubt and not how.unexplained]
     notes = (
-        *without_cover(entries),
-        *missing,
-        *left_out(target, stand),
+        *without_cover(entries), *missing, *left_out(target, stand),
         *(line for made in stated if made.covers for line in made.words()),
-    )
+    )  # fmt: skip
     known = 1 if target.simulates else None  # what it says of filters is none of a simulator's business
     warned = [line for made in stated if made.confident for line in made.words()[:known]]
     omitted = (f"left out: {axis.name} ({axis.doubt})" for axis in doubts)

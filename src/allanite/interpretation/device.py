@@ -8,11 +8,9 @@ from allanite.phrases.phrase import say
 
 # none by angle random walk: the bounds of overviews contradict the data sheets of tactical sensors
 GRADES: dict[str, float] = {
-    say("Navigation grade"): 0.01,
-    say("Tactical grade"): 5.0,
-    say("Industrial grade"): 360.0,
+    say("Navigation grade"): 0.01, say("Tactical grade"): 5.0, say("Industrial grade"): 360.0,
     say("Consumer grade"): math.inf,
-}
+}  # fmt: skip
 """Grades of gyroscopes, the best first, each with the in-run bias stability, deg/h, that it is below."""
 
 GRADES_SOURCE = (

@@ -139,11 +139,10 @@ def meaning(
     row = named(device)
     if fit.signal.name not in row.signals:
         note = say(
-            "the table of {device} is about {signals} signals, not about this {sensor}",
-            device=row.title,
+            "the table of {device} is about {signals} signals, not about this {sensor}", device=row.title,
             signals=reduce(lambda first, second: say("{first} or {second}", first=first, second=second), row.signals),
             sensor=fit.signal.name,
-        )
+        )  # fmt: skip
         return Meaning(fit.name, texts, device, (), note)
     symbols = tuple(e.symbol for e in fit if e.claimed and e.symbol in row.terms) if fit.valid is not None else ()
     return Meaning(fit.name, texts, device, symbols, row.note)
@@ -201,10 +200,9 @@ def _white(span: Span, found: dict[str, Estimate], limits: tuple[float, float]) 
     if span.end >= limits[1]:
         if late:
             where = say(
-                "White noise ({term}) dominates from {start} up to half the length of the record",
-                term=title,
+                "White noise ({term}) dominates from {start} up to half the length of the record", term=title,
                 start=start,
-            )
+            )  # fmt: skip
         else:
             where = say("White noise ({term}) dominates at all averaging times", term=title)
         return join(": ", (where, say("averaging reduces the error with the square root of time")))
@@ -249,10 +247,8 @@ def _drift(fit: Fit, found: dict[str, Estimate], length: float) -> Iterator[str]
         yield say(
             "The drift has a systematic part, R, which changes the output by {systematic} over the record, and a "
             "random part, K, of {random} (1 sigma); R is larger than K beyond {tau}.",
-            systematic=_over(ramp, length),
-            random=_over(walk, length),
-            tau=averaging(crossing(walk, ramp)),
-        )
+            systematic=_over(ramp, length), random=_over(walk, length), tau=averaging(crossing(walk, ramp)),
+        )  # fmt: skip
     elif ramp is not None:
         change = _over(ramp, length)
         stated = say("The drift is systematic: R changes the output by {change} over the record", change=change)
@@ -298,9 +294,8 @@ def _time_constants(fit: Fit, found: dict[str, Estimate]) -> Iterator[str]:
         yield say(
             "A low-pass filter of {cutoff:.3g} Hz was identified (time constant {time:.3g} ms if it is of first "
             "order): the bandwidth of the sensor, or a filter before the output.",
-            cutoff=cutoff,
-            time=1000 / (2 * math.pi * cutoff),
-        )
+            cutoff=cutoff, time=1000 / (2 * math.pi * cutoff),
+        )  # fmt: skip
 
 
 def _grade(readings: Readings | None) -> Iterator[str]:

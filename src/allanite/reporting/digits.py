@@ -20,11 +20,10 @@ _UNIT = re.compile(
     rf"|(?<![\w./^-])(?P<unit>(?:1/)?{_FACTOR}(?:[/*]{_FACTOR})*)"
 )
 _SIGNS = (
-    (re.compile(r"sqrt\(([A-Za-z]+)\)"), r"√\1"),
-    (re.compile(r"\bdeg(?=C?\b)"), "°"),
+    (re.compile(r"sqrt\(([A-Za-z]+)\)"), r"√\1"), (re.compile(r"\bdeg(?=C?\b)"), "°"),
     (re.compile(r"\bu(?=(?:g|rad|A|V|T)\b)"), "µ"),
     (re.compile(r"\^(-?[\d.]+)"), lambda power: power[1].translate(RAISED)),
-)
+)  # fmt: skip
 _ANGLE = re.compile(r"(?<=\d) °(?![/*C√²³])")
 _ASCII: dict[str, str | int | None] = {
     "°": "deg", "√": "sqrt", "±": "+-", "≤": "<=", "≥": ">=", "≈": "~", "−": "-", "–": "-", "×": "x", "…": "..",

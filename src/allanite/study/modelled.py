@@ -258,10 +258,9 @@ def _space(settings: StateSpaceSettings, _: Random, noise: Supposed, __: Recipe,
 
 
 KINDS: dict[type[NoiseSettings], tuple[type[ModelJob], Callable[..., Result]]] = {
-    PlanSettings: (RecordingPlans, _plan),
-    SelfCheckSettings: (SelfChecks, _check),
+    PlanSettings: (RecordingPlans, _plan), SelfCheckSettings: (SelfChecks, _check),
     StateSpaceSettings: (StateSpaces, _space),
-}
+}  # fmt: skip
 """The type of result for these settings, and the function applied to each noise."""
 
 

@@ -139,11 +139,10 @@ def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
         if better.validity == EXPLAINED and better.fit.scope and better.fit.scope.whole:
             terms = join(", ", (str(term) for term in better.fit.model if term.shape and term.row.scatters))
             finding = Finding(
-                "terms",
-                say("more terms describe the whole record: {terms}", terms=terms),
+                "terms", say("more terms describe the whole record: {terms}", terms=terms),
                 say("they are fitted on request only: a control loop, a second relaxation process, or vibration"),
                 say("ask for them ({option})", option=spelled(f"--terms {named}", f"terms={named!r}")),
-            )
+            )  # fmt: skip
             residuals = noise.residuals
             noise = replace(noise, fit=replace(noise.fit, findings=(finding, *noise.fit.findings)))
             return (

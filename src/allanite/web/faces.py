@@ -55,11 +55,9 @@ def described(value: Any, lang: str) -> dict[str, Any]:
 def _finding(finding: Any) -> dict[str, Any]:
     place = finding.place
     return {
-        "name": finding.name,
-        "text": tr(str(finding)),
-        "level": "alert" if finding.fatal else "fair",
+        "name": finding.name, "text": tr(str(finding)), "level": "alert" if finding.fatal else "fair",
         "at": None if place is None else [place[0], place[1]],
-    }
+    }  # fmt: skip
 
 
 def drawn(panel: CurvePanel, level: float, lang: str) -> dict[str, Any]:

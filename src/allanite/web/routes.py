@@ -61,11 +61,9 @@ def workspace(request: Request, name: str) -> dict[str, Any]:
     state = request.app.state.store.state(name)
     request.app.state.jobs.resume(state)
     return {
-        "id": state["id"],
-        "files": list(map(_shown, state["files"].values())),
-        "jobs": list(state["jobs"].values()),
+        "id": state["id"], "files": list(map(_shown, state["files"].values())), "jobs": list(state["jobs"].values()),
         "choices": state["choices"],
-    }
+    }  # fmt: skip
 
 
 def drop_workspace(request: Request, name: str) -> dict[str, Any]:

@@ -38,9 +38,8 @@ def caveats(
         if growth[worst] > DISTURBED:
             increased = say(
                 "the auto-compensating rotation increases the standard error of {constant} by a factor of {factor:.2g}",
-                constant=names[worst],
-                factor=float(growth[worst]),
-            )
+                constant=names[worst], factor=float(growth[worst]),
+            )  # fmt: skip
             remedy = say("choose another period of the rotation, or another range of angles")
             findings.append(Finding("turn", increased, say("its period is near that of an error"), remedy))
     findings += _sparse(gimbals, harmonics)
@@ -82,13 +81,11 @@ def _alike(names: tuple[str, ...], correlation: FloatArray) -> Iterator[Finding]
     if pairs:
         worst = [
             say(
-                "{first} and {second} ({correlation:+.2f})",
-                first=names[i],
-                second=names[j],
+                "{first} and {second} ({correlation:+.2f})", first=names[i], second=names[j],
                 correlation=float(correlation[i, j]),
             )
             for i, j in pairs[:3]
-        ]
+        ]  # fmt: skip
         shown = say("hardly separable: {pairs}", pairs=join(", ", worst))
         more = say_count(len(pairs) - 3, "{shown} and {count} more pair", "{shown} and {count} more pairs", shown=shown)
         yield Finding("alike", more if len(pairs) > 3 else shown,

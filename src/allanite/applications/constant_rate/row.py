@@ -104,11 +104,9 @@ class Task:
 
 
 TARGETS: dict[str, Callable[[int], FloatArray]] = {
-    "mean": lambda n: np.full(n, 1 / n),
-    "constant": lambda n: np.full(n, 1 / n),
-    "centre": lambda n: np.bincount([(n - 1) // 2, n // 2], minlength=n) / 2,
-    "start": lambda n: np.eye(1, n)[0],
-}
+    "mean": lambda n: np.full(n, 1 / n), "constant": lambda n: np.full(n, 1 / n),
+    "centre": lambda n: np.bincount([(n - 1) // 2, n // 2], minlength=n) / 2, "start": lambda n: np.eye(1, n)[0],
+}  # fmt: skip
 """What is estimated: the mean of the drifting rate over the interval, the constant of one that does not drift, its
 value in the middle sample, in the first. Without B, K and R in the model all four are the same."""
 

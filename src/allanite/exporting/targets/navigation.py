@@ -7,11 +7,9 @@ from allanite.exporting.target import ACCELEROMETER, DENSITY, GYRO, TIME, WALK, 
 from allanite.phrases.phrase import say
 
 KF_GINS = Target(
-    name="kf-gins",
-    title=say("imunoise of KF-GINS"),
+    name="kf-gins", title=say("imunoise of KF-GINS"),
     fields=(
-        TargetField("arw", GYRO, "N", "deg/sqrt(h)"),
-        TargetField("vrw", ACCELEROMETER, "N", "m/s/sqrt(h)"),
+        TargetField("arw", GYRO, "N", "deg/sqrt(h)"), TargetField("vrw", ACCELEROMETER, "N", "m/s/sqrt(h)"),
         TargetField("gbstd", GYRO, "K", "deg/h", weight=0.5, time=1),
         TargetField("abstd", ACCELEROMETER, "K", "mGal", weight=0.5, time=1),
         TargetField("corrtime", GYRO, "", "h", time=2),
@@ -25,14 +23,12 @@ KF_GINS = Target(
         say("gsstd and asstd (scale factors, ppm) do not follow from a static recording"),
     ),
     each=True,
-)
+)  # fmt: skip
 
 NAVEGO = Target(
     name="navego", title=say("IMU errors of NaveGo, in SI"),
     fields=(
-        *pair("arw", "vrw", *DENSITY),
-        *pair("gb_psd", "ab_psd", *WALK),
-        *pair("gb_corr", "ab_corr", *TIME),
+        *pair("arw", "vrw", *DENSITY), *pair("gb_psd", "ab_psd", *WALK), *pair("gb_corr", "ab_corr", *TIME),
     ),
     forms={".m": LineLayout("imu.{name} = [{triple}];", syntax=MATLAB_SYNTAX)},
     source="ins_gnss.m: kf.Q = diag([arw, vrw, gb_psd, ab_psd].^2), of continuous time; F_update.m: the bias "
@@ -48,8 +44,7 @@ NAVEGO = Target(
 GRAVITY = 9.80665 / 9.7803267714  # PSINS has 9.7803267714 m/s^2 for 1 g
 
 PSINS = Target(
-    name="psins",
-    title=say("imuerrset of PSINS"),
+    name="psins", title=say("imuerrset of PSINS"),
     fields=(
         TargetField("web", GYRO, "N", "deg/sqrt(h)"),
         TargetField("wdb", ACCELEROMETER, "N", "ug/sqrt(Hz)", weight=GRAVITY**2),
@@ -58,9 +53,7 @@ PSINS = Target(
     ),
     forms={
         ".m": LineLayout(
-            "{name} = {value};",
-            syntax=MATLAB_SYNTAX,
-            start=("% constant biases are not noise", "eb = 0; db = 0;"),
+            "{name} = {value};", syntax=MATLAB_SYNTAX, start=("% constant biases are not noise", "eb = 0; db = 0;"),
             end=(
                 "TauG = inf; TauA = inf;",
                 "imuerr = imuerrset(eb, db, web, wdb, sqrtR0G, TauG, sqrtR0A, TauA);",
@@ -71,7 +64,7 @@ PSINS = Target(
     "with the g of glvf.m, 9.7803267714 m/s^2. imuadderr.m simulates sqg only with a finite TauG; filters"
     " of 15 states have no driving noise of the bias unless kf.Qt is given imuerr.sqg^2",
     comments=MATLAB_SYNTAX.pattern,
-)
+)  # fmt: skip
 
 GNSS_INS_SIM = Target(
     name="gnss-ins-sim",
@@ -79,8 +72,7 @@ GNSS_INS_SIM = Target(
     fields=(
         TargetField("gyro_arw", GYRO, "N", "deg/sqrt(h)"),
         TargetField("gyro_b_stability", GYRO, "K", "deg/h", weight=0.5, time=1),
-        TargetField("gyro_b_corr", GYRO, "", "s", time=2),
-        TargetField("accel_vrw", ACCELEROMETER, "N", "m/s/sqrt(h)"),
+        TargetField("gyro_b_corr", GYRO, "", "s", time=2), TargetField("accel_vrw", ACCELEROMETER, "N", "m/s/sqrt(h)"),
         TargetField("accel_b_stability", ACCELEROMETER, "K", "m/s^2", weight=0.5, time=1),
         TargetField("accel_b_corr", ACCELEROMETER, "", "s", time=2),
     ),
@@ -109,7 +101,7 @@ GNSS_INS_SIM = Target(
     ),
     markov=True,
     each=True,
-)
+)  # fmt: skip
 
 MATLAB = Target(
     name="matlab", synonyms=("imusensor", "simulink"),

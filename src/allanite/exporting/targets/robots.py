@@ -37,8 +37,7 @@ GAZEBO = Target(
     "dynamic_bias_stddev is K, not a standard deviation. The copy of 2018 had no dynamic bias",
     notes=(
         say("dynamic_bias_stddev is a density, K; the steady-state sigma is K sqrt(T/2)"),
-        say("f is the update_rate of the sensor"),
-        say("SDF 1.6 or later"),
+        say("f is the update_rate of the sensor"), say("SDF 1.6 or later"),
     ),
     markov=True, each=True, comments=XML.pattern,
 )  # fmt: skip
@@ -52,10 +51,8 @@ GAZEBO_CLASSIC = Target(
     ),
     forms={
         ".sdf": LineLayout(
-            "  <{name}>{value}</{name}>",
-            syntax=XML,
-            start=('<plugin name="imu_plugin" filename="libgazebo_imu_plugin.so">',),
-            end=("</plugin>",),
+            "  <{name}>{value}</{name}>", syntax=XML,
+            start=('<plugin name="imu_plugin" filename="libgazebo_imu_plugin.so">',), end=("</plugin>",),
         )
     },
     simulates=True,
@@ -98,8 +95,7 @@ gyro, accelerometer = pair("EKF2_GYR_NOISE", "EKF2_ACC_NOISE", STEP_NOISE, "m/s^
 PX4 = Target(
     name="px4", synonyms=("ekf2", "px4-autopilot"), title=say("parameters of PX4's EKF2, for QGroundControl"),
     fields=(
-        gyro,
-        replace(accelerometer, span=(0.01, 1.0)),
+        gyro, replace(accelerometer, span=(0.01, 1.0)),
         *pair("EKF2_GYR_B_NOISE", "EKF2_ACC_B_NOISE", PX4_WALK, "m/s^3"),
     ),
     forms={".params": LineLayout("1\t1\t{name}\t{value}\t9", PARAMETERS)},
@@ -139,9 +135,7 @@ gyro_bias, accelerometer_bias = pair("EK3_GBIAS_P_NSE", "EK3_ABIAS_P_NSE", ARDUP
 ARDUPILOT = Target(
     name="ardupilot", synonyms=("ekf3", "arducopter"), title=say("parameters of ArduPilot's EKF3"),
     fields=(
-        ardupilot_gyro,
-        replace(ardupilot_accelerometer, span=(0.01, 1.0)),
-        gyro_bias,
+        ardupilot_gyro, replace(ardupilot_accelerometer, span=(0.01, 1.0)), gyro_bias,
         replace(accelerometer_bias, span=(1e-5, 0.02)),
     ),
     forms={".param": LineLayout("{name},{value}", PARAMETERS)},

@@ -23,8 +23,7 @@ OPENVINS = Target(
     name="openvins", title=say("kalibr_imu_chain.yaml of OpenVINS"), fields=KALIBR.fields,
     forms={
         ".yaml": LineLayout(
-            "  {name}: {value}",
-            first=("%YAML:1.0",),
+            "  {name}: {value}", first=("%YAML:1.0",),
             start=("imu0:", "  rostopic: /imu0", "  time_offset: 0.0", "  update_rate: {rate}", '  model: "kalibr"'),
         )
     },
@@ -61,8 +60,7 @@ ORB_SLAM3 = Target(
 )  # fmt: skip
 
 LIO_SAM = Target(
-    name="lio-sam",
-    title=say("params.yaml of LIO-SAM, its IMU part"),
+    name="lio-sam", title=say("params.yaml of LIO-SAM, its IMU part"),
     fields=(*pair("imuGyrNoise", "imuAccNoise", *DENSITY), *pair("imuGyrBiasN", "imuAccBiasN", *WALK)),
     forms={".yaml": LineLayout("  {name}: {value}", start=("lio_sam:",))},
     source="src/imuPreintegration.cpp: gyroscopeCovariance = imuGyrNoise^2, to which GTSAM applies dt; the bias "
@@ -71,7 +69,7 @@ LIO_SAM = Target(
         say("ROS 2: the keys stand below /**: ros__parameters: instead of lio_sam:"),
         say("imuGravity is the local gravity and not part of the noise"),
     ),
-)
+)  # fmt: skip
 
 WHITE = TargetField("", GYRO, "N", "(rad/s)^2/Hz", power=2)
 BIAS = TargetField("", GYRO, "K", "(rad/s^2)^2/Hz", power=2)

@@ -142,9 +142,7 @@ def _draw_series(ax: Axes, residuals: Residuals) -> None:
         ax.errorbar((edges[:-1] + edges[1:]) / 2, level, error, fmt="none", ecolor=color, lw=1.0)
     reach = max(5.0, 1.1 * float(max(residuals.high.max(), -residuals.low.min())))
     ax.set(
-        xlabel=say("time ({unit})", unit=unit),
-        ylabel=say("standard deviations"),
-        xlim=(0, length / size),
+        xlabel=say("time ({unit})", unit=unit), ylabel=say("standard deviations"), xlim=(0, length / size),
         ylim=(-reach, reach),
-    )
+    )  # fmt: skip
     ax.set_title(say("over time"), loc="left")

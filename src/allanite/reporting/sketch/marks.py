@@ -54,8 +54,7 @@ SHAPES: dict[str, Callable[[float], str]] = {
     "P": lambda r: f"m{-r / 3:.3g} {-r:.3g}h{2 * r / 3:.3g}v{2 * r / 3:.3g}h{2 * r / 3:.3g}v{2 * r / 3:.3g}"
                    f"h{-2 * r / 3:.3g}v{2 * r / 3:.3g}h{-2 * r / 3:.3g}v{-2 * r / 3:.3g}h{-2 * r / 3:.3g}"
                    f"v{-2 * r / 3:.3g}h{2 * r / 3:.3g}z",
-    "|": lambda r: f"m0 {-r:.3g}v{2 * r:.3g}",
-    "_": lambda r: f"m{-r:.3g} 0h{2 * r:.3g}",
+    "|": lambda r: f"m0 {-r:.3g}v{2 * r:.3g}", "_": lambda r: f"m{-r:.3g} 0h{2 * r:.3g}",
     ".": lambda r: SHAPES["o"](r / 2),
 }  # fmt: skip
 """Markers as relative paths, by half their size."""

@@ -142,10 +142,9 @@ def words(  # noqa: PLR0913 - each has a default, and is a property of its own
     _, height = size_of(lines, size, spacing=spacing)
     above = {"baseline": -ABOVE * size, "top": 0.0, "center": -height / 2, "bottom": -height}[va] + ABOVE * size
     look = style(
-        font=f"{'bold ' if bold else ''}{size:g}px {ON_PAGE}",
-        text_anchor=ANCHORS[ha] if ha != "left" else None,
+        font=f"{'bold ' if bold else ''}{size:g}px {ON_PAGE}", text_anchor=ANCHORS[ha] if ha != "left" else None,
         fill=hexadecimal(color),
-    )
+    )  # fmt: skip
     x, y = at
     turn = f' transform="rotate(-90 {number(x)} {number(y)})"' if turned else ""
     # several blanks, of which browsers show one

@@ -213,10 +213,8 @@ def _parts(value: Drift, name: str, course: DriftCourse) -> Iterator[Part]:
     yield Table(heads, [[*row, course.unit] for row in table], name)
     named, known = _several(course), [s for s in course.shares if s.variance.any()]
     causes = [
-        Column(say("cause"), "name"),
-        Column(say("channel"), "name"),
-        *(Column(a, form=_sized) for a in _after(value)),
-    ]
+        Column(say("cause"), "name"), Column(say("channel"), "name"), *(Column(a, form=_sized) for a in _after(value)),
+    ]  # fmt: skip
     rows = []
     for s in known:
         label = _cause(s, named=named)

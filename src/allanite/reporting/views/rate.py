@@ -162,8 +162,7 @@ METHODS = Table(
         Column(say("method"), "symbol"), Column(say("what it is"), "text"), Column(say("formula"), "formula"),
         Column(say("optimal under"), "text"), Column(say("source"), "text"),
     ),
-    [[r.name, r.title, r.formula, r.assumes, r.reference] for r in RATE_ESTIMATORS.values()],
-    say("the methods"),
+    [[r.name, r.title, r.formula, r.assumes, r.reference] for r in RATE_ESTIMATORS.values()], say("the methods"),
 )  # fmt: skip
 
 
