@@ -4,7 +4,20 @@ from allanite.core.names import row_alike
 from allanite.plugins import Registry
 
 from .target import Target
-from .targets.navigation import GNSS_INS_SIM, KF_GINS, MATLAB, NAVEGO, PSINS
+from .targets.navigation import (
+    GNSS_INS_SIM,
+    GTSAM,
+    KALIBR,
+    KF_GINS,
+    LIO_SAM,
+    MATLAB,
+    NAVEGO,
+    OPENVINS,
+    ORB_SLAM3,
+    PSINS,
+    VINS_FUSION,
+    VINS_MONO,
+)
 from .targets.robots import (
     ARDUPILOT,
     ARDUPILOT_TCAL,
@@ -17,7 +30,6 @@ from .targets.robots import (
     ROS_IMU,
 )  # fmt: skip
 from .targets.sheets import DATASHEET, STATESPACE
-from .targets.visual import GTSAM, KALIBR, LIO_SAM, OPENVINS, ORB_SLAM3, VINS_FUSION, VINS_MONO
 
 _OWN = (
     KALIBR, OPENVINS, ORB_SLAM3, VINS_MONO, VINS_FUSION, LIO_SAM, GTSAM, ROS_IMU, ROBOT_LOCALIZATION, PX4, ARDUPILOT,

@@ -23,8 +23,7 @@ from .choice import placed
 from .content import Content, Entry
 from .export import Export
 from .exports import TEMPERATURE
-from .target import GYRO
-from .thermal import ThermalTarget
+from .target import GYRO, ThermalTarget
 
 AXES = "xyz"
 

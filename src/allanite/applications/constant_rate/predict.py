@@ -21,9 +21,8 @@ from allanite.extending import (
     usable_model,
 )
 
-from .linear import CONDITIONAL, HAMMING, MEAN, OPTIMAL, REGRESSION
+from .linear import CONDITIONAL, HAMMING, MEAN, OPTIMAL, REGRESSION, STAIRCASE
 from .row import EstimatorSettings, RateEstimator, Task
-from .staircase import STAIRCASE
 
 RATE_ESTIMATORS: dict[str, RateEstimator] = {
     row.name: row for row in (MEAN, HAMMING, REGRESSION, CONDITIONAL, STAIRCASE, OPTIMAL)

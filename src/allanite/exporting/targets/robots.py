@@ -3,10 +3,19 @@
 from dataclasses import replace
 
 from allanite.core.syntax import PARAMETERS, XML
-from allanite.exporting.content import Content, number
-from allanite.exporting.layouts import JSON_COMMENT, JsonLayout, LineLayout, spread, told
-from allanite.exporting.target import ACCELEROMETER, DENSITY, GYRO, TIME, WALK, Target, TargetField, pair, sectioned
-from allanite.exporting.thermal import ThermalTarget
+from allanite.exporting.content import JSON_COMMENT, Content, JsonLayout, LineLayout, number, spread, told
+from allanite.exporting.target import (
+    ACCELEROMETER,
+    DENSITY,
+    GYRO,
+    TIME,
+    WALK,
+    Target,
+    TargetField,
+    ThermalTarget,
+    pair,
+    sectioned,
+)
 from allanite.phrases.phrase import say
 
 
