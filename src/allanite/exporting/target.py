@@ -109,8 +109,7 @@ NATURES: dict[tuple[str, int, int, int], tuple[str, str, float, int, int]] = {
 """By term and powers of rate, time and value: what a field is, what is written instead, and weight and powers of it."""
 
 
-Write = Callable[["Content"], str | bytes]
-"""Makes the file from its content."""
+Write = Callable[["Content"], str | bytes]  # makes the file from its content
 
 
 @dataclass(frozen=True)
@@ -180,8 +179,7 @@ DENSITY = TargetField("", GYRO, "N", "rad/s/sqrt(Hz)"), "m/s^2/sqrt(Hz)"
 WALK = TargetField("", GYRO, "K", "rad/s^2/sqrt(Hz)"), "m/s^3/sqrt(Hz)"
 """A field that is K itself, in SI, and its unit for accelerometers."""
 
-TIME = TargetField("", GYRO, "", "s", time=2), "s"
-"""A field that is a correlation time."""
+TIME = TargetField("", GYRO, "", "s", time=2), "s"  # a field that is a correlation time
 
 
 def demand_rate(target: Target, rate: float | None) -> None:

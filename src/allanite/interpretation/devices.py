@@ -74,8 +74,7 @@ def _device(name: str, title: str, signals: list[str], terms: dict[str, Any], no
     return Device(name, say(title), tuple(map(say, signals)), causes, say(note) if note else "")
 
 
-DEVICES: dict[str, Device] = {name: _device(name, **row) for name, row in _TEXTS["devices"].items()}
-"""By name."""
+DEVICES: dict[str, Device] = {name: _device(name, **row) for name, row in _TEXTS["devices"].items()}  # by name
 
 REFERENCES: dict[str, str] = {say(name): say(text) for name, text in map(dict.values, _TEXTS["references"])}
 """What the tables cite."""

@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from .first import First
     from .views import Rows
 
-MAX_DATA_BYTES = 300_000
-"""Bytes of compressed JSON that a page carries at most."""
+MAX_DATA_BYTES = 300_000  # bytes of compressed JSON that a page carries at most
 
 
 @public

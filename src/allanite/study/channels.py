@@ -95,14 +95,9 @@ def open_recording(
 
 
 def whole_recording(
-    source: Source,
-    recipe: Recipe,
-    *,
-    along: Sequence[str] = (),
-    otherwise: Sequence[str] = (),
-    progress: Progress | None = None,
-    fits: bool = False,
-) -> Recording:
+    source: Source, recipe: Recipe, *, along: Sequence[str] = (), otherwise: Sequence[str] = (),
+    progress: Progress | None = None, fits: bool = False,
+) -> Recording:  # fmt: skip
     """A recording before anything is selected; `otherwise` is that of `read`, the rest as for `open_recording`."""
     if isinstance(source, Record | Recording):
         return source if isinstance(source, Recording) else Recording((source,))
@@ -119,17 +114,11 @@ def whole_recording(
 
 
 def each_channel(  # noqa: PLR0913 - each has a default but those that make the job
-    channels: Sequence[tuple[str, tuple[Record, ...]]],
-    work: Callable[[Inspected], Result],
-    refused: Callable[[Inspected, str], Result],
-    *,
-    findings: Sequence[Finding] = (),
-    look: Callable[[Record], Quality] = inspect,
-    begin: Begin | None = None,
-    doing: str = "analyzing",
-    demand: bool = False,
-    progress: Progress | None = None,
-) -> tuple[Result, ...]:
+    channels: Sequence[tuple[str, tuple[Record, ...]]], work: Callable[[Inspected], Result],
+    refused: Callable[[Inspected, str], Result], *, findings: Sequence[Finding] = (),
+    look: Callable[[Record], Quality] = inspect, begin: Begin | None = None, doing: str = "analyzing",
+    demand: bool = False, progress: Progress | None = None,
+) -> tuple[Result, ...]:  # fmt: skip
     """Inspect every channel, a name with its records, and process those that can support the job.
 
     `work` may raise DataError, from which `refused` makes the result of the channel; a fatal one of the `findings`
@@ -173,11 +162,9 @@ def each_channel(  # noqa: PLR0913 - each has a default but those that make the 
 
 
 def identified(
-    channels: Sequence[Inspected],
-    begin: Begin,
-    fatal: str,
+    channels: Sequence[Inspected], begin: Begin, fatal: str,
     each: Callable[[Callable[[Inspected], Started | None], Sequence[Inspected]], Sequence[Started | None]],
-) -> Sequence[Inspected]:
+) -> Sequence[Inspected]:  # fmt: skip
     """The channels with an identification to be finished, begun in `each` of them: they may have a filter in common."""
     able = [i for i, channel in enumerate(channels) if not (fatal or any(q.refusal for q in channel.qualities))]
     if len(able) < 2:
@@ -217,19 +204,10 @@ def _result(
 
 
 def run(  # noqa: PLR0913 - each has a default but those that make the job
-    kind: Callable[..., Result],
-    source: Source,
-    recipe: Recipe,
-    work: Callable[[Inspected], Any],
-    refused: Callable[[Inspected, str], Any],
-    *,
-    keeping: Keeping | None = None,
-    begin: Begin | None = None,
-    in_parts_too: tuple[str, ...] = (),
-    doing: str = "analyzing",
-    demand: bool = True,
-    progress: Progress | None = None,
-) -> Result:
+    kind: Callable[..., Result], source: Source, recipe: Recipe, work: Callable[[Inspected], Any],
+    refused: Callable[[Inspected, str], Any], *, keeping: Keeping | None = None, begin: Begin | None = None,
+    in_parts_too: tuple[str, ...] = (), doing: str = "analyzing", demand: bool = True, progress: Progress | None = None,
+) -> Result:  # fmt: skip
     """Open a source, whole or in parts with a `keeping`, and process its channels; `kind` makes the result."""
     reader = None if keeping is None else in_parts(source, recipe)
     if reader is not None and keeping is not None:
@@ -254,21 +232,11 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
 
 
 def run_together(  # noqa: PLR0913 - each has a default but those that make the job
-    kind: Callable[..., Result],
-    recordings: Sequence[Recording],
-    recipe: Recipe,
-    work: Callable[[Inspected], Any],
-    refused: Callable[[Inspected, str], Any],
-    *,
-    channels: Sequence[tuple[str, tuple[Record, ...]]] | None = None,
-    findings: Sequence[Finding] | None = None,
-    notes: Sequence[str] = (),
-    look: Callable[[Record], Quality] = inspect,
-    begin: Begin | None = None,
-    doing: str = "analyzing",
-    demand: bool = True,
-    progress: Progress | None = None,
-) -> Result:
+    kind: Callable[..., Result], recordings: Sequence[Recording], recipe: Recipe, work: Callable[[Inspected], Any],
+    refused: Callable[[Inspected, str], Any], *, channels: Sequence[tuple[str, tuple[Record, ...]]] | None = None,
+    findings: Sequence[Finding] | None = None, notes: Sequence[str] = (), look: Callable[[Record], Quality] = inspect,
+    begin: Begin | None = None, doing: str = "analyzing", demand: bool = True, progress: Progress | None = None,
+) -> Result:  # fmt: skip
     """Process the channels of recordings that are open; `channels` and `findings` are by default all of theirs."""
     first, *others = recordings
     if channels is None:

@@ -75,14 +75,9 @@ def widened(fit: Fit, factor: float) -> Fit:
 
 
 def noise_of(
-    record: Record,
-    recipe: Recipe,
-    *,
-    terms: str | None = None,
-    band: Band | None = None,
-    lines: bool = True,
+    record: Record, recipe: Recipe, *, terms: str | None = None, band: Band | None = None, lines: bool = True,
     moved: bool = False,
-) -> Noise:
+) -> Noise:  # fmt: skip
     """Identify the noise of a channel with the choices of the recipe, or with these `terms`, `band` and `lines`."""
     recipe = replace(recipe, terms=terms or recipe.terms, band=band or recipe.band)
     return _judged(begun(record, recipe, lines=lines).fit(), record, recipe, moved=moved)

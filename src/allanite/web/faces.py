@@ -156,8 +156,7 @@ def simulation(name: str, path: str) -> list[str]:
     return ["simulate", path, *shlex.split(EXAMPLES[name][1]), "--quiet", "--force"]
 
 
-VALUES: dict[str, Any] = {"axis": list(POLICIES), "cover": ["yes", "no"]}
-"""Words that a choice of an export takes."""
+VALUES: dict[str, Any] = {"axis": list(POLICIES), "cover": ["yes", "no"]}  # words that a choice of an export takes
 
 OTHER_SENSOR = {"name": "models", "control": "list", "options": ["--model"], "rare": False, "values": None,
                 "hint": "N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)"}  # fmt: skip

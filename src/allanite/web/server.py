@@ -29,8 +29,7 @@ from allanite.reporting.language import catalogue
 
 from . import routes
 from .jobs import Jobs
-from .messages import ANSWERED, MAX_ACCEPTED, Answer, PromptProtocol, answered
-from .routes import open_file
+from .routes import ANSWERED, MAX_ACCEPTED, Answer, PromptProtocol, answered, open_file
 from .store import MissingError, Store, private_folder
 
 Scope = MutableMapping[str, Any]

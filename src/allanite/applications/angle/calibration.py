@@ -21,12 +21,9 @@ UNTOLD = 0.8  # standard error over the prior's, above which the samples say lit
 
 
 def caveats(
-    gimbals: Gimbals,
-    harmonics: Mapping[str, tuple[int, ...]],
-    names: tuple[str, ...],
-    known: SquareRoot,
+    gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]], names: tuple[str, ...], known: SquareRoot,
     prior: FloatArray | None,
-) -> tuple[Finding, ...]:
+) -> tuple[Finding, ...]:  # fmt: skip
     """Findings about an experiment, performed or planned."""
     count = 2 * sum(map(len, harmonics.values()))
     errors, correlation = known.errors, correlation_of(known.covariance)

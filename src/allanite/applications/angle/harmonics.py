@@ -318,14 +318,9 @@ class Harmonics(Correction):
 
 @public
 def simulate(
-    gimbals: Gimbals,
-    harmonics: Mapping[str, Harmonics],
-    *,
-    nuisance: Mapping[str, float] | None = None,
-    sigma: float,
-    walk: float = 0.0,
-    rng: "np.random.Generator",
-) -> FloatArray:
+    gimbals: Gimbals, harmonics: Mapping[str, Harmonics], *, nuisance: Mapping[str, float] | None = None, sigma: float,
+    walk: float = 0.0, rng: "np.random.Generator",
+) -> FloatArray:  # fmt: skip
     """Measured minus computed cosine of the angle between the momentum vectors, with known errors of the sensors.
 
     The errors are added to the angles and the cosine is computed of them, without linearising.

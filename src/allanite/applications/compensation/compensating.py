@@ -208,14 +208,9 @@ def _open(path: Source, recipe: Recipe, settings: CompensationSettings, keys: tu
 
 
 def _each(
-    kind: Callable[..., Any],
-    source: _Source,
-    regressions: Mapping[str, Regression] | Callable[[Record], Regression],
-    recipe: Recipe,
-    *,
-    demand: bool = False,
-    progress: Progress | None,
-) -> Any:
+    kind: Callable[..., Any], source: _Source, regressions: Mapping[str, Regression] | Callable[[Record], Regression],
+    recipe: Recipe, *, demand: bool = False, progress: Progress | None,
+) -> Any:  # fmt: skip
     """What is made of every channel, corrected by the regression of its name or by one that is fitted to it."""
     # A record that follows a temperature may look as if it moved: whether it does is asked of what the correction
     # leaves.

@@ -33,10 +33,19 @@ from allanite.extending import (
 
 from .estimates import RateEstimate
 from .experiments import Experiment
-from .inputs import demand_whole, findings_of, interval_of, pulse_of, reading_size
 from .linear import recognized, regression_lines
 from .predict import RATE_ESTIMATORS, estimator_named, ranking, standard_error
-from .row import EstimatorSettings, Interval, RateMeasurement, Task
+from .row import (
+    EstimatorSettings,
+    Interval,
+    RateMeasurement,
+    Task,
+    demand_whole,
+    findings_of,
+    interval_of,
+    pulse_of,
+    reading_size,
+)
 
 
 @public

@@ -1,8 +1,11 @@
+from .angle import plot_angles as plot_angles
 from .angle import plot_error_in_time as plot_error_in_time
 from .angle import plot_errors as plot_errors
 from .angle import plot_history as plot_history
 from .angle import plot_innovations as plot_innovations
+from .angle import plot_optima as plot_optima
 from .angle import plot_scan as plot_scan
+from .angle import plot_scenarios as plot_scenarios
 from .applications import plot_budgets as plot_budgets
 from .applications import plot_closeups as plot_closeups
 from .applications import plot_compensated as plot_compensated
@@ -31,6 +34,3 @@ from .record import plot_residuals as plot_residuals
 from .record import plot_series as plot_series
 from .record import plot_strip as plot_strip
 from .record import plot_surfaces as plot_surfaces
-from .vertical import plot_angles as plot_angles
-from .vertical import plot_optima as plot_optima
-from .vertical import plot_scenarios as plot_scenarios

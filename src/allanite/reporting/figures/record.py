@@ -30,8 +30,7 @@ from .panels import CurvePanel, points
 
 STRETCHES = 480  # stretches of a record whose least and largest sample are drawn: more are not seen
 
-MEANS = 6
-"""Stretches of one mean."""
+MEANS = 6  # stretches of one mean
 
 MIN_HOURS_S, MIN_MINUTES_S = 7200.0, 300.0  # lengths in seconds from which time is shown in hours, and in minutes
 

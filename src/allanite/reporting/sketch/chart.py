@@ -54,7 +54,7 @@ class PanelFrame:
         below = right = PAD
         if self.panel.labelled:
             named = ink.size_of(ink.shown(self.panel.xaxis.label), LABEL)[1]
-            below += TICK + (NAME_PAD + named + ink.below_foot(LABEL) if named else 0.0)
+            below += TICK + (NAME_PAD + named + ink.BELOW * LABEL if named else 0.0)
             if self.across.major:  # how far the last label of the abscissa stands out
                 share = self.panel.xaxis.share(np.array(self.across.major))
                 half = np.array([ink.size_of(ink.shown(text), TICK)[0] / 2 for text in self.across.labels])
@@ -242,15 +242,9 @@ class Chart:
         return self.width / POINTS, self.height / POINTS
 
     def subplots(
-        self,
-        rows: int = 1,
-        columns: int = 1,
-        *,
-        squeeze: bool = True,
-        sharex: bool | str = False,
-        width_ratios: Sequence[float] | None = None,
-        height_ratios: Sequence[float] | None = None,
-    ) -> Any:
+        self, rows: int = 1, columns: int = 1, *, squeeze: bool = True, sharex: bool | str = False,
+        width_ratios: Sequence[float] | None = None, height_ratios: Sequence[float] | None = None,
+    ) -> Any:  # fmt: skip
         """Panels, shape (rows, columns), without dimensions of one unless `squeeze` is false."""
         if self.grid:
             raise Unsketched("panels twice")

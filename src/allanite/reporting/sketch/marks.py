@@ -15,8 +15,7 @@ from .axis import Unsketched, demanding
 DATA, AXES, BLEND = "data", "axes", "blend"
 """What coordinates mean: data, fractions of the panel, or data along the abscissa and fractions up."""
 
-Place = Callable[[FloatArray, FloatArray, str], tuple[FloatArray, FloatArray]]
-"""(x, y, meaning) -> points on the page."""
+Place = Callable[[FloatArray, FloatArray, str], tuple[FloatArray, FloatArray]]  # (x, y, meaning) -> points on the page
 
 Points = tuple[FloatArray, FloatArray]
 

@@ -126,17 +126,9 @@ ANCHORS = {"left": "start", "center": "middle", "right": "end"}
 
 
 def words(  # noqa: PLR0913 - each has a default, and is a property of its own
-    lines: Sequence[str],
-    at: tuple[float, float],
-    size: float,
-    *,
-    color: str,
-    ha: str = "left",
-    va: str = "baseline",
-    bold: bool = False,
-    spacing: float = 1.2,
-    turned: bool = False,
-) -> str:
+    lines: Sequence[str], at: tuple[float, float], size: float, *, color: str, ha: str = "left", va: str = "baseline",
+    bold: bool = False, spacing: float = 1.2, turned: bool = False,
+) -> str:  # fmt: skip
     """Lines of text at a point; `turned`, it runs upwards."""
     step = spacing * size
     _, height = size_of(lines, size, spacing=spacing)
@@ -154,8 +146,3 @@ def words(  # noqa: PLR0913 - each has a default, and is a property of its own
         for i, line in enumerate(kept)
         if line.strip()
     )
-
-
-def below_foot(size: float) -> float:
-    """How far a line of text reaches below its foot."""
-    return BELOW * size

@@ -76,8 +76,7 @@ _OWN = {
 }  # fmt: skip
 """Type of a result: where its `View` is. They are imported when first asked for."""
 
-VIEWS = Registry[str | View](_OWN, "allanite.views", kind=View)
-"""The same, and the views of plug-ins."""
+VIEWS = Registry[str | View](_OWN, "allanite.views", kind=View)  # the same, and the views of plug-ins
 
 
 def view_of(value: Any) -> View:

@@ -62,13 +62,8 @@ def _channels(pairs: Sequence[Pair], level: float) -> Channels:
         rows.append(
             ChannelRow(words.title(symbol, known.signal), symbol, known.before.sheet_unit, cells, 0 if claimed else 1)
         )
-    return Channels([pair.name or say("channel") for pair in pairs], rows, _sensor(pairs))
-
-
-def _sensor(pairs: Sequence[Pair]) -> str:
-    """The kind of sensor, if the records are known."""
-    records = [record for pair in pairs for record in pair.records or ()]
-    return records[0].signal.sensor if records else ""
+    sensors = [record.signal.sensor for pair in pairs for record in pair.records or ()]
+    return Channels([pair.name or say("channel") for pair in pairs], rows, next(iter(sensors), ""))
 
 
 def _whole(pair: Pair) -> str:

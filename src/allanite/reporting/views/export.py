@@ -264,12 +264,9 @@ def _worded(value: Word) -> Table:
     return Table((Column("", "name"), Column("", "text")), [row for row in rows if row[1]])
 
 
-def first_of_word(value: Word, _: float) -> First:
-    """What a word means, a formula and an example."""
-    return First(value.name, ", ".join(value.synonyms[:4]), [value.meaning, _worded(value)], after=())
-
-
-@view(first=first_of_word)
+@view(
+    first=lambda value, _: First(value.name, ", ".join(value.synonyms[:4]), [value.meaning, _worded(value)], after=())
+)
 def word_view(value: Word, _: float) -> Face:
     """The same as a page."""
     about = (", ".join(value.synonyms),) if value.synonyms else ()
