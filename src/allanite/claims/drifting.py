@@ -13,8 +13,7 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.model import Term
 from allanite.core.record import Record, Recording
-from allanite.exporting.bounds import bounded
-from allanite.exporting.choice import Source, axes_of
+from allanite.exporting.choice import Source, axes_of, bounded
 from allanite.exporting.content import Axis
 from allanite.exporting.export import alerts_of
 from allanite.exporting.fields import How, usable

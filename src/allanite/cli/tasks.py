@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from .deliver import carry_out, outputs, recipe_of, settings_of
 from .front import DATA, EXCEEDED, PARTLY
-from .signals import stopping
+from .streams import stopping
 
 if TYPE_CHECKING:
     from allanite.batch.batch import Batch

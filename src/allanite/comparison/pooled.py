@@ -27,8 +27,7 @@ from allanite.terms import TERMS
 from .change import ComparedChannel, Together, alpha_of, holm, of_symbol
 from .common_likelihood import Joint, least
 from .contrast import chi_square, homogeneity, outlying, spread
-from .ramps import CommonRamp, ramp_law
-from .ratio import shared_curves
+from .ratio import CommonRamp, ramp_law, shared_curves
 from .sources import join_records
 
 

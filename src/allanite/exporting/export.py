@@ -22,8 +22,7 @@ from allanite.study.analysis import analyze
 from allanite.study.recipe import Recipe
 from allanite.study.results import Study
 
-from .bounds import BOUND, READ, bounded
-from .choice import Source, axes_of, demand_policy, selected
+from .choice import BOUND, READ, Source, axes_of, bounded, demand_policy, selected
 from .content import Axis, Content, Entry, by_sensor
 from .cover import covered
 from .exports import target_named
