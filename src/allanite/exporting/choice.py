@@ -244,8 +244,8 @@ def bounded(axis: Axis, *, asked: bool) -> Axis:
 def _estimates(axis: Axis, symbols: Iterable[str]) -> dict[str, Estimate]:
     """Upper bounds of coefficients by symbol, SI."""
     # Every term adds to the variance: a coefficient is at most that whose line passes through the upper limit of the
-    # curve, c < upper(tau) / (sqrt(level) tau^slope). N is read at 1 s; B, whose line is level, at the lowest limit, and
-    # K where it bounds most, which is near the longest averaging time.
+    # curve, c < upper(tau) / (sqrt(level) tau^slope). N is read at 1 s; B, whose line is level, at the lowest limit,
+    # and K where it bounds most, which is near the longest averaging time.
     curve, signal = axis.curve, axis.fit.signal
     if curve is None or curve.law is None:
         raise DataError(
