@@ -143,16 +143,10 @@ SHARES = 5
 
 @public
 def check(
-    source: Source,
-    claims: "str | os.PathLike[str] | Model | ClaimedNoise",
-    recipe: Recipe | None = None,
-    *,
-    claims_from: str | None = None,
-    at_most: bool = False,
-    tolerance: float = TOLERANCE,
-    progress: Progress | None = None,
-    **choices: object,
-) -> ClaimCheck:
+    source: Source, claims: "str | os.PathLike[str] | Model | ClaimedNoise", recipe: Recipe | None = None, *,
+    claims_from: str | None = None, at_most: bool = False, tolerance: float = TOLERANCE,
+    progress: Progress | None = None, **choices: object,
+) -> ClaimCheck:  # fmt: skip
     """Check whether a recording has the noise that a configuration, a simulator or a data sheet claims.
 
     A model and the file of a filter or simulator claim exact values: each coefficient is estimated by likelihood in the

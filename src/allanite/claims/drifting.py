@@ -31,12 +31,9 @@ from .drift_settings import DriftSettings
 
 @public
 def drift(
-    source: Source | Record | Recording | str | PurePath | None = None,
-    settings: DriftSettings | None = None,
-    *,
-    recipe: Recipe | None = None,
-    **choices: Any,
-) -> Drift:
+    source: Source | Record | Recording | str | PurePath | None = None, settings: DriftSettings | None = None, *,
+    recipe: Recipe | None = None, **choices: Any,
+) -> Drift:  # fmt: skip
     """Predict how far heading, attitude, velocity and position drift with time without aid, from the noise.
 
     Each is a standard deviation, in closed form from the structure function of every noise term; nothing is simulated.

@@ -117,18 +117,10 @@ def _numbers(values: Sequence[float]) -> str:
 
 @public
 def export(  # noqa: PLR0913 - each has a default, and is a choice of its own
-    source: Source | Record | Recording | str | os.PathLike[str],
-    target: str,
-    *,
-    axis: str = "worst",
-    inflate: float = 1.0,
-    rate: float | None = None,
-    filter_rate: float | None = None,
-    unexplained: bool = False,
-    cover: bool | str | tuple[float, float] | None = None,
-    from_curve: bool = False,
-    form: str = "",
-) -> Export:
+    source: Source | Record | Recording | str | os.PathLike[str], target: str, *, axis: str = "worst",
+    inflate: float = 1.0, rate: float | None = None, filter_rate: float | None = None, unexplained: bool = False,
+    cover: bool | str | tuple[float, float] | None = None, from_curve: bool = False, form: str = "",
+) -> Export:  # fmt: skip
     """Convert identified noise to the file that a filter or simulator reads.
 
     Parameters

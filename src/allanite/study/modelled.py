@@ -301,11 +301,10 @@ def run_model_job(
         except DataError as error:
             return made(refusal=str(error))
 
-    def refused(seen: Inspected, why: str) -> Modelled:
-        return Modelled(seen.name, seen.record.rate, seen.record, seen.quality, refusal=why)
-
     return run(
-        kind, source, recipe, follow, refused, begin=partial(begun_in, recipe=recipe), progress=progress
+        kind, source, recipe, follow,
+        lambda seen, why: Modelled(seen.name, seen.record.rate, seen.record, seen.quality, refusal=why),
+        begin=partial(begun_in, recipe=recipe), progress=progress,
     )  # fmt: skip
 
 

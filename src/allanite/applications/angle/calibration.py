@@ -181,15 +181,9 @@ def parts_of(result: Result) -> tuple[Harmonics, ...]:
 
 @public
 def estimate(
-    difference: ArrayLike,
-    gimbals: Gimbals,
-    *,
-    orders: Orders = (128, 256),
-    nuisance: Sequence[str] = USUAL,
-    sigma: float | None = None,
-    prior: Prior | None = None,
-    method: str = "recursive",
-) -> Calibration:
+    difference: ArrayLike, gimbals: Gimbals, *, orders: Orders = (128, 256), nuisance: Sequence[str] = USUAL,
+    sigma: float | None = None, prior: Prior | None = None, method: str = "recursive",
+) -> Calibration:  # fmt: skip
     """Estimate the harmonics of the angle sensors while the earth's rotation, or a ship's sway, moves the gimbals.
 
     The measured cosine of the angle between the momentum vectors less the computed one is ``z = sum of f_a e_a(a)``,

@@ -38,14 +38,9 @@ TURNING = 10.0  # mean rate, deg/s, that is no bias of a gyro
 
 @public
 def vertical(
-    source: Source,
-    method: str = "complementary",
-    time_constant: float | None = None,
-    *,
-    settings: VerticalSettings | None = None,
-    recipe: Recipe | None = None,
-    progress: Progress | None = None,
-) -> VerticalStudy:
+    source: Source, method: str = "complementary", time_constant: float | None = None, *,
+    settings: VerticalSettings | None = None, recipe: Recipe | None = None, progress: Progress | None = None,
+) -> VerticalStudy:  # fmt: skip
     """Find roll and pitch of a recording, with the time constant that its identified noise asks for.
 
     Parameters

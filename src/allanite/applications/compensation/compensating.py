@@ -121,13 +121,9 @@ class _Source:
 
 @public
 def compensate_file(
-    source: Source,
-    recipe: Recipe | None = None,
-    settings: CompensationSettings | None = None,
-    *,
-    apply_to: PathLike | None = None,
-    progress: Progress | None = None,
-) -> CompensationStudy:
+    source: Source, recipe: Recipe | None = None, settings: CompensationSettings | None = None, *,
+    apply_to: PathLike | None = None, progress: Progress | None = None,
+) -> CompensationStudy:  # fmt: skip
     """Fit every inertial channel of a file on other channels, and apply the regressions.
 
     Parameters
@@ -237,12 +233,10 @@ def _each(
         done = _corrected(seen.record, source.along, regression, recipe)
         return replace(done, gain=gain, alerts=(*done.alerts, *seen.alerts))
 
-    def refused(seen: Inspected, why: str) -> Compensated:
-        return Compensated(seen.record, refusal=why)
-
     return run_together(
-        kind, (source.signals,), recipe, work, refused, findings=source.findings, notes=source.along.notes, look=look,
-        doing="correcting" if held else "fitting", demand=demand, progress=progress,
+        kind, (source.signals,), recipe, work, lambda seen, why: Compensated(seen.record, refusal=why),
+        findings=source.findings, notes=source.along.notes, look=look, doing="correcting" if held else "fitting",
+        demand=demand, progress=progress,
     )  # fmt: skip
 
 

@@ -71,16 +71,10 @@ def standard_error(row: RateEstimator, weights: FloatArray, task: Task) -> float
 
 @public
 def predicted_standard_error(
-    method: str,
-    model: ModelLike,
-    *,
-    size: int | None = None,
-    rate: float | None = None,
-    duration: float | str | None = None,
-    target: str = "mean",
-    dither: tuple[float, ...] = (),
+    method: str, model: ModelLike, *, size: int | None = None, rate: float | None = None,
+    duration: float | str | None = None, target: str = "mean", dither: tuple[float, ...] = (),
     options: EstimatorSettings | None = None,
-) -> float:
+) -> float:  # fmt: skip
     """The standard error of a method under a model, without data.
 
     Parameters
@@ -186,14 +180,9 @@ def ranking(task: Task) -> Ranking:
 
 @public
 def rank(
-    model: ModelLike,
-    *,
-    size: int | None = None,
-    rate: float | None = None,
-    duration: float | str | None = None,
-    target: str = "mean",
-    options: EstimatorSettings | None = None,
-) -> Ranking:
+    model: ModelLike, *, size: int | None = None, rate: float | None = None, duration: float | str | None = None,
+    target: str = "mean", options: EstimatorSettings | None = None,
+) -> Ranking:  # fmt: skip
     """The best method for a gyro, and its advantage; parameters as for `predicted_standard_error`.
 
     Examples

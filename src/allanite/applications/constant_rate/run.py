@@ -50,15 +50,9 @@ from .row import (
 
 @public
 def estimate(
-    record: Samples,
-    method: str = "optimal",
-    *,
-    model: ModelLike | None = None,
-    target: str = "mean",
-    dither: tuple[float, ...] = (),
-    options: EstimatorSettings | None = None,
-    **sampling: Unpack[Sampling],
-) -> RateEstimate:
+    record: Samples, method: str = "optimal", *, model: ModelLike | None = None, target: str = "mean",
+    dither: tuple[float, ...] = (), options: EstimatorSettings | None = None, **sampling: Unpack[Sampling],
+) -> RateEstimate:  # fmt: skip
     """Measure the constant rate of a record.
 
     Parameters
@@ -274,11 +268,9 @@ def piece(record: Record, start: int, size: int) -> Record:
 
 @public
 def by_duration(
-    record: Record,
-    durations: tuple[float, ...],
-    model: ModelLike | None = None,
+    record: Record, durations: tuple[float, ...], model: ModelLike | None = None,
     settings: ExperimentSettings | None = None,
-) -> tuple[Experiment, ...]:
+) -> tuple[Experiment, ...]:  # fmt: skip
     """The experiment for several measuring times, s: the accuracy against the time it takes.
 
     Times that do not fit into the record are omitted. At most `settings.most` intervals of each, or `MOST`, spread over

@@ -191,8 +191,7 @@ def budget_file(
         alerts = tuple(str(f) for f in seen.quality.warnings if f.name not in told)
         return BudgetChannel(seen.record, found, (*found.alerts, *alerts))
 
-    def refused(seen: Inspected, why: str) -> BudgetChannel:
-        return BudgetChannel(seen.record, refusal=why)
-
-    return run(partial(BudgetStudy, settings=settings), whole, recipe, work, refused, doing="measuring",
-               progress=progress)  # fmt: skip
+    return run(
+        partial(BudgetStudy, settings=settings), whole, recipe, work,
+        lambda seen, why: BudgetChannel(seen.record, refusal=why), doing="measuring", progress=progress,
+    )  # fmt: skip
