@@ -4,7 +4,6 @@ Every analysis of a recording uses it, so that the same file gets the same findi
 """
 
 import os
-import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar, cast
@@ -30,9 +29,7 @@ from allanite.readers.parts import demand_memory
 from .job import provenance_of
 from .keeper import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
 from .parts import Keeping, in_parts, passed
-from .recipe import READING, SELECTING, Recipe
-
-OPTIONS = {"start": "from"}  # options whose names differ from the recipe's keys
+from .recipe import READING, Recipe, command_of
 
 
 def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -> tuple[Finding, ...]:
@@ -50,18 +47,10 @@ def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -
                     channels=", ".join(shares), column=other.name, share=percent(largest),
                 ),
                 say("B, K and R partly represent the sensitivity to it"),
-                say("remove it: {command}", command=compensation(recording.source, recipe, other.name)),
+                say("remove it: {command}", command=command_of(
+                    recipe, "allanite", "compensate", recording.source, last=("--regressors", other.name))),
             ))  # fmt: skip
     return tuple(findings)
-
-
-def compensation(source: str, recipe: Recipe, column: str) -> str:
-    """The command that removes the dependence on a column."""
-    words = ["allanite", "compensate", source]
-    for key, value in recipe.to_dict((*READING, *SELECTING)).items():
-        text = ",".join(map(str, value)) if isinstance(value, list) else str(value)
-        words += [f"--{OPTIONS.get(key, key).replace('_', '-')}", text]
-    return shlex.join([*words, "--regressors", column])
 
 
 Source = Recording | Samples | FrameLike | str | os.PathLike[str]
@@ -241,8 +230,7 @@ def run_together(  # noqa: PLR0913 - each has a default but those that make the 
     first, *others = recordings
     if channels is None:
         channels = [(record.name, (record, *(other[record.name] for other in others))) for record in first]
-    found = tuple(finding for recording in recordings for finding in recording.findings)
-    told = found if findings is None else tuple(findings)
+    told = tuple(f for recording in recordings for f in recording.findings) if findings is None else tuple(findings)
     results = each_channel(
         channels, work, refused, findings=told, look=look, begin=begin, doing=doing, demand=demand, progress=progress
     )

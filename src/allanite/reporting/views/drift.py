@@ -179,11 +179,8 @@ def first_of_drift(value: Drift, _: float) -> First:
     courses = _alike(value)
     if value.axes:
         heads = [Column(say("after"), "name"), *(Column(f"{name} [{course.unit}]", "name") for name, course in courses)]
-        answer.append(
-            Table(
-                heads, list(zip(_after(value), *(_cells(course, _lost(value)) for _, course in courses), strict=True))
-            )
-        )
+        cells = (_cells(course, _lost(value)) for _, course in courses)
+        answer.append(Table(heads, list(zip(_after(value), *cells, strict=True))))
     for need in value.settings.requirements:
         answer += _required(value, need)
     if value.axes and not value.settings.requirements:

@@ -103,11 +103,9 @@ def every_interval(found: Experiment) -> Table:
 def series_of(channel: RateChannel) -> list[Experiment]:
     """The experiment of a channel and those of the other measuring times."""
     experiment = channel.experiment
-    return (
-        []
-        if experiment is None
-        else [experiment, *(e for e in channel.by_duration if e.duration != experiment.duration)]
-    )
+    if experiment is None:
+        return []
+    return [experiment, *(e for e in channel.by_duration if e.duration != experiment.duration)]
 
 
 def certain_limits(estimates: Sequence[RateEstimate]) -> Iterator[str]:
@@ -176,7 +174,7 @@ def finite(value: float) -> float | str:
 
 
 @view(
-    lambda values, fit, level: figures.plot_rates([(found, ()) for found in values]),
+    lambda values, fit, level: figures.plot_rates([(experiment, ()) for experiment in values]),
     lambda found, level: (HEADINGS, list(experiment_rows(found))),
 )
 def experiment_view(found: Experiment, _: float) -> Face:
