@@ -1,4 +1,4 @@
-"""The figure of the README, light and dark: ``python docs/generate/hero.py`` writes it from the sample."""
+"""The figure of the README, light and dark: ``python -P docs/generate/hero.py`` writes it from the sample."""
 
 import re
 import sys

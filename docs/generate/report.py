@@ -1,4 +1,4 @@
-"""The picture of a report in the README: ``python docs/generate/report.py`` takes it by a browser."""
+"""The picture of a report in the README: ``python -P docs/generate/report.py`` takes it by a browser."""
 
 import io
 import shutil

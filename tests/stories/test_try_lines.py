@@ -57,10 +57,27 @@ CASES = {
     "a counter": Case("", [TIME + 1, *triple(0.1)], "--rate HZ --unit UNIT", ("70", "deg/s"), 70.0, SIX),
     "neither rate nor heading": Case("", triple(0.1), "--rate HZ --unit UNIT", ("70", "deg/h"), 70.0, ("deg/h",) * 3),
     "a clock in one of two units": Case(
-        "stamp,gx [deg/s]", [TIME * 100, triple(0.1)[0]], "--time 'stamp[UNIT]'", ("ms",), 10.0, ("deg/s",),
+        "stamp,gx [deg/s]", [TIME * 200, triple(0.1)[0]], "--time 'stamp[UNIT]'", ("ms",), 5.0, ("deg/s",),
+    ),
+    "French names": Case(
+        ",".join(["temps", *(f"{name} {axis}" for name in ("vitesse angulaire", "accélération") for axis in "xyz")]),
+        [1_650_000_000_000 + TIME * 20, *triple(0.1), *triple(2.0, 1020.0)], "--unit 'gyro=UNIT,accel=mg'",
+        ("deg/s",), 50.0, SIX + ("mg",) * 3,
+    ),
+    "a second sensor without a name": Case(
+        "t,ax,ay,az,rx,ry,rz,load", [TIME / 50, *triple(0.02, 9.8), *triple(0.1), triple(4.0)[0]],
+        "--unit 'accel=m/s^2,5=UNIT,6=UNIT,7=UNIT'", SIX, 50.0, ("m/s^2",) * 3 + SIX,
+    ),
+    "names of ROS over other units": Case(
+        ",".join(["t", *(f"{name}.{axis}" for name in ("angular_velocity", "linear_acceleration") for axis in "xyz")]),
+        [TIME / 50, *triple(0.1), *triple(2.0, 1020.0)], "--unit 'gyro=UNIT,accel=mg'", ("deg/s",), 50.0,
+        SIX + ("mg",) * 3,
+    ),
+    "biases of gyros with the length of gravity in g": Case(
+        "", [TIME / 50, *triple(0.08, 1.0, 0.05)], "--time 'column 1[s]' --unit UNIT", ("deg/s",), 50.0, SIX,
     ),
     "the clock that was chosen without its unit": Case(
-        "", [9 * 10**12 + TIME * 1_600_000, *triple(0.1)], "--time 'column 1[ns]' --unit UNIT", ("deg/s",), 625.0, SIX,
+        "", [9 * 10**12 + TIME * 1_600_000, *triple(0.1)], "--time 1 --unit UNIT", ("deg/s",), 625.0, SIX,
         options="--time 1",
     ),
     "g with an offset of 9 %": Case(

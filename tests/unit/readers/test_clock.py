@@ -275,7 +275,7 @@ def test_integer_stamps_without_unit(stamped, step, unit, rate):
     only(recording, "damaged time stamps")
 
 
-@rows("step", [1, 1000, 1_000_000, 100_000_000_000])
+@rows("step", [1, 200, 200_000, 100_000_000_000])
 def test_ambiguous_integer_stamps_are_asked_for(stamped, step):
     path = stamped(np.arange(200) * step, "stamp")
     refused(UsageError, r"time='stamp\[UNIT\]'", lambda: read(path))

@@ -113,3 +113,16 @@ def test_a_unit_against_the_header_is_a_warning_that_names_both(write):
     assert "another quantity" in str(other[0])
     same = read(write("time [s],wx [deg/s],wy,ax [g]"), unit="dps")
     assert not same.findings
+
+
+@rows("rate, noted", [(15.041, True), (12.0, False)])
+def test_the_rate_of_the_earth_is_noted_with_the_latitude(tmp_path, rate, noted):
+    up = np.array([0.48, -0.36, 0.8])
+    north = np.array([0.6, 0.8, 0.0])
+    turn = rate * (np.sin(np.radians(50)) * up + np.cos(np.radians(50)) * north)
+    rng = np.random.default_rng(1)
+    y = np.hstack((turn + 3 * rng.standard_normal((4000, 3)), up + 1e-3 * rng.standard_normal((4000, 3))))
+    header = ",".join([f"g{a} [deg/h]" for a in "xyz"] + [f"a{a} [g]" for a in "xyz"])
+    np.savetxt(tmp_path / "six.csv", y, "%.6f", ",", header=header, comments="")
+    notes = read(tmp_path / "six.csv", rate=100.0).notes
+    assert any("a latitude of 50 deg" in note for note in notes) == noted

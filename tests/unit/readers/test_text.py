@@ -350,6 +350,57 @@ def test_dates_in_words(write, shape):
         assert noted(recording, "columns 1 and 2 are used as date and time of day")
 
 
+LONG = np.random.default_rng(6).normal(size=(200, 6)).round(4)
+SIX_AXES = ["gx", "gy", "gz", "ax", "ay", "az"]
+GROUPED = ["t", *(f"{group} {axis}" for group in ("gyro", "acc") for axis in "xyz")]
+HEADED = {
+    "units of groups": ("t [s];gyro [deg/s];;;acc (g);;\n;x;y;z;x;y;z", GROUPED),
+    "units below": ("t;gyro;;;acc;;\n;x;y;z;x;y;z\ns;deg/s;;;g;;", GROUPED),
+    "units between": ("t;gyro;;;acc;;\ns;deg/s;;;g;;\n;x;y;z;x;y;z", GROUPED),
+    "an empty cell first": ("t\tgx\tgy\tgz\tax\tay\taz\n\tdeg/s\tdeg/s\tdeg/s\tg\tg\tg", ["t", *SIX_AXES]),
+    "a line above": ("log;7b\nt;gx;gy;gz;ax;ay;az\ns;deg/s;deg/s;deg/s;g;g;g", ["t", *SIX_AXES]),
+}
+
+
+@rows("heading, names", list(HEADED.values()), ids=list(HEADED))
+def test_headings_of_several_lines(write, heading, names):
+    mark = "\t" if "\t" in heading else ";"
+    lines = [mark.join([f"{i / 50}", *map(str, LONG[i])]) for i in range(100)]
+    recording = read(write("\n".join([heading, *lines[:50], "# a pause", *lines[50:], ""])))
+    assert list(recording.channels) == names[1:]
+    assert [record.unit for record in recording] == ["deg/s"] * 3 + ["g"] * 3
+    assert noted(recording, "skipped 1 comment among the rows")
+
+
+def test_a_row_of_whole_numbers_is_no_heading():
+    for text, names in (("0,1\n0.1,0.5\n0.2,0.4\n", ("", "")), ("0,1\n0.7,0.5\n0.2,0.4\n", ("0", "1"))):
+        assert layout.find(text.encode()).names == names
+
+
+@rows("first, later", [("02/11/26", "02/12/26"), ("11.02.26", "12.02.26"), ("2/28/2026", "3/1/2026")])
+def test_the_order_of_a_date_is_seen_where_it_matters(write, first, later):
+    stamps = [f"{first} 23:59:59.{i:02d}" for i in range(100)] + [f"{later} 00:00:00.{i:02d}" for i in range(100)]
+    lines = [f"{stamp},{value}" for stamp, value in zip(stamps, LONG[:, 0], strict=True)]
+    assert read(write("\n".join(["time,gx [deg/s]", *lines, ""])))["gx"].rate == pytest.approx(100)
+
+
+def test_a_log_of_novatel_is_rows_of_counts(write):
+    row = "%RAWIMUSXA,2051,{t};00,11,2051,{t},00000077,-327000,{i},2,3,-4,5*1234abcd\n#BESTPOSA,COM1;1*aabbccdd\n"
+    path = write("".join(row.format(t=i / 100, i=i % 7) for i in range(60)))
+    names = ["delta_angle_z", "delta_angle_-y", "delta_angle_x"]
+    recording = read(path, scale="2e-9rad", kind="increment", channels=names)
+    assert [record.values[0] for record in recording] == [3, -4, 5]
+    assert recording[0].rate == pytest.approx(100)
+
+
+def test_units_that_gravity_contradicts_are_doubted(write):
+    down = [f"{i / 50},{x},{y},{1 + z}" for i, (x, y, z) in enumerate(LONG[:, :3] / 500)]
+    (warning,) = read(write("\n".join(["t,ax [m/s^2],ay [m/s^2],az [m/s^2]", *down, ""]))).findings
+    assert "0.102 times gravity, and is gravity in g" in str(warning)
+    with pytest.raises(UsageError, match="contradicts the unit that sensor_msgs/Imu defines"):
+        read(write("\n".join([",".join(["t", *(f"linear_acceleration.{axis}" for axis in "xyz")]), *down, ""])))
+
+
 def test_a_time_of_day_goes_past_midnight(write):
     seconds = 86_380 + np.arange(400) / 10
     clock = [f"{int(s) // 3600 % 24:02d}:{int(s) // 60 % 60:02d}:{s % 60:04.1f}" for s in seconds]

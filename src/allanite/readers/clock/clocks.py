@@ -20,8 +20,10 @@ from allanite.readers.columns.column import FileColumn, lookup
 from .findings import Places, SampleGrid, lost_samples
 from .stamps import EVEN, MOST_LOST, TICKS
 
-PLAUSIBLE = (0.5, 20e3)  # sampling rates, Hz, considered plausible when the unit of integer time stamps is determined
-LIKELY = (0.9, 20e3)  # the same when it is only suggested
+PLAUSIBLE = (0.1, 50e3)  # sampling rates, Hz, considered plausible when the unit of time stamps is determined
+IMUS = (9.0, 4500.0)  # those of most inertial sensors: of two plausible ones, the one within is taken
+SLOWEST = 0.5  # rate, Hz, from which on time stamps with fractions are in seconds
+EPOCH = (946_684_800.0, 4_102_444_800.0)  # the years 2000 to 2100, s since 1970
 
 _NAME = re.compile(
     r"packet|counter|(^|[^a-z])(cnt|ctr|count|seq|sequence|samples?|index|idx|frame|row|no|id)([^a-z]|$)"
@@ -56,19 +58,37 @@ def readings(stamps: NDArray[Any]) -> list[tuple[str, float]]:
     return [(unit, (len(stamps) - 1) / size) for unit, size in sizes] if span > 0 else []
 
 
-def likely_unit(column: FileColumn) -> str:
-    """The only likely unit of time stamps; empty if several are likely, or none. Fractions are seconds."""
-    rates = readings(column.values)
-    if rates and np.any(column.values != np.floor(column.values)) and PLAUSIBLE[0] <= rates[0][1] <= PLAUSIBLE[1]:
-        return "s"
-    likely = [unit for unit, rate in rates if LIKELY[0] < rate <= LIKELY[1]]
-    return likely[0] if len(likely) == 1 else ""
+def unit_by_rate(stamps: NDArray[Any]) -> tuple[str, str]:
+    """The unit of time stamps by their size and by the rates that they give, and why; empty if it remains unknown."""
+    rates = {unit: rate for unit, rate in readings(stamps) if PLAUSIBLE[0] <= rate <= PLAUSIBLE[1]}
+    since = [unit for unit in rates if EPOCH[0] <= float(stamps[0]) * unit_of(unit).factor <= EPOCH[1]]
+    if since:
+        return since[0], say("time stamps assumed to be in {unit} since 1970, by their size", unit=since[0])
+    # by the usual step, which no jump changes
+    if np.any(stamps != np.floor(stamps)) and 0 < float(np.median(np.diff(stamps))) <= 1 / SLOWEST:
+        return "s", say("time stamps assumed to be in seconds")
+    usual = [unit for unit, rate in rates.items() if IMUS[0] <= rate <= IMUS[1]] or list(rates)
+    if len(usual) != 1 or counts_rows(stamps):
+        return "", ""
+    unit = usual[0]
+    if len(rates) == 1:
+        return unit, say("integer time stamps assumed to be in {unit}, the only plausible unit", unit=unit)
+    other = next(name for name in rates if name != unit)
+    return unit, say(
+        "integer time stamps assumed to be in {unit}: in {other} their rate would be {rate:.6g} Hz, as of few sensors",
+        unit=unit, rate=rates[other], other=other,
+    )  # fmt: skip
+
+
+def counts_rows(stamps: NDArray[Any]) -> bool:
+    """Whether whole numbers usually rise by one, as a counter does."""
+    return stamps.dtype.kind == "i" and float(np.median(np.diff(stamps[:1000]))) == 1
 
 
 def addressed(column: FileColumn) -> str:
     """A column of time stamps as it is chosen: with its likely unit, or a placeholder."""
     name = column.position if set(column.name) & set("[]'") else column.name
-    return f"{name}[{likely_unit(column) or UNIT}]"
+    return f"{name}[{unit_by_rate(column.values)[0] or UNIT}]"
 
 
 def find(columns: tuple[FileColumn, ...], option: str | None, chosen: tuple[FileColumn, ...] | None) -> ClockSources:

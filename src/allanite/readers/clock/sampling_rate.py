@@ -13,7 +13,7 @@ from allanite.core.validity import Finding
 from allanite.phrases.phrase import join, percent, say, spelled
 from allanite.readers.columns.column import FileColumn
 
-from .clocks import PLAUSIBLE, ClockSources, addressed, counted_grid, places, readings, unwrapped
+from .clocks import ClockSources, addressed, counted_grid, places, readings, unit_by_rate, unwrapped
 from .findings import ONE_AFTER_THE_OTHER, SampleGrid
 from .stamps import Damage, fit, mended, seconds_since
 
@@ -238,15 +238,16 @@ def _unit(sources: ClockSources, stamps: NDArray[Any], given: float | None) -> t
     """The unit of time stamps, and the text for the note if it was guessed; empty if it is unknown."""
     if sources.unit:
         return sources.unit, ""
-    if not np.all(np.isfinite(stamps)) or np.any(stamps != np.floor(stamps)):
-        return "s", say("time stamps assumed to be in seconds")
-    low, high = (given / 3, 3 * given) if given else PLAUSIBLE
-    fits = [unit for unit, rate in readings(stamps) if low <= rate <= high]
-    if len(fits) != 1:  # time stamps that are all equal are so in any unit
-        return "" if np.any(stamps != stamps[0]) else "s", ""
-    if given:
-        return fits[0], say("integer time stamps assumed to be in {unit}, consistent with the rate", unit=fits[0])
-    return fits[0], say("integer time stamps assumed to be in {unit}, the only plausible unit", unit=fits[0])
+    if not np.any(stamps != stamps[:1]):  # time stamps that are all equal are so in any unit
+        return "s", ""
+    whole = bool(np.all(stamps == np.floor(stamps)))
+    unit, why = unit_by_rate(stamps) if not given and np.all(np.isfinite(stamps)) else ("", "")
+    if unit or not whole:
+        return unit or "s", why or say("time stamps assumed to be in seconds")
+    fits = [unit for unit, rate in readings(stamps) if given and given / 3 <= rate <= 3 * given]
+    if len(fits) != 1:
+        return "", ""
+    return fits[0], say("integer time stamps assumed to be in {unit}, consistent with the rate", unit=fits[0])
 
 
 def _listed(readings: list[tuple[str, float]]) -> str:

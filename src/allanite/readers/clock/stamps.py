@@ -162,6 +162,7 @@ def _reversed(stamps: Stamps) -> SampleGrid:
     )  # fmt: skip
     if back.all():
         what = say("the rows are in reverse order by the time stamps of {column}", column=stamps.label)
+        return SampleGrid(findings=(finding("reversed time stamps", what),), trouble=what)
     order = np.argsort(stamps.elapsed, kind="stable")
     ordered = Stamps(stamps.elapsed[order] - stamps.elapsed[order[0]], stamps.label)
     grid = None if ordered.steps.min() < 0.3 * float(np.median(ordered.steps)) else _forward(ordered)

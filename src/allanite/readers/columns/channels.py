@@ -16,7 +16,7 @@ from allanite.core.validity import Finding
 from allanite.phrases.phrase import join, say, spelled
 from allanite.readers.options import Options
 
-from . import headers, stated
+from . import conventions, headers, stated
 from .column import FileColumn, lookup, some
 from .stated import Stated
 
@@ -187,7 +187,7 @@ def climbs(column: FileColumn, options: Options, pool: Sequence[FileColumn]) -> 
     """Whether an unmarked column increases in every row; an integrated angle may, but not as the first of several."""
     may_climb = options.kind in ("angle", "value") and column.position > 1
     values = column.values
-    if column.unit or column.text or len(pool) < 2 or len(values) < 10 or may_climb:
+    if column.unit or column.text or headers.identifies(column.name) or len(pool) < 2 or len(values) < 10 or may_climb:
         return False
     return bool(np.all(values[1:100] > values[:99][: len(values) - 1]) and np.all(values[1:] > values[:-1]))
 
@@ -245,7 +245,7 @@ def _source(column: FileColumn, options: Options, unit: str, applies: bool) -> s
     """Origin of the unit; empty if the user gave it and the header agrees, or a warning says that it does not."""
     if not column.unit or (options.unit == unit == column.unit) or stated.contradicts(column, unit):
         return ""
-    known = stated.convention_of(column)
+    known = conventions.convention_of(column)
     if unit != column.unit:
         return say("unit {unit} as requested, overriding the header of", unit=unit)
     if column.kind:

@@ -9,7 +9,10 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError
 from allanite.phrases.phrase import say
 
-DATES = (r"(?P<y>\d{4})[-/.](?P<m>\d{1,2})[-/.](?P<d>\d{1,2})", r"(?P<d>\d{1,2})[-/.](?P<m>\d{1,2})[-/.](?P<y>\d{4})")
+DATES = (
+    r"(?P<y>\d{4})[-/.](?P<m>\d{1,2})[-/.](?P<d>\d{1,2})",
+    r"(?P<d>\d{1,2})[-/.](?P<m>\d{1,2})[-/.](?P<y>\d{4}|\d{2})",
+)
 TIME = (
     r"(?P<H>\d{1,2}):(?P<M>\d{2})(?::(?P<S>\d{2})(?:[.,:](?P<f>\d{1,9})\d*)?)?\s*(?P<p>[AaPp]?)[Mm]?"
     r"(?:\s*(?:Z|UTC|[-+]\d{2}:?\d{2}))?"
@@ -56,6 +59,8 @@ def parsed(words: Any, pattern: str, label: str, first: int = 0, american: bool 
         return np.asarray(pc.fill_null(pc.if_else(pc.equal(field, ""), "0", field), "0").cast(pa.int64()))
 
     empty = np.asarray(pc.is_null(fields))
+    if american is None:
+        american = "<y>" in pattern and is_american(words, pattern)
     days = _days(part("y"), part("m"), part("d"), label, american) if "<y>" in pattern else None
     if "<H>" not in pattern:
         assert days is not None  # noqa: S101 - a pattern has a date, a time, or both
@@ -73,15 +78,20 @@ def parsed(words: Any, pattern: str, label: str, first: int = 0, american: bool 
 
 def is_american(words: Any, pattern: str) -> bool:
     """Whether words show that the month and the day are in the other order than in their pattern."""
+    # The month is never above 12, and within a record it changes only together with the day: if the date does not
+    # change, the order does not matter.
     import pyarrow as pa
     import pyarrow.compute as pc
 
     fields = pc.extract_regex(pc.utf8_trim_whitespace(words), rf"^(?:{pattern})$")
-    return int(pc.max(pc.struct_field(fields, "m").cast(pa.int64())).as_py() or 0) > 12
+    days, months = (pc.min_max(pc.struct_field(fields, name).cast(pa.int64())).as_py() for name in "dm")
+    largest = months["max"] or 0
+    return largest > 12 or (days["max"] == days["min"] and months["max"] != months["min"])
 
 
-def _days(year: Values, month: Values, day: Values, label: str, american: bool | None) -> Values:
-    if month.max(initial=1) > 12 if american is None else american:
+def _days(year: Values, month: Values, day: Values, label: str, american: bool) -> Values:
+    year = np.where((year < 100) & (year > 0), year + 2000, year)
+    if american:
         month, day = day, month
     if month.max(initial=1) > 12 or day.max(initial=1) > 31:
         raise DataError(say(

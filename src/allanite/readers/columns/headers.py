@@ -33,41 +33,50 @@ TIME_NAMES: dict[str, str] = {  # names of a clock, with the unit that some of t
     "second": "s", "seconds": "s", "sec": "s", "secs": "s", "s": "s", "millis": "ms", "milliseconds": "ms", "ms": "ms",
     "micros": "us", "microseconds": "us", "us": "us", "nanoseconds": "ns", "ns": "ns",
     "msec": "ms", "usec": "us", "nsec": "ns", "nsecs": "ns", "nanosec": "ns", "nanosecs": "ns",
-    "время": "", "t,с": "s", "时间": "", "时间戳": "", "时刻": "", "采样时间": "",
+    "время": "", "t,с": "s", "时间": "", "时间戳": "", "时刻": "", "采样时间": "", "時間": "", "時刻": "", "시간": "",
 }  # fmt: skip
 
 _RAW = ("-", "", "lsb", "lsbs", "count", "counts", "raw", "digit", "digits", "adc", "bit", "bits", "a.u.", "au")
 
-_COUNTS = re.compile(r"\[ *(lsbs?|counts?|raw|digits?|adc|bits?) *\]|\( *(lsbs?|counts?|raw|digits?|adc|bits?) *\)")
+_COUNTS = re.compile(
+    r"\[ *(lsbs?|counts?|raw|digits?|adc|bits?) *\]|\( *(lsbs?|counts?|raw|digits?|adc|bits?) *\)|[_ ](lsbs?|counts?)$"
+)
 """What a header says of numbers as they come from a converter."""
 
-_INCREMENT = re.compile(r"d(elta)?_?(ang|theta|vel|v(_?[xyz])?$)")
+_INCREMENT = re.compile(r"(delta_?|(^|[^a-z])d(el)?_?)(ang(?!ul)|theta|vel|v(_?[xyz])?$)|vel_?inc")
 
 _OTHER = re.compile(  # a name that begins like this, up to its end or a number, is not an inertial signal
     r"(temp|temperature|t_?deg_?c|index|idx|id|count|counter|packet|seq|sequence|samples?|frame|row|no|n|status|flags?|date|"
     r"mag|magnetometer|magnetic|m_?[xyz]|baro|pressure|press|humidity|alt|altitude|lat|latitude|lon|longitude|volt|voltage|"
-    r"battery|quat|quaternion|q_?[0-3wxyz]|roll|pitch|yaw|heading|euler|heater)([^a-z]|$)|.*temperature|.*[^a-z](temp|cnt|ctr)([^a-z]|$)|"
+    r"battery|quat|quaternion|q_?[0-3wxyz]|roll|pitch|yaw|heading|euler|heater|ori_?inc|dq|sensor_5)([^a-z]|$)|.*temperature|.*[^a-z](temp|cnt|ctr)([^a-z]|$)|"
     r"(номер|сч[её]тчик|пакет|кадр|статус|флаг|магн|давлен|высот|широт|долгот|крен|тангаж|курс|напряж|ток)|"
     r"(序号|编号|计数|帧|状态|标志|磁|气压|压力|湿度|高度|纬度|经度|横滚|滚转|俯仰|航向|偏航|姿态|电压|电流)"
 )
 _TEMPERATURE = re.compile(r"((^|[^a-z])(temp|temperature)|(^|[^a-zа-я])темпер[а-я]*|温度)(_?[0-9xyz])*$")
-_LENGTH = re.compile(r"(absolute|magnitude|norm|модуль|模)($|_(acc|gyr|ang|lin|rate|уск|угл))|.*_(norm|magnitude|abs)$")
-"""A name of the length of a vector, which is not the output of a sensor."""
+_LENGTH = re.compile(
+    r"free_?acc|(absolute|magnitude|norm|модуль|模)($|_(acc|gyr|ang|lin|rate|уск|угл))|.*_(norm|magnitude|abs)$"
+)
+"""A name of the length of a vector, or of an acceleration without gravity: not the output of a sensor."""
 
 _IDENTIFIER = re.compile(
     r"(^|[^a-z])(ids?|dt|seq|sequence|instance|index|idx|status|state|flags?|valid|health|timestamp_relative|counter|cnt|ctr|"
     r"(error|calib(ration)?|message|samples?|packet)_?counts?)[^a-z]*$|(^|[^a-z])clip(s|ped|ping)?([^a-z]|$)|"
-    r"covariance|orientation"
+    r"covariance|orientation|sample_?time_?fine"  # a count of 10 kHz of Xsens
 )
 """A name of what is not a sample, whichever sensor it names beside: gyro_device_id, delta_angle_dt."""
 
 _DRIVER = re.compile(r"temp|deg_?c|baro|press|humid|volt|battery|heater|темпер|давлен|напряж|温度|压力|气压|湿度|电压")
+# in English, German, French, Spanish, Italian, Portuguese, Russian, Chinese, Japanese and Korean
 _BY_NAME = {
     "gyro": re.compile(
-        r"gyr|^[gwω][_ ]?[xyz]$|omega|angular|^fog|delta_?(ang|theta)|^d_?theta|гиро|^дус|угл.{0,40}скорост|陀螺|角速"
+        r"gyr|^[gwω][_ ]?[xyz]$|omega|ang(ul|ol)ar|angulaire|rot(ation)?_?rate|turn_?rate|rate_of_turn|^fog|^d_?theta"
+        r"|(delta_?|(^|[^a-z])d(el)?_?)(ang|theta)|drehrate|drehgeschw|winkelgeschw|kreisel|vitesse_de_rot"
+        r"|gir[oó](s|m|_?[xyz]$)|гиро|^дус|угл.{0,40}скорост|陀螺|角速|ジャイロ|자이로|각속도"
     ),
     "accelerometer": re.compile(
-        r"acc|^[af][_ ]?[xyz]$|delta_?v|specific_?force|аксел|ускорен|(?<!角)加速度|加表|加计|比力"
+        r"acc(?!ura|ess)|^[af][_ ]?[xyz]$|d(el|elta)_?v|(^|[^a-z])d_?v(el)?_?[xyz]?$|vel_?inc|aceler|(?<!winkel)beschl"
+        r"|specific_?force|spezifische_kraft|(force|fuerza|forza|força)_(sp[eé]c|espec)"
+        r"|аксел|(?<!угловое_)ускорен|удельн.{0,3}_сил|(?<![角각])(加速度|가속도)|加表|加计|比力|비력"
     ),
 }
 _FULL_WIDTH = str.maketrans("（）［］：，／　", "()[]:,/ ")  # signs of Chinese texts, and the usual ones
@@ -140,7 +149,7 @@ def clock_rank(name: str) -> int:
     lower = _bare(name)
     if lower in TIME_NAMES:
         return 1 if name.strip() == "T" else 0
-    return 1 if re.search(r"time(?!out)|stamp|elapsed|врем|时间|时刻", lower) else 2
+    return 1 if re.search(r"time(?!out|fine|_fine)|stamp|elapsed|врем|时间|时刻", lower) else 2
 
 
 def clock_unit(name: str) -> str:

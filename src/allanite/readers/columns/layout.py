@@ -1,73 +1,18 @@
-"""The layout of a text file: delimiter, decimal sign, comments, names, sampling rate, the first row of numbers."""
+"""The layout of a text file: delimiter, decimal sign, comments, names, and the first row of numbers."""
 
 import csv
+import math
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import accumulate, chain, islice
-from typing import NamedTuple
+from itertools import accumulate, chain, islice, takewhile, zip_longest
 
 from allanite.core.errors import DataError
-from allanite.core.units import unit_of
-from allanite.phrases.phrase import Phrase, join, say, say_count
+from allanite.phrases.phrase import say, say_count
 
-from . import headers
-
-_RATE = (
-    r"sampl(?:e|ing)[ _-]?(?:rate|freq(?:uency|\.)?)|(?:output|imu)[ _]data[ _]rate|odr"
-    r"|update[ _](?:rate|freq(?:uency)?)|частота\s+(?:дискретизации|опроса|выборки|регистрации|измерений|съ[её]ма)"
-    "|采样(?:频率|速率|率)|更新(?:率|频率)|输出频率"
-)
-_INTERVAL = (
-    r"sampl(?:e|ing)[ _-]?(?:interval|period|time)|time[ _]?step"
-    r"|(?:период|интервал|шаг)\s+(?:дискретизации|опроса|выборки)"
-    "|采样(?:间隔|周期|时间)"
-)
-_STATED = re.compile(
-    rf"(?:^|[^\w])(?:(?P<rate>{_RATE}|(?-i:[Ff]s))|(?P<interval>{_INTERVAL}))\s*(?:[\[(（,]\s*(?P<before>[^\W\d]+)\s*[\])）]?)?"
-    r"[\s\"':=：,;]+(?P<number>\d+(?P<fraction>[.,]\d+)?(?:e[-+]?\d+)?)[\s\"',;]*(?P<after>[^\W\d]+(?:/[^\W\d]+)?)?(?![\w.,%]*\d|[/-])",
-    re.IGNORECASE,
-)
-_HERTZ = {"hz": 1.0, "гц": 1.0, "赫兹": 1.0, "赫": 1.0, "khz": 1e3, "кгц": 1e3, "sps": 1.0, "samples/s": 1.0}
-_FASTEST = 1e7
-
-
-class StatedRate(NamedTuple):
-    """A rate in Hz, and the line that states it."""
-
-    rate: float
-    line: int
-    text: str
-
-
-def statement(line: int, text: str, decimal: str = ".") -> StatedRate | None:
-    """The sampling rate that a line states; None if it states none."""
-    stated = _STATED.search(text) if len(text) <= headers.LONGEST_HEADER else None
-    if stated is None or (stated["fraction"] or "").startswith(",") > (decimal == ","):
-        return None
-    number, unit = float(stated["number"].replace(",", ".")), stated["after"] or stated["before"] or ""
-    if stated["rate"]:
-        value = number * _HERTZ.get(unit.lower(), 0.0 if unit else 1.0)
-    else:  # a number without unit may be seconds or milliseconds
-        value = 1 / (number * unit_of(unit).factor) if headers.is_time(unit) and number else 0.0
-    return StatedRate(value, line, text.lstrip("#%/; ").strip()[:60]) if 0 < value <= _FASTEST else None
-
-
-def nominal(lines: Iterable[tuple[int, str]], decimal: str) -> tuple[float | None, Phrase]:
-    """The rate that the lines above the numbers state, with its place; no rate if they contradict each other."""
-    statements = [stated for line, text in lines if (stated := statement(line, text, decimal))]
-    places = join(" ", ())
-    if statements:
-        places = join(
-            ", ", (say("line {line} ({text!r})", line=stated.line, text=stated.text) for stated in statements)
-        )
-    rates = [stated.rate for stated in statements]
-    if not rates or max(rates) > 1.001 * min(rates):
-        return None, places
-    return rates[0], places
-
+from . import headers, preamble
 
 MISSING = frozenset(("", "nan", "null", "na", "n/a", "#n/a", "-nan", "none", "1.#qnan", "-1.#ind", "1.#ind"))
 
@@ -122,6 +67,8 @@ def decoded(raw: bytes) -> str:
 HEAD = 1 << 17  # bytes at the beginning of a file from which its layout is determined
 JUDGED_ROWS, FEW_ROWS = 200, 600  # rows by which the columns are judged, and rows of which all are looked at for them
 
+HEADING = 3  # lines of words above the numbers, at most: groups, names and units
+
 MARKS = ("#", "%", "//", ";")
 """Prefixes of comment lines; a semicolon is not one if it is the delimiter."""
 
@@ -165,7 +112,7 @@ def find(data: bytes) -> Layout:
     marks = marks_of(delimiter)
     # a line with a word is not one of numbers
     worded = ((n, text) for n, _, text in lines if any(map(str.isalpha, _LETTER.findall(text))))
-    rated = [line for line in worded if statement(*line, decimal)]
+    rated = [line for line in worded if preamble.statement(*line, decimal)]
     stating = {number for number, _ in rated}
     lines = [line for line in lines if line[0] not in stating]
     comments = [(number, text) for number, _, text in lines if text.startswith(marks)]
@@ -182,7 +129,7 @@ def find(data: bytes) -> Layout:
         )  # fmt: skip
     if decimal == ",":
         notes = (*notes, say("the decimal sign is a comma"))
-    rate, places = nominal((line for line in rated if line[0] < rows[first].line), decimal)
+    rate, places = preamble.nominal((line for line in rated if line[0] < rows[first].line), decimal)
     if rate is None and places:
         notes = (*notes, say("rates that contradict each other are not used: {places}", places=places))
     return Layout(
@@ -193,7 +140,9 @@ def find(data: bytes) -> Layout:
 def _style_of(texts: list[str]) -> tuple[str, str]:
     """Delimiter and decimal sign of all but comments, among which lines of cells between semicolons may be."""
     plain = [text for text in texts if not text.startswith(MARKS)]
-    return style([*plain[:1], *plain[-JUDGED_ROWS:]] or [text for text in texts if not text.startswith(MARKS[:3])])
+    edged = [text for text in plain[1:4] if text.startswith("\t")]  # a cell that is empty, unless all lines begin so
+    judged = [*plain[:1], *edged, *plain[-JUDGED_ROWS:]]
+    return style(judged or [text for text in texts if not text.startswith(MARKS[:3])])
 
 
 def marks_of(delimiter: str) -> tuple[str, ...]:
@@ -281,10 +230,16 @@ def _columns(rows: list[Row], decimal: str) -> tuple[int, frozenset[int]]:
 
 
 def _numbered(row: Row, following: list[Row]) -> bool:
-    """Whether a row is the header 0, 1, 2.. that pandas writes for columns without names."""
-    names = row.cells[1:] if row.cells[0] == "" else row.cells
-    fractions = following and any(not re.fullmatch(r"[-+]?\d*", cell) for cell in following[0].cells)
-    return len(names) > 1 and names == [str(i) for i in range(len(names))] and bool(fractions)
+    """Whether a row is the header 0, 1, 2.. that pandas writes for columns without names, above fractions only."""
+    at = int(row.cells[0] == "")  # below it pandas writes the numbers of the rows
+    names = row.cells[at:]
+    cells = [cell for other in following[:JUDGED_ROWS] for cell in other.cells[at:] if cell]
+    fractions = [cell for cell in cells if not re.fullmatch(r"[-+]?\d*", cell)]
+    if len(names) < 2 or names != [str(i) for i in range(len(names))] or not 0 < len(cells) == len(fractions):
+        return False
+    begin = [other.cells[at].replace(row.style[1], ".") for other in following[:2]]
+    # a clock goes on evenly from the zero
+    return not (all(map(is_number, begin)) and math.isclose(2 * float(begin[0]), float(begin[-1]), rel_tol=1e-3))
 
 
 def _named(
@@ -292,22 +247,24 @@ def _named(
 ) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
     """Names, units and notes from the lines above the first row of numbers, which is the last of `rows`."""
     above, width = rows[:-1], len(rows[-1].cells)
-    worded = [row for row in above[-2:] if not row.has_number]
     blank = ("",) * width
-    units = blank
-    # the second of two lines of words may be one of units
-    last = worded[-1].cells if len(worded) == 2 and above[-1] is worded[-1] else []
-    marked = [cell.strip("[](){} ") for cell in last if cell.strip("[](){} -")]
-    if sum(headers.known(cell.strip()) is not None for cell in marked) > len(marked) / 2:
-        units = tuple((worded.pop().cells + list(blank))[:width])
-    named = _names(worded[-1].cells, width, delimiter) if worded and worded[-1] is above[-1 - any(units)] else None
-    if named is not None:
-        passed = len(above) - 1 - any(units)
-        filled = sum(map(bool, named))
+    heading = list(takewhile(lambda row: not row.has_number, reversed(above[-HEADING:])))
+    united = next((row for row in heading if len(heading) > 1 and _of_units(row.cells)), None)
+    named = [row.cells for row in heading if row is not united]
+    units = blank if united is None else tuple((united.cells + list(blank))[:width])
+    names = _names(named[0], width, delimiter) if named else None
+    if names is not None:
+        groups = [cells for cells in named[1:] if _groups(cells, names)]
+        if groups or united is not heading[0]:  # a merged cell of units ends with its group
+            units = tuple(_merged(units, names, groups[0] if groups else ()))
+        for group in groups:
+            names, units = _grouped(_merged(group, names), names, units)
+        passed = len(above) - 1 - (united is not None)
+        filled = sum(map(bool, names))
         unnamed = (
             (say("the header names {filled} of {width} columns", filled=filled, width=width),) if filled < width else ()
         )
-        return named, units, _passed(passed, above[0]) + unnamed
+        return names, units, _passed(passed - len(groups), above[0]) + unnamed
     commented = [(number, text) for number, text in comments if number < rows[-1].line][-1:]
     for number, text in commented:
         header = _commented(text, width, delimiter, decimal)
@@ -320,11 +277,44 @@ def _named(
     return blank, blank, _passed(len(above), rows[0])
 
 
+def _of_units(row: list[str]) -> bool:
+    """Whether most cells of a line of words are units."""
+    marked = [cell.strip("[](){} ") for cell in row if cell.strip("[](){} -")]
+    return sum(headers.known(cell) is not None for cell in marked) > len(marked) / 2
+
+
+def _groups(row: list[str], names: tuple[str, ...]) -> bool:
+    """Whether a line names groups of columns whose own names do not suffice."""
+    again = len({name for name in names if name}) < sum(map(bool, names))
+    return 1 < len(row) <= len(names) and (again or ("" in names and len(row) == len(names)))
+
+
+def _merged(row: Sequence[str], names: tuple[str, ...], groups: Sequence[str] = ()) -> list[str]:
+    """The cells of a line over names, of which a merged one stands in the first of its columns only."""
+    filled, last = list[str](), ""
+    for cell, name, group in zip_longest(row, names, groups, fillvalue=""):
+        last = cell or ("" if group else last)
+        filled.append(last if name else cell)
+    return filled
+
+
+def _grouped(groups: list[str], names: tuple[str, ...], units: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
+    """Names and units of columns, each after its group, in which the unit may stand."""
+    pairs = list[tuple[str, str]]()
+    for group, name, unit in zip(groups, names, units, strict=True):
+        stem, its = headers.split(group)
+        stem, its = (stem, its) if headers.known(its) else (group, "")
+        pairs.append((f"{stem} {name}".strip(), unit or ("" if headers.split(name)[1] else its)))
+    return tuple(name for name, _ in pairs), tuple(unit for _, unit in pairs)
+
+
 def _names(row: list[str], width: int, delimiter: str) -> tuple[str, ...] | None:
     """The cells of a header as one name per column; None if the line is not a header."""
     if delimiter == " ":
         row = row if len(row) == width else _BLANK_HEADER.findall(" ".join(row))
         return tuple(row) if len(row) == width else None
+    if "Start" in row and "Increment" in row:  # over the rate that Rigol states beside the names
+        row = row[: row.index("Start")]
     while len(row) > width and not row[-1]:
         row = row[:-1]
     if len(row) > width:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
-from allanite.phrases.phrase import say
+from allanite.phrases.phrase import say, say_count
 
 from . import dates
 from .column import of_arrow
@@ -52,6 +52,7 @@ def columns(
     # ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day; `Tags` for a few words, the first entry for
     # many; None if it is empty. Anything else is refused, with its line.
     body, notes = clean_rows(data, layout, last=last)
+    notes = notes if forms else (*commented(comments(data, layout)), *notes)
     many = {} if forms else _of_many_words(body, layout)
     table = _table(body, layout, forms, many)
     result = [many.get(i) or _values(table.column(str(i)), layout, i, forms) for i in range(layout.width)]
@@ -101,8 +102,7 @@ def clean_rows(data: bytes, layout: Layout, *, last: bool = True) -> tuple[bytes
     body: bytes | memoryview = memoryview(data)[layout.offset :]
     # most files have no comments among the numbers: a search is much cheaper than the substitution
     if any(_holds(data, mark.encode(), layout.offset) for mark in marks):
-        pattern = rb"^[ \t]*(?:" + b"|".join(re.escape(mark.encode()) for mark in marks) + rb")[^\r\n]*"
-        body = re.sub(pattern, b"", bytes(body), flags=re.MULTILINE)
+        body = _comment_of(marks).sub(b"", bytes(body))
     if layout.delimiter == " ":
         text = bytes(body).translate(bytes.maketrans(b"\t\v\f", b"   ")).replace(b"\r\n", b"\n")
         while b"  " in text:  # halves the runs each time
@@ -125,6 +125,25 @@ def clean_rows(data: bytes, layout: Layout, *, last: bool = True) -> tuple[bytes
         text=end[:40], count=count, width=layout.width,
     )  # fmt: skip
     return body[: len(body) - min(len(body), 65536) + start], (note,)
+
+
+def _comment_of(marks: tuple[str, ...]) -> re.Pattern[bytes]:
+    return re.compile(rb"(?m)^[ \t]*(?:" + b"|".join(re.escape(mark.encode()) for mark in marks) + rb")[^\r\n]*")
+
+
+def comments(data: bytes, layout: Layout) -> int:
+    """The number of comments among the rows of numbers and after them."""
+    marks = marks_of(layout.delimiter)
+    held = any(_holds(data, mark.encode(), layout.offset) for mark in marks)
+    return len(_comment_of(marks).findall(data, layout.offset)) if held else 0
+
+
+def commented(count: int) -> tuple[str, ...]:
+    """The note on so many comments."""
+    if not count:
+        return ()
+    return (say_count(count, "skipped {count} comment among the rows of numbers",
+                      "skipped {count} comments among the rows of numbers"),)  # fmt: skip
 
 
 def _holds(data: bytes, mark: bytes, start: int) -> bool:

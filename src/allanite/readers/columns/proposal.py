@@ -1,31 +1,21 @@
 """What to type where a file does not say what its columns are: what their numbers show, or a placeholder."""
 
-import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import COLUMN, RATE, SCALE, UNIT
-from allanite.core.units import unit_of
 from allanite.phrases.phrase import say, spelled
-from allanite.readers.clock.clocks import ClockSources, addressed, likely_unit, readings
+from allanite.readers.clock.clocks import ClockSources, addressed, counts_rows, readings, unit_by_rate
 
-from . import headers
+from . import gravity, headers
 from .column import FileColumn
-
-RATES: tuple[str, ...] = ("g", "m/s^2", "mg", "mm/s^2")
-INCREMENTS: tuple[str, ...] = ("g*s", "m/s")  # units in which loggers write accelerations, and velocity increments
-COUNTS = (1024, 8192)  # counts per g of common sensors that are near a thousand mg or 9810 mm/s^2
-
-NAMED = 0.25
-"""Share by which accelerometers at rest may miss gravity, by their offsets and scale factors: units are ten apart."""
-
-UNNAMED = 0.05  # the same for columns that nothing but their length makes accelerometers
-
 
 SHOWN = 16  # columns of an overview
 SLOW = 0.1  # share of the standard deviation below which steps are those of a slow quantity
+FEW = 4  # different whole numbers of a state
 
 
 class Proposal(NamedTuple):
@@ -38,11 +28,11 @@ class Proposal(NamedTuple):
 
 def clock(columns: Sequence[FileColumn], sources: ClockSources) -> Proposal:
     """Words about the sampling rate: of the time stamps, or the first of columns that rise as stamps do."""
-    column = sources.stamps or next((column for column in columns if not _counts_rows(column)), None)
+    column = sources.stamps or next((column for column in columns if _is_clock(column)), None)
     rates = {} if column is None else dict(readings(column.values))
     if column is None or not rates:
         return Proposal(spelled(f"--rate {RATE}", "rate=..."))
-    address, unit = addressed(column), likely_unit(column)
+    address, unit = addressed(column), unit_by_rate(column.values)[0]
     words = spelled(f"--time '{address}'", f"time='{address}'")
     if not unit or sources.stamps:
         return Proposal(words, rate=rates.get(unit, 0.0))
@@ -52,8 +42,8 @@ def clock(columns: Sequence[FileColumn], sources: ClockSources) -> Proposal:
     return Proposal(words, (why,), rates[unit])
 
 
-def _counts_rows(column: FileColumn) -> bool:
-    return column.values.dtype.kind == "i" and float(np.median(np.diff(column.values[:1000]))) == 1
+def _is_clock(column: FileColumn) -> bool:
+    return not counts_rows(column.values) or bool(unit_by_rate(column.values)[0])
 
 
 def units(columns: Sequence[FileColumn], rate: float) -> Proposal:
@@ -71,22 +61,24 @@ def units(columns: Sequence[FileColumn], rate: float) -> Proposal:
     if not sensors:
         return _unnamed(columns)
     summed = all(headers.is_increment(column.name) for column in sensors)
-    known, times = (INCREMENTS, rate) if summed else (RATES, 1.0)
-    unit, why = _weighed(of.get("accelerometer", []), known, times, NAMED)
+    known, times = (gravity.INCREMENTS, rate) if summed else (gravity.RATES, 1.0)
+    unit, why = gravity.weighed(of.get("accelerometer", []), known, times, gravity.NAMED)
     # MicroStrain names increments like this, and writes them in rad and g*s
     theta = unit == "g*s" and all("theta" in column.name.lower() for column in of.get("gyro", ()))
     theirs = {"gyro": "rad" if theta else UNIT, "accelerometer": unit or UNIT}
     keys = {"gyro": "gyro", "accelerometer": "accel"}
-    stated = ",".join(f"{keys[name]}={theirs[name]}" for name in keys if name in of)
+    words = [f"{keys[name]}={theirs[name]}" for name in keys if name in of]
+    words += [f"{column.position}={UNIT}" for three in gravity.triples(of.get("", ())) for column in three]
+    stated = ",".join(words)
     return _stated(stated if len(of) > 1 else theirs[next(iter(of))], why, kind="increment" if summed else "")
 
 
 def _unnamed(columns: Sequence[FileColumn]) -> Proposal:
     """Words about columns without names of sensors, of which each three may be the axes of one."""
-    weighed = [(three, *_weighed(three, RATES, 1.0, UNNAMED)) for three in _threes(columns)]
+    weighed = [(three, *gravity.weighed(three, gravity.RATES, 1.0, gravity.UNNAMED)) for three in _threes(columns)]
     heavy = [row for row in weighed if row[1]]
     if len(heavy) != 1:
-        return _stated(UNIT)
+        return _stated(UNIT if len(columns) <= 3 else f"{COLUMN}={UNIT}")
     three, unit, why = heavy[0]
     if len(columns) == 3:
         return _stated(unit, why)
@@ -101,45 +93,47 @@ def _threes(columns: Sequence[FileColumn]) -> list[list[FileColumn]]:
     return [noisy[i : i + 3] for i in range(0, len(noisy), 3)]
 
 
-def overview(columns: Sequence[FileColumn], unsaid: Sequence[FileColumn], rising: Sequence[FileColumn]) -> str:
-    """A line for each column: its mean, its standard deviation, and what its numbers look like."""
-    likely = {column.position: _paced(column) for column in rising}
-    for three in _threes(unsaid):
-        unit = _weighed(three, RATES, 1.0, UNNAMED)[0]
-        likely |= {c.position: f"gravity in {unit}" for c in three if unit}
-    head = "column", "mean", "std", "looks like"
-    lines = [("", *head), *(("", c.name, *_sized(c, likely.get(c.position, ""))) for c in columns[:SHOWN])]
-    return "".join("\n{:2}{:<16}{:>11}  {:>10}  {}".format(*line).rstrip() for line in lines)
+def overview(columns: Sequence[FileColumn], unsaid: Sequence[FileColumn], clocks: Sequence[FileColumn]) -> str:
+    """A line for each column: its mean, its standard deviation, its usual step, and what its numbers look like."""
+    likely = {column.position: _paced(column) for column in clocks}
+    for three in (*_threes(unsaid), *gravity.triples(unsaid)):
+        named = all(headers.sensor_by_name(column.name) == "accelerometer" for column in three)
+        unit = gravity.weighed(three, gravity.RATES, 1.0, gravity.NAMED if named else gravity.UNNAMED)[0]
+        likely |= {c.position: say("gravity in {unit}", unit=unit) for c in three if unit}
+    head = say("column"), say("mean"), say("std"), say("step"), say("looks like")
+    labels = (f"{c.position}: {c.name}" if c.header else c.name for c in columns[:SHOWN])
+    rows = (_sized(c, likely.get(c.position, "")) for c in columns)
+    lines = [head, *((label, *row) for label, row in zip(labels, rows, strict=False))]
+    return "".join("\n  {:<16}{:>11}  {:>10}  {:>10}  {}".format(*line).rstrip() for line in lines)
 
 
 def _paced(column: FileColumn) -> str:
-    rate = dict(readings(column.values)).get(unit := likely_unit(column))
-    return f"a clock of {rate:.6g} Hz in {unit}" if rate else "a clock or a counter"
+    rate = dict(readings(column.values)).get(unit := unit_by_rate(column.values)[0])
+    return say("a clock of {rate:.6g} Hz in {unit}", rate=rate, unit=unit) if rate else say("a clock or a counter")
 
 
-def _sized(column: FileColumn, likely: str) -> tuple[str, str, str]:
+def _sized(column: FileColumn, likely: str) -> tuple[str, str, str, str]:
     with np.errstate(all="ignore"):
         values = np.asarray(column.values, dtype=np.float64)
-        mean, spread, step = float(np.mean(values)), float(np.std(values)), float(np.std(np.diff(values)))
-    slow = "slow, such as a temperature" if step < SLOW * spread else ""
-    return f"{mean:.4g}", f"{spread:.3g}", likely or (slow if spread else "constant")
+        steps = np.abs(np.diff(values))
+        mean, spread, step = float(np.mean(values)), float(np.std(values)), float(np.median(steps))
+    return f"{mean:.4g}", f"{spread:.3g}", f"{step:.3g}", likely or _looks(column, steps, spread)
+
+
+def _looks(column: FileColumn, steps: FloatArray, spread: float) -> str:
+    """What numbers that are neither a clock nor gravity look like: the first of some kinds that they are."""
+    whole, largest = column.values.dtype.kind == "i", float(np.abs(column.values).max(initial=0))
+    kinds = (
+        (not spread, say("constant")),
+        (bool(np.all(np.diff(column.values) > 0)), say("a clock or a counter")),
+        (whole and len(np.unique(column.values[:1000])) <= FEW, say("a state or flags")),
+        (170 < largest <= 180 and steps.max(initial=0) > 180, say("an angle within 180 deg")),
+        (float(np.quantile(steps, 0.9)) < SLOW * spread, say("slow, such as a temperature")),
+        (whole, say("whole numbers, such as counts")),
+    )  # fmt: skip
+    return next((words for fits, words in kinds if fits), "")
 
 
 def _stated(unit: str, why: str = "", *, kind: str = "") -> Proposal:
     words = spelled("--unit ", "unit=") + f"'{unit}'"
     return Proposal(words + (spelled(f" --kind {kind}", f", kind={kind!r}") if kind else ""), (why,) if why else ())
-
-
-def _weighed(columns: Sequence[FileColumn], known: Sequence[str], rate: float, share: float) -> tuple[str, str]:
-    """The unit in which the means of three columns, times a rate, have the length of gravity, and why; or none."""
-    with np.errstate(all="ignore"):  # of numbers that are no samples
-        length = math.hypot(*(float(np.mean(column.values)) for column in columns)) if len(columns) == 3 else 0.0
-    if not 0 < length * rate < math.inf:
-        return "", ""
-    gravity = unit_of("g").factor
-    off = {unit: abs(math.log(length * rate * unit_of(unit).factor / gravity)) for unit in known}
-    whole = all(column.values.dtype.kind == "i" for column in columns)
-    unit = min(off, key=lambda unit: off[unit])
-    if off[unit] > math.log1p(share) or (whole and any(abs(length / count - 1) < UNNAMED for count in COUNTS)):
-        return "", ""
-    return unit, say("the mean has the length of gravity in {unit} ({length:.4g})", unit=unit, length=length * rate)

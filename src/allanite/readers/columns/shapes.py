@@ -50,6 +50,10 @@ def note(records: Sequence[Record], step: int) -> str:
 
 WIDEST_LINE = 1000  # numbers per line above which the line is a channel and not a sample
 
+_NOVATEL = re.compile(rb"^[#%]RAWIMUS?X?A,[^;\r\n]*;([^*;\r\n]*)\*[0-9a-fA-F]{8}[ \t]*\r?$", re.MULTILINE)
+"""RAWIMU, RAWIMUS, RAWIMUX and RAWIMUSX in ASCII: seconds, status, then Z, -Y and X of both sensors end each of them
+(NovAtel, OEM7 Commands and Logs Reference Manual)."""
+
 _CHECKSUM = re.compile(rb"\*[0-9A-Fa-f]{2}(?=\r?\n|$)")
 
 
@@ -57,6 +61,8 @@ def straightened(data: bytes) -> tuple[bytes, tuple[str, ...]]:
     """The text with one line per sample, and a note on what was transposed or joined."""
     if data.lstrip().startswith(b"$"):
         data = without_checksums(data)
+    if data.lstrip()[:1] in (b"#", b"%") and _NOVATEL.search(data[:HEAD]):
+        return _of_novatel(data)
     # lines of thousands of numbers become columns
     head = data[:HEAD]
     if head.count(b"\n") * WIDEST_LINE > len(head):
@@ -77,6 +83,15 @@ def straightened(data: bytes) -> tuple[bytes, tuple[str, ...]]:
         note = say("the {count} lines of {length} numbers are used as channels", count=len(rows), length=length)
     comments = "".join(line + "\n" for line in lines if line.startswith(MARKS[:3]))
     return (comments + body + "\n").encode(), (note,)
+
+
+def _of_novatel(data: bytes) -> tuple[bytes, tuple[str, ...]]:
+    """The rows of logs of increments, in counts whose size is that of the type of IMU, which the log does not state."""
+    logs = [fields.split(b",") for fields in _NOVATEL.findall(data)]
+    rows = [b",".join((fields[-8], *fields[-6:])) for fields in logs if len(fields) >= 9]
+    axes = [f"{sensor}_{axis} [LSB]" for sensor in ("delta_velocity", "delta_angle") for axis in ("z", "-y", "x")]
+    note = say("{count} logs RAWIMU of NovAtel are used as rows; other logs are left out", count=len(rows))
+    return b"\n".join([",".join(["tow [s]", *axes]).encode(), *rows, b""]), (note,)
 
 
 def without_checksums(data: bytes) -> bytes:

@@ -22,7 +22,7 @@ from allanite.readers.clock import clocks
 from allanite.readers.clock import sampling_rate as clock
 from allanite.readers.options import Options
 
-from . import channels, headers, proposal, resolver, sensors, shapes, stated
+from . import channels, conventions, gravity, proposal, resolver, sensors, shapes, stated
 from .column import RATE_NAMES, FileColumn, unique
 
 KEY = "allanite"  # the name under which a format stores it
@@ -73,7 +73,7 @@ class FileTable:
 
     def sense(self, options: Options) -> "Sense":
         """What the columns are: which of them are signals, and which are the clock."""
-        columns, joined = sensors.joined(stated.applied(unique(self.columns)), options)
+        columns, joined = sensors.joined(conventions.applied(unique(self.columns)), options)
         chosen = channels.named(columns, options.channels)
         # a column whose meaning the file states is a clock only if the user says so
         open_ = tuple(c for c in columns if not c.kind) if options.time is None else columns
@@ -118,17 +118,19 @@ class Sense:
         if questions:
             asked, why = self._proposed(beat)
             omitted = self.choice.omitted if beat.questions or not self.choice.unsaid else ()
-            table, unsaid = "", self.choice.unsaid
-            told = any(
-                headers.is_raw(c.header) or (not beat.questions and headers.sensor_by_name(c.name)) for c in unsaid
-            )
-            if unsaid and not told:
-                why, omitted = (), ()
-                numbers = [c for c in self.columns if not c.text and c is not self.sources.stamps]
-                table = proposal.overview(numbers, unsaid, self._rising)
+            table = ""
+            if self.choice.unsaid:
+                numbers = [column for column in self.columns if not column.text and column.values.size]
+                clock = [self.sources.stamps] if self.sources.stamps else self._rising
+                table, omitted = proposal.overview(numbers, self.choice.unsaid, clock), ()
             raise UsageError(
                 "; ".join((*questions, *why, *omitted)) + table, choice="rate" if beat.questions else "unit", cure=asked
             )
+        stated = self.options.unit or self.options.units
+        against = None if stated else gravity.contradiction(self.choice.signals, beat.rate)
+        if against is not None:
+            what, unit = against
+            raise UsageError(what, choice="unit", cure=("", spelled(f"--unit '{unit}'", f"unit='{unit}'")))
 
     @property
     def _rising(self) -> list[FileColumn]:
@@ -153,11 +155,14 @@ class Sense:
         rates = (signal_of_kind(s.unit, s.kind) for s in self.choice.signals if s.kind == "rate")
         # samples of an inertial sensor that are dropped are not in the others
         slow = 0 < beat.rate <= SLOW and any(what is not None and what.inertial for what in rates)
-        return (*before, *beat.notes, *([DROPPED] if slow else []), *self.choice.notes, *self.choice.omitted, *after)
+        earth = gravity.earth(self.choice.signals, beat.rate)
+        own = (*([DROPPED] if slow else []), *self.choice.notes, *earth, *self.choice.omitted)
+        return (*before, *beat.notes, *own, *after)
 
     def findings(self, beat: clock.Beat) -> tuple[Finding, ...]:
         """The findings about the clock, and about the meaning of the columns."""
-        return (*beat.findings, *self.choice.findings)
+        doubts = gravity.doubts(self.choice.signals, beat.rate)
+        return (*beat.findings, *self.choice.findings, *(doubt.finding() for doubt in doubts))
 
 
 def repeated(columns: Sequence[NDArray[Any]]) -> NDArray[np.bool_]:

@@ -67,8 +67,9 @@ def streamed(chunks: lines.Chunks, options: Options) -> Parts | None:
         return None
     form, comment = _layout(first), _COMMENT.match(first)
     forms = parse.forms_of(first, form, last=whole)
-    rows, passed = 0, tuple[str, ...]()
+    rows, comments, passed = 0, 0, tuple[str, ...]()
     for block, part, last in text.rows(form):
+        comments += parse.comments(block, part)
         body, passed = parse.clean_rows(block, part, last=last)
         rows += parse.count(body)
         parse.see_order(body, part, forms)
@@ -76,7 +77,7 @@ def streamed(chunks: lines.Chunks, options: Options) -> Parts | None:
     columns, tags, joined = of_parsed(values, form.names, form.units)
     if sensors.turns(columns, tags) is not None:
         return None
-    notes = (*encoding.noted(text.codec, text.name), *form.notes, *passed, *joined)
+    notes = (*encoding.noted(text.codec, text.name), *form.notes, *parse.commented(comments), *passed, *joined)
     head = restored(arranged(Parsed(columns, tags, notes, form.nominal), options), comment[1] if comment else "")
 
     def blocks(wanted: Sequence[int], at_once: int) -> Iterator[list[NDArray[Any]]]:
