@@ -15,8 +15,8 @@ import numpy as np
 from scipy.signal import bessel, butter, lfilter
 
 import allanite as al
+from allanite.claims.checking import setting_rows
 from allanite.claims.claim import CUTOFF, ClaimedSetting
-from allanite.claims.configured import setting_rows
 
 RATE, SIZE, START = 200.0, 20_000, 1000
 FACTORS = (1.0, 0.8, 1.25, 0.5, 2.0)

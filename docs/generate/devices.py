@@ -4,8 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from allanite.core.readings import IN_RUN
-from allanite.interpretation.device import GRADES, GRADES_SOURCE, bounds_of
-from allanite.interpretation.devices import DEVICES, REFERENCES
+from allanite.interpretation.devices import DEVICES, GRADES, GRADES_SOURCE, REFERENCES, bounds_of
 from generate.markdown import table
 
 

@@ -9,8 +9,8 @@ import uvicorn
 from tests.rows import rows
 from uvicorn.server import ServerState
 
-from allanite.web import messages
-from allanite.web.messages import MAX_CONNECTIONS, PromptProtocol
+from allanite.web import routes
+from allanite.web.routes import MAX_CONNECTIONS, PromptProtocol
 
 WHOLE = b"GET / HTTP/1.1\r\nHost: a\r\n\r\n"
 
@@ -45,7 +45,7 @@ async def slow(scope, receive, send):
 @pytest.fixture
 def loop(monkeypatch):
     """A loop whose patience is over at its next turn."""
-    monkeypatch.setattr(messages, "HEAD_TIMEOUT_S", 0.0)
+    monkeypatch.setattr(routes, "HEAD_TIMEOUT_S", 0.0)
     loop = asyncio.new_event_loop()
     yield loop
     for task in asyncio.all_tasks(loop):

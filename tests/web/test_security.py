@@ -16,8 +16,7 @@ from tests.rows import rows
 from allanite.cli import main
 from allanite.cli.front import EXCEEDED
 from allanite.reporting.digits import printable
-from allanite.web.access import MAX_LINK_AGE_S, MAX_LINKS, Door
-from allanite.web.server import ROUTES
+from allanite.web.server import MAX_LINK_AGE_S, MAX_LINKS, ROUTES, Door
 
 from .served import Client, served
 

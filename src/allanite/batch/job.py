@@ -23,14 +23,10 @@ from .tables import DONE, FAILED, OPEN, FileStatus, Resumed, put_files, put_tabl
 
 @public
 def analyze_files(
-    files: PathLike | Sequence[PathLike],
-    recipe: Recipe | None = None,
-    *,
-    limits: Specification | PathLike | None = None,
-    besides: Iterable[str | None] = (),
-    opened: Callable[[str], Source] = str,
-    progress: Progress | None = None,
-) -> Batch:
+    files: PathLike | Sequence[PathLike], recipe: Recipe | None = None, *,
+    limits: Specification | PathLike | None = None, besides: Iterable[str | None] = (),
+    opened: Callable[[str], Source] = str, progress: Progress | None = None,
+) -> Batch:  # fmt: skip
     """The noise coefficients of many units, and whether they keep their limits.
 
     Parameters
@@ -116,14 +112,9 @@ def _reasons(units: Sequence[BatchUnit]) -> str:
 
 @public
 def run_batch(
-    source: PathLike,
-    results: PathLike,
-    recipe: Recipe | None = None,
-    *,
-    executor: Executor | None = None,
-    besides: Iterable[str | None] = (),
-    progress: Progress | None = None,
-) -> Resumed:
+    source: PathLike, results: PathLike, recipe: Recipe | None = None, *, executor: Executor | None = None,
+    besides: Iterable[str | None] = (), progress: Progress | None = None,
+) -> Resumed:  # fmt: skip
     """Analyze many records, and store each result at once; a run that was interrupted is continued.
 
     Parameters

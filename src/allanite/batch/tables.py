@@ -252,10 +252,9 @@ def _finding(file: str, channel: str, finding: Plain) -> dict[str, Any]:
 
 
 TABLES: dict[str, tuple[dict[str, type], Callable[[str, Plain], Rows]]] = {
-    "coefficients.parquet": (COEFFICIENTS, coefficients),
-    "curves.parquet": (CURVES, curves),
+    "coefficients.parquet": (COEFFICIENTS, coefficients), "curves.parquet": (CURVES, curves),
     "findings.parquet": (FINDINGS, findings),
-}
+}  # fmt: skip
 """Name of a table: its columns, and the rows of one study."""
 
 

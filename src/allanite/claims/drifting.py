@@ -13,8 +13,7 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.model import Term
 from allanite.core.record import Record, Recording
-from allanite.exporting.bounds import bounded
-from allanite.exporting.choice import Source, axes_of
+from allanite.exporting.choice import Source, axes_of, bounded
 from allanite.exporting.content import Axis
 from allanite.exporting.export import alerts_of
 from allanite.exporting.fields import How, usable
@@ -32,12 +31,9 @@ from .drift_settings import DriftSettings
 
 @public
 def drift(
-    source: Source | Record | Recording | str | PurePath | None = None,
-    settings: DriftSettings | None = None,
-    *,
-    recipe: Recipe | None = None,
-    **choices: Any,
-) -> Drift:
+    source: Source | Record | Recording | str | PurePath | None = None, settings: DriftSettings | None = None, *,
+    recipe: Recipe | None = None, **choices: Any,
+) -> Drift:  # fmt: skip
     """Predict how far heading, attitude, velocity and position drift with time without aid, from the noise.
 
     Each is a standard deviation, in closed form from the structure function of every noise term; nothing is simulated.

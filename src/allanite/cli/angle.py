@@ -73,13 +73,9 @@ def true_of(path: str) -> tuple["Harmonics", ...]:
 
 
 def deliver_study(
-    result: Any,
-    out: Outputs,
-    choices: dict[str, Any],
-    data: "FileSheet | None" = None,
-    /,
+    result: Any, out: Outputs, choices: dict[str, Any], data: "FileSheet | None" = None, /,
     *corrected: Mapping[str, Any],
-) -> None:
+) -> None:  # fmt: skip
     """Deliver a result together with the options that produced it, and the corrected angles."""
     from allanite.applications.angle.plans import AngleStudy
     from allanite.study.job import provenance_of

@@ -28,18 +28,9 @@ if TYPE_CHECKING:
 
 @command()
 @options(
-    "files",
-    *RECORDING,
-    "against",
-    "part",
-    "datasheet",
-    "pool",
-    "statistic",
-    "taus",
-    *IDENTIFYING,
-    *RESULTS,
+    "files", *RECORDING, "against", "part", "datasheet", "pool", "statistic", "taus", *IDENTIFYING, *RESULTS,
     settings=(ComparisonChoices,),
-)
+)  # fmt: skip
 def compare(files: tuple[str, ...], **choices: Any) -> None:
     """Compare the noise of recordings.
 
@@ -52,16 +43,9 @@ def compare(files: tuple[str, ...], **choices: Any) -> None:
 
 @command()
 @options(
-    "file",
-    "claims",
-    "claims_from",
-    "at_most",
-    "tolerance",
-    *RECORDING,
-    *IDENTIFYING,
-    *RESULTS,
+    "file", "claims", "claims_from", "at_most", "tolerance", *RECORDING, *IDENTIFYING, *RESULTS,
     settings=(ClaimChoices,),
-)
+)  # fmt: skip
 def check(file: str, **choices: Any) -> None:
     """Check whether FILE has the claimed noise.
 

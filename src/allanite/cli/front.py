@@ -24,8 +24,7 @@ from allanite.plugins import PluginWarning
 
 from .helping import with_examples
 from .options import demand_filled, with_commas
-from .signals import ended, ended_by
-from .streams import begin, complain, lost, while_read
+from .streams import begin, complain, ended, ended_by, lost, while_read
 
 DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
 BLAS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")

@@ -21,9 +21,7 @@ USED = (
 """Names of the options that are typed most, in this order."""
 
 GROUPS = {
-    "Reading": READING,
-    "Selecting": SELECTING,
-    "Identification": (*IDENTIFYING, "strict"),
+    "Reading": READING, "Selecting": SELECTING, "Identification": (*IDENTIFYING, "strict"),
     "Output": (
         "output", "report", "plot", "json", "csv", "coefficients", "lang", "details", "brief", "force", "quiet",
         "threads", "recipe", "help",

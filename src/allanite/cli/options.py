@@ -189,13 +189,9 @@ def option_of(choice: ChoiceRow) -> Decorator:
     if choice.kind.many:
         form = {"multiple": True, "callback": lambda _, __, values: values or None}
     form |= {
-        "metavar": choice.metavar or None,
-        "help": choice.text,
-        "cls": Option,
-        "synonyms": choice.synonyms,
-        "unlike": choice.unlike,
-        "old": choice.old,
-    }
+        "metavar": choice.metavar or None, "help": choice.text, "cls": Option, "synonyms": choice.synonyms,
+        "unlike": choice.unlike, "old": choice.old,
+    }  # fmt: skip
     if choice.kind.alone:
         form |= {"cls": Alone, "is_flag": False, "flag_value": choice.kind.alone}
     return click.option(*choice.options, choice.name, **form)

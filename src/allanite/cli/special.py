@@ -23,7 +23,7 @@ from .streams import complain
 if TYPE_CHECKING:
     from allanite.applications.attitude.scenarios import VerticalDesign
     from allanite.applications.constant_rate.campaign import RateSettings, RateStudy
-    from allanite.exporting.thermal import ThermalTarget
+    from allanite.exporting.target import ThermalTarget
 
 
 @command()

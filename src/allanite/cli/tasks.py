@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from .deliver import carry_out, outputs, recipe_of, settings_of
 from .front import DATA, EXCEEDED, PARTLY
-from .signals import stopping
+from .streams import stopping
 
 if TYPE_CHECKING:
     from allanite.batch.batch import Batch
@@ -119,10 +119,9 @@ def _watch(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Repor
 def ends_of_units(batch: "Batch", *, strict: bool = False) -> list[tuple[int, str]]:
     """The exit codes of what was found in many units, and the words for it; the worst comes first."""
     ends = (
-        (EXCEEDED, batch.exceeding, "a limit is exceeded"),
-        (PARTLY, batch.failed, "not analyzed"),
+        (EXCEEDED, batch.exceeding, "a limit is exceeded"), (PARTLY, batch.failed, "not analyzed"),
         (DATA, batch.rejected if strict else (), "not explained, or a limit is not decided"),
-    )
+    )  # fmt: skip
     return [(code, f"{what}: {', '.join(units)}") for code, units, what in ends if units]
 
 

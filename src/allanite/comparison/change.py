@@ -16,7 +16,7 @@ from allanite.phrases.phrase import join, say
 from allanite.terms import TERMS
 
 if TYPE_CHECKING:
-    from .ramps import LineContrast
+    from .ratio import LineContrast
 
 from typing import Self, TypeVar
 

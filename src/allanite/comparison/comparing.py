@@ -29,15 +29,9 @@ Source = channels.Source | Study
 
 @public
 def compare(
-    before: Source | Fit,
-    after: Source | Fit,
-    recipe: Recipe | None = None,
-    *,
-    against: Sequence[str] | None = None,
-    rng: "np.random.Generator | None" = None,
-    progress: Progress | None = None,
-    **choices: Any,
-) -> Comparison:
+    before: Source | Fit, after: Source | Fit, recipe: Recipe | None = None, *, against: Sequence[str] | None = None,
+    rng: "np.random.Generator | None" = None, progress: Progress | None = None, **choices: Any,
+) -> Comparison:  # fmt: skip
     """Compare the noise of two records, and test whether it has changed.
 
     The verdict is the likelihood ratio of one common noise model against two, calibrated by a parametric bootstrap.
@@ -116,13 +110,9 @@ def compare_channels(
 
 @public
 def pool(
-    runs: Sequence[Source],
-    recipe: Recipe | None = None,
-    *,
-    rng: "np.random.Generator | None" = None,
-    progress: Progress | None = None,
-    **choices: Any,
-) -> Pool:
+    runs: Sequence[Source], recipe: Recipe | None = None, *, rng: "np.random.Generator | None" = None,
+    progress: Progress | None = None, **choices: Any,
+) -> Pool:  # fmt: skip
     """Pool several runs, or several units: common coefficients and curve, scatter, and outlying runs.
 
     Parameters
@@ -171,13 +161,9 @@ def pool(
 
 @public
 def truncation(
-    source: Source,
-    until: float,
-    recipe: Recipe | None = None,
-    *,
-    rng: "np.random.Generator | None" = None,
+    source: Source, until: float, recipe: Recipe | None = None, *, rng: "np.random.Generator | None" = None,
     progress: Progress | None = None,
-) -> Comparison:
+) -> Comparison:  # fmt: skip
     """Test whether a shorter record would have given the same result: compare its first part with the rest.
 
     Part and rest are independent, part and whole are not: the part agrees with the whole where it agrees with the rest.

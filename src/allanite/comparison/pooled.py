@@ -27,8 +27,7 @@ from allanite.terms import TERMS
 from .change import ComparedChannel, Together, alpha_of, holm, of_symbol
 from .common_likelihood import Joint, least
 from .contrast import chi_square, homogeneity, outlying, spread
-from .ramps import CommonRamp, ramp_law
-from .ratio import shared_curves
+from .ratio import CommonRamp, ramp_law, shared_curves
 from .sources import join_records
 
 
@@ -283,10 +282,7 @@ class PooledLaw:
 
 
 def bartlett(variance: FloatArray, edf: FloatArray) -> FloatArray:
-    """Probability that variances, shape (runs, k), with these degrees of freedom differ as much by chance, shape (k,).
-
-    M. S. Bartlett, Proc. Royal Society A 160 (1937) 268.
-    """
+    """Probability that variances (runs, k) differ so by chance (k,). M. S. Bartlett, Proc. R. Soc. A 160 (1937) 268."""
     from scipy.special import chdtrc
 
     runs, whole = len(edf), edf.sum(axis=0)

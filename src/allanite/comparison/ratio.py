@@ -1,7 +1,7 @@
-"""The ratio of two records' variances: its law, and the averaging times that both have (docs/derivations.md)."""
+"""Laws of ratios of two records: of their variances at averaging times that both have, of ramps, and of sinusoids."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,9 +9,13 @@ import numpy as np
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
+from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
+from allanite.core.limits import Below, NormalMixture, quantile
 from allanite.core.model import Model
 from allanite.core.record import Record
+from allanite.core.units import Signal
+from allanite.identification.likelihood.law import Subset, ThetaProfile
 from allanite.phrases.phrase import join, say
 from allanite.statistics import deviation
 from allanite.statistics.confidence.chisquares import MIN_DEVIATE, ChiSquareSum, cumulants
@@ -19,6 +23,9 @@ from allanite.statistics.confidence.limits import mixtures
 from allanite.statistics.estimator import integrated
 from allanite.statistics.grids import grid_named
 from allanite.statistics.table import CurvePoints, statistic_named
+from allanite.terms import TERMS
+
+from .common_likelihood import Joint
 
 SAME_TIME = 0.005  # relative difference up to which two averaging times count as the same
 HALVINGS, STEPS = 45, 40  # steps of the search for a saddlepoint, and maximum number of steps for a quantile
@@ -145,3 +152,193 @@ def shared_factors(records: Sequence[Record], statistic: str, taus: str | Sequen
         raise DataError(say("the records have no averaging time in common: {statistic} covers {spans}",
                             statistic=row.name, spans=spans))  # fmt: skip
     return [m[fits] for m in steps]
+
+
+def ramp_law(joint: Joint, i: int) -> NormalMixture | None:
+    """The ramp of record i of several, SI; None where the band leaves nothing of it."""
+    # A normal law for each strength of the noise of the longest memory, which is known from a few powers only:
+    # averaging over it gives the wide tails of Student's t.
+    part, spectrum = joint.parts[i], joint.spectra[i]
+    if not part.flat.any():
+        return None
+    slope = [np.nan_to_num(TERMS[symbol].slope, nan=-math.inf) for symbol in joint.symbols]
+    free = np.ones(part.S.shape[1], dtype=bool)
+    thetas, weight = ThetaProfile(Subset(part, free, *part.minimise(free)), int(np.argmax(slope))).weighted()
+    directions = [part.directions(theta)[:2] for theta in thetas]
+    size = spectrum.unit_factor * spectrum.rate
+    centre = np.array([eta[-1] for eta, _ in directions]) + spectrum.slope
+    return NormalMixture(size * centre, size * np.sqrt([V[-1, -1] for _, V in directions]), weight)
+
+
+@dataclass(frozen=True, eq=False)
+class RampContrast:
+    """The second ramp against the first."""
+
+    first: NormalMixture
+    second: NormalMixture
+
+    @property
+    def ratio(self) -> float:
+        """The second ramp over the first, with the sign."""
+        return self.second.value / self.first.value
+
+    @property
+    def p(self) -> float:
+        """Probability of such a difference by chance, where there is none."""
+        return self.second.minus(self.first).p
+
+    def limits(self, level: float) -> tuple[float, float]:
+        """Limits of the ratio: what the second less ratio times the first leaves near zero (E. C. Fieller, 1954)."""
+        # From minus to plus infinity where the first ramp itself is not distinguished from zero.
+        if self.first.p >= 1 - level:
+            return -math.inf, math.inf
+        # where the mean is, the median need not be: each end is sought on both sides of it
+        ends = [self._quantile((1 - level) / 2), self._quantile((1 + level) / 2)]
+        return min(ends), max(ends)
+
+    def _quantile(self, share: float) -> float:
+        """The ratio at which the probability is `share` that the second less ratio times the first is below zero."""
+        from scipy.optimize import brentq
+
+        def off(ratio: float) -> float:
+            return self.second.minus(self.first, ratio).below(0.0) - share
+
+        best = self.ratio
+        step = 0.1 * max(abs(best), 1.0)
+        while off(best - step) * off(best + step) > 0:
+            step *= 2
+        return float(brentq(off, best - step, best + step, rtol=1e-6))
+
+
+@dataclass(frozen=True, eq=False)
+class CommonRamp:
+    """What the ramps of several records have in common: their mean, weighted by their variances."""
+
+    laws: Sequence[NormalMixture]
+
+    @property
+    def values(self) -> FloatArray:
+        """The ramp of each record."""
+        return np.array([law.value for law in self.laws])
+
+    @property
+    def errors(self) -> FloatArray:
+        """Standard deviations."""
+        return np.array([law.error for law in self.laws])
+
+    @property
+    def value(self) -> float:
+        """The mean."""
+        return float(np.average(self.values, weights=self.errors**-2))
+
+    @property
+    def chi_square(self) -> float:
+        """Chi-square of one ramp in all records."""
+        return float((((self.values - self.value) / self.errors) ** 2).sum())
+
+    @property
+    def dof(self) -> int:
+        """Degrees of freedom of chi-square."""
+        return len(self.laws) - 1
+
+    def limits(self, level: float) -> tuple[float, float]:
+        """Limits of the common ramp, wider where the ramps scatter more than they should (R. T. Birge, 1932)."""
+        wider = max(1.0, self.chi_square / self.dof)
+        half = quantile((1 + level) / 2) * math.sqrt(wider / float((self.errors**-2).sum()))
+        return self.value - half, self.value + half
+
+
+WIDTH = 1.5  # bins of the shorter record within which two frequencies are one
+AROUND = (4, 40)  # bins on either side of a frequency from which the noise there is known
+SEEN = 4.0  # standard errors from which on an amplitude that was looked for at a known frequency is one
+
+
+@dataclass(frozen=True)
+class Amplitude:
+    """Amplitude of a sinusoid in one record and its standard error, SI; `found` says whether it is significant."""
+
+    value: float
+    error: float
+    found: bool
+
+    def estimate(self, frequency: float, signal: Signal) -> Estimate:
+        """As that of a term."""
+        upper = self.upper(0.95)
+        if not self.found:
+            return Estimate("Sine", signal, None, None, "absent", upper, "whittle", Below(self.upper))
+        return Estimate(
+            "Sine", signal, self.value, self.error, "identified", upper, "whittle", self.limits, shape=(frequency, 0.0)
+        )
+
+    def upper(self, level: float) -> float:
+        """One-sided upper limit."""
+        return self.value + quantile(level) * self.error
+
+    def limits(self, level: float) -> tuple[float, float]:
+        """Two-sided limits."""
+        half = quantile((1 + level) / 2) * self.error
+        return max(self.value - half, 0.0), self.value + half
+
+
+@dataclass(frozen=True)
+class LineContrast:
+    """A sinusoid of `frequency`, Hz, in both records: an amplitude against the other."""
+
+    frequency: float
+    first: Amplitude
+    second: Amplitude
+
+    @property
+    def ratio(self) -> float:
+        """The second amplitude over the first; infinite where the first is none, NaN where neither is one."""
+        if not self.first.found:
+            return math.inf if self.second.found else math.nan
+        return self.second.value / self.first.value if self.second.found else 0.0
+
+    @property
+    def p(self) -> float:
+        """Probability of such a difference by chance, where there is none."""
+        z = (self.second.value - self.first.value) / math.hypot(self.first.error, self.second.error)
+        return math.erfc(abs(z) / math.sqrt(2))
+
+    def limits(self, level: float) -> tuple[float, float]:
+        """Limits of the ratio: what the second less ratio times the first leaves near zero (E. C. Fieller, 1954)."""
+        z = quantile((1 + level) / 2)
+        a = self.first.value**2 - (z * self.first.error) ** 2
+        b, c = self.first.value * self.second.value, self.second.value**2 - (z * self.second.error) ** 2
+        root = math.sqrt(max(b * b - a * c, 0.0))
+        # of an amplitude that is none, zero is the best guess, and belongs to the interval
+        if a > 0 and self.first.found:
+            return max((b - root) / a, 0.0) if self.second.found else 0.0, (b + root) / a
+        return (max(c / (b + root), 0.0) if c > 0 and self.second.found else 0.0), math.inf
+
+
+def line_contrasts(records: Sequence[Record], fits: Sequence[Fit]) -> Iterator[LineContrast]:
+    """The sinusoids of two records, each looked for in the other."""
+    # One that lies beyond the frequencies of the other record is omitted.
+    width = WIDTH / min(record.duration for record in records)
+    frequencies = sorted(line.frequency for fit in fits for line in fit.lines)
+    apart = [f for i, f in enumerate(frequencies) if not i or f - frequencies[i - 1] > width]
+    for frequency in apart:
+        if all(AROUND[0] / r.duration < frequency < r.rate / 2 - AROUND[0] / r.duration for r in records):
+            first, second = (_amplitude(r, fit, frequency, width) for r, fit in zip(records, fits, strict=True))
+            yield LineContrast(frequency, first, second)
+
+
+def _amplitude(record: Record, fit: Fit, frequency: float, width: float) -> Amplitude:
+    near = [line for line in fit.lines if abs(line.frequency - frequency) <= width]
+    if near:
+        line = max(near, key=lambda line: line.amplitude)
+        return Amplitude(line.amplitude, line.standard_error, True)
+    rates = record.rate_values
+    finite = np.isfinite(rates)
+    window = np.where(finite, np.sin(np.pi * (np.arange(rates.size) + 0.5) / rates.size) ** 2, 0.0)
+    weighted = np.where(finite, rates - rates[finite].mean(), 0.0) * window
+    power = np.abs(np.fft.rfft(weighted)) ** 2
+    at = round(frequency * record.duration)
+    beside = np.abs(np.arange(power.size) - at)
+    noise = float(np.median(power[(beside >= AROUND[0]) & (beside <= AROUND[1])])) / math.log(2)
+    # the highest of the bins that the frequency may lie in; the mean of the rate over a sample interval is smaller
+    size = 2 / float(window.sum()) / float(np.sinc(frequency / record.rate))
+    value, error = (size * math.sqrt(v) for v in (float(power[max(at - 1, 1) : at + 2].max()), noise / 2))
+    return Amplitude(value, error, value > SEEN * error)

@@ -103,13 +103,9 @@ def _measured(channel: Channel, claim: Claim, level: float) -> Measured:
 
 @public
 def compare_with_sheet(
-    source: Source,
-    sheet: str | DataSheet,
-    recipe: Recipe | None = None,
-    *,
-    progress: Progress | None = None,
+    source: Source, sheet: str | DataSheet, recipe: Recipe | None = None, *, progress: Progress | None = None,
     **choices: Any,
-) -> SheetComparison:
+) -> SheetComparison:  # fmt: skip
     """Compare the noise of a recording with what a data sheet says.
 
     Parameters

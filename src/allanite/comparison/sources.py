@@ -53,15 +53,9 @@ class SourceSet:
 
 
 def run_sources(
-    kind: Callable[..., Result],
-    sources: SourceSet,
-    recipe: Recipe,
-    work: Callable[[Inspected], Any],
-    refused: Callable[[Inspected, str], Any],
-    *,
-    doing: str = "comparing",
-    progress: Progress | None = None,
-) -> Result:
+    kind: Callable[..., Result], sources: SourceSet, recipe: Recipe, work: Callable[[Inspected], Any],
+    refused: Callable[[Inspected, str], Any], *, doing: str = "comparing", progress: Progress | None = None,
+) -> Result:  # fmt: skip
     """Do the work on each channel of several recordings, as `allanite.study.channels.run` on those of one."""
     # `kind` makes the result of the fields of `Together`.
     return run_together(

@@ -31,8 +31,7 @@ from .change import RESOLVED, Change, Homogeneity, alpha_of, changes_of
 from .common_likelihood import Joint
 from .comparison import Pair, Ratios
 from .contrast import Contrast, chi_square, homogeneity, partly_common
-from .ramps import RampContrast, line_contrasts, ramp_law
-from .ratio import ratio_law, shared_curves
+from .ratio import RampContrast, line_contrasts, ramp_law, ratio_law, shared_curves
 from .sources import join_records
 
 ALIKE = 0.7  # correlation of the steps from which on two records are a pair

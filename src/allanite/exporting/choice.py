@@ -1,13 +1,15 @@
-"""Which axis a field takes its coefficient from, and what replaces a coefficient that was not identified."""
+"""Which axis a field takes its coefficient from, what replaces one that was not identified, and upper bounds."""
 
 import math
 import statistics
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import singledispatch
 from typing import Any
 
-from allanite.core.errors import UsageError
+import numpy as np
+
+from allanite.core.errors import DataError, UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term, model_of
@@ -154,20 +156,13 @@ def selected(axes: Sequence[Axis], policy: str) -> tuple[Axis, ...]:
 
 
 def placed(names: Sequence[str], axis: str) -> int | None:
-    """Which channel is an axis: the one whose name ends in x, y or z, or of three that at its place.
-
-    >>> placed(["gyro_y", "gyro_x"], "x"), placed(["w[0]", "w[1]", "w[2]"], "y"), placed(["left", "right"], "z")
-    (1, 1, None)
-    """
+    """Which channel is an axis: the one whose name ends in x, y or z, or of three that at its place."""
     named = [i for i, name in enumerate(names) if name.lower().endswith(axis)]
     return named[0] if len(named) == 1 else "xyz".index(axis) if len(names) == 3 else None
 
 
 def coefficients(axes: Sequence[Axis], symbol: str, *, markov: bool, unexplained: bool) -> tuple[Found, list[str]]:
-    """The coefficient of each axis, and why others have none.
-
-    `markov`: a Gauss-Markov process that was identified may replace a random walk that was not.
-    """
+    """The coefficient of each axis, and why others have none; with `markov` GM may replace a K that is absent."""
     chosen: list[AxisCoefficient] = []
     reasons: dict[str, list[str]] = {}
     for axis in axes:
@@ -214,3 +209,56 @@ def _markov(axis: Axis) -> AxisCoefficient | None:
     return AxisCoefficient(
         axis.name, e.value * walk, low * walk, high * walk, False, False, note, time, axis.level, covers
     )
+
+
+READ = "curve"  # method of estimates that are such bounds
+
+BOUND = say("upper bound read off the Allan deviation")
+
+BOUNDED = ("N", "B", "K")  # terms that have fields, or stand in for others that have none
+ONCE = 1.0  # averaging time of N, and the shortest of the others, s: below, a filter or vibration may bend the curve
+
+
+def remedy() -> str:
+    """How a file is written where no model explains the records."""
+    return say("for upper bounds: {option}", option=spelled("--from-curve", "from_curve=True"))
+
+
+def bounded(axis: Axis, *, asked: bool) -> Axis:
+    """The axis with upper bounds of terms struck out, and if `asked` of all where no model explains the record."""
+    if asked and axis.doubt:  # nothing but bounds; a model of them is one of too much noise
+        estimates = tuple(_estimates(axis, BOUNDED).values())
+        model = Model(tuple(Term(e.symbol, e.upper or 0.0, e.signal) for e in estimates))
+        words = say("{why}: every value is an {bound}", why=axis.doubt.partition(";")[0], bound=BOUND)
+        fit = Fit(estimates, READ, axis.fit.signal, model, name=axis.fit.name)
+        return replace(axis, fit=fit, doubt="", alerts=(words, *axis.alerts))
+    slow = [e.symbol for e in axis.fit if e.status == "not valid" and TERMS[e.symbol].slope >= 0]
+    empty = [e.symbol for e in axis.fit if asked and e.value is None and not e.upper]
+    missing = {*slow, *empty} & set(BOUNDED)
+    if axis.doubt or not missing or (axis.curve is None and not asked):
+        return axis
+    known = _estimates(axis, missing)
+    return replace(axis, fit=replace(axis.fit, estimates=tuple(known.get(e.symbol, e) for e in axis.fit)))
+
+
+def _estimates(axis: Axis, symbols: Iterable[str]) -> dict[str, Estimate]:
+    """Upper bounds of coefficients by symbol, SI."""
+    # Every term adds to the variance: a coefficient is at most that whose line passes through the upper limit of the
+    # curve, c < upper(tau) / (sqrt(level) tau^slope). N is read at 1 s; B, whose line is level, at the lowest limit,
+    # and K where it bounds most, which is near the longest averaging time.
+    curve, signal = axis.curve, axis.fit.signal
+    if curve is None or curve.law is None:
+        raise DataError(
+            say(
+                "{axis}: there is no Allan deviation with intervals to read bounds off; analyze it with {option}",
+                axis=axis.label, option=spelled("--statistic oadev", "statistic='oadev'"),
+            )
+        )  # fmt: skip
+    tau, upper = curve.tau, curve.to(signal.unit).interval(axis.level)[1]
+    late = tau >= min(ONCE, tau[-1])
+    limits = {}
+    for row in (TERMS[symbol] for symbol in symbols):
+        through = upper / (np.sqrt(row.level) * tau**row.slope)
+        most = through[late].min() if row.slope >= 0 else through[np.abs(np.log(tau / ONCE)).argmin()]
+        limits[row.symbol] = Estimate(row.symbol, signal, None, None, "absent", float(most), READ, reason=BOUND)
+    return limits

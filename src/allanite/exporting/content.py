@@ -1,14 +1,16 @@
-"""Content: what a file says, before it has a form, and the noise of the axes that it is made of."""
+"""Content: what a file says, and the noise of the axes that it is made of; forms: lines with comments, and JSON."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isclose
+from typing import Any
 
 from allanite.core.curve import Curve
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.plain import Value
 from allanite.core.readings import Readings
+from allanite.core.syntax import YAML, Syntax, json_text
 from allanite.phrases.phrase import join, say
 
 
@@ -87,11 +89,7 @@ class Entry(Value):
 
 @dataclass(frozen=True, eq=False)
 class Content:
-    """What a file says: comments, fields, and for targets that take whole models the axes; `rate` in Hz.
-
-    Comments and names are as the recording has them: a form writes them by the `Syntax` of its file.
-    `inflate` is a factor on the coefficients of whole models; the fields have it already.
-    """
+    """What a file says: comments, fields (inflated already), and the axes for targets that take whole models."""
 
     header: tuple[str, ...]
     entries: tuple[Entry, ...]
@@ -105,11 +103,86 @@ class Content:
 
 
 def number(value: float) -> str:
-    """A number with all its digits and a point, without which YAML reads 1e-05 as text and ROS an integer.
-
-    >>> number(1e-05), number(200), number(0.25)
-    ('1.0e-05', '200.0', '0.25')
-    """
+    """A number with all its digits and a point, without which YAML reads 1e-05 as text and ROS an integer."""
     text = repr(float(value))
     mantissa, exponent, power = text.partition("e")
     return text if "." in mantissa or not exponent else f"{mantissa}.0e{power}"
+
+
+JSON_COMMENT = r'(?s:"comment": \[.*?\n\s*\])'
+
+
+def triple(values: Sequence[float]) -> str:
+    """One number for each axis."""
+    return ", ".join(map(number, spread(values)))
+
+
+def diagonal(values: Sequence[float]) -> str:
+    """The nine numbers of a 3 x 3 covariance, by rows."""
+    x, y, z = map(number, spread(values))
+    zero = number(0.0)
+    return ", ".join((x, zero, zero, zero, y, zero, zero, zero, z))
+
+
+def spread(values: Sequence[float]) -> tuple[float, float, float]:
+    """The values of three axes, of three values or of one."""
+    x, y, z = values if len(values) == 3 else (values[0],) * 3
+    return x, y, z
+
+
+@dataclass(frozen=True)
+class LineLayout:
+    """A file of lines."""
+
+    line: str  # template of a field, with `name`, `value` (a single number), `triple` or `diagonal`
+    syntax: Syntax = YAML  # of its comments
+    first: tuple[str, ...] = ()  # what must stand before any comment
+    # start, end: LineLayout around the fields, templates with `rate`
+    start: tuple[str, ...] = ()
+    end: tuple[str, ...] = ()
+    alone: tuple[str, ...] = ()  # fields with one number where the others have a list of three
+
+    def __call__(self, content: Content) -> str:
+        """The file."""
+        rate = "" if content.rate is None else number(content.rate)
+        lines = [*self.first, *(part for line in content.header for part in self.syntax.comments(line))]
+        lines += [line.replace("{rate}", rate) for line in self.start]
+        indent = self.line[: len(self.line) - len(self.line.lstrip())]
+        for e in content.entries:
+            line = self.line.replace("[{triple}]", "{value}") if e.name in self.alone else self.line
+            forms = {"value": number(e.values[0]), "triple": triple(e.values), "diagonal": diagonal(e.values)}
+            lines += [indent + part for part in self.syntax.comments(told(e))]
+            lines.append(line.format(name=e.name, **forms))
+        return "\n".join([*lines, *(line.replace("{rate}", rate) for line in self.end)]) + "\n"
+
+
+def told(entry: Entry) -> str:
+    """The comment on a field: its unit, formula, channel, identified value, and interval or cover."""
+    names = ", ".join(dict.fromkeys(entry.channels))
+    identified = ", ".join(f"{value:.4g}" for value in entry.identified) if entry.factor else ""
+    larger = say("identified {value}, x{factor:.3g}", value=identified, factor=entry.factor) if identified else ""
+    remark = join(" ", filter(None, (larger, entry.remark)))
+    return f"{entry.unit}, {entry.formula}{f' of {names}' if names else ''}: {remark}"
+
+
+@dataclass(frozen=True)
+class JsonLayout:
+    """A JSON file: an object for each section, with `extra` keys, within `root`; comments are its last key."""
+
+    root: str = ""
+    extra: tuple[tuple[str, str], ...] = ()
+    rate: str = ""
+    each: bool = False
+
+    def __call__(self, content: Content) -> str:
+        """The file."""
+        sections: dict[str, Any] = {}
+        for section in dict.fromkeys(entry.section for entry in content.entries):
+            entries = content.of(section)
+            values = {e.name: list(spread(e.values)) if self.each else e.values[0] for e in entries}
+            sections[section] = {**values, **dict(self.extra)}
+        if self.rate:
+            sections[self.rate] = content.rate
+        remarks = [f"{entry.section} {entry.name}: {told(entry)}" for entry in content.entries]
+        whole = {self.root: sections} if self.root else sections
+        return json_text({**whole, "comment": [*content.header, *remarks]}, indent=2) + "\n"

@@ -22,8 +22,7 @@ from allanite.study.analysis import analyze
 from allanite.study.recipe import Recipe
 from allanite.study.results import Study
 
-from .bounds import BOUND, READ, bounded
-from .choice import Source, axes_of, demand_policy, selected
+from .choice import BOUND, READ, Source, axes_of, bounded, demand_policy, selected
 from .content import Axis, Content, Entry, by_sensor
 from .cover import covered
 from .exports import target_named
@@ -118,18 +117,10 @@ def _numbers(values: Sequence[float]) -> str:
 
 @public
 def export(  # noqa: PLR0913 - each has a default, and is a choice of its own
-    source: Source | Record | Recording | str | os.PathLike[str],
-    target: str,
-    *,
-    axis: str = "worst",
-    inflate: float = 1.0,
-    rate: float | None = None,
-    filter_rate: float | None = None,
-    unexplained: bool = False,
-    cover: bool | str | tuple[float, float] | None = None,
-    from_curve: bool = False,
-    form: str = "",
-) -> Export:
+    source: Source | Record | Recording | str | os.PathLike[str], target: str, *, axis: str = "worst",
+    inflate: float = 1.0, rate: float | None = None, filter_rate: float | None = None, unexplained: bool = False,
+    cover: bool | str | tuple[float, float] | None = None, from_curve: bool = False, form: str = "",
+) -> Export:  # fmt: skip
     """Convert identified noise to the file that a filter or simulator reads.
 
     Parameters
@@ -216,11 +207,9 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
         demand_rate(target, rate)
     doubts = [axis for axis in axes if axis.doubt and not how.unexplained]
     notes = (
-        *without_cover(entries),
-        *missing,
-        *left_out(target, stand),
+        *without_cover(entries), *missing, *left_out(target, stand),
         *(line for made in stated if made.covers for line in made.words()),
-    )
+    )  # fmt: skip
     known = 1 if target.simulates else None  # what it says of filters is none of a simulator's business
     warned = [line for made in stated if made.confident for line in made.words()[:known]]
     omitted = (f"left out: {axis.name} ({axis.doubt})" for axis in doubts)

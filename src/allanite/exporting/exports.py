@@ -4,7 +4,20 @@ from allanite.core.names import row_alike
 from allanite.plugins import Registry
 
 from .target import Target
-from .targets.navigation import GNSS_INS_SIM, KF_GINS, MATLAB, NAVEGO, PSINS
+from .targets.navigation import (
+    GNSS_INS_SIM,
+    GTSAM,
+    KALIBR,
+    KF_GINS,
+    LIO_SAM,
+    MATLAB,
+    NAVEGO,
+    OPENVINS,
+    ORB_SLAM3,
+    PSINS,
+    VINS_FUSION,
+    VINS_MONO,
+)
 from .targets.robots import (
     ARDUPILOT,
     ARDUPILOT_TCAL,
@@ -17,7 +30,6 @@ from .targets.robots import (
     ROS_IMU,
 )  # fmt: skip
 from .targets.sheets import DATASHEET, STATESPACE
-from .targets.visual import GTSAM, KALIBR, LIO_SAM, OPENVINS, ORB_SLAM3, VINS_FUSION, VINS_MONO
 
 _OWN = (
     KALIBR, OPENVINS, ORB_SLAM3, VINS_MONO, VINS_FUSION, LIO_SAM, GTSAM, ROS_IMU, ROBOT_LOCALIZATION, PX4, ARDUPILOT,
@@ -32,11 +44,7 @@ TEMPERATURE = {"px4": PX4_TC, "ardupilot": ARDUPILOT_TCAL}
 
 
 def target_named(name: str) -> Target:
-    """The row of a target; upper case and underscores do not matter.
-
-    >>> target_named("LIO_SAM").name
-    'lio-sam'
-    """
+    """The row of a target; upper case and underscores do not matter."""
     return row_alike("target", name, EXPORTS)
 
 

@@ -10,8 +10,7 @@ from allanite.phrases.phrase import join, say, spelled
 from allanite.study.results import rejected
 from allanite.study.settings import ExportChoices
 
-from .bounds import remedy
-from .choice import POLICIES, AxisCoefficient, Found, coefficients, selected
+from .choice import POLICIES, AxisCoefficient, Found, coefficients, remedy, selected
 from .content import Axis, Entry, by_sensor
 from .target import Target, TargetField, demand_rate
 

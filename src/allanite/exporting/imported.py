@@ -29,13 +29,7 @@ COEFFICIENTS = "NKBQR"  # the terms that a value with a unit may be, by the dime
 
 
 def models_of(texts: Iterable[str]) -> list[Model]:
-    """The noise that texts describe, by sensor: models, names of data sheets, or single values whose unit says all.
-
-    >>> [str(model) for model in models_of(["0.66 deg/sqrt(h)", "K 3 deg/h/sqrt(h)", "100 ug/sqrt(Hz)"])]
-    ['N = 0.66 deg/sqrt(h), K = 3 deg/h/sqrt(h)', 'N = 0.05884 m/s/sqrt(h)']
-    >>> [str(model) for model in models_of(["adis16470 accelerometer"])]
-    ['N = 0.037 m/s/sqrt(h), B = 19.57 ug']
-    """
+    """The noise that texts describe, by sensor: models, names of data sheets, or single values whose unit says all."""
     models: dict[str, Model] = {}
     for model in (model for text in texts for model in _described(text)):
         sensor = model.signal.name
@@ -241,10 +235,6 @@ def section_of(text: str, field: TargetField, target: Target) -> str:
 
 
 def numbers(text: str, name: str) -> list[float]:
-    """The numbers of a field: one, or a list; empty if the field is not there.
-
-    >>> numbers("gyr_n: 1.0e-3", "gyr_n"), numbers('{"RandomWalk": [1, 2, 3]}', "RandomWalk")
-    ([0.001], [1.0, 2.0, 3.0])
-    """
+    """The numbers of a field: one, or a list; empty if the field is not there."""
     match = re.search(rf"(?<![\w]){re.escape(name)}(?![\w.]){_VALUES}", text)
     return [] if match is None else [float(number) for number in re.findall(_NUMBER, match[1] or match[2])]

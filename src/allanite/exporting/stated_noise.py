@@ -42,10 +42,7 @@ FIRST, LAST = 0.25, 10.0
 
 @dataclass(frozen=True, eq=False)
 class Covariances:
-    """Covariances of the angles gained: in steps of the past (n, n), in these and without aid (n, k), without (k,).
-
-    Shapes are those of the last axes. `drifts` is whether a rate has no variance.
-    """
+    """Covariances of the angles gained: in steps of the past, in these and without aid, without aid."""
 
     past: FloatArray
     cross: FloatArray
@@ -152,10 +149,7 @@ class StatedNoise(Value):
 
     @property
     def lowest(self) -> tuple[float, float]:
-        """The lowest ratio of the file's Allan deviation to that of the noise, and its averaging time, s.
-
-        To the upper limit, if the file was made to cover it.
-        """
+        """The lowest ratio of the file's Allan deviation to that of the noise (or its limit), and its time, s."""
         ratio = self.deviation / (self.upper if self.covers else self.identified)
         return float(ratio.min()), float(self.tau[ratio.argmin()])
 
@@ -230,11 +224,7 @@ def groups_of(axes: Sequence[Axis], how: How) -> list[tuple[AxisNoise, ...]]:
 
 
 def noise_of(axis: Axis, tau: FloatArray, *, unexplained: bool) -> AxisNoise | None:
-    """The noise of an axis and its upper limit; None if there is no term.
-
-    The upper limit is the smaller one of two: the sum of the upper limits of all terms, and the upper limit of the
-    measured Allan deviation.
-    """
+    """The noise of an axis, and the smaller of two upper limits: of the terms, of the curve; None without terms."""
     known, limits, struck = [], [], False
     for e in axis.fit:
         row = TERMS[e.symbol]
@@ -286,10 +276,7 @@ def _measured(axis: Axis, tau: FloatArray) -> FloatArray:
 def model_of_fields(
     target: Target, entries: Sequence[Entry], axis: Axis, rate: float | None, which: int
 ) -> Model | None:
-    """The noise model that the fields of a file state for a sensor; None if one is missing that the file needs.
-
-    A random walk with a correlation time is a Gauss-Markov process. `which` is the place of the axis.
-    """
+    """The noise model that the fields of a file state for axis `which` of a sensor; None if one is missing."""
     by_name = {entry.full: entry.values[min(which, len(entry.values) - 1)] for entry in entries}
     fields = [field for field in target.fields if field.sensor == axis.sensor]
     if any(field.needed and field.full not in by_name for field in fields):

@@ -1,8 +1,8 @@
 """Target: a program that takes noise coefficients, as a row of data: its fields, their formulas, its file."""
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from allanite.core.errors import UsageError
@@ -11,8 +11,13 @@ from allanite.core.units import unit_of
 from allanite.phrases.phrase import say, spelled
 from allanite.terms import TERMS
 
+from .content import LineLayout
+
 if TYPE_CHECKING:
+    from allanite.applications.compensation.regressor import Regressor
+
     from .content import Content
+
 
 GYRO, ACCELEROMETER = "gyro", "accelerometer"
 
@@ -61,12 +66,7 @@ class TargetField:
 
     @property
     def formula(self) -> str:
-        """How the value follows from the coefficient: ``N sqrt(2 f)``.
-
-        >>> vins = TargetField("gyr_n", GYRO, "N", "rad/s", weight=2.0, rate=1)
-        >>> vins.formula, TargetField("c", GYRO, "N", "rad^2/s", power=2).formula
-        ('N sqrt(2 f)', 'N^2')
-        """
+        """How the value follows from the coefficient: ``N sqrt(2 f)``."""
         if not self.term:
             return "T"
         root = _root_of(self.weight, self.rate, self.time, self.power)
@@ -99,22 +99,17 @@ _SQUARE, _VARIANCE = say("density squared"), say("variance per sample")
 UNKNOWN = "", "", 1.0, 0, 0
 
 NATURES: dict[tuple[str, int, int, int], tuple[str, str, float, int, int]] = {
-    ("", 0, 2, 1): (say("correlation time"), "", 1.0, 0, 0),
-    ("N", 0, 0, 1): (_DENSITY, _SIGMA, 1.0, 1, 0),
-    ("N", 1, 0, 1): (_SIGMA, _DENSITY, 1.0, 0, 0),
-    ("N", 0, 0, 2): (_SQUARE, _VARIANCE, 1.0, 1, 0),
-    ("N", 1, 0, 2): (_VARIANCE, _SQUARE, 1.0, 0, 0),
-    ("K", 0, 0, 1): (_DENSITY, _STEADY, 0.5, 0, 1),
+    ("", 0, 2, 1): (say("correlation time"), "", 1.0, 0, 0), ("N", 0, 0, 1): (_DENSITY, _SIGMA, 1.0, 1, 0),
+    ("N", 1, 0, 1): (_SIGMA, _DENSITY, 1.0, 0, 0), ("N", 0, 0, 2): (_SQUARE, _VARIANCE, 1.0, 1, 0),
+    ("N", 1, 0, 2): (_VARIANCE, _SQUARE, 1.0, 0, 0), ("K", 0, 0, 1): (_DENSITY, _STEADY, 0.5, 0, 1),
     ("K", 1, 0, 1): (say("sigma of the rate of the bias"), _DENSITY, 1.0, 0, 0),
-    ("K", 0, 1, 1): (_STEADY, _DENSITY, 1.0, 0, 0),
-    ("K", 0, 0, 2): (_SQUARE, say("variance of a step"), 1.0, -1, 0),
+    ("K", 0, 1, 1): (_STEADY, _DENSITY, 1.0, 0, 0), ("K", 0, 0, 2): (_SQUARE, say("variance of a step"), 1.0, -1, 0),
     ("B", 0, 0, 1): (say("level of flicker"), say("minimum of the curve"), 2 * math.log(2) / math.pi, 0, 0),
-}
+}  # fmt: skip
 """By term and powers of rate, time and value: what a field is, what is written instead, and weight and powers of it."""
 
 
-Write = Callable[["Content"], str | bytes]
-"""Makes the file from its content."""
+Write = Callable[["Content"], str | bytes]  # makes the file from its content
 
 
 @dataclass(frozen=True)
@@ -184,8 +179,7 @@ DENSITY = TargetField("", GYRO, "N", "rad/s/sqrt(Hz)"), "m/s^2/sqrt(Hz)"
 WALK = TargetField("", GYRO, "K", "rad/s^2/sqrt(Hz)"), "m/s^3/sqrt(Hz)"
 """A field that is K itself, in SI, and its unit for accelerometers."""
 
-TIME = TargetField("", GYRO, "", "s", time=2), "s"
-"""A field that is a correlation time."""
+TIME = TargetField("", GYRO, "", "s", time=2), "s"  # a field that is a correlation time
 
 
 def demand_rate(target: Target, rate: float | None) -> None:
@@ -195,3 +189,54 @@ def demand_rate(target: Target, rate: float | None) -> None:
             f"{target.name} needs the sampling rate: {spelled('--rate HZ', 'rate=...')}, "
             "since its fields are discrete or its file states it"
         )
+
+
+@dataclass(frozen=True)
+class ThermalTarget(Target):
+    """A row of `TEMPERATURE`: an autopilot that subtracts sum_k c_k (T - T0)^k in SI units, T within a range."""
+
+    forms: Mapping[str, LineLayout]
+    # template of what the names of the fields of each sensor begin with, with `sensor`; the usual instance first
+    prefixes: Mapping[int, str] = field(default_factory=dict)
+    letters: Mapping[str, str] = field(default_factory=dict)
+    coefficient: str = ""  # template of the rest of the name of a coefficient, with `sensor`, `power` and `axis`
+    axes: tuple[str, ...] = ()  # names of the axes x, y and z
+    order: int = 3  # highest power
+    reference: float | None = None  # T0, degC; None if it is a field, for the middle of the range
+    # whether c_0 has a field; otherwise the correction is zero at the temperature of the autopilot's calibration
+    constant: bool = True
+    scale: float = 1.0  # factor on the coefficients
+    together: bool = False  # whether the sensors of an instance share the range
+    enable: str = ""  # line that enables the correction, a template with `prefix` and `sensor`
+
+    def demand(self, regressors: "Iterable[Regressor]") -> None:
+        """Refuse what is no polynomial in one temperature, or one of too high a degree."""
+        kept = [r for r in regressors if not r.is_trend]
+        wrong = [r.label for r in kept if r.smooth is not None or r.lag]
+        wrong = wrong or [r.label for r in kept if r.channel != kept[0].channel][:1]
+        if wrong:
+            raise UsageError(
+                f"{self.program} takes the powers of one temperature, not {', '.join(wrong)} as well; fit the "
+                "temperature of the sensor alone, for example " + spelled("--regressors temp", "regressors=('temp',)")
+            )
+        most = max((r.power for r in kept), default=1)
+        if most > self.order:
+            raise UsageError(
+                f"{self.program} takes powers up to {self.order}, not {most}: "
+                + spelled(f"--degree {self.order}", f"degree={self.order}")
+            )
+
+    @property
+    def program(self) -> str:
+        """The first word of its name: that of the autopilot."""
+        return self.name.partition("-")[0]
+
+    def prefix(self, sensor: str, instance: int | None = None) -> str:
+        """What the names of the fields of a sensor begin with."""
+        chosen = next(iter(self.prefixes)) if instance is None else instance
+        if chosen not in self.prefixes:
+            raise UsageError(
+                f"{self.program} numbers its sensors from {min(self.prefixes)} to {max(self.prefixes)}; there is no "
+                + spelled(f"--instance {chosen}", f"instance={chosen}")
+            )
+        return self.prefixes[chosen].format(sensor=self.letters[sensor])

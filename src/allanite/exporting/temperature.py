@@ -23,8 +23,7 @@ from .choice import placed
 from .content import Content, Entry
 from .export import Export
 from .exports import TEMPERATURE
-from .target import GYRO
-from .thermal import ThermalTarget
+from .target import GYRO, ThermalTarget
 
 AXES = "xyz"
 
@@ -211,10 +210,7 @@ def _header(row: ThermalTarget, study: CompensationStudy, used: Sequence[_Axis])
 
 
 def polynomial(regression: Regression, order: int, reference: float) -> tuple[FloatArray, FloatArray]:
-    """The correction of a regression as a polynomial about another temperature: an identity, by binomials.
-
-    (T - c)^k is the sum over j of binomial(k, j) (T0 - c)^(k - j) (T - T0)^j.
-    """
+    """The correction of a regression as a polynomial about another temperature, by binomials."""
     taken = regression.taken
     shift = np.zeros((order + 1, len(taken)))
     for column, regressor in enumerate(regression.regressors[i] for i in taken):

@@ -25,11 +25,7 @@ class Word(Value):
 
 @cache
 def words() -> Mapping[str, Word]:
-    """The words by name.
-
-    >>> words()["bias instability"].synonyms[0]
-    'B'
-    """
+    """The words by name."""
     rows = tomllib.loads((files(__package__) / "words.toml").read_text("utf-8"))
     own = {
         name: Word(name, tuple(row["names"]), say(row["is"]), row["formula"], row["example"], tuple(row["see"]))
@@ -42,9 +38,5 @@ def words() -> Mapping[str, Word]:
 
 @cache
 def named_words() -> Mapping[str, Word]:
-    """The words by each of their names.
-
-    >>> named_words()["oadev"] is named_words()["AVAR"]
-    True
-    """
+    """The words by each of their names."""
     return {name: word for word in words().values() for name in (*word.synonyms, word.name)}

@@ -20,7 +20,7 @@ from allanite.phrases.phrase import averaging, join, say
 from allanite.statistics.moments.moments import expected
 from allanite.terms import TERMS, WHITE
 
-from .device import Cause, bounds_of, grade_of
+from .devices import Cause, bounds_of, grade_of
 from .devices import device as named
 
 POINTS_PER_DECADE = 1000  # points of a decade at which humps are held against lines
@@ -54,14 +54,7 @@ def height(estimate: Estimate, tau: float) -> float:
 
 
 def crossing(one: Estimate, other: Estimate) -> float:
-    """Averaging time, s, at which the asymptotes of two terms of different slope are equal.
-
-    >>> from allanite import Estimate
-    >>> from allanite.core.units import SIGNALS
-    >>> N, K = (Estimate(s, SIGNALS[0], v, 0.0, "identified", None, "whittle") for s, v in (("N", 2.0), ("K", 0.1)))
-    >>> round(crossing(N, K), 3)  # sqrt(3) N / K
-    34.641
-    """
+    """Averaging time, s, at which the asymptotes of two terms of different slope are equal."""
     slope = TERMS[other.symbol].slope - TERMS[one.symbol].slope
     return float((height(one, 1.0) / height(other, 1.0)) ** (1 / slope))
 
@@ -139,26 +132,17 @@ class Meaning(Value):
 def meaning(
     fit: Fit, readings: Readings | None = None, *, rate: float, length: float, device: str | None = None
 ) -> Meaning:
-    """What the coefficients of a fit say, and what may cause them.
-
-    >>> import numpy as np
-    >>> from allanite import N, identify, simulate
-    >>> record = simulate(N(0.1, "deg/sqrt(h)"), 6000, 10.0, rng=np.random.default_rng(1))
-    >>> found = meaning(identify(record), rate=10.0, length=600.0, device="mems")
-    >>> found.causes["N"].sources[0]
-    'thermo-mechanical noise, much faster than the sampling'
-    """
+    """What the coefficients of a fit say, and what may cause them."""
     texts = sentences(fit, readings, rate=rate, length=length)
     if device is None:
         return Meaning(fit.name, texts)
     row = named(device)
     if fit.signal.name not in row.signals:
         note = say(
-            "the table of {device} is about {signals} signals, not about this {sensor}",
-            device=row.title,
+            "the table of {device} is about {signals} signals, not about this {sensor}", device=row.title,
             signals=reduce(lambda first, second: say("{first} or {second}", first=first, second=second), row.signals),
             sensor=fit.signal.name,
-        )
+        )  # fmt: skip
         return Meaning(fit.name, texts, device, (), note)
     symbols = tuple(e.symbol for e in fit if e.claimed and e.symbol in row.terms) if fit.valid is not None else ()
     return Meaning(fit.name, texts, device, symbols, row.note)
@@ -168,15 +152,7 @@ HUMP_PERIODS = 0.37  # averaging time of the first hump of a damped oscillation,
 
 
 def sentences(fit: Fit, readings: Readings | None = None, *, rate: float, length: float) -> tuple[str, ...]:
-    """What the coefficients of a fit say, in sentences; none where its model does not explain the record.
-
-    >>> import numpy as np
-    >>> from allanite import N, R, identify, simulate
-    >>> model = N(0.1, "deg/sqrt(h)") + R(3000.0, "deg/h^2")
-    >>> record = simulate(model, 6000, 10.0, rng=np.random.default_rng(1))
-    >>> sentences(identify(record), rate=10.0, length=600.0)[0]  # doctest: +ELLIPSIS
-    'White noise (angle random walk) dominates up to 4.66 s: beyond that, averaging longer reduces the error ...'
-    """
+    """What the coefficients of a fit say, in sentences; none where its model does not explain the record."""
     if fit.valid is None or not fit.validity:
         return ()
     present = {e.symbol: e for e in fit if e.claimed and e.value}
@@ -224,10 +200,9 @@ def _white(span: Span, found: dict[str, Estimate], limits: tuple[float, float]) 
     if span.end >= limits[1]:
         if late:
             where = say(
-                "White noise ({term}) dominates from {start} up to half the length of the record",
-                term=title,
+                "White noise ({term}) dominates from {start} up to half the length of the record", term=title,
                 start=start,
-            )
+            )  # fmt: skip
         else:
             where = say("White noise ({term}) dominates at all averaging times", term=title)
         return join(": ", (where, say("averaging reduces the error with the square root of time")))
@@ -272,10 +247,8 @@ def _drift(fit: Fit, found: dict[str, Estimate], length: float) -> Iterator[str]
         yield say(
             "The drift has a systematic part, R, which changes the output by {systematic} over the record, and a "
             "random part, K, of {random} (1 sigma); R is larger than K beyond {tau}.",
-            systematic=_over(ramp, length),
-            random=_over(walk, length),
-            tau=averaging(crossing(walk, ramp)),
-        )
+            systematic=_over(ramp, length), random=_over(walk, length), tau=averaging(crossing(walk, ramp)),
+        )  # fmt: skip
     elif ramp is not None:
         change = _over(ramp, length)
         stated = say("The drift is systematic: R changes the output by {change} over the record", change=change)
@@ -321,9 +294,8 @@ def _time_constants(fit: Fit, found: dict[str, Estimate]) -> Iterator[str]:
         yield say(
             "A low-pass filter of {cutoff:.3g} Hz was identified (time constant {time:.3g} ms if it is of first "
             "order): the bandwidth of the sensor, or a filter before the output.",
-            cutoff=cutoff,
-            time=1000 / (2 * math.pi * cutoff),
-        )
+            cutoff=cutoff, time=1000 / (2 * math.pi * cutoff),
+        )  # fmt: skip
 
 
 def _grade(readings: Readings | None) -> Iterator[str]:

@@ -72,24 +72,12 @@ def _filled(template: str, fields: Mapping[str, Any]) -> str:
 
 
 def say(template: str, /, **fields: Any) -> Phrase:
-    """A phrase; `fields` are put into the template as by `str.format`, and are translated if they are phrases.
-
-    Templates are collected from calls of this function, so they are written out where it is called.
-
-    >>> say("{title} at {tau:.3g} s", title=say("minimum"), tau=12.3456)
-    'minimum at 12.3 s'
-    >>> say("{title} at {tau:.3g} s", title=say("minimum"), tau=1641.6)
-    'minimum at 1640 s'
-    """
+    """A phrase; `fields` fill its template, which is written out at the call: calls are what catalogues collect."""
     return Phrase((template,), fields)
 
 
 def say_count(count: int, one: str, many: str, /, **fields: Any) -> Phrase:
-    """A phrase with a number, named `count` in both templates, that its nouns agree with.
-
-    >>> say_count(1, "{count} sample", "{count} samples"), say_count(7, "{count} sample", "{count} samples")
-    ('1 sample', '7 samples')
-    """
+    """A phrase with a number, named `count` in both templates, that its nouns agree with."""
     return Phrase((one, many), {"count": count, **fields})
 
 
@@ -113,11 +101,7 @@ _BLANK = re.compile("(?<=[，；：。！？]) ")
 
 
 def join(separator: str, parts: Iterable[str]) -> Phrase:
-    """Texts one after the other, each of which is translated by itself.
-
-    >>> join("; ", [say("no model"), "gx"])
-    'no model; gx'
-    """
+    """Texts one after the other, each of which is translated by itself."""
     fields = {f"_{i}": part for i, part in enumerate(parts)}
     escaped = separator.replace("{", "{{").replace("}", "}}")
     return Joined((escaped.join(f"{{{name}}}" for name in fields),), fields)
@@ -135,29 +119,17 @@ MIN_PART_SHARE = 0.25  # share of a recording that a part of it must have to be 
 
 
 def plural(count: int, noun: str, many: str = "") -> str:
-    """A number and its noun, singular or plural.
-
-    >>> plural(1, "gap"), plural(7, "sample")
-    ('1 gap', '7 samples')
-    """
+    """A number and its noun, singular or plural."""
     return f"{count} {noun if count == 1 else many or noun + 's'}"
 
 
 def percent(share: float) -> str:
-    """A share with two significant digits, and all digits before the point.
-
-    >>> percent(0.00123), percent(0.345), percent(1.0), percent(12.3)
-    ('0.12 %', '34 %', '100 %', '1230 %')
-    """
+    """A share with two significant digits, and all digits before the point."""
     return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
 
 
 def duration(seconds: float) -> str:
-    """A duration with its unit.
-
-    >>> duration(42), duration(5400), duration(200_000)
-    ('42 s', '1.5 h', '2.31 d')
-    """
+    """A duration with its unit."""
     for size, unit, least in ((86400.0, "d", 172800.0), (3600.0, "h", 3600.0), (60.0, "min", 120.0), (1.0, "s", 0.0)):
         if seconds >= least:
             return f"{seconds / size:.3g} {unit}"
@@ -165,11 +137,7 @@ def duration(seconds: float) -> str:
 
 
 def averaging(tau: float) -> str:
-    """An averaging time: in seconds, as on the axis of a curve.
-
-    >>> averaging(5.119), averaging(927.4), averaging(16384.0)
-    ('5.12 s', '927 s', '16400 s')
-    """
+    """An averaging time: in seconds, as on the axis of a curve."""
     return f"{float(f'{tau:.3g}'):.15g} s"
 
 
@@ -187,11 +155,7 @@ def command_line() -> Iterator[None]:
 
 
 def spelled(option: str, argument: str) -> str:
-    """The name of a choice in a message: an option at the command line, an argument in Python.
-
-    >>> spelled("--rate 100", "rate=100")
-    'rate=100'
-    """
+    """The name of a choice in a message: an option at the command line, an argument in Python."""
     return option if _AT_COMMAND_LINE.get() else argument
 
 
@@ -201,11 +165,7 @@ def windowing() -> str:
 
 
 def longest_without(bad: Iterable[tuple[float, float]], span: tuple[float, float]) -> str:
-    """How to select the longest part of a recording, s, that holds none of these, s, ascending, unless it is short.
-
-    >>> longest_without([(10.0, 12.0), (90.0, 91.0)], (0.0, 100.0))
-    'prepare.trim(recording, 12, 90)'
-    """
+    """How to select the longest part of a recording, s, that holds none of these, s, ascending, unless it is short."""
     ends = [span[0], *(time for each in bad for time in each), span[1]]
     start, end = max(zip(ends[::2], ends[1::2], strict=True), key=lambda part: part[1] - part[0])
     return between(start, end) if end - start > MIN_PART_SHARE * (span[1] - span[0]) else windowing()

@@ -18,20 +18,14 @@ if TYPE_CHECKING:
     from .first import First
     from .views import Rows
 
-MAX_DATA_BYTES = 300_000
-"""Bytes of compressed JSON that a page carries at most."""
+MAX_DATA_BYTES = 300_000  # bytes of compressed JSON that a page carries at most
 
 
 @public
 def plot(
-    value: Any,
-    fit: "Fit | None" = None,
-    *,
-    path: PathLike | None = None,
-    level: float | None = None,
-    force: bool = False,
-    lang: str = "en",
-) -> "Figure":
+    value: Any, fit: "Fit | None" = None, *, path: PathLike | None = None, level: float | None = None,
+    force: bool = False, lang: str = "en",
+) -> "Figure":  # fmt: skip
     """Draw a result for print.
 
     Parameters

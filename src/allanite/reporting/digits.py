@@ -20,11 +20,10 @@ _UNIT = re.compile(
     rf"|(?<![\w./^-])(?P<unit>(?:1/)?{_FACTOR}(?:[/*]{_FACTOR})*)"
 )
 _SIGNS = (
-    (re.compile(r"sqrt\(([A-Za-z]+)\)"), r"√\1"),
-    (re.compile(r"\bdeg(?=C?\b)"), "°"),
+    (re.compile(r"sqrt\(([A-Za-z]+)\)"), r"√\1"), (re.compile(r"\bdeg(?=C?\b)"), "°"),
     (re.compile(r"\bu(?=(?:g|rad|A|V|T)\b)"), "µ"),
     (re.compile(r"\^(-?[\d.]+)"), lambda power: power[1].translate(RAISED)),
-)
+)  # fmt: skip
 _ANGLE = re.compile(r"(?<=\d) °(?![/*C√²³])")
 _ASCII: dict[str, str | int | None] = {
     "°": "deg", "√": "sqrt", "±": "+-", "≤": "<=", "≥": ">=", "≈": "~", "−": "-", "–": "-", "×": "x", "…": "..",
@@ -46,13 +45,7 @@ def printable(text: str) -> str:
 
 
 def printed_unit(text: str) -> str:
-    """A unit as it is shown, which `unit_of` reads as well, or a sentence with all of its units so.
-
-    >>> printed_unit("deg/h/sqrt(h)"), printed_unit("ug"), printed_unit("rad/s^2.5"), printed_unit("(deg/h)^2/Hz")
-    ('°/h/√h', 'µg', 'rad/s²·⁵', '(°/h)²/Hz')
-    >>> printed_unit("below 0.1 deg at 3 deg/h; to change it, --unit deg/s")
-    'below 0.1° at 3 °/h; to change it, --unit deg/s'
-    """
+    """A unit as it is shown, which `unit_of` reads as well, or a sentence with all of its units so."""
     return _ANGLE.sub("°", _UNIT.sub(_with_signs, text))
 
 
@@ -64,20 +57,12 @@ def _with_signs(found: re.Match[str]) -> str:
 
 
 def in_ascii(text: str) -> str:
-    """A text for a terminal that has no signs: the signs of its units and numbers in ASCII.
-
-    >>> in_ascii("±0.3° at 3 °/√h"), in_ascii("≤ 1.2 µg")
-    ('+-0.3 deg at 3 deg/sqrt(h)', '<= 1.2 ug')
-    """
+    """A text for a terminal that has no signs: the signs of its units and numbers in ASCII."""
     return plain_letters(re.sub(r"(?<=\d)°", " °", text)).translate(str.maketrans(_ASCII))
 
 
 def printed_number(cell: str) -> str:
-    """A number or interval as it is printed.
-
-    >>> printed_number("-9.02e-5"), printed_number("-1 .. 2"), printed_number("+-5 V")
-    ('−9.02 × 10⁻⁵', '−1 … 2', '±5 V')
-    """
+    """A number or interval as it is printed."""
     cell = cell.replace("+-", "±").replace(" .. ", " … ")
     cell = _POWER.sub(lambda found: f" × 10{str(int(found[1])).translate(RAISED)}", cell)
     return _SIGN.sub("−", cell)

@@ -193,7 +193,7 @@ def condensed(face: Face, *, drawn: bool = False) -> First:
     own = [_section(name, parts) for name, parts in sheets]
     sections += [section for section in own if section.sentences or section.tables]
     notes = [(name, part) for name, parts in [("", face.parts), *sheets, ("", face.close)] for part in parts]
-    alerts = merged(_remark_of(name, part) for name, part in notes if _warns(part))
+    alerts = merged(Remark.of(name, part.text, grave=part.level == "alert") for name, part in notes if _warns(part))
     assumed = face.notes or [text for label, text in face.header if label == "assumed"]
     remarks = sorted(alerts, key=lambda remark: not remark.grave)
     return First(face.title, answer=sections, remarks=remarks, read=list(assumed), after=after)
@@ -218,10 +218,6 @@ def _told(part: Part) -> bool:
 
 def _warns(part: Part) -> TypeGuard[Note]:
     return isinstance(part, Note) and part.level in ("alert", "warning") and part.where != "page" and part != ABOVE
-
-
-def _remark_of(name: str, note: Note) -> Remark:
-    return Remark.of(name, note.text, grave=note.level == "alert")
 
 
 def shown(remark: Remark, clauses: int | None = None) -> Phrase:
@@ -275,11 +271,7 @@ def listed(names: Sequence[str]) -> str:
 
 
 def plus_minus(value: float, low: float, high: float, *, signed: bool = False) -> str:
-    """A value and the half width of its interval as a share of it: ``0.119 ± 1 %``.
-
-    >>> plus_minus(0.1192, 0.1178, 0.1202), plus_minus(1.0, float("nan"), float("nan"))
-    ('0.1192 ± 1 %', '1.000')
-    """
+    """A value and the half width of its interval as a share of it: ``0.119 ± 1 %``."""
     number = digits(value, low, high, signed=signed).plain()[0]
     half = 50 * (high - low) / abs(value) if value else float("nan")
     return f"{number} ± {half:.2g} %" if math.isfinite(half) else number

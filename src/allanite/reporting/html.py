@@ -102,11 +102,9 @@ def _environment() -> Environment:
     env.globals.update(
         cell=_cell,
         kind_of=lambda part: {Table: "table", Note: "note", Drawing: "drawing", Code: "code", Fold: "fold"}[type(part)],
-        css=_css,
-        numeric=lambda column: column.kind in ("number", "interval", "unit"),
-        shown=on_page,
+        css=_css, numeric=lambda column: column.kind in ("number", "interval", "unit"), shown=on_page,
         color_of=_color_of,
-    )
+    )  # fmt: skip
     return env
 
 

@@ -30,8 +30,7 @@ _LINE = (_TOP - _BOTTOM) / PAGE_LINES
 _ROOM, _FLAT = PAPER[0] - 2 * _MARGIN, 0.72
 """Width of a figure at most, and its height over that on a screen: paper is read from nearer."""
 
-Line = tuple[str, bool]
-"""A line of text, and whether it is a heading."""
+Line = tuple[str, bool]  # a line of text, and whether it is a heading
 
 
 def render(face: Face) -> bytes:

@@ -241,11 +241,9 @@ class _Screen:
         more = say_count(rest, "and {count} more line: --details", "and {count} more lines: --details")
         if channels:
             more = say_count(
-                channels,
-                "and {lines} more lines, among them {count} whole channel: --details",
-                "and {lines} more lines, among them {count} whole channels: --details",
-                lines=rest,
-            )
+                channels, "and {lines} more lines, among them {count} whole channel: --details",
+                "and {lines} more lines, among them {count} whole channels: --details", lines=rest,
+            )  # fmt: skip
         return [*lines, self.text(more)]
 
     def sections(self, sections: Sequence[Section], room: int) -> list[str]:

@@ -17,10 +17,8 @@ if TYPE_CHECKING:
 
 Kind = Literal["name", "symbol", "number", "interval", "unit", "text", "status", "formula"]
 Mark = Literal["", "good", "weak", "alarm", "quiet", "strong", "struck"]
-Where = Literal["", "page", "text"]
-"""Where a part is shown: everywhere, on the page only, in the terminal only."""
-Form = str | Callable[[Any], str]
-"""How the numbers of a column are written: a format such as ".4g", or a function."""
+Where = Literal["", "page", "text"]  # where a part is shown: everywhere, on the page only, in the terminal only
+Form = str | Callable[[Any], str]  # how the numbers of a column are written: a format such as ".4g", or a function
 
 
 @dataclass(frozen=True)

@@ -74,10 +74,9 @@ _LOOK: dict[str, Any] = {
 
 # no date and no program version: a figure in version control changes only when its content does
 FORMATS: dict[str, dict[str, Any]] = {
-    "png": {"Software": None},
-    "svg": {"Date": None, "Creator": None, "Format": None, "Type": None},
+    "png": {"Software": None}, "svg": {"Date": None, "Creator": None, "Format": None, "Type": None},
     "pdf": {"CreationDate": None, "ModDate": None, "Producer": None, "Creator": None},
-}
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -41,11 +41,7 @@ def pad(text: str, width: int) -> str:
 
 
 def wrapped(text: str, width: int, first: str, rest: str) -> list[str]:
-    """Lines of at most `width` cells, which begin with `first` and `rest`; words longer than that are not torn.
-
-    >>> wrapped("零偏不稳定性 0.3 deg/h", 12, "", "  ")
-    ['零偏不稳定性', '  0.3 deg/h']
-    """
+    """Lines of at most `width` cells, which begin with `first` and `rest`; words longer than that are not torn."""
     if len(text) == cell_len(text):
         return textwrap.wrap(
             text, width, initial_indent=first, subsequent_indent=rest, break_on_hyphens=False, break_long_words=False

@@ -53,11 +53,7 @@ class Capital(Phrase):
 
 
 def capital(text: str) -> Capital:
-    """A text that begins with a capital letter.
-
-    >>> capital(say("deviation")), capital(say("{channel}: the body moved", channel="gx"))
-    ('Deviation', 'gx: the body moved')
-    """
+    """A text that begins with a capital letter."""
     return Capital(("{text}",), {"text": text})
 
 
@@ -149,11 +145,7 @@ def interval(level: float) -> str:
 
 
 def probability(p: float, least: float = 1e-12) -> str:
-    """A p value as a cell of a table.
-
-    >>> probability(0.0213), probability(1e-9, 1e-4)
-    ('0.021', '< 0.0001')
-    """
+    """A p value as a cell of a table."""
     return f"{p:.2g}" if p > least else f"< {least:g}"
 
 

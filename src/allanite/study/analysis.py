@@ -22,13 +22,7 @@ from .results import Channel, Study
 
 
 @public
-def analyze(
-    source: Source,
-    recipe: Recipe | None = None,
-    *,
-    progress: Progress | None = None,
-    **choices: Any,
-) -> Study:
+def analyze(source: Source, recipe: Recipe | None = None, *, progress: Progress | None = None, **choices: Any) -> Study:
     """Analyze a recording: noise coefficients of every channel, with intervals, and its curve.
 
     Parameters

@@ -4,7 +4,6 @@ Every analysis of a recording uses it, so that the same file gets the same findi
 """
 
 import os
-import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar, cast
@@ -30,9 +29,7 @@ from allanite.readers.parts import demand_memory
 from .job import provenance_of
 from .keeper import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
 from .parts import Keeping, in_parts, passed
-from .recipe import READING, SELECTING, Recipe
-
-OPTIONS = {"start": "from"}  # options whose names differ from the recipe's keys
+from .recipe import READING, Recipe, command_of
 
 
 def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -> tuple[Finding, ...]:
@@ -50,18 +47,10 @@ def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -
                     channels=", ".join(shares), column=other.name, share=percent(largest),
                 ),
                 say("B, K and R partly represent the sensitivity to it"),
-                say("remove it: {command}", command=compensation(recording.source, recipe, other.name)),
+                say("remove it: {command}", command=command_of(
+                    recipe, "allanite", "compensate", recording.source, last=("--regressors", other.name))),
             ))  # fmt: skip
     return tuple(findings)
-
-
-def compensation(source: str, recipe: Recipe, column: str) -> str:
-    """The command that removes the dependence on a column."""
-    words = ["allanite", "compensate", source]
-    for key, value in recipe.to_dict((*READING, *SELECTING)).items():
-        text = ",".join(map(str, value)) if isinstance(value, list) else str(value)
-        words += [f"--{OPTIONS.get(key, key).replace('_', '-')}", text]
-    return shlex.join([*words, "--regressors", column])
 
 
 Source = Recording | Samples | FrameLike | str | os.PathLike[str]
@@ -76,11 +65,7 @@ Result = TypeVar("Result")
 def open_recording(
     source: Source, recipe: Recipe, *, along: Sequence[str] = (), progress: Progress | None = None, fits: bool = False
 ) -> Recording:
-    """The part of a recording selected by the recipe.
-
-    Paths and tables are read with the options of the recipe, with the columns `along` as the last channels, whose
-    outliers are not marked; `fits` says that memory suffices.
-    """
+    """The part of a recording selected by the recipe, with the columns `along` last; `fits`: memory suffices."""
     whole = whole_recording(source, recipe, along=along, progress=progress, fits=fits)
     if recipe.average is not None:
         whole = averaged(whole, recipe.average)
@@ -99,14 +84,9 @@ def open_recording(
 
 
 def whole_recording(
-    source: Source,
-    recipe: Recipe,
-    *,
-    along: Sequence[str] = (),
-    otherwise: Sequence[str] = (),
-    progress: Progress | None = None,
-    fits: bool = False,
-) -> Recording:
+    source: Source, recipe: Recipe, *, along: Sequence[str] = (), otherwise: Sequence[str] = (),
+    progress: Progress | None = None, fits: bool = False,
+) -> Recording:  # fmt: skip
     """A recording before anything is selected; `otherwise` is that of `read`, the rest as for `open_recording`."""
     if isinstance(source, Record | Recording):
         return source if isinstance(source, Recording) else Recording((source,))
@@ -123,17 +103,11 @@ def whole_recording(
 
 
 def each_channel(  # noqa: PLR0913 - each has a default but those that make the job
-    channels: Sequence[tuple[str, tuple[Record, ...]]],
-    work: Callable[[Inspected], Result],
-    refused: Callable[[Inspected, str], Result],
-    *,
-    findings: Sequence[Finding] = (),
-    look: Callable[[Record], Quality] = inspect,
-    begin: Begin | None = None,
-    doing: str = "analyzing",
-    demand: bool = False,
-    progress: Progress | None = None,
-) -> tuple[Result, ...]:
+    channels: Sequence[tuple[str, tuple[Record, ...]]], work: Callable[[Inspected], Result],
+    refused: Callable[[Inspected, str], Result], *, findings: Sequence[Finding] = (),
+    look: Callable[[Record], Quality] = inspect, begin: Begin | None = None, doing: str = "analyzing",
+    demand: bool = False, progress: Progress | None = None,
+) -> tuple[Result, ...]:  # fmt: skip
     """Inspect every channel, a name with its records, and process those that can support the job.
 
     `work` may raise DataError, from which `refused` makes the result of the channel; a fatal one of the `findings`
@@ -177,11 +151,9 @@ def each_channel(  # noqa: PLR0913 - each has a default but those that make the 
 
 
 def identified(
-    channels: Sequence[Inspected],
-    begin: Begin,
-    fatal: str,
+    channels: Sequence[Inspected], begin: Begin, fatal: str,
     each: Callable[[Callable[[Inspected], Started | None], Sequence[Inspected]], Sequence[Started | None]],
-) -> Sequence[Inspected]:
+) -> Sequence[Inspected]:  # fmt: skip
     """The channels with an identification to be finished, begun in `each` of them: they may have a filter in common."""
     able = [i for i, channel in enumerate(channels) if not (fatal or any(q.refusal for q in channel.qualities))]
     if len(able) < 2:
@@ -221,24 +193,11 @@ def _result(
 
 
 def run(  # noqa: PLR0913 - each has a default but those that make the job
-    kind: Callable[..., Result],
-    source: Source,
-    recipe: Recipe,
-    work: Callable[[Inspected], Any],
-    refused: Callable[[Inspected, str], Any],
-    *,
-    keeping: Keeping | None = None,
-    begin: Begin | None = None,
-    in_parts_too: tuple[str, ...] = (),
-    doing: str = "analyzing",
-    demand: bool = True,
-    progress: Progress | None = None,
-) -> Result:
-    """Open a source as `open_recording`, and process its channels as `each_channel`; `kind` makes the result.
-
-    A file that does not fit into memory is read in parts, if the job has a `keeping`, which makes the keeper of a
-    channel; notes of its record are then `in_parts_too`.
-    """
+    kind: Callable[..., Result], source: Source, recipe: Recipe, work: Callable[[Inspected], Any],
+    refused: Callable[[Inspected, str], Any], *, keeping: Keeping | None = None, begin: Begin | None = None,
+    in_parts_too: tuple[str, ...] = (), doing: str = "analyzing", demand: bool = True, progress: Progress | None = None,
+) -> Result:  # fmt: skip
+    """Open a source, whole or in parts with a `keeping`, and process its channels; `kind` makes the result."""
     reader = None if keeping is None else in_parts(source, recipe)
     if reader is not None and keeping is not None:
         read, findings, notes, provenance = passed(reader, recipe, keeping, progress)
@@ -262,31 +221,16 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
 
 
 def run_together(  # noqa: PLR0913 - each has a default but those that make the job
-    kind: Callable[..., Result],
-    recordings: Sequence[Recording],
-    recipe: Recipe,
-    work: Callable[[Inspected], Any],
-    refused: Callable[[Inspected, str], Any],
-    *,
-    channels: Sequence[tuple[str, tuple[Record, ...]]] | None = None,
-    findings: Sequence[Finding] | None = None,
-    notes: Sequence[str] = (),
-    look: Callable[[Record], Quality] = inspect,
-    begin: Begin | None = None,
-    doing: str = "analyzing",
-    demand: bool = True,
-    progress: Progress | None = None,
-) -> Result:
-    """Process the channels of recordings that are open, as `run` those of one source.
-
-    By default the `channels` are those of the first recording, with the records of the same name of the others, and the
-    `findings` those of all; `notes` are assumptions beside those of the recordings.
-    """
+    kind: Callable[..., Result], recordings: Sequence[Recording], recipe: Recipe, work: Callable[[Inspected], Any],
+    refused: Callable[[Inspected, str], Any], *, channels: Sequence[tuple[str, tuple[Record, ...]]] | None = None,
+    findings: Sequence[Finding] | None = None, notes: Sequence[str] = (), look: Callable[[Record], Quality] = inspect,
+    begin: Begin | None = None, doing: str = "analyzing", demand: bool = True, progress: Progress | None = None,
+) -> Result:  # fmt: skip
+    """Process the channels of recordings that are open; `channels` and `findings` are by default all of theirs."""
     first, *others = recordings
     if channels is None:
         channels = [(record.name, (record, *(other[record.name] for other in others))) for record in first]
-    found = tuple(finding for recording in recordings for finding in recording.findings)
-    told = found if findings is None else tuple(findings)
+    told = tuple(f for recording in recordings for f in recording.findings) if findings is None else tuple(findings)
     results = each_channel(
         channels, work, refused, findings=told, look=look, begin=begin, doing=doing, demand=demand, progress=progress
     )

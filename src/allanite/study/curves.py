@@ -59,21 +59,12 @@ REPEATED = 0.5  # share of samples equal to the previous one above which a recor
 
 @public
 def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
-    record: Samples,
-    statistic: str = "oadev",
-    taus: str | Sequence[float] = "octave",
-    *,
-    m: Sequence[int] | None = None,
-    noise: ModelLike | Literal["identified", "auto"] | None = "identified",
-    bias: Literal["exact", "published", "model", "plain"] | None = None,
-    gaps: Literal["means", "complete"] = "means",
-    join: float = 0.2,
-    divisor: int = 30,
-    edf: Literal["exact", "published"] = "exact",
-    power_law: bool = False,
-    threads: int = 1,
-    **sampling: Unpack[Sampling],
-) -> Curve:
+    record: Samples, statistic: str = "oadev", taus: str | Sequence[float] = "octave", *,
+    m: Sequence[int] | None = None, noise: ModelLike | Literal["identified", "auto"] | None = "identified",
+    bias: Literal["exact", "published", "model", "plain"] | None = None, gaps: Literal["means", "complete"] = "means",
+    join: float = 0.2, divisor: int = 30, edf: Literal["exact", "published"] = "exact", power_law: bool = False,
+    threads: int = 1, **sampling: Unpack[Sampling],
+) -> Curve:  # fmt: skip
     """Compute a statistic of a record, such as the Allan deviation, at many averaging times.
 
     Parameters

@@ -106,12 +106,7 @@ class Keeper:
 
 @dataclass(frozen=True, eq=False)
 class Inspected:
-    """One channel after its inspection, before it is processed.
-
-    `headed` are processed together: one record, or one of each recording that is compared. Of a record that was read
-    in parts there is the header, and the keeper of its sums. `finish` concludes an identification that was begun for
-    all channels together.
-    """
+    """One channel after its inspection: records that are processed together, or the keeper of one read in parts."""
 
     name: str
     headed: tuple[Record | Header, ...]

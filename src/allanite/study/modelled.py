@@ -173,14 +173,10 @@ class Modelled(Value):
         """Plain data: the name, the result, and the noise from which it follows."""
         own: dict[str, Any] = {"rate": self.rate} if self.result is None else self.result.to_dict()
         return {
-            "name": self.name,
-            **own,
-            "record": self.record and self.record.to_dict(level),
-            "quality": self.quality and self.quality.to_dict(level),
-            **noise_dict(self.noise, level),
-            "alerts": list(self.alerts),
-            "refusal": self.refusal,
-        }
+            "name": self.name, **own, "record": self.record and self.record.to_dict(level),
+            "quality": self.quality and self.quality.to_dict(level), **noise_dict(self.noise, level),
+            "alerts": list(self.alerts), "refusal": self.refusal,
+        }  # fmt: skip
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Modelled":
@@ -262,10 +258,9 @@ def _space(settings: StateSpaceSettings, _: Random, noise: Supposed, __: Recipe,
 
 
 KINDS: dict[type[NoiseSettings], tuple[type[ModelJob], Callable[..., Result]]] = {
-    PlanSettings: (RecordingPlans, _plan),
-    SelfCheckSettings: (SelfChecks, _check),
+    PlanSettings: (RecordingPlans, _plan), SelfCheckSettings: (SelfChecks, _check),
     StateSpaceSettings: (StateSpaces, _space),
-}
+}  # fmt: skip
 """The type of result for these settings, and the function applied to each noise."""
 
 
@@ -306,11 +301,10 @@ def run_model_job(
         except DataError as error:
             return made(refusal=str(error))
 
-    def refused(seen: Inspected, why: str) -> Modelled:
-        return Modelled(seen.name, seen.record.rate, seen.record, seen.quality, refusal=why)
-
     return run(
-        kind, source, recipe, follow, refused, begin=partial(begun_in, recipe=recipe), progress=progress
+        kind, source, recipe, follow,
+        lambda seen, why: Modelled(seen.name, seen.record.rate, seen.record, seen.quality, refusal=why),
+        begin=partial(begun_in, recipe=recipe), progress=progress,
     )  # fmt: skip
 
 

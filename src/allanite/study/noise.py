@@ -75,20 +75,10 @@ def widened(fit: Fit, factor: float) -> Fit:
 
 
 def noise_of(
-    record: Record,
-    recipe: Recipe,
-    *,
-    terms: str | None = None,
-    band: Band | None = None,
-    lines: bool = True,
+    record: Record, recipe: Recipe, *, terms: str | None = None, band: Band | None = None, lines: bool = True,
     moved: bool = False,
-) -> Noise:
-    """Identify the noise of a channel with the choices of the recipe, or with these `terms` and this `band`.
-
-    A method that fits a curve uses the recipe's statistic; if it cannot, the notes of the fit say so. `lines` says
-    whether sinusoids are removed first. If the sensor `moved`, no further terms are tried: what the automatic ones
-    leave is motion.
-    """
+) -> Noise:  # fmt: skip
+    """Identify the noise of a channel with the choices of the recipe, or with these `terms`, `band` and `lines`."""
     recipe = replace(recipe, terms=terms or recipe.terms, band=band or recipe.band)
     return _judged(begun(record, recipe, lines=lines).fit(), record, recipe, moved=moved)
 
@@ -144,11 +134,10 @@ def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
         if better.validity == EXPLAINED and better.fit.scope and better.fit.scope.whole:
             terms = join(", ", (str(term) for term in better.fit.model if term.shape and term.row.scatters))
             finding = Finding(
-                "terms",
-                say("more terms describe the whole record: {terms}", terms=terms),
+                "terms", say("more terms describe the whole record: {terms}", terms=terms),
                 say("they are fitted on request only: a control loop, a second relaxation process, or vibration"),
                 say("ask for them ({option})", option=spelled(f"--terms {named}", f"terms={named!r}")),
-            )
+            )  # fmt: skip
             residuals = noise.residuals
             noise = replace(noise, fit=replace(noise.fit, findings=(finding, *noise.fit.findings)))
             return (

@@ -209,15 +209,6 @@ class Recipe:
         """Plain data of these keys, by default all; those not given are omitted."""
         return {key: value for key, value in chosen(self).items() if keys is None or key in keys}
 
-    def typed(self, keys: tuple[str, ...]) -> str:
-        """The options of the command line that state these keys, each behind a blank."""
-        rows = choices_of(Recipe)
-        texts = {
-            key: ",".join(v) if isinstance(v, list) else str(v) if isinstance(v, str) else f"{v:.15g}"
-            for key, v in self.to_dict(keys).items()
-        }
-        return "".join(f" {rows[key].options[0]} {shlex.quote(text)}" for key, text in texts.items())
-
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Recipe":
         """A recipe from plain data, for example a TOML table; keys are names of fields or of options.
@@ -249,6 +240,13 @@ class Recipe:
 
 READING, SELECTING, IDENTIFYING = (named(Recipe, group) for group in ("reading", "selecting", "identifying"))
 """Keys that describe the contents of the file, that select samples, and of the identification."""
+
+
+def command_of(recipe: Recipe, *words: str, last: tuple[str, ...] = ()) -> str:
+    """A command line of these words, with `last` behind them, that reads and selects as a recipe does."""
+    rows = ((row, getattr(recipe, key)) for key, row in choices_of(Recipe).items() if key in (*READING, *SELECTING))
+    own = (word for row, value in rows if value != row.default for word in row.words(value))
+    return shlex.join([*words, *own, *last])
 
 
 def chosen(settings: "DataclassInstance") -> dict[str, Any]:

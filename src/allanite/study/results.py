@@ -30,10 +30,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Noise(Portable):
-    """A fit with graded coefficients, and its residuals.
-
-    `leftover` computes `residuals`; None if the method has no test.
-    """
+    """A fit with graded coefficients, and its residuals; no `leftover` if the method has no test."""
 
     fit: Fit
     leftover: Callable[[], Residuals] | None = None
@@ -69,13 +66,7 @@ class Noise(Portable):
         return "" if self.explained else join("; ", (self.statement.head, *self.statement.points[:1]))
 
     def usable(self, *, unexplained: bool = False) -> Model:
-        """The model from which a job may go on: a plan, a filter, a prediction.
-
-        Raises
-        ------
-        DataError
-            No model explains the record, and `unexplained` does not accept the best one; or no noise was identified.
-        """
+        """The model from which a job may go on; DataError if none explains the record or none was identified."""
         if not (self.explained or unexplained):
             raise DataError(rejected(self.rejection))
         model = self.fit.usable(unexplained=True)
@@ -117,10 +108,7 @@ def noise_from(data: dict[str, Any]) -> Noise | None:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RecordResult(Value):
-    """Results for one record; a subclass adds its fields.
-
-    When stored, the header of the record comes first, and a field `noise` becomes the keys of `noise_dict`.
-    """
+    """Results for one record; a subclass adds its fields. Stored, `noise` becomes the keys of `noise_dict`."""
 
     record: Record | Header
 
@@ -145,10 +133,7 @@ class RecordResult(Value):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ChannelResult(RecordResult):
-    """The result of a job for one channel, or the reason (`refusal`) why there is none.
-
-    A subclass adds fields with defaults. `alerts` are the warnings to report with the results.
-    """
+    """The result of a job for one channel, or its `refusal`; `alerts` are warnings to report with the results."""
 
     quality: Quality
     noise: Noise | None = None

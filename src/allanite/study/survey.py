@@ -205,12 +205,9 @@ class Survey(Job[Measured]):
 
 
 def survey(
-    source: Source,
-    settings: Deviations | Densities | Windows,
-    recipe: Recipe | None = None,
-    *,
+    source: Source, settings: Deviations | Densities | Windows, recipe: Recipe | None = None, *,
     progress: Progress | None = None,
-) -> Survey:
+) -> Survey:  # fmt: skip
     """Compute curves, spectra or surfaces of every channel of a recording."""
     recipe = recipe or Recipe()
 

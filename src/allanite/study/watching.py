@@ -44,23 +44,7 @@ class WatchSettings(WatchChoices):
 
 @dataclass
 class Watch:
-    r"""A stream of channels that is watched.
-
-    `events` are sentences about what happens, when it happens: motion, a device that is gone or back, a report.
-
-    >>> import tempfile
-    >>> import numpy as np
-    >>> rng = np.random.default_rng(1)
-    >>> with tempfile.NamedTemporaryFile("w", suffix=".txt") as file:
-    ...     _ = file.write("".join(f"{v:.6f}\n" for v in rng.normal(0.0, 2.0, 5000)))
-    ...     file.flush()
-    ...     watch = Watch(file.name, Recipe(rate=100.0, unit="deg/h"), WatchSettings(idle=0.1))
-    ...     for words in watch.events():
-    ...         pass
-    >>> watch.study()[0].fit["N"].status
-    'identified'
-    >>> watch.close()
-    """
+    """A stream of channels that is watched."""
 
     target: str
     recipe: Recipe

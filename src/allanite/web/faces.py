@@ -55,11 +55,9 @@ def described(value: Any, lang: str) -> dict[str, Any]:
 def _finding(finding: Any) -> dict[str, Any]:
     place = finding.place
     return {
-        "name": finding.name,
-        "text": tr(str(finding)),
-        "level": "alert" if finding.fatal else "fair",
+        "name": finding.name, "text": tr(str(finding)), "level": "alert" if finding.fatal else "fair",
         "at": None if place is None else [place[0], place[1]],
-    }
+    }  # fmt: skip
 
 
 def drawn(panel: CurvePanel, level: float, lang: str) -> dict[str, Any]:
@@ -158,8 +156,7 @@ def simulation(name: str, path: str) -> list[str]:
     return ["simulate", path, *shlex.split(EXAMPLES[name][1]), "--quiet", "--force"]
 
 
-VALUES: dict[str, Any] = {"axis": list(POLICIES), "cover": ["yes", "no"]}
-"""Words that a choice of an export takes."""
+VALUES: dict[str, Any] = {"axis": list(POLICIES), "cover": ["yes", "no"]}  # words that a choice of an export takes
 
 OTHER_SENSOR = {"name": "models", "control": "list", "options": ["--model"], "rare": False, "values": None,
                 "hint": "N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)"}  # fmt: skip

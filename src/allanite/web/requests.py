@@ -68,11 +68,7 @@ class Request:
         return [*words, *(["--"] if any(name.startswith("-") for name in files) else []), *files]
 
     def line(self, files: Sequence[str], lang: str = ENGLISH) -> str:
-        """The command line as it can be typed.
-
-        >>> Request.of("dynamic", {"rate": 100, "exclude": [[40, 60]], "window": 50.0}).line(["my gyro.csv"])
-        "allanite dynamic --rate 100 --exclude 40..60 --window 50 'my gyro.csv'"
-        """
+        """The command line as it can be typed."""
         return shlex.join(["allanite", *self.words(files, lang)])
 
     def demand_files(self, files: Sequence[str]) -> None:

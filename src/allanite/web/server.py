@@ -1,34 +1,126 @@
-"""The server: on this machine alone, until Ctrl-C; its routes, and what is answered to errors."""
+"""The server: on this machine alone, until Ctrl-C; who may come in, its routes, and what is answered to errors."""
 
 import errno
+import hmac
 import http.client
 import json
 import os
+import secrets
 import socket
 import sys
 import threading
 import time
 import webbrowser
-from collections.abc import Sequence
+from collections.abc import Awaitable, Callable, MutableMapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import IO, Any
 
 import uvicorn
 from fastapi import FastAPI
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.responses import JSONResponse, PlainTextResponse
 from starlette.staticfiles import StaticFiles
 
 from allanite.core.errors import UsageError
 from allanite.core.files import draft, locked, reason
-from allanite.phrases.phrase import spelled
+from allanite.phrases.phrase import command_line, spelled
 from allanite.reporting.language import catalogue
 
 from . import routes
-from .access import Door
 from .jobs import Jobs
-from .messages import ANSWERED, MAX_ACCEPTED, Answer, PromptProtocol, answered
-from .routes import open_file
+from .routes import ANSWERED, MAX_ACCEPTED, Answer, PromptProtocol, answered, open_file
 from .store import MissingError, Store, private_folder
+
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
+Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
+Application = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+SAFE = ("GET", "HEAD")  # methods that change nothing; every other request must say that it comes from this page
+
+EMPTY_STYLE = "'sha256-47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU='"
+"""Hash of the empty style sheet that the charts make and then fill by rules."""
+
+HEADERS = {
+    "Content-Security-Policy": f"default-src 'self'; style-src 'self' {EMPTY_STYLE}; img-src 'self' data: blob:; "
+    "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff", "X-Frame-Options": "DENY", "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin", "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}  # fmt: skip
+"""Headers of every answer."""
+
+
+ENTRY = "/api/enter"  # where the token of a link is exchanged for the secret
+
+MAX_LINKS, MAX_LINK_AGE_S = 16, 3600.0
+"""Links that can be open at once, the newest ones, and seconds until one is too old."""
+
+
+class Door:
+    """Refuses requests of other hosts, of other pages, and to the API without the secret of this start."""
+
+    def __init__(self, inside: Application, *, port: int, clock: Callable[[], float] = time.monotonic) -> None:
+        self.inside, self.port, self.clock = inside, port, clock
+        # it comes in a header, which no browser adds by itself: a cookie would be sent to every port of this machine
+        self.secret = secrets.token_urlsafe(32)
+        self.tokens = dict[str, float]()
+        self.hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
+
+    def link(self) -> str:
+        """A link that opens the page once; its token is in the fragment, which is in no request and no referrer."""
+        token = secrets.token_urlsafe(24)
+        newest = list(self._valid().items())[1 - MAX_LINKS :]
+        self.tokens = {**dict(newest), token: self.clock() + MAX_LINK_AGE_S}
+        return f"http://127.0.0.1:{self.port}/#token={token}"
+
+    def _valid(self) -> dict[str, float]:
+        return {token: end for token, end in self.tokens.items() if end > self.clock()}
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Let a request in, or answer it here."""
+        if scope["type"] != "http":
+            if scope["type"] == "lifespan":
+                await self.inside(scope, receive, send)
+            return
+
+        async def closed(message: MutableMapping[str, Any]) -> None:
+            if message["type"] == "http.response.start":
+                headers = MutableHeaders(scope=message)
+                for name, value in HEADERS.items():
+                    headers[name] = value
+            await send(message)
+
+        answer = self._answer(scope)
+        with command_line():  # messages name options, as controls are called by them
+            await (answer or self.inside)(scope, receive, closed)
+
+    def _answer(self, scope: Scope) -> Application | None:
+        """The answer to a request that does not come in."""
+        headers = Headers(scope=scope)
+        if headers.get("host", "") not in self.hosts:
+            return PlainTextResponse("this server answers at 127.0.0.1 only", 421)
+        if scope["method"] not in SAFE and headers.get("origin", "") not in {f"http://{host}" for host in self.hosts}:
+            return JSONResponse({"error": "the request comes from another page", "option": None, "exit": 2}, 403)
+        if not scope["path"].startswith("/api/"):
+            return None
+        given = headers.get("authorization", "").removeprefix("Bearer ").encode()
+        if scope["path"] == ENTRY and scope["method"] == "POST":
+            return self._entered(given)
+        if not hmac.compare_digest(given, self.secret.encode()):
+            words = "open the link that allanite serve prints; run it once more for a new one"
+            return JSONResponse({"error": words, "option": None, "exit": 2}, 401)
+        return None
+
+    def _entered(self, given: bytes) -> Application:
+        self.tokens = self._valid()
+        token = next((token for token in self.tokens if hmac.compare_digest(given, token.encode())), None)
+        if token is None:
+            words = "this link was used already, or is too old; run allanite serve once more for a new one"
+            return JSONResponse({"error": words, "option": None, "exit": 2}, 403)
+        del self.tokens[token]
+        return JSONResponse({"secret": self.secret})
 
 
 def application(store: Store, jobs: Jobs, first: dict[str, Any]) -> FastAPI:
@@ -53,29 +145,21 @@ def nowhere(rest: str) -> None:
 
 
 ROUTES: dict[str, tuple[str, Any]] = {
-    "get /api/tables": ("GET", routes.menus),
-    "get /report.css": ("GET", routes.style),
-    "post /api/link": ("POST", routes.link),
-    "get /api/workspaces": ("GET", routes.workspaces),
-    "post /api/workspaces": ("POST", routes.new_workspace),
-    "get /api/workspaces/{name}": ("GET", routes.workspace),
+    "get /api/tables": ("GET", routes.menus), "get /report.css": ("GET", routes.style),
+    "post /api/link": ("POST", routes.link), "get /api/workspaces": ("GET", routes.workspaces),
+    "post /api/workspaces": ("POST", routes.new_workspace), "get /api/workspaces/{name}": ("GET", routes.workspace),
     "delete /api/workspaces/{name}": ("DELETE", routes.drop_workspace),
     "put /api/workspaces/{name}/choices": ("PUT", routes.choices),
     "post /api/workspaces/{name}/files": ("POST", routes.upload),
     "delete /api/workspaces/{name}/files/{file}": ("DELETE", routes.drop_file),
     "post /api/workspaces/{name}/open": ("POST", routes.opened),
     "post /api/workspaces/{name}/example": ("POST", routes.example),
-    "post /api/workspaces/{name}/jobs": ("POST", routes.begin),
-    "get /api/jobs/{name}": ("GET", routes.job),
-    "get /api/jobs/{name}/events": ("GET", routes.events),
-    "post /api/jobs/{name}/cancel": ("POST", routes.cancel),
-    "get /api/files/{file}/trace": ("GET", routes.traced),
-    "get /api/jobs/{name}/deviation": ("GET", routes.deviation),
-    "post /api/jobs/{name}/refit": ("POST", routes.refit),
-    "post /api/jobs/{name}/export": ("POST", routes.export),
-    "get /api/jobs/{name}/save": ("GET", routes.save),
-    "get /api/{rest:path}": ("GET", nowhere),
-}
+    "post /api/workspaces/{name}/jobs": ("POST", routes.begin), "get /api/jobs/{name}": ("GET", routes.job),
+    "get /api/jobs/{name}/events": ("GET", routes.events), "post /api/jobs/{name}/cancel": ("POST", routes.cancel),
+    "get /api/files/{file}/trace": ("GET", routes.traced), "get /api/jobs/{name}/deviation": ("GET", routes.deviation),
+    "post /api/jobs/{name}/refit": ("POST", routes.refit), "post /api/jobs/{name}/export": ("POST", routes.export),
+    "get /api/jobs/{name}/save": ("GET", routes.save), "get /api/{rest:path}": ("GET", nowhere),
+}  # fmt: skip
 """Method and path of each route: its function."""
 
 

@@ -26,12 +26,6 @@ class ProblemError(Exception):
         self.data = data
 
 
-def _started() -> Process:
-    from . import worker
-
-    return Process(ready_context("allanite.web.warm"), worker.main)
-
-
 class Worker:
     """A process with what it has read, started when it is first asked, and the thread in which it is asked in turn."""
 
@@ -54,7 +48,9 @@ class Worker:
             if self.closed or ended():
                 raise DataError("cancelled")
             if self.process is None or not self.process.alive:
-                self.process = _started()
+                from . import worker
+
+                self.process = Process(ready_context("allanite.web.warm"), worker.main)
             process = self.process
         try:
             return dict(process.request((task, arguments), report))

@@ -1,6 +1,6 @@
 """A target of export."""
 
-from allanite.exporting.layouts import LineLayout
+from allanite.exporting.content import LineLayout
 from allanite.exporting.target import DENSITY, Target, pair
 from allanite.phrases.phrase import say
 

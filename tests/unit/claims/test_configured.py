@@ -8,8 +8,8 @@ from scipy.signal import butter, lfilter
 from tests.rows import rows
 
 import allanite as al
+from allanite.claims.checking import setting_rows
 from allanite.claims.claim import settings_in
-from allanite.claims.configured import setting_rows
 from allanite.claims.result import AGREES, DIFFERS, NOT_DECIDED
 
 RATE, SIZE, START = 200.0, 12_000, 500

@@ -14,8 +14,7 @@ import allanite as al
 from allanite.comparison.change import holm
 from allanite.comparison.common_likelihood import drawn, joint, reduced, tied
 from allanite.comparison.contrast import Contrast, IntervalContrast, gain, homogeneity
-from allanite.comparison.ramps import RampContrast
-from allanite.comparison.ratio import RatioLaw, ratio_law, shared_factors
+from allanite.comparison.ratio import RampContrast, RatioLaw, ratio_law, shared_factors
 from allanite.core.estimate import Estimate
 from allanite.core.limits import Below, NormalMixture
 from allanite.core.units import SIGNALS

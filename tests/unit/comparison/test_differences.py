@@ -13,7 +13,7 @@ from tests.rows import refused, rows
 import allanite as al
 from allanite.comparison.change import told
 from allanite.comparison.pooled import bartlett
-from allanite.comparison.ramps import Amplitude, LineContrast
+from allanite.comparison.ratio import Amplitude, LineContrast
 from allanite.comparison.two_records import paired_homogeneity, paired_law, resemblance
 from allanite.reporting import table
 from allanite.reporting.views.comparison import change_of

@@ -10,8 +10,7 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
-from allanite.exporting.bounds import BOUND, bounded
-from allanite.exporting.choice import axes_of
+from allanite.exporting.choice import BOUND, axes_of, bounded
 from allanite.exporting.content import Axis
 from allanite.exporting.export import prepared
 from allanite.exporting.fields import How

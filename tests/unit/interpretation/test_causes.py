@@ -16,8 +16,7 @@ from allanite.core.fit import Fit, Goodness
 from allanite.core.readings import Reading, Readings
 from allanite.core.units import convert, signal_named
 from allanite.core.validity import LowPass, Scope
-from allanite.interpretation.device import GRADES, bounds_of, grade_of
-from allanite.interpretation.devices import REFERENCES
+from allanite.interpretation.devices import GRADES, REFERENCES, bounds_of, grade_of
 from allanite.interpretation.sentences import least, meaning, sentences, spans
 
 GYRO = signal_named("gyro")

@@ -30,7 +30,7 @@ from allanite.core.validity import Finding, Quality
 from allanite.phrases.phrase import say
 from allanite.reporting import page, plot, table, to_csv
 from allanite.reporting.digits import printed_unit
-from allanite.reporting.figures.residuals import plot_goodness
+from allanite.reporting.figures.record import plot_goodness
 from allanite.reporting.json import to_json
 from allanite.reporting.sheet import Table
 from allanite.reporting.style import encode, new_figure

@@ -21,12 +21,9 @@ UNTOLD = 0.8  # standard error over the prior's, above which the samples say lit
 
 
 def caveats(
-    gimbals: Gimbals,
-    harmonics: Mapping[str, tuple[int, ...]],
-    names: tuple[str, ...],
-    known: SquareRoot,
+    gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]], names: tuple[str, ...], known: SquareRoot,
     prior: FloatArray | None,
-) -> tuple[Finding, ...]:
+) -> tuple[Finding, ...]:  # fmt: skip
     """Findings about an experiment, performed or planned."""
     count = 2 * sum(map(len, harmonics.values()))
     errors, correlation = known.errors, correlation_of(known.covariance)
@@ -38,9 +35,8 @@ def caveats(
         if growth[worst] > DISTURBED:
             increased = say(
                 "the auto-compensating rotation increases the standard error of {constant} by a factor of {factor:.2g}",
-                constant=names[worst],
-                factor=float(growth[worst]),
-            )
+                constant=names[worst], factor=float(growth[worst]),
+            )  # fmt: skip
             remedy = say("choose another period of the rotation, or another range of angles")
             findings.append(Finding("turn", increased, say("its period is near that of an error"), remedy))
     findings += _sparse(gimbals, harmonics)
@@ -82,13 +78,11 @@ def _alike(names: tuple[str, ...], correlation: FloatArray) -> Iterator[Finding]
     if pairs:
         worst = [
             say(
-                "{first} and {second} ({correlation:+.2f})",
-                first=names[i],
-                second=names[j],
+                "{first} and {second} ({correlation:+.2f})", first=names[i], second=names[j],
                 correlation=float(correlation[i, j]),
             )
             for i, j in pairs[:3]
-        ]
+        ]  # fmt: skip
         shown = say("hardly separable: {pairs}", pairs=join(", ", worst))
         more = say_count(len(pairs) - 3, "{shown} and {count} more pair", "{shown} and {count} more pairs", shown=shown)
         yield Finding("alike", more if len(pairs) > 3 else shown,
@@ -187,15 +181,9 @@ def parts_of(result: Result) -> tuple[Harmonics, ...]:
 
 @public
 def estimate(
-    difference: ArrayLike,
-    gimbals: Gimbals,
-    *,
-    orders: Orders = (128, 256),
-    nuisance: Sequence[str] = USUAL,
-    sigma: float | None = None,
-    prior: Prior | None = None,
-    method: str = "recursive",
-) -> Calibration:
+    difference: ArrayLike, gimbals: Gimbals, *, orders: Orders = (128, 256), nuisance: Sequence[str] = USUAL,
+    sigma: float | None = None, prior: Prior | None = None, method: str = "recursive",
+) -> Calibration:  # fmt: skip
     """Estimate the harmonics of the angle sensors while the earth's rotation, or a ship's sway, moves the gimbals.
 
     The measured cosine of the angle between the momentum vectors less the computed one is ``z = sum of f_a e_a(a)``,

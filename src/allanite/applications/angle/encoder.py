@@ -35,15 +35,9 @@ MAX_SCATTER = 0.5  # phase of the highest harmonic, rad, that the scatter of the
 
 @public
 def calibrate(
-    measured: Record | ArrayLike,
-    reference: Record | ArrayLike,
-    orders: Sequence[int] = (128, 256),
-    *,
-    unit: str = "rad",
-    sigma: float | None = None,
-    trend: int = 0,
-    name: str = "",
-) -> Harmonics:
+    measured: Record | ArrayLike, reference: Record | ArrayLike, orders: Sequence[int] = (128, 256), *,
+    unit: str = "rad", sigma: float | None = None, trend: int = 0, name: str = "",
+) -> Harmonics:  # fmt: skip
     """Estimate the harmonic errors of an angle sensor from its samples and those of a reference.
 
     Least squares of ``measured - reference``, wrapped into half a turn, on ``sin k a, cos k a`` of the measured angle a

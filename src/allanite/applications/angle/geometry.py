@@ -193,14 +193,9 @@ class Gimbals(Value):
 
 @public
 def gimbals(
-    time: ArrayLike,
-    *,
-    latitude: float,
-    q_law: str = "exact",
-    sway: Sway | tuple[float, float] | None = None,
-    turn_period: float | None = 300.0,
-    ring: Ring | None = None,
-) -> Gimbals:
+    time: ArrayLike, *, latitude: float, q_law: str = "exact", sway: Sway | tuple[float, float] | None = None,
+    turn_period: float | None = 300.0, ring: Ring | None = None,
+) -> Gimbals:  # fmt: skip
     """The gimbal angles of an ideal pair of gyros.
 
     On a still base ``h = asin(cos(latitude) sin(W t))`` and ``q = atan2(cos(W t), -sin(latitude) sin(W t))`` with the

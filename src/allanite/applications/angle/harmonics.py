@@ -49,8 +49,7 @@ def _turning(g: Gimbals) -> tuple[FloatArray, FloatArray]:
 
 NUISANCES: dict[str, Nuisance] = {
     "ax": Nuisance(
-        say("misalignment of the rotor's optical sensor in the rotating frame, x"),
-        0,
+        say("misalignment of the rotor's optical sensor in the rotating frame, x"), 0,
         lambda g: g.partials["h"] * _turning(g)[1] + g.g * _turning(g)[0],
     ),
     "az": Nuisance(say("the same, z"), 0, lambda g: g.g * _turning(g)[1] - g.partials["h"] * _turning(g)[0]),
@@ -58,7 +57,7 @@ NUISANCES: dict[str, Nuisance] = {
     "A2": Nuisance(say("daily cosine of it"), 0, lambda g: np.cos(EARTH_RATE * g.time)),
     "A3": Nuisance(say("linear growth of it"), 1, lambda g: g.time),
     "A0": Nuisance(say("a constant"), 0, lambda g: np.ones(g.time.size)),
-}
+}  # fmt: skip
 """Constants estimated jointly with the harmonics; by default all but A0.
 
 The rows of ax and az, ``f1 cos(rho) + g sin(rho)`` and ``-f1 sin(rho) + g cos(rho)``, are an assumption: a small vector
@@ -319,14 +318,9 @@ class Harmonics(Correction):
 
 @public
 def simulate(
-    gimbals: Gimbals,
-    harmonics: Mapping[str, Harmonics],
-    *,
-    nuisance: Mapping[str, float] | None = None,
-    sigma: float,
-    walk: float = 0.0,
-    rng: "np.random.Generator",
-) -> FloatArray:
+    gimbals: Gimbals, harmonics: Mapping[str, Harmonics], *, nuisance: Mapping[str, float] | None = None, sigma: float,
+    walk: float = 0.0, rng: "np.random.Generator",
+) -> FloatArray:  # fmt: skip
     """Measured minus computed cosine of the angle between the momentum vectors, with known errors of the sensors.
 
     The errors are added to the angles and the cosine is computed of them, without linearising.

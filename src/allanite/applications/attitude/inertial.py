@@ -14,15 +14,7 @@ NAMES = "xyz"
 
 @dataclass(frozen=True)
 class Axes:
-    """The axes of the file that are forward, sideways and vertical; right-handed.
-
-    With the vertical axis up the second is to the left, with the vertical axis down to the right.
-
-    >>> Axes.of("y,-x,z")
-    Axes(index=(1, 0, 2), sign=(1, -1, 1))
-    >>> str(Axes.upright(np.array([0.1, -9.8, 0.2])))
-    'x,z,-y'
-    """
+    """The axes of the file that are forward, to the left (right) and up (down); right-handed."""
 
     index: tuple[int, ...] = (0, 1, 2)  # 0, 1 or 2 for x, y or z of the file
     sign: tuple[int, ...] = (1, 1, 1)  # -1 for an axis that points the other way

@@ -228,14 +228,9 @@ class Optimum(Value):
 
 @public
 def optimal_time_constant(
-    gyro: ModelLike,
-    accelerometer: ModelLike,
-    *,
-    duration: float | None = None,
-    rate: float | None = None,
-    gyro_bias: str | float = 0.0,
-    accelerometer_bias: str | float = 0.0,
-) -> Optimum:
+    gyro: ModelLike, accelerometer: ModelLike, *, duration: float | None = None, rate: float | None = None,
+    gyro_bias: str | float = 0.0, accelerometer_bias: str | float = 0.0,
+) -> Optimum:  # fmt: skip
     """Find the time constant with the smallest error, and the best filter of second order.
 
     Parameters

@@ -111,15 +111,9 @@ def angle_unit(unit: str) -> float:
 
 @public
 def predicted_error(
-    gyro: ModelLike,
-    accelerometer: ModelLike,
-    time_constant: float | Loop,
-    *,
-    duration: float | None = None,
-    rate: float | None = None,
-    gyro_bias: str | float = 0.0,
-    accelerometer_bias: str | float = 0.0,
-) -> Prediction:
+    gyro: ModelLike, accelerometer: ModelLike, time_constant: float | Loop, *, duration: float | None = None,
+    rate: float | None = None, gyro_bias: str | float = 0.0, accelerometer_bias: str | float = 0.0,
+) -> Prediction:  # fmt: skip
     r"""Predict the error of roll or pitch from the noise of one gyro and one accelerometer.
 
     For small angles and a body without acceleration. The density of the error with the time constant tau is

@@ -26,7 +26,7 @@ from allanite.extending import (
     spelled,
 )
 
-from .filters import FILTERS, AttitudeFilter, Setting, filter_named
+from .filters import FILTERS, AttitudeFilter, filter_named
 from .inertial import Axes
 from .loop import Loop, SensorNoise
 from .optimum import Optimum
@@ -85,11 +85,6 @@ class VerticalSettings(VerticalChoices, Value):
         pairs = [(models[g], models[2 + a]) for g, a in PAIRS]
         noises = [SensorNoise.of(g, a, duration, rate) for g, a in pairs if g and a]
         return noises if len(noises) == len(pairs) else []
-
-    def filter_with(self, loop: Loop) -> Setting:
-        """What the filter is run with."""
-        gate = None if self.gate is None else math.radians(self.gate)
-        return Setting(loop, gate=gate, samples=self.samples)
 
     def loop(self, noises: Sequence[SensorNoise], reasons: Iterable[str]) -> Loop:
         """The filter, as given or the best for the noise; if that is not known, an error gives the reasons."""

@@ -138,8 +138,7 @@ def compared() -> dict[str, tuple[str, Setting]]:
     """The filters that are compared: label, name in `FILTERS` and settings."""
     slow = Setting(Loop.of(100.0))
     return {
-        say("accelerometer"): ("accelerometer", slow),
-        "bortz": ("bortz", slow),
+        say("accelerometer"): ("accelerometer", slow), "bortz": ("bortz", slow),
         say("first order, {time:g} s", time=1): ("complementary", Setting(Loop.of(1.0))),
         say("first order, {time:g} s", time=10): ("complementary", Setting(Loop.of(10.0))),
         **{
@@ -158,7 +157,7 @@ def compared() -> dict[str, tuple[str, Setting]]:
         "mahony, 50 s": ("mahony", Setting(Loop.of(50.0))),
         "madgwick, beta 0.033": ("madgwick", Setting(Loop.of(1.0), beta=0.033)),
         "madgwick, beta 0.001": ("madgwick", Setting(Loop.of(1.0), beta=0.001)),
-    }
+    }  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -25,6 +25,7 @@ from allanite.extending import (
     spelled,
 )
 
+from .filters import Setting
 from .inertial import Axes, Inertial, inertial, six_channels
 from .loop import Loop, SensorNoise
 from .optimum import optimum
@@ -37,14 +38,9 @@ TURNING = 10.0  # mean rate, deg/s, that is no bias of a gyro
 
 @public
 def vertical(
-    source: Source,
-    method: str = "complementary",
-    time_constant: float | None = None,
-    *,
-    settings: VerticalSettings | None = None,
-    recipe: Recipe | None = None,
-    progress: Progress | None = None,
-) -> VerticalStudy:
+    source: Source, method: str = "complementary", time_constant: float | None = None, *,
+    settings: VerticalSettings | None = None, recipe: Recipe | None = None, progress: Progress | None = None,
+) -> VerticalStudy:  # fmt: skip
     """Find roll and pitch of a recording, with the time constant that its identified noise asks for.
 
     Parameters
@@ -86,7 +82,9 @@ def vertical(
     loop = settings.loop(noises, [c.unknown for c in channels])
     if settings.row.looped:
         loop.demand_sampled(data.interval)
-    values, held = settings.row.run(replace(data, gyro=data.gyro - bias), settings.filter_with(loop))
+    gate = None if settings.gate is None else math.radians(settings.gate)
+    setting = Setting(loop, gate=gate, samples=settings.samples)
+    values, held = settings.row.run(replace(data, gyro=data.gyro - bias), setting)
     predictions = [predict(noise, loop) for noise in noises] if settings.row.looped else []
     angles = tuple(_angle(i, values[:, i], channels, noises, predictions) for i in range(2))
     falling = int((np.linalg.norm(data.force, axis=1) <= 0.1 * data.gravity).sum())
@@ -142,14 +140,9 @@ def _doubts(pair: Sequence[VerticalChannel], prediction: Prediction | None) -> I
 
 
 def _remarks(
-    data: Inertial,
-    bias: FloatArray,
-    settings: VerticalSettings,
-    channels: Sequence[VerticalChannel],
-    loop: Loop,
-    *,
+    data: Inertial, bias: FloatArray, settings: VerticalSettings, channels: Sequence[VerticalChannel], loop: Loop, *,
     static: bool,
-) -> Iterator[str]:
+) -> Iterator[str]:  # fmt: skip
     """What was done to the axes and the bias, and where the filter leaves the recording or the bands of its noise."""
     if settings.turned is not None:
         yield say("forward, sideways and vertical are the axes {axes} of the file", axes=settings.turned)

@@ -121,13 +121,9 @@ class _Source:
 
 @public
 def compensate_file(
-    source: Source,
-    recipe: Recipe | None = None,
-    settings: CompensationSettings | None = None,
-    *,
-    apply_to: PathLike | None = None,
-    progress: Progress | None = None,
-) -> CompensationStudy:
+    source: Source, recipe: Recipe | None = None, settings: CompensationSettings | None = None, *,
+    apply_to: PathLike | None = None, progress: Progress | None = None,
+) -> CompensationStudy:  # fmt: skip
     """Fit every inertial channel of a file on other channels, and apply the regressions.
 
     Parameters
@@ -180,12 +176,10 @@ def compensate_file(
     known = {regression.name: regression for regression in study.regressions}
     findings = (replace(f, what=join(": ", (other.signals.source, f.what))) for f in other.findings)
     return replace(
-        study,
-        applied=_each(lambda channels, *_: channels, other, known, recipe, progress=_part(progress, 1, parts)),
-        findings=(*study.findings, *findings),
-        notes=tuple(dict.fromkeys((*study.notes, *other.notes))),
+        study, applied=_each(lambda channels, *_: channels, other, known, recipe, progress=_part(progress, 1, parts)),
+        findings=(*study.findings, *findings), notes=tuple(dict.fromkeys((*study.notes, *other.notes))),
         provenance=study.provenance | {"applied to": os.fspath(apply_to), "sha256 applied to": other.signals.digest},
-    )
+    )  # fmt: skip
 
 
 def _part(progress: Progress | None, part: int, parts: int) -> Progress | None:
@@ -210,14 +204,9 @@ def _open(path: Source, recipe: Recipe, settings: CompensationSettings, keys: tu
 
 
 def _each(
-    kind: Callable[..., Any],
-    source: _Source,
-    regressions: Mapping[str, Regression] | Callable[[Record], Regression],
-    recipe: Recipe,
-    *,
-    demand: bool = False,
-    progress: Progress | None,
-) -> Any:
+    kind: Callable[..., Any], source: _Source, regressions: Mapping[str, Regression] | Callable[[Record], Regression],
+    recipe: Recipe, *, demand: bool = False, progress: Progress | None,
+) -> Any:  # fmt: skip
     """What is made of every channel, corrected by the regression of its name or by one that is fitted to it."""
     # A record that follows a temperature may look as if it moved: whether it does is asked of what the correction
     # leaves.
@@ -244,12 +233,10 @@ def _each(
         done = _corrected(seen.record, source.along, regression, recipe)
         return replace(done, gain=gain, alerts=(*done.alerts, *seen.alerts))
 
-    def refused(seen: Inspected, why: str) -> Compensated:
-        return Compensated(seen.record, refusal=why)
-
     return run_together(
-        kind, (source.signals,), recipe, work, refused, findings=source.findings, notes=source.along.notes, look=look,
-        doing="correcting" if held else "fitting", demand=demand, progress=progress,
+        kind, (source.signals,), recipe, work, lambda seen, why: Compensated(seen.record, refusal=why),
+        findings=source.findings, notes=source.along.notes, look=look, doing="correcting" if held else "fitting",
+        demand=demand, progress=progress,
     )  # fmt: skip
 
 

@@ -36,16 +36,9 @@ USUAL = FitSettings()
 
 @public
 def compensate(
-    record: Record,
-    along: Recording | Record,
-    regressors: Sequence[str] = (),
-    *,
-    degree: int = 1,
-    lags: Sequence[float] = (),
-    derivative_of: Sequence[str] = (),
-    trend: bool = True,
-    settings: FitSettings = USUAL,
-) -> Regression:
+    record: Record, along: Recording | Record, regressors: Sequence[str] = (), *, degree: int = 1,
+    lags: Sequence[float] = (), derivative_of: Sequence[str] = (), trend: bool = True, settings: FitSettings = USUAL,
+) -> Regression:  # fmt: skip
     """Estimate the part of a record that depends on other channels: temperature, displacement, flux or any other.
 
     The rate is a constant, a sum of coefficients times regressors, and noise of the terms Q, N, B and K, which is

@@ -44,29 +44,25 @@ def restricted(y: FloatArray, X: FloatArray, stretches: Sequence[Stretch], *, ra
         W += [base.W] if edged else []
     terms = parts[0][0].S.shape[1]
     return Likelihood(
-        S=np.concatenate([base.S for base, *_ in parts]),
-        power=np.concatenate([base.power for base, *_ in parts]),
-        count=np.concatenate([base.count for base, *_ in parts]),
-        UU=np.concatenate(UU),
-        Uc=np.concatenate(Uc),
-        W=np.concatenate([*W, np.zeros((p, terms))]),
-        flat=np.arange(edges + p) >= edges,
-    )
+        S=np.concatenate([base.S for base, *_ in parts]), power=np.concatenate([base.power for base, *_ in parts]),
+        count=np.concatenate([base.count for base, *_ in parts]), UU=np.concatenate(UU), Uc=np.concatenate(Uc),
+        W=np.concatenate([*W, np.zeros((p, terms))]), flat=np.arange(edges + p) >= edges,
+    )  # fmt: skip
 
 
 def _part(y: FloatArray, X: FloatArray, rate: float, symbols: str) -> tuple[Likelihood, int, FloatArray, FloatArray]:
     """One stretch: its likelihood, the number of its edges, and products of edges and columns with each other and y."""
     from scipy.fft import dct
 
-    seen = spectrum(Record(y, rate, "rad/s"), detrend=False)
-    base = likelihood(seen, symbols)
-    n, count = seen.size, base.flat.size
+    powers = spectrum(Record(y, rate, "rad/s"), detrend=False)
+    base = likelihood(powers, symbols)
+    n, count = powers.size, base.flat.size
     c = dct(y - y.mean(), norm="ortho")[1:]
     k = np.arange(1, n)
     a = np.sqrt(2 / n) * np.cos(np.pi / (2 * n) * k)
     columns = [np.where(k % 2 == parity, a, 0.0) for parity in (0, 1)]
     columns += [dct(column - column.mean(), norm="ortho")[1:] for column in X.T]
-    at = seen.first - 1
+    at = powers.first - 1
     square = np.empty((at.size, len(columns), len(columns)))
     cross = np.empty((at.size, len(columns)))
     for i, u in enumerate(columns):
@@ -145,13 +141,13 @@ class Mixture(Value):
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> Self:
         """The mixture written by `to_dict`; DataError if it was changed so that it makes no sense."""
-        found = super()._stored(data)
-        parts = found.weights, found.centres, found.spreads, found.covariance
-        k, p = found.weights.size, len(found.covariance)
-        fine = k > 0 and [part.shape for part in parts] == [(k,), (k, p), (k, p), (p, p)] and found.spreads.min() > 0
+        stored = super()._stored(data)
+        parts = stored.weights, stored.centres, stored.spreads, stored.covariance
+        k, p = stored.weights.size, len(stored.covariance)
+        fine = k > 0 and [part.shape for part in parts] == [(k,), (k, p), (k, p), (p, p)] and stored.spreads.min() > 0
         if not (fine and all(np.isfinite(part).all() for part in parts)):
             raise DataError("these numbers do not form a valid mixture")
-        return found
+        return stored
 
     def _summary(self) -> str:
         return f"of {self.weights.size} noises: {', '.join(f'{value:g}' for value in self.values)}"
@@ -187,9 +183,9 @@ def mixture(likelihood: Likelihood, symbols: str) -> tuple[FloatArray, FloatArra
     weight = weight[kept] / weight[kept].sum()
     likely = [theta for theta, k in zip(thetas, kept, strict=True) if k]
     flat = np.flatnonzero(likelihood.flat)
-    found = [likelihood.directions(theta)[:2] for theta in likely]
-    centres = np.array([eta[flat] for eta, _ in found])
-    within = np.array([V[np.ix_(flat, flat)] for _, V in found])
+    directions = [likelihood.directions(theta)[:2] for theta in likely]
+    centres = np.array([eta[flat] for eta, _ in directions])
+    within = np.array([V[np.ix_(flat, flat)] for _, V in directions])
     off = centres - weight @ centres
     covariance = np.einsum("k,kij->ij", weight, within) + (off.T * weight) @ off
     spreads = np.sqrt(np.einsum("kii->ki", within))

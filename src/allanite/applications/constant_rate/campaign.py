@@ -255,14 +255,9 @@ class RateStudy(Job[RateChannel]):
 
 @public
 def measure_rates(
-    source: Source,
-    recipe: Recipe | None = None,
-    settings: RateSettings | None = None,
-    *,
-    second: Source | None = None,
-    progress: Progress | None = None,
-    **choices: Any,
-) -> RateStudy:
+    source: Source, recipe: Recipe | None = None, settings: RateSettings | None = None, *, second: Source | None = None,
+    progress: Progress | None = None, **choices: Any,
+) -> RateStudy:  # fmt: skip
     """Measure the constant rate of every channel of a recording with every method.
 
     Parameters

@@ -77,14 +77,9 @@ class North(Value):
 
 @public
 def north(
-    rate: RateEstimate,
-    latitude: float,
-    *,
-    second: RateEstimate | None = None,
-    turned: float = 180.0,
-    near: float = 90.0,
-    level: float = 0.95,
-) -> North:
+    rate: RateEstimate, latitude: float, *, second: RateEstimate | None = None, turned: float = 180.0,
+    near: float = 90.0, level: float = 0.95,
+) -> North:  # fmt: skip
     r"""Find north from the rate about a horizontal axis.
 
     An axis with the heading psi measures H cos(psi) + bias, with H the earth's rate towards north. One position gives

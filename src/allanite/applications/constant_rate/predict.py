@@ -21,9 +21,8 @@ from allanite.extending import (
     usable_model,
 )
 
-from .linear import CONDITIONAL, HAMMING, MEAN, OPTIMAL, REGRESSION
+from .linear import CONDITIONAL, HAMMING, MEAN, OPTIMAL, REGRESSION, STAIRCASE
 from .row import EstimatorSettings, RateEstimator, Task
-from .staircase import STAIRCASE
 
 RATE_ESTIMATORS: dict[str, RateEstimator] = {
     row.name: row for row in (MEAN, HAMMING, REGRESSION, CONDITIONAL, STAIRCASE, OPTIMAL)
@@ -72,16 +71,10 @@ def standard_error(row: RateEstimator, weights: FloatArray, task: Task) -> float
 
 @public
 def predicted_standard_error(
-    method: str,
-    model: ModelLike,
-    *,
-    size: int | None = None,
-    rate: float | None = None,
-    duration: float | str | None = None,
-    target: str = "mean",
-    dither: tuple[float, ...] = (),
+    method: str, model: ModelLike, *, size: int | None = None, rate: float | None = None,
+    duration: float | str | None = None, target: str = "mean", dither: tuple[float, ...] = (),
     options: EstimatorSettings | None = None,
-) -> float:
+) -> float:  # fmt: skip
     """The standard error of a method under a model, without data.
 
     Parameters
@@ -187,14 +180,9 @@ def ranking(task: Task) -> Ranking:
 
 @public
 def rank(
-    model: ModelLike,
-    *,
-    size: int | None = None,
-    rate: float | None = None,
-    duration: float | str | None = None,
-    target: str = "mean",
-    options: EstimatorSettings | None = None,
-) -> Ranking:
+    model: ModelLike, *, size: int | None = None, rate: float | None = None, duration: float | str | None = None,
+    target: str = "mean", options: EstimatorSettings | None = None,
+) -> Ranking:  # fmt: skip
     """The best method for a gyro, and its advantage; parameters as for `predicted_standard_error`.
 
     Examples

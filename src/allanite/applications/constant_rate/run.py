@@ -33,24 +33,26 @@ from allanite.extending import (
 
 from .estimates import RateEstimate
 from .experiments import Experiment
-from .inputs import demand_whole, findings_of, interval_of, pulse_of, reading_size
-from .linear import regression_lines
+from .linear import recognized, regression_lines
 from .predict import RATE_ESTIMATORS, estimator_named, ranking, standard_error
-from .row import EstimatorSettings, Interval, RateMeasurement, Task
-from .staircase import recognized
+from .row import (
+    EstimatorSettings,
+    Interval,
+    RateMeasurement,
+    Task,
+    demand_whole,
+    findings_of,
+    interval_of,
+    pulse_of,
+    reading_size,
+)
 
 
 @public
 def estimate(
-    record: Samples,
-    method: str = "optimal",
-    *,
-    model: ModelLike | None = None,
-    target: str = "mean",
-    dither: tuple[float, ...] = (),
-    options: EstimatorSettings | None = None,
-    **sampling: Unpack[Sampling],
-) -> RateEstimate:
+    record: Samples, method: str = "optimal", *, model: ModelLike | None = None, target: str = "mean",
+    dither: tuple[float, ...] = (), options: EstimatorSettings | None = None, **sampling: Unpack[Sampling],
+) -> RateEstimate:  # fmt: skip
     """Measure the constant rate of a record.
 
     Parameters
@@ -266,11 +268,9 @@ def piece(record: Record, start: int, size: int) -> Record:
 
 @public
 def by_duration(
-    record: Record,
-    durations: tuple[float, ...],
-    model: ModelLike | None = None,
+    record: Record, durations: tuple[float, ...], model: ModelLike | None = None,
     settings: ExperimentSettings | None = None,
-) -> tuple[Experiment, ...]:
+) -> tuple[Experiment, ...]:  # fmt: skip
     """The experiment for several measuring times, s: the accuracy against the time it takes.
 
     Times that do not fit into the record are omitted. At most `settings.most` intervals of each, or `MOST`, spread over

@@ -185,14 +185,13 @@ def budget_file(
         axis = axes.get(seen.name)
         if axis is not None and scale is not None:
             scale = factor_of(scale) * axis.gain
-        found = budget(seen.record, settings.stages, scale=scale, sense=settings.sense, recipe=recipe,
-                       clipped=None if axis is None else axis.clipped)  # fmt: skip
-        told = {f.name for f in found.findings}
+        result = budget(seen.record, settings.stages, scale=scale, sense=settings.sense, recipe=recipe,
+                        clipped=None if axis is None else axis.clipped)  # fmt: skip
+        told = {f.name for f in result.findings}
         alerts = tuple(str(f) for f in seen.quality.warnings if f.name not in told)
-        return BudgetChannel(seen.record, found, (*found.alerts, *alerts))
+        return BudgetChannel(seen.record, result, (*result.alerts, *alerts))
 
-    def refused(seen: Inspected, why: str) -> BudgetChannel:
-        return BudgetChannel(seen.record, refusal=why)
-
-    return run(partial(BudgetStudy, settings=settings), whole, recipe, work, refused, doing="measuring",
-               progress=progress)  # fmt: skip
+    return run(
+        partial(BudgetStudy, settings=settings), whole, recipe, work,
+        lambda seen, why: BudgetChannel(seen.record, refusal=why), doing="measuring", progress=progress,
+    )  # fmt: skip

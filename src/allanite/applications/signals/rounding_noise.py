@@ -153,14 +153,9 @@ class Budget(RecordResult):
 
 @public
 def budget(
-    record: Record,
-    stages: Sequence[Stage],
-    *,
-    scale: TorqueScale | float | None = None,
-    sense: float | None = None,
-    recipe: Recipe | None = None,
-    clipped: Sequence[int] | None = None,
-) -> Budget:
+    record: Record, stages: Sequence[Stage], *, scale: TorqueScale | float | None = None, sense: float | None = None,
+    recipe: Recipe | None = None, clipped: Sequence[int] | None = None,
+) -> Budget:  # fmt: skip
     r"""Compute the noise that the quantization of each stage adds to a record.
 
     Rounding a rate to steps s adds errors that are uniform and, with enough noise before the rounding, independent:

@@ -3,10 +3,19 @@
 from dataclasses import replace
 
 from allanite.core.syntax import PARAMETERS, XML
-from allanite.exporting.content import Content, number
-from allanite.exporting.layouts import JSON_COMMENT, JsonLayout, LineLayout, spread, told
-from allanite.exporting.target import ACCELEROMETER, DENSITY, GYRO, TIME, WALK, Target, TargetField, pair, sectioned
-from allanite.exporting.thermal import ThermalTarget
+from allanite.exporting.content import JSON_COMMENT, Content, JsonLayout, LineLayout, number, spread, told
+from allanite.exporting.target import (
+    ACCELEROMETER,
+    DENSITY,
+    GYRO,
+    TIME,
+    WALK,
+    Target,
+    TargetField,
+    ThermalTarget,
+    pair,
+    sectioned,
+)
 from allanite.phrases.phrase import say
 
 
@@ -26,31 +35,24 @@ def sdf(content: Content) -> str:
 
 
 GAZEBO = Target(
-    name="gazebo",
-    synonyms=("sdf", "gz"),
-    title=say("noise of an IMU in SDF, for Gazebo"),
+    name="gazebo", synonyms=("sdf", "gz"), title=say("noise of an IMU in SDF, for Gazebo"),
     fields=sectioned(
         "angular_velocity", "linear_acceleration", ("stddev", TargetField("", GYRO, "N", "rad/s", rate=1), "m/s^2"),
         ("dynamic_bias_stddev", *WALK), ("dynamic_bias_correlation_time", *TIME),
     ),
-    forms={".sdf": sdf},
-    simulates=True,
+    forms={".sdf": sdf}, simulates=True,
     source="gz-sensors, src/GaussianNoiseModel.cc: white noise of stddev per sample; the bias is a Gauss-Markov "
     "process driven with the variance dynamic_bias_stddev^2 T (1 - exp(-2 dt/T))/2 per step: "
     "dynamic_bias_stddev is K, not a standard deviation. The copy of 2018 had no dynamic bias",
     notes=(
         say("dynamic_bias_stddev is a density, K; the steady-state sigma is K sqrt(T/2)"),
-        say("f is the update_rate of the sensor"),
-        say("SDF 1.6 or later"),
+        say("f is the update_rate of the sensor"), say("SDF 1.6 or later"),
     ),
-    markov=True,
-    each=True,
-    comments=XML.pattern,
+    markov=True, each=True, comments=XML.pattern,
 )  # fmt: skip
 
 GAZEBO_CLASSIC = Target(
-    name="gazebo-classic",
-    title=say("IMU plugin of gazebo-classic (RotorS, PX4 SITL, UUV simulator)"),
+    name="gazebo-classic", title=say("IMU plugin of gazebo-classic (RotorS, PX4 SITL, UUV simulator)"),
     fields=(
         *pair("gyroscopeNoiseDensity", "accelerometerNoiseDensity", *DENSITY),
         *pair("gyroscopeRandomWalk", "accelerometerRandomWalk", *WALK),
@@ -58,26 +60,21 @@ GAZEBO_CLASSIC = Target(
     ),
     forms={
         ".sdf": LineLayout(
-            "  <{name}>{value}</{name}>",
-            syntax=XML,
-            start=('<plugin name="imu_plugin" filename="libgazebo_imu_plugin.so">',),
-            end=("</plugin>",),
+            "  <{name}>{value}</{name}>", syntax=XML,
+            start=('<plugin name="imu_plugin" filename="libgazebo_imu_plugin.so">',), end=("</plugin>",),
         )
     },
     simulates=True,
     source="rotors_gazebo_plugins/src/gazebo_imu_plugin.cpp: white noise density/sqrt(dt), and a Gauss-Markov "
     "bias driven with the variance walk^2 T (1 - exp(-2 dt/T))/2 per step",
     notes=(say("gyroscopeTurnOnBiasSigma and accelerometerTurnOnBiasSigma do not follow from a static recording"),),
-    markov=True,
-    comments=XML.pattern,
+    markov=True, comments=XML.pattern,
 )  # fmt: skip
 
 VARIANCE = TargetField("", GYRO, "N", "(rad/s)^2", rate=1, power=2)
 
 ROS_IMU = Target(
-    name="ros-imu",
-    synonyms=("ros",),
-    title=say("covariances of sensor_msgs/Imu, for the parameters of a driver"),
+    name="ros-imu", synonyms=("ros",), title=say("covariances of sensor_msgs/Imu, for the parameters of a driver"),
     fields=pair("angular_velocity_covariance", "linear_acceleration_covariance", VARIANCE, "(m/s^2)^2"),
     forms={".yaml": LineLayout("{name}: [{diagonal}]")},
     source="sensor_msgs/Imu.msg: 3 x 3 by rows, variance of a sample; all zeros mean unknown. Names of the parameters "
@@ -87,19 +84,17 @@ ROS_IMU = Target(
         say("the message has no place for a drift of the bias: K is not written"),
     ),
     each=True,
-)
+)  # fmt: skip
 
 ROBOT_LOCALIZATION = replace(
-    ROS_IMU,
-    name="robot-localization",
-    title=say("covariances that robot_localization reads from sensor_msgs/Imu"),
+    ROS_IMU, name="robot-localization", title=say("covariances that robot_localization reads from sensor_msgs/Imu"),
     source="doc/state_estimation_nodes.rst: the noise of a measurement is that of its message; there is no state"
     " for a bias, and process_noise_covariance describes the motion of the vehicle",
     notes=(
         say("set them in the driver of the IMU; process_noise_covariance does not follow from the noise of the sensor"),
         say("robot_localization does not estimate a bias: K is not written; remove the bias before"),
     ),
-)
+)  # fmt: skip
 
 STEP_NOISE = TargetField("", GYRO, "N", "rad/s", rate=1, span=(1e-4, 0.1))
 PX4_WALK = TargetField("", GYRO, "K", "rad/s^2", rate=1, span=(0.0, 0.01))
@@ -107,12 +102,9 @@ PX4_WALK = TargetField("", GYRO, "K", "rad/s^2", rate=1, span=(0.0, 0.01))
 gyro, accelerometer = pair("EKF2_GYR_NOISE", "EKF2_ACC_NOISE", STEP_NOISE, "m/s^2")
 
 PX4 = Target(
-    name="px4",
-    synonyms=("ekf2", "px4-autopilot"),
-    title=say("parameters of PX4's EKF2, for QGroundControl"),
+    name="px4", synonyms=("ekf2", "px4-autopilot"), title=say("parameters of PX4's EKF2, for QGroundControl"),
     fields=(
-        gyro,
-        replace(accelerometer, span=(0.01, 1.0)),
+        gyro, replace(accelerometer, span=(0.01, 1.0)),
         *pair("EKF2_GYR_B_NOISE", "EKF2_ACC_B_NOISE", PX4_WALK, "m/s^3"),
     ),
     forms={".params": LineLayout("1\t1\t{name}\t{value}\t9", PARAMETERS)},
@@ -125,12 +117,10 @@ PX4 = Target(
         ),
     ),
     step=0.01,
-)
+)  # fmt: skip
 
 PX4_TC = ThermalTarget(
-    name="px4-tc",
-    title=say("thermal compensation of PX4, for QGroundControl"),
-    fields=(),
+    name="px4-tc", title=say("thermal compensation of PX4, for QGroundControl"), fields=(),
     forms={".params": LineLayout("1\t1\t{name}\t{value}\t9", PARAMETERS)},
     source="src/modules/temperature_compensation/TemperatureCompensation.cpp (calc_thermal_offsets_3D: polynomial of "
     "the third degree, temperature limited to TMIN .. TMAX) and .h (at most 4 sensors); src/lib/sensor_calibration/"
@@ -142,11 +132,8 @@ PX4_TC = ThermalTarget(
         say("the record must be that of sensor_gyro and sensor_accel, in their axes and without a correction"),
         say("after loading, restart and calibrate gyro and accelerometer again"),
     ),
-    prefixes={n: f"TC_{{sensor}}{n}_" for n in range(4)},
-    letters={GYRO: "G", ACCELEROMETER: "A"},
-    coefficient="X{power}_{axis}",
-    axes=("0", "1", "2"),
-    enable="1\t1\tTC_{sensor}_ENABLE\t1\t6",
+    prefixes={n: f"TC_{{sensor}}{n}_" for n in range(4)}, letters={GYRO: "G", ACCELEROMETER: "A"},
+    coefficient="X{power}_{axis}", axes=("0", "1", "2"), enable="1\t1\tTC_{sensor}_ENABLE\t1\t6",
 )  # fmt: skip
 
 ARDUPILOT_WALK = TargetField("", GYRO, "K", "rad/s^2", rate=1, span=(1e-5, 1e-3))
@@ -155,13 +142,9 @@ ardupilot_gyro, ardupilot_accelerometer = pair("EK3_GYRO_P_NSE", "EK3_ACC_P_NSE"
 gyro_bias, accelerometer_bias = pair("EK3_GBIAS_P_NSE", "EK3_ABIAS_P_NSE", ARDUPILOT_WALK, "m/s^3")
 
 ARDUPILOT = Target(
-    name="ardupilot",
-    synonyms=("ekf3", "arducopter"),
-    title=say("parameters of ArduPilot's EKF3"),
+    name="ardupilot", synonyms=("ekf3", "arducopter"), title=say("parameters of ArduPilot's EKF3"),
     fields=(
-        ardupilot_gyro,
-        replace(ardupilot_accelerometer, span=(0.01, 1.0)),
-        gyro_bias,
+        ardupilot_gyro, replace(ardupilot_accelerometer, span=(0.01, 1.0)), gyro_bias,
         replace(accelerometer_bias, span=(1e-5, 0.02)),
     ),
     forms={".param": LineLayout("{name},{value}", PARAMETERS)},
@@ -170,12 +153,10 @@ ARDUPILOT = Target(
     "The step is a whole number of samples, and so up to 2 ms shorter or longer",
     notes=(say("the defaults are larger, since they cover vibration in flight: values of a bench are lower bounds"),),
     step=0.012,
-)
+)  # fmt: skip
 
 ARDUPILOT_TCAL = ThermalTarget(
-    name="ardupilot-tcal",
-    title=say("IMU temperature calibration of ArduPilot"),
-    fields=(),
+    name="ardupilot-tcal", title=say("IMU temperature calibration of ArduPilot"), fields=(),
     forms={".param": LineLayout("{name},{value}", PARAMETERS)},
     source="libraries/AP_InertialSensor/AP_InertialSensor_tempcal.cpp (correct_sensor: polynomial of the third degree "
     "without constant in 1e-6, TEMP_REFERENCE 35 degC, temperature and calibration temperature limited to TMIN .. "
@@ -189,25 +170,17 @@ ARDUPILOT_TCAL = ThermalTarget(
             "calibration (INS_GYR*_CALTEMP, INS_ACC*_CALTEMP)"),
     ),
     prefixes={**{n: f"INS_TCAL{n}_" for n in (1, 2, 3)}, **{n: f"INS{n}_TCAL_" for n in (4, 5)}},
-    letters={GYRO: "GYR", ACCELEROMETER: "ACC"},
-    coefficient="{sensor}{power}_{axis}",
-    axes=("X", "Y", "Z"),
-    reference=35.0,
-    constant=False,
-    scale=1e6,
-    together=True,
-    enable="{prefix}ENABLE,1",
+    letters={GYRO: "GYR", ACCELEROMETER: "ACC"}, coefficient="{sensor}{power}_{axis}", axes=("X", "Y", "Z"),
+    reference=35.0, constant=False, scale=1e6, together=True, enable="{prefix}ENABLE,1",
 )  # fmt: skip
 
 PEGASUS = Target(
-    name="pegasus",
-    title=say("IMU of the Pegasus Simulator in Isaac Sim"),
+    name="pegasus", title=say("IMU of the Pegasus Simulator in Isaac Sim"),
     fields=sectioned(
         "gyroscope", "accelerometer",
         ("noise_density", *DENSITY), ("random_walk", *WALK), ("bias_correlation_time", *TIME),
     ),
-    forms={".json": JsonLayout(rate="update_rate")},
-    simulates=True,
+    forms={".json": JsonLayout(rate="update_rate")}, simulates=True,
     source="pegasus/simulator/logic/sensors/imu.py: white noise density/sqrt(dt), and a Gauss-Markov bias driven with "
     "the variance walk^2 T (1 - exp(-2 dt/T))/2 per step. In the version that was read the bias is not added to the "
     "samples, and the gyro has the correlation time of the accelerometer",
@@ -218,6 +191,5 @@ PEGASUS = Target(
             "without drift"
         ),
     ),
-    rated=True,
-    comments=JSON_COMMENT,
+    rated=True, comments=JSON_COMMENT,
 )  # fmt: skip

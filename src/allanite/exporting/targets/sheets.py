@@ -67,15 +67,11 @@ def _cells(content: Content, syntax: Syntax) -> list[list[str]]:
 
 
 DATASHEET = Target(
-    name="datasheet",
-    synonyms=("table",),
-    title=say("table of the quantities that data sheets quote, each with its interval"),
-    fields=(),
-    forms={".md": markdown, ".csv": comma_separated, ".tex": latex},
-    source="the page Reading a data sheet",
-    notes=(say("of a term that was not identified, high is the 95 % upper limit"),),
-    inflatable=False,
-)
+    name="datasheet", synonyms=("table",),
+    title=say("table of the quantities that data sheets quote, each with its interval"), fields=(),
+    forms={".md": markdown, ".csv": comma_separated, ".tex": latex}, source="the page Reading a data sheet",
+    notes=(say("of a term that was not identified, high is the 95 % upper limit"),), inflatable=False,
+)  # fmt: skip
 
 MATRICES = ("Phi", "Qd", "H", "R", "P0")
 
@@ -139,12 +135,10 @@ def c_file(content: Content) -> str:
 
 
 STATESPACE = Target(
-    name="statespace",
-    synonyms=("kalman",),
-    title=say("matrices of a Kalman filter in SI: x' = Phi x + w, sample = H x + v"),
-    fields=(),
+    name="statespace", synonyms=("kalman",),
+    title=say("matrices of a Kalman filter in SI: x' = Phi x + w, sample = H x + v"), fields=(),
     forms={".npz": numpy_file, ".m": matlab_file, ".h": c_file},
     source="exact discretization at the sampling rate; flicker as Gauss-Markov processes matched from 1 to 1000 s",
     notes=(say("Qd is the covariance of w, R the variance of v, P0 the covariance of the states at the start"),),
     rated=True,
-)
+)  # fmt: skip

@@ -125,12 +125,9 @@ def _labels(panel: CurvePanel, model: Model, level: float) -> list[Named]:
 
 
 def _draw_labels(
-    ax: Axes,
-    panel: CurvePanel,
-    named: Sequence[Named],
-    drawn: tuple[ModelLines, FloatArray, dict[str, FloatArray]],
+    ax: Axes, panel: CurvePanel, named: Sequence[Named], drawn: tuple[ModelLines, FloatArray, dict[str, FloatArray]],
     placed: list[LabelBox],
-) -> None:
+) -> None:  # fmt: skip
     lines, obstacles, paths = drawn
     for symbol in (symbol for symbol in paths if TERMS[symbol].periodic and panel.fit is not None):
         # the word at the highest hump of the sinusoids, if the model holds anywhere near

@@ -20,12 +20,7 @@ class Unsketched(NotImplementedError):  # noqa: N818 - no error, but the way to 
 
 
 def demanding(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function, whose arguments that it does not have raise `Unsketched`.
-
-    >>> demanding(round)(1.25, digits=1)
-    Traceback (most recent call last):
-    allanite.reporting.sketch.axis.Unsketched: round: got an unexpected keyword argument 'digits'
-    """
+    """The function, whose arguments that it does not have raise `Unsketched`."""
     signature = inspect.signature(function)
 
     @wraps(function)
@@ -190,15 +185,7 @@ def _demand(given: Any, known: tuple[type, ...]) -> None:
 
 
 def plain(places: Sequence[float]) -> tuple[list[str], str]:
-    """Labels of evenly spaced ticks, and what stands at the end of the axis.
-
-    >>> plain([0.0, 0.25, 0.5])
-    (['0.00', '0.25', '0.50'], '')
-    >>> plain([0.0, 2e-7, 4e-7])
-    (['0', '2', '4'], '$×10^{-7}$')
-    >>> plain([9.79612, 9.79613])
-    (['0', '1'], '$×10^{-5}$ +9.79612')
-    """
+    """Labels of evenly spaced ticks, and what stands at the end of the axis."""
     if not places:
         return [], ""
     largest, wide = max(map(abs, places)) or 1.0, max(places) - min(places)

@@ -1,15 +1,149 @@
 """A figure of a page: panels in a grid, as large as what stands beside them allows, a legend above them, all as SVG."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from . import svg as ink
-from .axes_box import LABEL, TICK, Box, PanelFrame
-from .axis import Side, Unsketched, limited
-from .marks import Artist, Legend
-from .panel import Panel
+from .axis import Side, Ticks, Unsketched, limited
+from .marks import LEADING, Artist, Legend
+from .panel import Panel, place_in
+
+TICK, LABEL = 9.0, 9.0  # sizes of letters: at ticks, and of the names of axes
+
+PAD, NAME_PAD, TITLE_PAD = 3.5, 4.0, 6.0
+"""Room beside the labels of ticks, the name of an axis, and below titles, points."""
+
+LONG_TICK, TICK_WIDTH, FINE_WIDTH, EDGE_WIDTH = 3.5, 0.8, 0.6, 0.8
+IN_CORNER = 4.0
+
+
+class Box(NamedTuple):
+    """Left upper corner, width and height, points."""
+
+    left: float
+    top: float
+    width: float
+    height: float
+
+
+class PanelFrame:
+    """A panel in a box."""
+
+    def __init__(self, panel: Panel, box: Box, edge: str) -> None:
+        self.panel, self.box, self.edge = panel, box, edge
+
+    @cached_property
+    def across(self) -> Ticks:
+        """Ticks of the abscissa."""
+        return self.panel.xaxis.ticks(self.box.width, TICK)
+
+    @cached_property
+    def up(self) -> Ticks:
+        """Ticks of the ordinate."""
+        return self.panel.yaxis.ticks(self.box.height, TICK)
+
+    def room(self) -> tuple[float, float, float, float]:
+        """What stands beside the box: at the left, above, at the right, below."""
+        labels = [*self.up.labels, *self.up.minor_labels]
+        left = PAD + max((ink.size_of(ink.shown(text), TICK)[0] for text in labels if text), default=0.0)
+        name = ink.shown(self.panel.yaxis.label)
+        left += NAME_PAD + ink.size_of(name, LABEL)[1] if name else 0.0
+        below = right = PAD
+        if self.panel.labelled:
+            named = ink.size_of(ink.shown(self.panel.xaxis.label), LABEL)[1]
+            below += TICK + (NAME_PAD + named + ink.BELOW * LABEL if named else 0.0)
+            if self.across.major:  # how far the last label of the abscissa stands out
+                share = self.panel.xaxis.share(np.array(self.across.major))
+                half = np.array([ink.size_of(ink.shown(text), TICK)[0] / 2 for text in self.across.labels])
+                right = float(((share - 1) * self.box.width + half).max(initial=PAD))
+        titles = [ink.size_of(ink.shown(t.text), t.size)[1] for t in self.panel.titles.values() if t.text]
+        above = TITLE_PAD + max(titles) if titles else 2.0
+        if self.up.beside:
+            above = max(above, TICK + PAD)
+        if self.panel.legends is not None and not self.panel.legends[1]:
+            above += self.panel.legends[0].height
+        return left, above, right, below
+
+    def svg(self, number: int) -> str:
+        """All of it; `number` names its clip."""
+        rectangle = "".join(
+            f' {name}="{ink.number(value)}"'
+            for name, value in zip(("x", "y", "width", "height"), self.box, strict=True)
+        )
+        place = place_in(self.panel, self.box)
+        marks = sorted(self.panel.marks, key=lambda mark: mark.z)
+        legend = ""
+        if self.panel.legends is not None:
+            key, corner = self.panel.legends
+            free = self.box.width - key.width
+            at = (free - IN_CORNER, IN_CORNER / LEADING) if corner else (free / 2, -key.height)
+            legend = key.svg(self.box.left + at[0], self.box.top + at[1], self.panel.ink)
+        return "".join(
+            (
+                f'<clipPath id="c{number}"><rect{rectangle}/></clipPath>', *self._grid(),
+                f'<g clip-path="url(#c{number})">', *(mark.draw(place) for mark in marks), "</g>", *self._ticks(),
+                f"<rect{rectangle} {ink.stroke(self.edge, EDGE_WIDTH)}/>", *self._names(), legend,
+            )
+        )  # fmt: skip
+
+    def _at(self, places: list[float], *, across: bool) -> list[float]:
+        side = self.panel.xaxis if across else self.panel.yaxis
+        share = side.share(np.array(places)) if places else np.empty(0)
+        points = self.box.left + self.box.width * share if across else self.box.top + self.box.height * (1 - share)
+        return [float(at) for at in points]
+
+    def _grid(self) -> Iterator[str]:
+        left, top, width, height = (ink.number(value) for value in self.box)
+        for which in ("minor", "major"):
+            if which not in self.panel.grids:
+                continue
+            color, line, alpha = self.panel.grids[which]
+            d = "".join(f"M{ink.number(x)} {top}v{height}" for x in self._at(getattr(self.across, which), across=True))
+            d += "".join(f"M{left} {ink.number(y)}h{width}" for y in self._at(getattr(self.up, which), across=False))
+            yield ink.element(d, ink.stroke(color, line, opacity=alpha))
+
+    def _ticks(self) -> Iterator[str]:
+        left, top, width, height = self.box
+        foot, side = ink.number(top + height), ink.number(left)
+        for which, length, line in (("major", LONG_TICK, TICK_WIDTH), ("minor", self.panel.minor_length, FINE_WIDTH)):
+            x, y = (self._at(getattr(ticks, which), across=ticks is self.across) for ticks in (self.across, self.up))
+            d = "".join(f"M{ink.number(at)} {foot}v{-length:g}" for at in x)
+            d += "".join(f"M{side} {ink.number(at)}h{length:g}" for at in y)
+            yield ink.element(d, ink.stroke(self.edge, line))
+        if self.panel.labelled:
+            for places, labels in self.across.labelled:
+                for at, label in zip(self._at(places, across=True), labels, strict=True):
+                    yield self._label(label, (at, top + height + PAD), "center", "top")
+            yield self._label(self.across.beside, (left + width, top + height + PAD + TICK), "right", "top")
+        for places, labels in self.up.labelled:
+            for at, label in zip(self._at(places, across=False), labels, strict=True):
+                yield self._label(label, (left - PAD, at), "right", "center")
+        end = self.panel.yaxis.beside
+        yield self._label(self.up.beside, (left + width * (end == "right"), top - PAD), end, "bottom")
+
+    def _label(self, text: str, at: tuple[float, float], ha: str, va: str) -> str:
+        return ink.words(ink.shown(text), at, TICK, color=self.panel.ink, ha=ha, va=va) if text else ""
+
+    def _names(self) -> Iterator[str]:
+        left, top, width, height = self.box
+        panel = self.panel
+        if panel.xaxis.label and panel.labelled:
+            at = (left + width / 2, top + height + PAD + TICK + NAME_PAD)
+            yield ink.words(ink.shown(panel.xaxis.label), at, LABEL, color=panel.ink, ha="center", va="top")
+        lines = ink.shown(panel.yaxis.label)
+        beside = left - self.room()[0]
+        for i, line in enumerate(lines):
+            at = (beside + (i * 1.2 + 0.76) * LABEL, top + height / 2)
+            yield ink.words([line], at, LABEL, color=panel.ink, ha="center", turned=True)
+        where = {"left": left, "center": left + width / 2, "right": left + width}
+        for loc, (text, size, color, bold) in panel.titles.items():
+            yield ink.words(
+                ink.shown(text), (where[loc], top - TITLE_PAD), size, color=color, ha=loc, va="bottom", bold=bold
+            )
+
 
 EDGE_ROOM, PANEL_ROOM = 3.0, 8.0
 """Room at the edge of the figure, and between panels beside what belongs to them, points."""
@@ -86,15 +220,7 @@ class Look(NamedTuple):
 
 @limited
 class Chart:
-    """The part of matplotlib's `Figure` that figures of a page use.
-
-    >>> chart = Chart(4.0, 3.0, Look("#1a1a1a", "#555b63"))
-    >>> panel = chart.subplots()
-    >>> panel.plot([1, 2, 3], [1.0, 4.0, 9.0], color="#2e5c94", label="squares")
-    >>> text = chart.svg()
-    >>> text.startswith("<svg"), text.endswith("</svg>"), ">9</text>" in text
-    (True, True, True)
-    """
+    """The part of matplotlib's `Figure` that figures of a page use."""
 
     def __init__(self, width: float, height: float, look: Look) -> None:
         self.width, self.height, self.look = width * POINTS, height * POINTS, look
@@ -116,15 +242,9 @@ class Chart:
         return self.width / POINTS, self.height / POINTS
 
     def subplots(
-        self,
-        rows: int = 1,
-        columns: int = 1,
-        *,
-        squeeze: bool = True,
-        sharex: bool | str = False,
-        width_ratios: Sequence[float] | None = None,
-        height_ratios: Sequence[float] | None = None,
-    ) -> Any:
+        self, rows: int = 1, columns: int = 1, *, squeeze: bool = True, sharex: bool | str = False,
+        width_ratios: Sequence[float] | None = None, height_ratios: Sequence[float] | None = None,
+    ) -> Any:  # fmt: skip
         """Panels, shape (rows, columns), without dimensions of one unless `squeeze` is false."""
         if self.grid:
             raise Unsketched("panels twice")

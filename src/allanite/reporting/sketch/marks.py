@@ -15,8 +15,7 @@ from .axis import Unsketched, demanding
 DATA, AXES, BLEND = "data", "axes", "blend"
 """What coordinates mean: data, fractions of the panel, or data along the abscissa and fractions up."""
 
-Place = Callable[[FloatArray, FloatArray, str], tuple[FloatArray, FloatArray]]
-"""(x, y, meaning) -> points on the page."""
+Place = Callable[[FloatArray, FloatArray, str], tuple[FloatArray, FloatArray]]  # (x, y, meaning) -> points on the page
 
 Points = tuple[FloatArray, FloatArray]
 
@@ -54,8 +53,7 @@ SHAPES: dict[str, Callable[[float], str]] = {
     "P": lambda r: f"m{-r / 3:.3g} {-r:.3g}h{2 * r / 3:.3g}v{2 * r / 3:.3g}h{2 * r / 3:.3g}v{2 * r / 3:.3g}"
                    f"h{-2 * r / 3:.3g}v{2 * r / 3:.3g}h{-2 * r / 3:.3g}v{-2 * r / 3:.3g}h{-2 * r / 3:.3g}"
                    f"v{-2 * r / 3:.3g}h{2 * r / 3:.3g}z",
-    "|": lambda r: f"m0 {-r:.3g}v{2 * r:.3g}",
-    "_": lambda r: f"m{-r:.3g} 0h{2 * r:.3g}",
+    "|": lambda r: f"m0 {-r:.3g}v{2 * r:.3g}", "_": lambda r: f"m{-r:.3g} 0h{2 * r:.3g}",
     ".": lambda r: SHAPES["o"](r / 2),
 }  # fmt: skip
 """Markers as relative paths, by half their size."""

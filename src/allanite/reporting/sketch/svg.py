@@ -23,11 +23,7 @@ FULL_WIDTH = 1.0  # width of a letter that the font does not have, sizes: Chines
 
 @cache
 def wide(text: str, *, bold: bool = False) -> float:
-    """Width of a line of text, in sizes of its letters.
-
-    >>> 0.5 < wide("0") < 0.7, wide("00") == 2 * wide("0"), wide("0", bold=True) > wide("0")
-    (True, True, True)
-    """
+    """Width of a line of text, in sizes of its letters."""
     return sum(_letter(letter, bold) for letter in text)
 
 
@@ -71,11 +67,7 @@ def number(value: float) -> str:
 
 
 def path(x: FloatArray, y: FloatArray, *, closed: bool = False) -> str:
-    """Lines through points; a point that is not finite ends one.
-
-    >>> path(np.array([0.0, 1.0, np.nan, 2.0, 3.0]), np.array([0.0, 1.5, 0.0, 2.0, 0.0]))
-    'M0 0L1 1.5M2 2L3 0'
-    """
+    """Lines through points; a point that is not finite ends one."""
     finite = np.isfinite(x) & np.isfinite(y)
     x, y = (np.clip(np.round(values, 1), -MAX_COORDINATE, MAX_COORDINATE) + 0.0 for values in (x, y))
     parts, last = [], False
@@ -134,26 +126,17 @@ ANCHORS = {"left": "start", "center": "middle", "right": "end"}
 
 
 def words(  # noqa: PLR0913 - each has a default, and is a property of its own
-    lines: Sequence[str],
-    at: tuple[float, float],
-    size: float,
-    *,
-    color: str,
-    ha: str = "left",
-    va: str = "baseline",
-    bold: bool = False,
-    spacing: float = 1.2,
-    turned: bool = False,
-) -> str:
+    lines: Sequence[str], at: tuple[float, float], size: float, *, color: str, ha: str = "left", va: str = "baseline",
+    bold: bool = False, spacing: float = 1.2, turned: bool = False,
+) -> str:  # fmt: skip
     """Lines of text at a point; `turned`, it runs upwards."""
     step = spacing * size
     _, height = size_of(lines, size, spacing=spacing)
     above = {"baseline": -ABOVE * size, "top": 0.0, "center": -height / 2, "bottom": -height}[va] + ABOVE * size
     look = style(
-        font=f"{'bold ' if bold else ''}{size:g}px {ON_PAGE}",
-        text_anchor=ANCHORS[ha] if ha != "left" else None,
+        font=f"{'bold ' if bold else ''}{size:g}px {ON_PAGE}", text_anchor=ANCHORS[ha] if ha != "left" else None,
         fill=hexadecimal(color),
-    )
+    )  # fmt: skip
     x, y = at
     turn = f' transform="rotate(-90 {number(x)} {number(y)})"' if turned else ""
     # several blanks, of which browsers show one
@@ -163,8 +146,3 @@ def words(  # noqa: PLR0913 - each has a default, and is a property of its own
         for i, line in enumerate(kept)
         if line.strip()
     )
-
-
-def below_foot(size: float) -> float:
-    """How far a line of text reaches below its foot."""
-    return BELOW * size

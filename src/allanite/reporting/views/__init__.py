@@ -54,7 +54,7 @@ def view(
 _OWN = {
     "Study": "analysis.study_view", "Channel": "analysis.channel_view", "Batch": "batch.batch_view",
     "Lot": "lot.lot_view", "Meaning": "expectation.meaning_view", "Survey": "values.survey_view",
-    "Record": "details.record_view", "Recording": "details.record_view", "Curve": "values.value_view",
+    "Record": "analysis.record_view", "Recording": "analysis.record_view", "Curve": "values.value_view",
     "Spectrum": "values.value_view", "Surface": "values.value_view", "Comparison": "comparison.comparison_view",
     "ClaimCheck": "claims.check_view", "ClaimedNoise": "claims.claim_view", "Pool": "comparison.pool_view",
     "Fit": "fit.fit_view", "Readings": "values.readings_view", "Residuals": "fit.residuals_view",
@@ -76,8 +76,7 @@ _OWN = {
 }  # fmt: skip
 """Type of a result: where its `View` is. They are imported when first asked for."""
 
-VIEWS = Registry[str | View](_OWN, "allanite.views", kind=View)
-"""The same, and the views of plug-ins."""
+VIEWS = Registry[str | View](_OWN, "allanite.views", kind=View)  # the same, and the views of plug-ins
 
 
 def view_of(value: Any) -> View:

@@ -26,10 +26,9 @@ from . import view, view_of
 BRAND = say("harmonic errors of angle sensors")
 
 ENCODER = {
-    "offset": say("constant difference of the two angles"),
-    "drift": say("its linear growth over half the record"),
+    "offset": say("constant difference of the two angles"), "drift": say("its linear growth over half the record"),
     "bend": say("its quadratic growth over half the record"),
-}
+}  # fmt: skip
 """Parameters estimated together with the harmonics of an encoder."""
 
 OTHERS = (
@@ -96,12 +95,11 @@ def _compared(result: Result, solution: Solution, level: float) -> Iterator[Part
     if truth := _truth(result):
         limits = {name: solution.interval(name, level) for name in truth}
         inside = say_count(
-            len(limits),
-            "{inside} of {count} true amplitude lies within its {level} limits.",
+            len(limits), "{inside} of {count} true amplitude lies within its {level} limits.",
             "{inside} of {count} true amplitudes lie within their {level} limits.",
             inside=sum(limits[name][0] <= true <= limits[name][1] for name, true in truth.items()),
             level=words.percent(level),
-        )
+        )  # fmt: skip
         yield Note(inside, "strong")
 
 
@@ -128,10 +126,9 @@ def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
     if isinstance(result, Calibration):
         calibrated = result
         yield Drawing(
-            lambda: figures.plot_error_in_time(calibrated.gimbals, calibrated.harmonics, level),
-            say("error over time"),
+            lambda: figures.plot_error_in_time(calibrated.gimbals, calibrated.harmonics, level), say("error over time"),
             IN_TIME,
-        )
+        )  # fmt: skip
     label, title = say("innovations and their autocorrelation"), say("are the residuals white?")
     yield Drawing(lambda: figures.plot_innovations(solution), label, INNOVATIONS, title)
     rows = []
@@ -216,10 +213,8 @@ def study_view(study: AngleStudy, level: float) -> Face:
     return replace(
         view_of(study.result).face(study.result, level),
         header=header_of(study.provenance, study.notes)[0 if study.provenance.get("source") else -1 :],
-        choices=toml(study.choices()),
-        provenance=study.provenance,
-        notes=study.notes,
-    )
+        choices=toml(study.choices()), provenance=study.provenance, notes=study.notes,
+    )  # fmt: skip
 
 
 @view(
@@ -235,11 +230,10 @@ def result_view(result: Result, level: float) -> Face:
         sheet = Sheet(names, (say("known, not estimated"),), (_harmonics(result, level),))
         return Face(title, BRAND, (sheet,))
     noise = say(
-        "noise of one sample {sigma:.4g} arcsec, {origin}; condition {condition:.4g}",
-        sigma=solution.sigma / ARCSEC,
+        "noise of one sample {sigma:.4g} arcsec, {origin}; condition {condition:.4g}", sigma=solution.sigma / ARCSEC,
         origin=say("given") if solution.given else say("estimated from what is left over"),
         condition=solution.condition,
-    )
+    )  # fmt: skip
     about = [say_count(solution.innovations.size, "{count} sample", "{count} samples"), noise]
     if isinstance(result, Calibration):
         angles = {name: np.degrees(getattr(result.gimbals, name)) for name in result.angles}
@@ -310,28 +304,22 @@ def _plan_sheet(plan: AnglePlan, title: str, compared: Scan | None = None) -> Sh
     )  # fmt: skip
     alerts = [Note(str(finding), "warning") for finding in plan.findings]
     total = say_count(
-        plan.amplitudes,
-        "sum over the {count} amplitude: {total:.4g} (all in the unit of sigma)",
-        "sum over the {count} amplitudes: {total:.4g} (all in the unit of sigma)",
-        total=plan.total,
-    )
+        plan.amplitudes, "sum over the {count} amplitude: {total:.4g} (all in the unit of sigma)",
+        "sum over the {count} amplitudes: {total:.4g} (all in the unit of sigma)", total=plan.total,
+    )  # fmt: skip
     if chosen.sway is not None and not isinstance(chosen.sway, tuple):
         sway = say(
             "sway of {roll:.3g} deg in roll and {pitch:.3g} deg in pitch, period {period:g} s",
-            roll=math.degrees(chosen.sway.roll),
-            pitch=math.degrees(chosen.sway.pitch),
-            period=chosen.sway.period,
-        )
+            roll=math.degrees(chosen.sway.roll), pitch=math.degrees(chosen.sway.pitch), period=chosen.sway.period,
+        )  # fmt: skip
         where = join("; ", (where, sway))
     if (ring := chosen.ring) is not None:
         turned = say(
             "outer ring turned at {rate:.4g} deg/min between {low:.4g} and {high:.4g} deg about an axis at "
             "{heading:.4g} deg from north",
-            rate=math.degrees(ring.rate) * 60,
-            low=math.degrees(ring.low),
-            high=math.degrees(ring.high),
+            rate=math.degrees(ring.rate) * 60, low=math.degrees(ring.low), high=math.degrees(ring.high),
             heading=math.degrees(ring.heading),
-        )
+        )  # fmt: skip
         steps = [say("in steps of {step:.4g} deg", step=math.degrees(ring.step))] if ring.step else []
         where = join("; ", (where, join(", ", (turned, *steps))))
     accuracy = Table(CONSTANTS, plan.rows()[1], details=compared is not None)

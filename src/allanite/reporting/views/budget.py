@@ -65,11 +65,9 @@ def sentence(s: StageNoise) -> str:
     else:
         fate = say("more bits would change nothing")
     return say(
-        "{adds}, {share} of the measured variance: {fate}.",
-        adds=adds,
-        share="" if s.share is None else words.percent(s.share, 2),
-        fate=fate,
-    )
+        "{adds}, {share} of the measured variance: {fate}.", adds=adds,
+        share="" if s.share is None else words.percent(s.share, 2), fate=fate,
+    )  # fmt: skip
 
 
 def _number(value: float | None) -> str:
@@ -131,7 +129,6 @@ def study_view(study: BudgetStudy, level: float) -> Face:
 def budget_view(budget: Budget, _: float) -> Face:
     """The stages of one channel."""
     return Face(
-        say("Rounding in {source}", source=budget.record.name or say("a record")),
-        BRAND,
+        say("Rounding in {source}", source=budget.record.name or say("a record")), BRAND,
         (_sheet(BudgetChannel(budget.record, budget, budget.alerts)),),
-    )
+    )  # fmt: skip

@@ -204,10 +204,9 @@ def _seen(study: Study) -> First:
         else say("{good} of {count} channels are fit for analysis", good=good, count=count)
     )
     after = [
-        ("allanite analyze FILE", say("the noise")),
-        ("--plot raw.png", say("figure")),
+        ("allanite analyze FILE", say("the noise")), ("--plot raw.png", say("figure")),
         ("--details", say("all that was found")),
-    ]
+    ]  # fmt: skip
     return First(
         title_of(study), verdict, tables, [*doubts(study.channels), *alerts(study)], (), how_read(study), after
     )

@@ -165,22 +165,17 @@ def check_view(value: ClaimCheck, level: float) -> Face:
     label = say("measured curves with the claimed ones")
     caption = say("Deviation by averaging time with its confidence band, and the one that is claimed (dashed).")
     drawing = [Drawing(lambda: figures.plot_claims([value], level), label, caption)] if drawn else []
+    own = ((c, [row for row in value.terms if row.channel == c.record.name]) for c in value.checked)
+    sheets = [channel_sheet(channel, [_table(rows)]) for channel, rows in own]
     met = {row.outcome for row in value.terms}
     meanings = [
         Note(join(": ", (OUTCOME_WORDS[name], text)), "quiet") for name, text in OUTCOMES.items() if name in met
     ]
     return job_face(
         value, (say("{file} against {claim}", file=source_of(value), claim=value.claim.title), say("noise and claim")),
-        list(_sheets(value)), [Note(value.verdict, "good" if value.agrees else "strong"), *causes, *drawing, *common],
+        sheets, [Note(value.verdict, "good" if value.agrees else "strong"), *causes, *drawing, *common],
         close=meanings, how=[Note(text) for text in HOW],
     )  # fmt: skip
-
-
-def _sheets(value: ClaimCheck) -> Iterator[Sheet]:
-    """A table for each channel of which something is claimed."""
-    for channel in value.checked:
-        rows = [row for row in value.terms if row.channel == channel.record.name]
-        yield channel_sheet(channel, [_table(rows)])
 
 
 def _claim_rows(value: ClaimedNoise, _: float) -> Rows:

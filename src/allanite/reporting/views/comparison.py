@@ -59,16 +59,10 @@ def _channels(pairs: Sequence[Pair], level: float) -> Channels:
         known = next(c for c in own if c is not None)
         cells = ["" if c is None else _cell(c, level, values=len(pairs) <= MAX_WITH_VALUES) for c in own]
         claimed = any(c is not None and c.outcome != "not resolvable" for c in own)
-        rows.append(
-            ChannelRow(words.title(symbol, known.signal), symbol, known.before.sheet_unit, cells, 0 if claimed else 1)
-        )
-    return Channels([pair.name or say("channel") for pair in pairs], rows, _sensor(pairs))
-
-
-def _sensor(pairs: Sequence[Pair]) -> str:
-    """The kind of sensor, if the records are known."""
-    records = [record for pair in pairs for record in pair.records or ()]
-    return records[0].signal.sensor if records else ""
+        title = words.title(symbol, known.signal)
+        rows.append(ChannelRow(title, symbol, known.before.sheet_unit, cells, 0 if claimed else 1))
+    sensors = [record.signal.sensor for pair in pairs for record in pair.records or ()]
+    return Channels([pair.name or say("channel") for pair in pairs], rows, next(iter(sensors), ""))
 
 
 def _whole(pair: Pair) -> str:

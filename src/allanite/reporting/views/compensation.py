@@ -40,10 +40,9 @@ def verdict(channel: Compensated, shown: Callable[[str], str] = str) -> str:
     if gain.met:
         return say("{effect}; {limits} could be expected.", effect=effect, limits=limits)
     return say(
-        "{effect}; {limits} could be expected, and it does not: the dependence is another one here.",
-        effect=effect,
+        "{effect}; {limits} could be expected, and it does not: the dependence is another one here.", effect=effect,
         limits=limits,
-    )
+    )  # fmt: skip
 
 
 def found(name: str, regression: Regression, shown: Callable[[str], str] = str) -> str:
@@ -56,18 +55,16 @@ def found(name: str, regression: Regression, shown: Callable[[str], str] = str) 
                 "the effect of {regressors} can hardly be separated from a rate ramp R in this record: the two share "
                 "{share} of their variance, and either alone fits about as well. Record until {regressors} returns to "
                 "its initial value.",
-                regressors=_names(own),
-                share=words.percent(regression.shared),
+                regressors=_names(own), share=words.percent(regression.shared),
             )
-        )
+        )  # fmt: skip
     if not regression.significant and undecided:
         return join(": ", (name, *undecided))
     if not regression.significant:
         return say(
-            "{channel} shows no dependence on {regressors}: the correction would only remove noise.",
-            channel=name,
+            "{channel} shows no dependence on {regressors}: the correction would only remove noise.", channel=name,
             regressors=_names(own),
-        )
+        )  # fmt: skip
     gain, held = regression.inside, regression.held
     also = [say("about a linear drift")] if regression.trend else []
     # by chance the sum of squares falls a little even where nothing is found
@@ -76,14 +73,12 @@ def found(name: str, regression: Regression, shown: Callable[[str], str] = str) 
         also.append(say("{share} in cross-validation", share=shown(f"{100 * held.explained:.3g} %")))
     sentences = [
         say(
-            "{channel} depends on {regressors}. The correction reduces the variance by {share} ({also}).",
-            channel=name,
-            regressors=_names([e for e in own if e.significant]),
-            share=shown(f"{100 * gain.explained:.3g} %"),
+            "{channel} depends on {regressors}. The correction reduces the variance by {share} ({also}).", channel=name,
+            regressors=_names([e for e in own if e.significant]), share=shown(f"{100 * gain.explained:.3g} %"),
             also=join("; ", also),
         ),
         *undecided,
-    ]
+    ]  # fmt: skip
     rest = _names([e for e in own if not (e.chosen or e.significant)])
     sentences += [say("Leave out {regressors}: no dependence on it is shown.", regressors=rest)] if rest else []
     if not regression.harmless:
@@ -159,10 +154,8 @@ def _beside(regression: Regression) -> str:
     return say(
         "Noise, identified with the coefficients: {model}; {effective:.4g} effective samples; scaled condition number "
         "{condition:.3g}.",
-        model=str(regression.noise),
-        effective=regression.effective,
-        condition=regression.condition,
-    )
+        model=str(regression.noise), effective=regression.effective, condition=regression.condition,
+    )  # fmt: skip
 
 
 def _sheet(channel: Compensated, level: float, source: str = "") -> Sheet:
@@ -204,10 +197,9 @@ def _parts(channel: Compensated, level: float) -> Iterator[Part]:
         Column(say("after / before"), form=known(".3f")), Column(say("edf after"), form=known(".3g")),
     )  # fmt: skip
     title = say(
-        "overlapping Allan deviation in {unit}, with {level} limits",
-        unit=channel.record.signal.sheet[0],
+        "overlapping Allan deviation in {unit}, with {level} limits", unit=channel.record.signal.sheet[0],
         level=words.percent(level),
-    )
+    )  # fmt: skip
     yield Table(heads, rows, title, details=True)
 
 
@@ -289,14 +281,13 @@ def _lines(channel: Compensated, of: str, level: float) -> Iterator[list[Any]]:
 def study_view(study: CompensationStudy, level: float) -> Face:
     """The channels of a file, and of one that the correction was applied to."""
     return job_face(
-        study,
-        (say("Compensation of {source}", source=source_of(study)), BRAND),
+        study, (say("Compensation of {source}", source=source_of(study)), BRAND),
         [
             *(_sheet(channel, level) for channel in study.channels),
             *(_sheet(channel, level, study.provenance.get("applied to", "")) for channel in study.applied),
         ],
         how=[*map(Note, HOW)],
-    )
+    )  # fmt: skip
 
 
 @view(lambda values, fit, level: _draw(values, level))
@@ -309,8 +300,7 @@ def channel_view(channel: Compensated, level: float) -> Face:
 def regression_view(regression: Regression, level: float) -> Face:
     """The coefficients of a regression."""
     return Face(
-        say("Regression of {channel}", channel=regression.name),
-        BRAND,
+        say("Regression of {channel}", channel=regression.name), BRAND,
         (Sheet(regression.name, parts=tuple(_regression_parts(regression, level))),),
         parts=[Note(found(printable(regression.name) or say("the channel"), regression), "strong")],
-    )
+    )  # fmt: skip

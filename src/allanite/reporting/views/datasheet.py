@@ -84,9 +84,8 @@ def first_of_sheet(value: DataSheet, _: float) -> First:
     answer.append(Table([Column("", "name"), *[Column("", "text")] * 4], rows))
     after = (
         (f"allanite export --datasheet {value.name} --to kalibr", say("a file of a filter")),
-        (f"allanite compare FILE --datasheet {value.name}", say("what was measured beside it")),
-        DETAILS,
-    )
+        (f"allanite compare FILE --datasheet {value.name}", say("what was measured beside it")), DETAILS,
+    )  # fmt: skip
     return First(join(" ", (value.maker, value.name)), value.document, answer, after=after)
 
 

@@ -179,11 +179,8 @@ def first_of_drift(value: Drift, _: float) -> First:
     courses = _alike(value)
     if value.axes:
         heads = [Column(say("after"), "name"), *(Column(f"{name} [{course.unit}]", "name") for name, course in courses)]
-        answer.append(
-            Table(
-                heads, list(zip(_after(value), *(_cells(course, _lost(value)) for _, course in courses), strict=True))
-            )
-        )
+        cells = (_cells(course, _lost(value)) for _, course in courses)
+        answer.append(Table(heads, list(zip(_after(value), *cells, strict=True))))
     for need in value.settings.requirements:
         answer += _required(value, need)
     if value.axes and not value.settings.requirements:
@@ -213,10 +210,8 @@ def _parts(value: Drift, name: str, course: DriftCourse) -> Iterator[Part]:
     yield Table(heads, [[*row, course.unit] for row in table], name)
     named, known = _several(course), [s for s in course.shares if s.variance.any()]
     causes = [
-        Column(say("cause"), "name"),
-        Column(say("channel"), "name"),
-        *(Column(a, form=_sized) for a in _after(value)),
-    ]
+        Column(say("cause"), "name"), Column(say("channel"), "name"), *(Column(a, form=_sized) for a in _after(value)),
+    ]  # fmt: skip
     rows = []
     for s in known:
         label = _cause(s, named=named)

@@ -137,12 +137,10 @@ def first_of_simulation(simulation: Simulation, _: float) -> First:
 def simulation_view(simulation: Simulation, _: float) -> Face:
     """The channels of a simulation, and the truth."""
     return Face(
-        say("Simulation of {model}", model=str(simulation.model)),
-        say("a recording whose noise is known"),
+        say("Simulation of {model}", model=str(simulation.model)), say("a recording whose noise is known"),
         [Sheet(c.name, (words.about(c), *c.history)) for c in simulation.channels],
-        close=(model_table(simulation.model),),
-        choices=toml({"seed": simulation.seed}),
-    )
+        close=(model_table(simulation.model),), choices=toml({"seed": simulation.seed}),
+    )  # fmt: skip
 
 
 def meaning_of(channel: Channel, device: str | None) -> Meaning | None:
@@ -190,10 +188,9 @@ def causes(results: Sequence[Meaning]) -> Iterator[Part]:
         sources, remedies = (join("; ", texts) for texts in (cause.sources, cause.remedies))
         head = say("{symbol} in a {device}: {cause}", symbol=symbol, device=device.title, cause=cause.name)
         points = (
-            say("sources: {sources}", sources=sources),
-            say("try: {remedies}", remedies=remedies),
+            say("sources: {sources}", sources=sources), say("try: {remedies}", remedies=remedies),
             say("see {reference}", reference=cause.reference),
-        )
+        )  # fmt: skip
         head = join("", (head, f" ({names})")) if names else head
         yield Note(head, "strong", where="text", points=points)
         rows.append([symbol, names, cause.name, sources, remedies, cause.reference])
@@ -212,8 +209,6 @@ def causes(results: Sequence[Meaning]) -> Iterator[Part]:
 def meaning_view(found: Meaning, _: float) -> Face:
     """What the coefficients of one record mean."""
     return one_sheet(
-        say("What it means"),
-        say("noise coefficients of an inertial sensor"),
-        found.name or say("record"),
+        say("What it means"), say("noise coefficients of an inertial sensor"), found.name or say("record"),
         (*meaning_notes(found, say("what it means")), *causes([found])),
-    )
+    )  # fmt: skip

@@ -26,7 +26,7 @@ from allanite.reporting.digits import digits, printed_unit, upper_limit
 from allanite.reporting.first import DETAILS, Channels, First, Remark, condensed, plus_minus
 from allanite.reporting.sheet import Code, Column, Drawing, Face, Note, Part, Plot, Sheet, Table, header_of, one_sheet
 from allanite.statistics import STATISTICS
-from allanite.study.recipe import READING, SELECTING
+from allanite.study.recipe import command_of
 from allanite.study.results import Study
 from allanite.terms import TERMS, WHITE
 
@@ -72,7 +72,7 @@ def filter_line(study: Study) -> Iterator[Phrase]:
     # what motion adds to a curve is not noise
     if not signals.issuperset(SENSORS) or any(not c.explained and c.quality.moved for c in study):
         return
-    command = f"allanite export FILE --to {FILTER.name}{study.recipe.typed((*READING, *SELECTING))}"
+    command = command_of(study.recipe, "allanite", "export", "FILE", "--to", FILTER.name)
     made = for_filter(study, How())[0]
     what, known = say("{filter}, gyro; accelerometer", filter=FILTER.name), made is not None
     if made is None:
@@ -98,7 +98,7 @@ def filter_parts(study: Study) -> Iterator[Part]:
     made, why = for_filter(study, How())
     made = made or for_filter(study, How(partial=True))[0]
     if made is not None:
-        command = f"allanite export FILE --to {made.target}{study.recipe.typed((*READING, *SELECTING))}"
+        command = command_of(study.recipe, "allanite", "export", "FILE", "--to", made.target)
         writes = say("{command} writes the values of the worst axis", command=command)
         key = "" if why else join("; ", (writes, *made.notes[: any(entry.covers for entry in made.entries)]))
         fields = _fields(made, title)
@@ -264,12 +264,9 @@ def _worded(value: Word) -> Table:
     return Table((Column("", "name"), Column("", "text")), [row for row in rows if row[1]])
 
 
-def first_of_word(value: Word, _: float) -> First:
-    """What a word means, a formula and an example."""
-    return First(value.name, ", ".join(value.synonyms[:4]), [value.meaning, _worded(value)], after=())
-
-
-@view(first=first_of_word)
+@view(
+    first=lambda value, _: First(value.name, ", ".join(value.synonyms[:4]), [value.meaning, _worded(value)], after=())
+)
 def word_view(value: Word, _: float) -> Face:
     """The same as a page."""
     about = (", ".join(value.synonyms),) if value.synonyms else ()

@@ -122,11 +122,6 @@ def coefficients(fit: Fit, level: float) -> Iterator[Part]:
     )
 
 
-def plot_curves(values: Sequence[Any], fit: Fit | None, level: float) -> Plot:
-    """The figure of what has curves."""
-    return figures.plot_panels(figures.panels_of(list(values), fit), level=level)
-
-
 def model_table(model: Model) -> Table:
     """The terms of a model, in the units of data sheets."""
     heads = (
@@ -141,7 +136,7 @@ def _plot(fits: Sequence[Fit], fit: Fit | None, level: float) -> Plot:
     good = fits[0].goodness
     if len(fits) == 1 and fits[0].curve is None and good is not None:
         return figures.plot_goodness(good, fits[0].name)
-    return plot_curves(fits, fit, level)
+    return figures.plot_panels(figures.panels_of(list(fits), fit), level=level)
 
 
 @view(_plot, lambda fit, level: fit.rows(level))

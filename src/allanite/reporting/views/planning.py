@@ -223,10 +223,9 @@ def bound_view(bound: Bound, _: float) -> Face:
     parts: list[Part] = [Table(heads, rows)]
     if bound.ramp is not None:
         allowed = say(
-            "a ramp of unknown size is allowed for; its standard error is {error:.3g} {unit}",
-            error=bound.ramp,
+            "a ramp of unknown size is allowed for; its standard error is {error:.3g} {unit}", error=bound.ramp,
             unit=bound.model.signal.si[1],
-        )
+        )  # fmt: skip
         parts.append(Note(allowed))
     title, brand = say("Bound: {model}", model=str(bound.model)), say("Cramer-Rao bound of noise coefficients")
     return one_sheet(title, brand, say("bound"), parts, about=(about,), how=(Note(BOUNDED),))
@@ -272,10 +271,9 @@ def properties_view(value: Properties, _: float) -> Face:
     at = (Column("m"), Column("tau", form=".6g"))
     parts: list[Part] = [
         Table((*at, *ratios), [row[: 2 + terms] for row in rows], _ratio(value)),
-        Table((*at, *freedom), [[*row[:2], *row[2 + terms :]] for row in rows], FREEDOM),
-        Note(EXACT, "quiet"),
+        Table((*at, *freedom), [[*row[:2], *row[2 + terms :]] for row in rows], FREEDOM), Note(EXACT, "quiet"),
         Note(say("source: {source}", source=statistic.reference), "quiet"),
-    ]
+    ]  # fmt: skip
     return one_sheet(statistic.title, BRAND, statistic.title, parts, about=(size,))
 
 
@@ -293,11 +291,9 @@ def _space_parts(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
     """What it leaves out, its states, and its matrices."""
     low, high = space.tau
     within = say(
-        "Allan deviation within {ripple:.2g} % of the model's from {low:g} to {high:g} s",
-        ripple=100 * space.ripple,
-        low=low,
-        high=high,
-    )
+        "Allan deviation within {ripple:.2g} % of the model's from {low:g} to {high:g} s", ripple=100 * space.ripple,
+        low=low, high=high,
+    )  # fmt: skip
     yield Note(join("; ", (within, MEASUREMENTS[space.measurement].meaning)))
     yield from (Note(note) for note in space.notes)
     scope = channel.fit.scope if channel is not None and channel.fit is not None else None

@@ -162,8 +162,7 @@ METHODS = Table(
         Column(say("method"), "symbol"), Column(say("what it is"), "text"), Column(say("formula"), "formula"),
         Column(say("optimal under"), "text"), Column(say("source"), "text"),
     ),
-    [[r.name, r.title, r.formula, r.assumes, r.reference] for r in RATE_ESTIMATORS.values()],
-    say("the methods"),
+    [[r.name, r.title, r.formula, r.assumes, r.reference] for r in RATE_ESTIMATORS.values()], say("the methods"),
 )  # fmt: skip
 
 
@@ -272,9 +271,7 @@ def ranking_view(ranking: Ranking, _: float) -> Face:
 def estimate_view(found: RateEstimate, level: float) -> Face:
     """One rate."""
     return one_sheet(
-        found.name or say("Rate"),
-        experiments.BRAND,
-        found.name or say("rate"),
+        found.name or say("Rate"), experiments.BRAND, found.name or say("rate"),
         (*(Note(str(finding), "warning") for finding in found.findings), *_estimates([found], level)),
         about=found.history,
-    )
+    )  # fmt: skip

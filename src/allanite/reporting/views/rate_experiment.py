@@ -57,11 +57,9 @@ def sentences(found: Experiment) -> Iterator[Note]:
                 say(
                     "predicted is the error of each interval's own mean rate; {terms} moves that from interval to "
                     "interval, so that neighbouring averages differ by {deviation:.3g} {unit} (their Allan deviation)",
-                    terms=", ".join(wandering),
-                    deviation=both,
-                    unit=unit,
+                    terms=", ".join(wandering), deviation=both, unit=unit,
                 )
-            )
+            )  # fmt: skip
     yield from map(Note, found.notes)
     for method, why in found.left_out.items():
         yield Note(say("{method} is left out: {reason}", method=method, reason=why))
@@ -105,11 +103,9 @@ def every_interval(found: Experiment) -> Table:
 def series_of(channel: RateChannel) -> list[Experiment]:
     """The experiment of a channel and those of the other measuring times."""
     experiment = channel.experiment
-    return (
-        []
-        if experiment is None
-        else [experiment, *(e for e in channel.by_duration if e.duration != experiment.duration)]
-    )
+    if experiment is None:
+        return []
+    return [experiment, *(e for e in channel.by_duration if e.duration != experiment.duration)]
 
 
 def certain_limits(estimates: Sequence[RateEstimate]) -> Iterator[str]:
@@ -230,8 +226,6 @@ def closeup_parts(found: Closeup, where: Where = "") -> Iterator[Part]:
 def closeup_view(found: Closeup, _: float) -> Face:
     """One interval in detail."""
     return one_sheet(
-        found.name or say("Rate"),
-        say("a constant rate in a short time"),
-        found.name or say("Rate"),
+        found.name or say("Rate"), say("a constant rate in a short time"), found.name or say("Rate"),
         closeup_parts(found),
-    )
+    )  # fmt: skip

@@ -162,14 +162,13 @@ def value_view(value: Curve | Spectrum | Surface, level: float) -> Face:
     """A curve, a spectrum or a surface: its figure and its numbers."""
     return one_sheet(
         say("{channel}: {statistic}", channel=value.name, statistic=_title(value)) if value.name else _title(value),
-        BRAND,
-        value.name or say("channel"),
+        BRAND, value.name or say("channel"),
         (
             Drawing(lambda: FORMS[type(value)].plot([value], {}, level), _title(value), _supposed(value)),
             numbers_table(value, level),
         ),
         about=tuple(value.history),
-    )
+    )  # fmt: skip
 
 
 READINGS_KEY = say(
@@ -196,10 +195,9 @@ def readings_table(readings: Readings, level: float) -> Table:
 def readings_view(readings: Readings, level: float) -> Face:
     """Values read off a curve."""
     return Face(
-        say("Readings"),
-        say("read off the Allan deviation"),
+        say("Readings"), say("read off the Allan deviation"),
         (Sheet(say("readings"), parts=(readings_table(readings, level),)),),
-    )
+    )  # fmt: skip
 
 
 MAX_ROWS = 12  # rows of all tables together

@@ -20,7 +20,7 @@ from allanite.applications.constant_rate import (
     experiment,
     predicted_standard_error,
 )
-from allanite.applications.constant_rate.inputs import interval_of
+from allanite.applications.constant_rate.row import interval_of
 from allanite.applications.constant_rate.run import in_si, task_of
 from allanite.core.model import term
 from allanite.simulation.record import GL1

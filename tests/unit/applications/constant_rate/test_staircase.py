@@ -10,7 +10,7 @@ from tests.rows import refused, rows
 
 import allanite as al
 from allanite.applications.constant_rate import EstimatorSettings, estimate, predicted_standard_error
-from allanite.applications.constant_rate.staircase import CUBE_ROOT, DITHERED
+from allanite.applications.constant_rate.linear import CUBE_ROOT, DITHERED
 
 ARCSEC = math.pi / 180 / 3600
 PULSE = 0.33
