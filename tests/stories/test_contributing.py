@@ -40,7 +40,7 @@ def own(name):
 
 ADDITIONS = {
     "statistic": ({"statistics/fourth.py": own("fourth")}, (
-        ("statistics/table.py", "from .extremes import MTIE, TIERMS\n", "from .fourth import FDEV\n"),
+        ("statistics/table.py", "PDEV, THEO1, THEOBR, THEOH, TIERMS\n", "from .fourth import FDEV\n"),
         ("statistics/table.py", "PDEV, HAAR, MTIE, TIERMS),\n", "    FDEV,\n")), """
 allanite("analyze z.csv --statistic fdev --report page.html --quiet")
 assert "fourth-difference deviation" in Path("page.html").read_text("utf-8")
@@ -49,7 +49,7 @@ allanite("explain fdev")
 print(al.deviation(al.read("z.csv")["gz"], "fdev"))""", ("fourth-difference deviation", "<Curve")),
     "noise term": ({"terms/relaxation.py": own("relaxation")}, (
         ("terms/__init__.py", "RATE_RANDOM_WALK, ramp_coefficients\n", "from .relaxation import RELAXED\n"),
-        ("terms/__init__.py", "    OSCILLATION,\n", "    RELAXED,\n"),
+        ("terms/__init__.py", " OSCILLATION,", " RELAXED,"),
         ("core/model.py", '("F", "GMA", "GM2", "GML", "W"))\n', 'RR = constructor("RR")\n'),
         ("__init__.pyi", "from .core.model import R as R\n", "from .core.model import RR as RR\n")), """
 assert al.RR(1, "rad/s^2.5").shape == (20.0,) and "RR" in dir(al)
@@ -60,15 +60,15 @@ allanite("analyze rr.csv --terms N,RR --to rad/s^2.5 --report page.html")
 assert "driven relaxation" in Path("page.html").read_text("utf-8")
 allanite("simulate made.csv --model 'RR 1 rad/s^2.5' --rate 1 --samples 9")""", ("driven relaxation", "RR = ")),
     "format": ({"readers/formats/tones.py": own("tones")}, (
-        ("readers/formats/registry.py", '    "kfgins": "kfgins",\n', '    "tones": "tones",\n'),), r"""
+        ("readers/formats/registry.py", '    "kfgins": Format("kfgins", looks=True),\n', '    "tones": Format("tones", looks=True),\n'),), r"""
 values = simulated(al.N(0.1, "deg/sqrt(h)")).values
 Path("a.tones").write_text("\n".join(["TONES 50", *(f"{v:.9g}" for v in values)]))
 allanite("info a.tones")
 Path("b.bin").write_bytes(bytes(100))
-allanite("info b.bin", 3)""", ("rate 50.0 Hz from its first line", "; tones of a recorder;")),
+allanite("info b.bin", 3)""", ("rate 50.0 Hz from its first line", "unknown file format")),
     "target of export": ({"exporting/targets/pilot.py": own("pilot")}, (
         ("exporting/exports.py", "from .target import Target\n", "from .targets.pilot import PILOT\n"),
-        ("exporting/exports.py", "    STATESPACE,\n", "    PILOT,\n")), """
+        ("exporting/exports.py", "PSINS, NAVEGO,", " PILOT,")), """
 allanite("export --model 'N 0.1 deg/sqrt(h)' --model 'N 60 ug/sqrt(Hz)' --to pilot --output pilot.cfg")
 print(Path("pilot.cfg").read_text("utf-8"))
 allanite("convert --from pilot pilot.cfg")
@@ -78,7 +78,7 @@ allanite("explain")""", ("\ngyro_noise = 2.9", "0.1 deg/sqrt(h)", "manual of Pil
         "study/extent.py": own("job"), "cli/extent.py": own("command"), "reporting/views/extent.py": own("view")}, (
         ("cli/__init__.py", '"serve.serve", synonyms=("gui", "web")),\n',
          '    Verb("extent", "Analyze", "extent.extent", "extent.EXTENT"),\n'),
-        ("reporting/views/__init__.py", '    "Lot": "lot.lot_view",\n', '    "Extents": "extent.extents_view",\n')), """
+        ("reporting/views/__init__.py", '    "Lot": "lot.lot_view",', ' "Extents": "extent.extents_view",')), """
 allanite("--help")
 allanite("extent z.csv --from 10 --json out.json --csv out.csv --report page.html --lang ru")
 assert "Extent of z.csv" in Path("page.html").read_text("utf-8")
@@ -108,7 +108,7 @@ for line in ("--settle 96", "--recipe recipe.toml"):
     assert json.loads(Path("out.json").read_text("utf-8"))["recipe"]["settle"] == 96
 for recipe in (al.Recipe(settle=96.0), al.Recipe.load("recipe.toml")):
     print("samples:", al.analyze("z.csv", recipe).channels[0].record.size)
-allanite("info --help")
+allanite("info --help all")
 np.save("z.npy", np.zeros(4096))
 allanite("analyze z.npy --rate 1 --unit deg/h --settle 96 --memory 1kB", 2)
 allanite("plan --sensor fog --rate 1 --settle 96", 2)""",
