@@ -60,7 +60,8 @@ allanite("analyze rr.csv --terms N,RR --to rad/s^2.5 --report page.html")
 assert "driven relaxation" in Path("page.html").read_text("utf-8")
 allanite("simulate made.csv --model 'RR 1 rad/s^2.5' --rate 1 --samples 9")""", ("driven relaxation", "RR = ")),
     "format": ({"readers/formats/tones.py": own("tones")}, (
-        ("readers/formats/registry.py", '    "kfgins": Format("kfgins", looks=True),\n', '    "tones": Format("tones", looks=True),\n'),), r"""
+        ("readers/formats/registry.py", '    "kfgins": Format("kfgins", looks=True),\n',
+         '    "tones": Format("tones", looks=True),\n'),), r"""
 values = simulated(al.N(0.1, "deg/sqrt(h)")).values
 Path("a.tones").write_text("\n".join(["TONES 50", *(f"{v:.9g}" for v in values)]))
 allanite("info a.tones")
