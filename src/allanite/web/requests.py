@@ -14,7 +14,7 @@ from allanite.core.choices import ChoiceRow, choices_of, read_given
 from allanite.core.errors import AllaniteError, UsageError
 from allanite.core.files import encoded
 from allanite.core.names import demand_name
-from allanite.reporting.language import ENGLISH
+from allanite.reporting.language import ENGLISH, tr
 from allanite.study.recipe import Recipe
 
 PROBLEM = "problem"  # kind of the message that a request was refused
@@ -84,12 +84,18 @@ class Request:
             raise UsageError(f"{self.verb} takes one file, but {len(files)} files were given")
 
 
+def _sayable(row: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: encoded(tr(value)).decode() if isinstance(value, str) else value for key, value in row.items()}
+
+
 def problem_of(error: Exception) -> dict[str, Any]:
     """An error as the page shows it: the sentence, the choice that cures it, the exit code, and what to type."""
-    words, option, code, more = f"internal error ({type(error).__name__}: {error})", None, DEFECT, {}
+    words, option, code = f"internal error ({type(error).__name__}: {error})", None, DEFECT
+    more: dict[str, Any] = {}
     if isinstance(error, click.ClickException):
         words, code = error.format_message(), error.status if isinstance(error, Failure) else error.exit_code
     if isinstance(error, AllaniteError):
         words, option, code = str(error), error.choice or None, error.exit_code
         more = {"cure": encoded(error.cure[1]).decode()} if error.cure[1] else {}
+        more |= {"columns": [_sayable(row._asdict()) for row in error.columns]} if error.columns else {}
     return {"error": encoded(words).decode(), "option": option, "exit": code, **more}
