@@ -101,7 +101,10 @@ def overview(
     columns: Sequence[FileColumn], unsaid: Sequence[FileColumn], clocks: Sequence[FileColumn], known: Mapping[int, str]
 ) -> tuple[ColumnRow, ...]:
     """What the numbers of each column show, and what it is proposed as; `known` are units by positions."""
-    units, sensor, likely = dict[int, str](), dict[int, int](), dict[int, str]()
+    paced = {column.position: _paced(column) for column in clocks}
+    stamps = next((column.position for column in clocks if _is_clock(column)), 0)
+    units, sensor = dict[int, str](), dict[int, int]()
+    likely = {at: words for at, (_, words) in paced.items()}
     for i, three in enumerate((*_threes(unsaid), *gravity.triples(unsaid)), start=1):
         named = all(headers.sensor_by_name(column.name) == "accelerometer" for column in three)
         unit = gravity.weighed(three, gravity.RATES, 1.0, gravity.NAMED if named else gravity.UNNAMED)[0]
@@ -109,18 +112,14 @@ def overview(
         units |= {c.position: unit for c in three if unit}
         likely |= {c.position: say("gravity in {unit}", unit=unit) for c in three if unit}
     units |= known
-    paced = [(column, *_paced(column)) for column in clocks]
-    likely |= {column.position: words for column, _, words in paced}
-    stamps = dict([(column.position, unit) for column, unit, _ in paced if _is_clock(column)][:1])
     rows = list[ColumnRow]()
     for c in columns[:SHOWN]:
         at = c.position
         key, label = c.name if c.name.isdigit() else str(at), f"{at}: {c.name}" if c.header else c.name
-        (mean, std, step), looks, out = _sized(c)
-        use, unit = ("time", stamps[at]) if at in stamps else ("signal", units[at]) if at in units else ("", "")
-        if not use and c in unsaid and not (out and not headers.sensor_by_name(c.name)):
-            use = "signal"
-        rows.append(ColumnRow(key, label, mean, std, step, likely.get(at) or looks, use, unit, sensor.get(at, 0)))
+        numbers, looks, out = _sized(c)
+        signal = at in units or (c in unsaid and (not out or bool(headers.sensor_by_name(c.name))))
+        use = ("time", paced[at][0]) if at == stamps else ("signal", units.get(at, "")) if signal else ("", "")
+        rows.append(ColumnRow(key, label, *numbers, likely.get(at) or looks, *use, sensor.get(at, 0)))
     return tuple(rows)
 
 
@@ -134,10 +133,9 @@ def _paced(column: FileColumn) -> tuple[str, str]:
     """The likely unit of time stamps, and how they look."""
     rates = dict(readings(column.values))
     unit = column.unit if column.unit in rates else unit_by_rate(column.values)[0]
-    counted = not rates.get(unit)
-    return unit, say("a clock or a counter") if counted else say(
-        "a clock of {rate:.6g} Hz in {unit}", rate=rates[unit], unit=unit
-    )
+    if unit not in rates:
+        return "", say("a clock or a counter")
+    return unit, say("a clock of {rate:.6g} Hz in {unit}", rate=rates[unit], unit=unit)
 
 
 def _sized(column: FileColumn) -> tuple[tuple[str, str, str], str, bool]:
