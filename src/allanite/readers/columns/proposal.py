@@ -14,7 +14,7 @@ from allanite.readers.clock.clocks import ClockSources, addressed, counts_rows, 
 from . import gravity, headers
 from .column import FileColumn
 
-SHOWN = 16  # columns of an overview
+MOST, SHOWN = 40, 16  # columns of an overview, and how many of them are printed
 SLOW = 0.1  # share of the standard deviation below which steps are those of a slow quantity
 FEW = 4  # different whole numbers of a state
 
@@ -113,7 +113,7 @@ def overview(
         likely |= {c.position: say("gravity in {unit}", unit=unit) for c in three if unit}
     units |= known
     rows = list[ColumnRow]()
-    for c in columns[:SHOWN]:
+    for c in columns[:MOST]:
         at = c.position
         key, label = c.name if c.name.isdigit() else str(at), f"{at}: {c.name}" if c.header else c.name
         numbers, looks, out = _sized(c)
@@ -126,7 +126,7 @@ def overview(
 def printed(rows: Sequence[ColumnRow]) -> str:
     """A line for each column."""
     head = "", say("column"), say("mean"), say("std"), say("step"), say("looks like")
-    return "".join("\n  {1:<16}{2:>11}  {3:>10}  {4:>10}  {5}".format(*line).rstrip() for line in (head, *rows))
+    return "".join("\n  {1:<16}{2:>11}  {3:>10}  {4:>10}  {5}".format(*line).rstrip() for line in (head, *rows[:SHOWN]))
 
 
 def _paced(column: FileColumn) -> tuple[str, str]:
