@@ -212,8 +212,11 @@ class Recipe:
     def typed(self, keys: tuple[str, ...]) -> str:
         """The options of the command line that state these keys, each behind a blank."""
         rows = choices_of(Recipe)
-        words = [word for key in self.to_dict(keys) for word in rows[key].words(getattr(self, key))]
-        return "".join(f" {shlex.quote(word)}" for word in words)
+        texts = {
+            key: ",".join(v) if isinstance(v, list) else str(v) if isinstance(v, str) else f"{v:.15g}"
+            for key, v in self.to_dict(keys).items()
+        }
+        return "".join(f" {rows[key].options[0]} {shlex.quote(text)}" for key, text in texts.items())
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Recipe":

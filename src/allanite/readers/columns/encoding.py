@@ -159,11 +159,9 @@ def _encoding(lines: bytes) -> _Encoding:
     for some in (fitting, telling):
         if len(some) == 1:
             return some[0]
-    what = (
-        "may be " + " or ".join(encoding.name for encoding in telling or fitting)
-        if fitting
-        else "is neither " + ", ".join(encoding.name for encoding in _ENCODINGS[:-1]) + f" nor {_ENCODINGS[-1].name}"
-    )
+    *names, last = (encoding.name for encoding in _ENCODINGS)
+    meant = " or ".join(encoding.name for encoding in telling or fitting)
+    what = f"may be {meant}" if fitting else f"is neither {', '.join(names)} nor {last}"
     sample = next((line for line in lines.splitlines() if line.strip()), b"")[:40]
     raise DataError(f"the encoding of the text cannot be determined: it is not UTF-8, and {what} ({sample!r}); save it "
                     "as UTF-8, for example with iconv -f GB18030 -t UTF-8, or -f CP1251")  # fmt: skip

@@ -121,12 +121,8 @@ def find(data: bytes) -> Layout:
     names, units, notes = _named(rows[: first + 1], comments, delimiter, decimal)
     if not any(names) and _numbered(rows[first], rows[first + 1 :]):
         names, first = tuple(rows[first].cells), first + 1
-        notes = (
-            say(
-                "line {line} with the numbers {names}.. is used as column names",
-                line=rows[first - 1].line, names=", ".join(names[:3]),
-            ),
-        )  # fmt: skip
+        above = {"line": rows[first - 1].line, "names": ", ".join(names[:3])}
+        notes = (say("line {line} with the numbers {names}.. is used as column names", **above),)
     if decimal == ",":
         notes = (*notes, say("the decimal sign is a comma"))
     rate, places = preamble.nominal((line for line in rated if line[0] < rows[first].line), decimal)
@@ -260,20 +256,16 @@ def _named(
         for group in groups:
             names, units = _grouped(_merged(group, names), names, units)
         passed = len(above) - 1 - (united is not None)
-        filled = sum(map(bool, names))
-        unnamed = (
-            (say("the header names {filled} of {width} columns", filled=filled, width=width),) if filled < width else ()
-        )
-        return names, units, _passed(passed - len(groups), above[0]) + unnamed
+        filled, notes = sum(map(bool, names)), _passed(passed - len(groups), above[0])
+        if filled < width:
+            notes = (*notes, say("the header names {filled} of {width} columns", filled=filled, width=width))
+        return names, units, notes
     commented = [(number, text) for number, text in comments if number < rows[-1].line][-1:]
     for number, text in commented:
         header = _commented(text, width, delimiter, decimal)
         if header is not None:
-            return (
-                header,
-                blank,
-                (*_passed(len(above), rows[0]), say("column names from the comment on line {number}", number=number)),
-            )
+            source = say("column names from the comment on line {number}", number=number)
+            return header, blank, (*_passed(len(above), rows[0]), source)
     return blank, blank, _passed(len(above), rows[0])
 
 
