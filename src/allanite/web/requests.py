@@ -84,10 +84,6 @@ class Request:
             raise UsageError(f"{self.verb} takes one file, but {len(files)} files were given")
 
 
-def _sayable(row: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: encoded(tr(value)).decode() if isinstance(value, str) else value for key, value in row.items()}
-
-
 def problem_of(error: Exception) -> dict[str, Any]:
     """An error as the page shows it: the sentence, the choice that cures it, the exit code, and what to type."""
     words, option, code = f"internal error ({type(error).__name__}: {error})", None, DEFECT
@@ -97,5 +93,6 @@ def problem_of(error: Exception) -> dict[str, Any]:
     if isinstance(error, AllaniteError):
         words, option, code = str(error), error.choice or None, error.exit_code
         more = {"cure": encoded(error.cure[1]).decode()} if error.cure[1] else {}
-        more |= {"columns": [_sayable(row._asdict()) for row in error.columns]} if error.columns else {}
+        rows = [row._asdict() | {"label": encoded(row.label).decode(), "looks": tr(row.looks)} for row in error.columns]
+        more |= {"columns": rows} if rows else {}
     return {"error": encoded(words).decode(), "option": option, "exit": code, **more}

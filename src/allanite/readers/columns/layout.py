@@ -128,9 +128,8 @@ def find(data: bytes) -> Layout:
     rate, places = preamble.nominal((line for line in rated if line[0] < rows[first].line), decimal)
     if rate is None and places:
         notes = (*notes, say("rates that contradict each other are not used: {places}", places=places))
-    return Layout(
-        delimiter, decimal, names, units, text, rows[first].offset, rows[first].line, notes, (rate, places)
-    )  # fmt: skip
+    at = rows[first]
+    return Layout(delimiter, decimal, names, units, text, at.offset, at.line, notes, (rate, places))
 
 
 def _style_of(texts: list[str]) -> tuple[str, str]:
@@ -220,9 +219,8 @@ def _columns(rows: list[Row], decimal: str) -> tuple[int, frozenset[int]]:
     width = Counter(len(row.cells) for row in rows).most_common(1)[0][0]
     cells_of = zip(*(row.cells for row in rows if len(row.cells) == width), strict=True)
     filled = [[cell for cell in column if cell.lower() not in MISSING] for column in cells_of]
-    return width, frozenset(
-        i for i, column in enumerate(filled) if column and not any(is_number(cell, decimal) for cell in column)
-    )
+    of_words = (bool(column) and not any(is_number(cell, decimal) for cell in column) for column in filled)
+    return width, frozenset(i for i, words in enumerate(of_words) if words)
 
 
 def _numbered(row: Row, following: list[Row]) -> bool:

@@ -145,8 +145,7 @@ class Sense:
             return (given, channels.unit_meant(given) or UNIT), (), known
         proposals = [proposal.clock(self._rising, self.sources)] if beat.questions else []
         proposals += [proposal.units(unsaid, proposals[0].rate if proposals else beat.rate)] if unsaid else []
-        for proposed in proposals:
-            known |= proposed.units
+        known |= {position: unit for proposed in proposals for position, unit in proposed.units.items()}
         asked = "", " ".join(proposed.words for proposed in proposals)
         return asked, tuple(why for proposed in proposals for why in proposed.why), known
 
