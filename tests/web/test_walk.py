@@ -94,7 +94,7 @@ def test_columns_without_names_are_read_by_what_their_rows_say(page: Any, tmp_pa
     uses[3].select_option("out")
     clear(page, views=VIEWS)
     page.get_by_test_id("language").select_option("en")
-    page.wait_for_selector("html[lang=en]")
+    page.wait_for_selector("html[lang=en] body:not(.busy) [data-testid=error-rate]:not([hidden])")  # asked once more
     page.get_by_test_id("columns-apply").click()
     finished(page, "--unit 2=deg/s,3=deg/s,5=g,6=g,7=g --channels 2,3,5,6,7 --time '1[ns]'")
     assert page.get_by_test_id("option-rate").get_attribute("placeholder") == "200"

@@ -73,8 +73,7 @@ def units(columns: Sequence[FileColumn], rate: float) -> Proposal:
     words += [f"{column.position}={UNIT}" for three in gravity.triples(of.get("", ())) for column in three]
     stated = ",".join(words)
     made = _stated(stated if len(of) > 1 else theirs[next(iter(of))], why, kind="increment" if summed else "")
-    units_of = {c.position: theirs.get(name, UNIT) for name, members in of.items() for c in members}
-    return made._replace(units={position: each for position, each in units_of.items() if each != UNIT})
+    return made._replace(units={c.position: theirs.get(name, UNIT) for name, members in of.items() for c in members})
 
 
 def _unnamed(columns: Sequence[FileColumn]) -> Proposal:
@@ -111,7 +110,7 @@ def overview(
         sensor |= {c.position: i for c in three}
         units |= {c.position: unit for c in three if unit}
         likely |= {c.position: say("gravity in {unit}", unit=unit) for c in three if unit}
-    units |= known
+    units |= {at: unit for at, unit in known.items() if unit != UNIT}
     rows = list[ColumnRow]()
     for c in columns[:MOST]:
         at = c.position

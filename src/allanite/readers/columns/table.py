@@ -146,8 +146,7 @@ class Sense:
         proposals = [proposal.clock(self._rising, self.sources)] if beat.questions else []
         proposals += [proposal.units(unsaid, proposals[0].rate if proposals else beat.rate)] if unsaid else []
         known |= {position: unit for proposed in proposals for position, unit in proposed.units.items()}
-        asked = "", " ".join(proposed.words for proposed in proposals)
-        return asked, tuple(why for proposed in proposals for why in proposed.why), known
+        return ("", " ".join(p.words for p in proposals)), tuple(why for p in proposals for why in p.why), known
 
     def notes(self, beat: clock.Beat) -> tuple[str, ...]:
         """The assumptions."""
