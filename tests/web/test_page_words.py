@@ -101,6 +101,20 @@ def test_numbers_are_drawn_before_their_unit_is_known(page: Any, files: Path) ->
     assert disabled(page, "spectrum", "dynamic") == []
 
 
+def test_what_the_logger_did_is_told_of_the_file_and_what_happened_on_the_card(page: Any, tmp_path: Path) -> None:
+    rng = np.random.default_rng(6)
+    written(tmp_path / "held.csv", np.repeat(rng.normal(size=(10_000, 1)), 3, axis=0))
+    drop(page, tmp_path / "held.csv")
+    curves(page)
+    for place in (page.get_by_test_id("assumed"), page.get_by_test_id("findings")):
+        assert place.locator("li").first.inner_text().startswith("held from 33.333 Hz: the logger repeats each sample")
+    loud = np.repeat(rng.random(200) < 0.25, 50)[:, None]
+    written(tmp_path / "bursts.csv", rng.normal(size=(10_000, 1)) * np.where(loud, 4, 1))
+    drop(page, tmp_path / "bursts.csv")
+    page.get_by_test_id("card-finding").get_by_text("bursts of stronger noise").wait_for()
+    assert page.get_by_test_id("finding").first.inner_text().startswith("bursts of stronger noise")
+
+
 def test_numbers_are_drawn_before_their_rate_is_known(page: Any, bare: Path) -> None:
     drop(page, bare)
     page.get_by_test_id("error-rate").wait_for()

@@ -76,6 +76,32 @@ def test_the_whole_page_is_walked_without_an_error(page: Any, tmp_path: Path) ->
     assert troubles == []
 
 
+def test_columns_without_names_are_read_by_what_their_rows_say(page: Any, tmp_path: Path) -> None:
+    rng, troubles = np.random.default_rng(4), []
+    page.on("console", lambda told: troubles.append(told.text) if told.type in ("error", "warning") else None)
+    page.evaluate(AXE.read_text("utf-8"))
+    stamps = 1_700_000_000_000_000_000 + 5_000_000 * np.arange(12_000)
+    lines = ((time, *np.round(row, 6)) for time, row in zip(stamps, rng.normal(size=(12_000, 6)), strict=True))
+    (tmp_path / "seven.csv").write_text("".join(",".join(map(str, line)) + "\n" for line in lines), "utf-8")
+    drop(page, tmp_path / "seven.csv")
+    page.get_by_test_id("columns").wait_for()
+    uses = [page.get_by_test_id(f"use-of-{column}") for column in range(1, 8)]
+    assert [use.input_value() for use in uses] == ["time|ns", *[""] * 6]  # no unit is invented
+    assert "a clock of 200 Hz in ns" in page.get_by_test_id("column").first.inner_text()
+    for column, unit in ((2, "deg/s"), (5, "g")):
+        assert page.get_by_test_id("columns-apply").is_disabled()
+        page.get_by_test_id(f"use-of-{column}").select_option(f"signal|{unit}")
+    uses[3].select_option("out")
+    clear(page, views=VIEWS)
+    page.get_by_test_id("language").select_option("en")
+    page.wait_for_selector("html[lang=en] body:not(.busy) [data-testid=error-rate]:not([hidden])")  # asked once more
+    page.get_by_test_id("columns-apply").click()
+    finished(page, "--unit 2=deg/s,3=deg/s,5=g,6=g,7=g --channels 2,3,5,6,7 --time '1[ns]'")
+    assert page.get_by_test_id("option-rate").get_attribute("placeholder") == "200"
+    assert page.get_by_test_id("columns").is_hidden()
+    assert troubles == []
+
+
 SAID = {
     "pass the unit of the samples, --unit UNIT, or write it": "pass the unit of the samples, “Unit”, or write it",
     "the parts (--from 100 --until 199.93)": "the parts (“Analyze from” = 100, “Analyze until” = 199.93)",

@@ -5,7 +5,7 @@ import re
 import sys
 from pathlib import Path
 from reprlib import Repr
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 from allanite.phrases.phrase import join
 
@@ -16,19 +16,37 @@ Cure = tuple[str, str]
 """Words that were typed, and what to type instead; if the first are empty, the second are added to the command."""
 
 
+class ColumnRow(NamedTuple):
+    """What the numbers of a column show, as text, and what it is proposed as: time, signal, or nothing to leave out."""
+
+    key: str  # by which it is chosen
+    label: str
+    mean: str
+    std: str
+    step: str
+    looks: str
+    use: str = ""
+    unit: str = ""  # empty if nothing tells it
+    sensor: int = 0  # equal for the axes of one
+
+
 class AllaniteError(ValueError):
     """The input cannot be used; the message says what to do. `exit_code` is that of the command line.
 
     `choice` is the name of the choice that cures it, as it stands in a recipe or settings; empty if none does alone.
     `cure` is what to type, from which the command line makes a command that can be copied. `code` is a fixed keyword
-    for programs, such as the name of the finding that refuses a record; empty if there is none.
+    for programs, such as the name of the finding that refuses a record; empty if there is none. `columns` are those of
+    a file that does not say what they are.
     """
 
     exit_code = 3
 
-    def __init__(self, *words: object, choice: str = "", cure: Cure = ("", ""), code: str = "") -> None:
+    def __init__(
+        self, *words: object, choice: str = "", cure: Cure = ("", ""), code: str = "",
+        columns: tuple[ColumnRow, ...] = (),
+    ) -> None:  # fmt: skip
         super().__init__(*words)
-        self.choice, self.cure, self.code = choice, cure, code
+        self.choice, self.cure, self.code, self.columns = choice, cure, code, columns
 
     def __str__(self) -> str:
         words = super().__str__()  # the phrase, which can be translated
@@ -38,7 +56,8 @@ class AllaniteError(ValueError):
 
     def within(self, where: str) -> Self:
         """The same error, whose message begins with where it is."""
-        return type(self)(join(": ", (where, str(self))), choice=self.choice, cure=self.cure, code=self.code)
+        words = join(": ", (where, str(self)))
+        return type(self)(words, choice=self.choice, cure=self.cure, code=self.code, columns=self.columns)
 
 
 class UsageError(AllaniteError):

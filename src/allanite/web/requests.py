@@ -14,7 +14,7 @@ from allanite.core.choices import ChoiceRow, choices_of, read_given
 from allanite.core.errors import AllaniteError, UsageError
 from allanite.core.files import encoded
 from allanite.core.names import demand_name
-from allanite.reporting.language import ENGLISH
+from allanite.reporting.language import ENGLISH, tr
 from allanite.study.recipe import Recipe
 
 PROBLEM = "problem"  # kind of the message that a request was refused
@@ -82,10 +82,13 @@ class Request:
 
 def problem_of(error: Exception) -> dict[str, Any]:
     """An error as the page shows it: the sentence, the choice that cures it, the exit code, and what to type."""
-    words, option, code, more = f"internal error ({type(error).__name__}: {error})", None, DEFECT, {}
+    words, option, code = f"internal error ({type(error).__name__}: {error})", None, DEFECT
+    more: dict[str, Any] = {}
     if isinstance(error, click.ClickException):
         words, code = error.format_message(), error.status if isinstance(error, Failure) else error.exit_code
     if isinstance(error, AllaniteError):
         words, option, code = str(error), error.choice or None, error.exit_code
         more = {"cure": encoded(error.cure[1]).decode()} if error.cure[1] else {}
+        rows = [row._asdict() | {"label": encoded(row.label).decode(), "looks": tr(row.looks)} for row in error.columns]
+        more |= {"columns": rows} if rows else {}
     return {"error": encoded(words).decode(), "option": option, "exit": code, **more}

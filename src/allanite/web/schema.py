@@ -98,6 +98,7 @@ class Problem(TypedDict):
     option: str | None
     exit: int
     cure: NotRequired[str]
+    columns: NotRequired[list[dict[str, Any]]]
 
 
 class Job(TypedDict):

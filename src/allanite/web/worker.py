@@ -21,6 +21,7 @@ from allanite.parallel.processes import ANSWER
 from allanite.parallel.processors import IDENTIFICATION, PREPARING, imported, importing, processes
 from allanite.phrases.phrase import command_line
 from allanite.reporting.figures.panels import panels_of
+from allanite.reporting.language import speaking
 from allanite.statistics import deviation as deviation_of
 from allanite.study.channels import whole_recording
 from allanite.study.parts import in_parts
@@ -276,4 +277,5 @@ def main(connection: Connection) -> None:
             with command_line():
                 held.send(ANSWER, TASKS[task](held, **arguments))
         except Exception as error:  # the server hears of every defect, and this process goes on
-            held.send(PROBLEM, held.named(problem_of(error)))
+            with speaking(held.lang):
+                held.send(PROBLEM, held.named(problem_of(error)))

@@ -80,9 +80,8 @@ def choose(
     findings = tuple(stated.against_headers(map(attrgetter("column", "unit"), signals)))
     reasons = _grouped((say("{reason}:", reason=item.why), item.column) for item in unused)
     if (signals and chosen is None) or not unused:
-        return Choice(
-            signals, notes, tuple(say("left out, {reason}", reason=reason) for reason in reasons), (), findings
-        )
+        omitted = tuple(say("left out, {reason}", reason=reason) for reason in reasons)
+        return Choice(signals, notes, omitted, (), findings)
     asked = [
         say("{columns}: {reason}; {remedy}", columns=names, reason=why, remedy=ask)
         for (why, ask), names in _together(((i.why, i.ask), i.column) for i in unused if i.ask)

@@ -54,15 +54,13 @@ def headed(values: NDArray[Any], position: int, header: str, *, unit: str = "", 
 
 def unique(columns: tuple[FileColumn, ...]) -> tuple[FileColumn, ...]:
     """The columns with unique names: the second ``gx`` becomes ``gx 2``."""
-    taken: set[str] = set()
-    result = []
+    named = dict[str, FileColumn]()
     for column in columns:
         name, again = column.name, 2
-        while name in taken:
+        while name in named:
             name, again = f"{column.name} {again}", again + 1
-        taken.add(name)
-        result.append(replace(column, name=name))
-    return tuple(result)
+        named[name] = replace(column, name=name)
+    return tuple(named.values())
 
 
 def lookup(columns: tuple[FileColumn, ...], key: str, choice: str = "channels") -> FileColumn:
@@ -111,9 +109,10 @@ def split(name: str, array: NDArray[Any], names: tuple[str, ...] = ()) -> Iterat
         numbered = [f"{stem} {i}{name[len(stem) :]}" if name else "" for i in range(1, upright.shape[1] + 1)]
         yield from zip(names if len(names) == upright.shape[1] else numbered, upright.T, strict=True)
     elif array.ndim > 2:
-        raise DataError(
-            say("array {name!r} has the shape {shape}; expected one column per channel", name=name, shape=array.shape)
+        what = say(
+            "array {name!r} has the shape {shape}; expected one column per channel", name=name, shape=array.shape
         )
+        raise DataError(what)
 
 
 def turned(array: NDArray[Any]) -> bool:
@@ -124,11 +123,9 @@ def turned(array: NDArray[Any]) -> bool:
 def turned_note(name: str, array: NDArray[Any]) -> str:
     """The assumption about such a matrix."""
     rows, count = array.shape[:2]
-    if name:
-        return say(
-            "the {rows} rows of {size} values in {name!r} are used as channels", rows=rows, size=count, name=name
-        )
-    return say("the {rows} rows of {size} values are used as channels", rows=rows, size=count)
+    if not name:
+        return say("the {rows} rows of {size} values are used as channels", rows=rows, size=count)
+    return say("the {rows} rows of {size} values in {name!r} are used as channels", rows=rows, size=count, name=name)
 
 
 def column(header: str, values: NDArray[Any], position: int, *, unit: str = "") -> FileColumn:
@@ -150,9 +147,8 @@ def numbers(values: NDArray[Any], header: str) -> NDArray[Any]:
     if values.dtype.kind == "f":
         with np.errstate(over="ignore", invalid="ignore"):  # the latter for signaling NaN
             return values.astype(np.float64, copy=copy)
-    raise DataError(
-        say("{header!r} holds values of type {dtype}; expected real numbers", header=header, dtype=values.dtype)
-    )
+    what = say("{header!r} holds values of type {dtype}; expected real numbers", header=header, dtype=values.dtype)
+    raise DataError(what)
 
 
 def of_arrow(chunks: Any) -> NDArray[Any]:

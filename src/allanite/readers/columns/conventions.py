@@ -39,9 +39,7 @@ _SHORT = {
 def convention_of(column: FileColumn) -> Convention | None:
     """The convention that gave a column its unit; None if its header did."""
     every = (*CONVENTIONS, *_SHORT.values())
-    return next(
-        (convention for convention in every if _names(convention, column) and column.unit == convention.unit), None
-    )
+    return next((row for row in every if _names(row, column) and column.unit == row.unit), None)
 
 
 def applied(columns: tuple[FileColumn, ...]) -> tuple[FileColumn, ...]:

@@ -99,9 +99,8 @@ def _days(year: Values, month: Values, day: Values, label: str, american: bool) 
             column=label, month=month.max(), day=day.max(),
         ))  # fmt: skip
     months = (year - 1970) * 12 + np.maximum(month, 1) - 1
-    return np.asarray(
-        months.astype("datetime64[M]").astype("datetime64[D]") + (np.maximum(day, 1) - 1).astype("timedelta64[D]")
-    )
+    days = (np.maximum(day, 1) - 1).astype("timedelta64[D]")
+    return np.asarray(months.astype("datetime64[M]").astype("datetime64[D]") + days)
 
 
 def continued(stamps: Values, last: Values) -> Values:

@@ -41,9 +41,8 @@ class _Encoding:
 def _is_latin(text: str) -> bool:
     """Signs, and accented letters within words of plain letters or as words like à; of the superset of Windows."""
     text = re.sub(r"(?<!\S)[àèéóíÀÈÉÓ](?!\S)", "", text)
-    return not _NO_WORD.search(text) and all(
-        (letter in _SIGNS or (letter >= "À" and letter not in "×÷")) for letter in text if ord(letter) > 127
-    )
+    beyond = (letter for letter in text if ord(letter) > 127)
+    return not _NO_WORD.search(text) and all(c in _SIGNS or (c >= "À" and c not in "×÷") for c in beyond)
 
 
 def _is_russian(text: str) -> bool:
@@ -60,10 +59,8 @@ def _is_chinese(text: str) -> bool:
     """Mostly common characters: signs, and those of the first level of GB 2312."""
     beyond = [letter for letter in text if ord(letter) > 127]
     written = [letter.encode("gb18030") for letter in beyond]
-    common = sum(
-        len(code) == 2 and code[1] > 0xA0 and (code[0] in range(0xB0, 0xD8) or code[0] in range(0xA1, 0xA7))
-        for code in written
-    )
+    usual = (*range(0xA1, 0xA7), *range(0xB0, 0xD8))
+    common = sum(len(code) == 2 and code[1] > 0xA0 and code[0] in usual for code in written)
     return common >= 0.8 * len(beyond)
 
 
@@ -159,11 +156,9 @@ def _encoding(lines: bytes) -> _Encoding:
     for some in (fitting, telling):
         if len(some) == 1:
             return some[0]
-    what = (
-        "may be " + " or ".join(encoding.name for encoding in telling or fitting)
-        if fitting
-        else "is neither " + ", ".join(encoding.name for encoding in _ENCODINGS[:-1]) + f" nor {_ENCODINGS[-1].name}"
-    )
+    *names, last = (encoding.name for encoding in _ENCODINGS)
+    meant = " or ".join(encoding.name for encoding in telling or fitting)
+    what = f"may be {meant}" if fitting else f"is neither {', '.join(names)} nor {last}"
     sample = next((line for line in lines.splitlines() if line.strip()), b"")[:40]
     raise DataError(f"the encoding of the text cannot be determined: it is not UTF-8, and {what} ({sample!r}); save it "
                     "as UTF-8, for example with iconv -f GB18030 -t UTF-8, or -f CP1251")  # fmt: skip

@@ -121,20 +121,15 @@ def find(data: bytes) -> Layout:
     names, units, notes = _named(rows[: first + 1], comments, delimiter, decimal)
     if not any(names) and _numbered(rows[first], rows[first + 1 :]):
         names, first = tuple(rows[first].cells), first + 1
-        notes = (
-            say(
-                "line {line} with the numbers {names}.. is used as column names",
-                line=rows[first - 1].line, names=", ".join(names[:3]),
-            ),
-        )  # fmt: skip
+        above = {"line": rows[first - 1].line, "names": ", ".join(names[:3])}
+        notes = (say("line {line} with the numbers {names}.. is used as column names", **above),)
     if decimal == ",":
         notes = (*notes, say("the decimal sign is a comma"))
     rate, places = preamble.nominal((line for line in rated if line[0] < rows[first].line), decimal)
     if rate is None and places:
         notes = (*notes, say("rates that contradict each other are not used: {places}", places=places))
-    return Layout(
-        delimiter, decimal, names, units, text, rows[first].offset, rows[first].line, notes, (rate, places)
-    )  # fmt: skip
+    at = rows[first]
+    return Layout(delimiter, decimal, names, units, text, at.offset, at.line, notes, (rate, places))
 
 
 def _style_of(texts: list[str]) -> tuple[str, str]:
@@ -224,9 +219,8 @@ def _columns(rows: list[Row], decimal: str) -> tuple[int, frozenset[int]]:
     width = Counter(len(row.cells) for row in rows).most_common(1)[0][0]
     cells_of = zip(*(row.cells for row in rows if len(row.cells) == width), strict=True)
     filled = [[cell for cell in column if cell.lower() not in MISSING] for column in cells_of]
-    return width, frozenset(
-        i for i, column in enumerate(filled) if column and not any(is_number(cell, decimal) for cell in column)
-    )
+    of_words = (bool(column) and not any(is_number(cell, decimal) for cell in column) for column in filled)
+    return width, frozenset(i for i, words in enumerate(of_words) if words)
 
 
 def _numbered(row: Row, following: list[Row]) -> bool:
@@ -260,20 +254,16 @@ def _named(
         for group in groups:
             names, units = _grouped(_merged(group, names), names, units)
         passed = len(above) - 1 - (united is not None)
-        filled = sum(map(bool, names))
-        unnamed = (
-            (say("the header names {filled} of {width} columns", filled=filled, width=width),) if filled < width else ()
-        )
-        return names, units, _passed(passed - len(groups), above[0]) + unnamed
+        filled, notes = sum(map(bool, names)), _passed(passed - len(groups), above[0])
+        if filled < width:
+            notes = (*notes, say("the header names {filled} of {width} columns", filled=filled, width=width))
+        return names, units, notes
     commented = [(number, text) for number, text in comments if number < rows[-1].line][-1:]
     for number, text in commented:
         header = _commented(text, width, delimiter, decimal)
         if header is not None:
-            return (
-                header,
-                blank,
-                (*_passed(len(above), rows[0]), say("column names from the comment on line {number}", number=number)),
-            )
+            source = say("column names from the comment on line {number}", number=number)
+            return header, blank, (*_passed(len(above), rows[0]), source)
     return blank, blank, _passed(len(above), rows[0])
 
 

@@ -171,9 +171,8 @@ def _table(body: bytes | memoryview, layout: Layout, forms: Forms | None, withou
     convert = csv.ConvertOptions(null_values=_NULLS, decimal_point=layout.decimal, column_types=types)
     convert.include_columns = [str(i) for i in range(layout.width) if i not in without]
     try:
-        return csv.read_csv(
-            pa.BufferReader(pa.py_buffer(body)), read_options=read, parse_options=parse, convert_options=convert
-        )
+        source = pa.BufferReader(pa.py_buffer(body))
+        return csv.read_csv(source, read_options=read, parse_options=parse, convert_options=convert)
     except pa.ArrowException as error:
         _blame(body, layout, str(error))
 

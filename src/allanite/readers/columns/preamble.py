@@ -63,11 +63,7 @@ def statement(line: int, text: str, decimal: str = ".") -> StatedRate | None:
 def nominal(lines: Iterable[tuple[int, str]], decimal: str) -> tuple[float | None, Phrase]:
     """The rate that the lines above the numbers state, with its place; no rate if they contradict each other."""
     statements = [stated for line, text in lines if (stated := statement(line, text, decimal))]
-    places = join(" ", ())
-    if statements:
-        places = join(
-            ", ", (say("line {line} ({text!r})", line=stated.line, text=stated.text) for stated in statements)
-        )
+    places = join(", ", (say("line {line} ({text!r})", line=row.line, text=row.text) for row in statements))
     rates = [stated.rate for stated in statements]
     if not rates or max(rates) > 1.001 * min(rates):
         return None, places

@@ -1,29 +1,31 @@
 """What to type where a file does not say what its columns are: what their numbers show, or a placeholder."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
 from allanite.core.arrays import FloatArray
-from allanite.core.errors import COLUMN, RATE, SCALE, UNIT
+from allanite.core.errors import COLUMN, RATE, SCALE, UNIT, ColumnRow
 from allanite.phrases.phrase import say, spelled
 from allanite.readers.clock.clocks import ClockSources, addressed, counts_rows, readings, unit_by_rate
 
 from . import gravity, headers
 from .column import FileColumn
 
-SHOWN = 16  # columns of an overview
+MOST, SHOWN = 40, 16  # columns of an overview, and how many of them are printed
 SLOW = 0.1  # share of the standard deviation below which steps are those of a slow quantity
 FEW = 4  # different whole numbers of a state
 
 
 class Proposal(NamedTuple):
-    """Words to type, why, and the rate in Hz that follows from them, 0 if none does."""
+    """Words to type, why, and what follows: the rate in Hz, 0 if none does, and units by positions of columns."""
 
     words: str
     why: tuple[str, ...] = ()
     rate: float = 0.0
+    units: Mapping[int, str] = MappingProxyType({})
 
 
 def clock(columns: Sequence[FileColumn], sources: ClockSources) -> Proposal:
@@ -70,7 +72,8 @@ def units(columns: Sequence[FileColumn], rate: float) -> Proposal:
     words = [f"{keys[name]}={theirs[name]}" for name in keys if name in of]
     words += [f"{column.position}={UNIT}" for three in gravity.triples(of.get("", ())) for column in three]
     stated = ",".join(words)
-    return _stated(stated if len(of) > 1 else theirs[next(iter(of))], why, kind="increment" if summed else "")
+    made = _stated(stated if len(of) > 1 else theirs[next(iter(of))], why, kind="increment" if summed else "")
+    return made._replace(units={c.position: theirs.get(name, UNIT) for name, members in of.items() for c in members})
 
 
 def _unnamed(columns: Sequence[FileColumn]) -> Proposal:
@@ -93,45 +96,67 @@ def _threes(columns: Sequence[FileColumn]) -> list[list[FileColumn]]:
     return [noisy[i : i + 3] for i in range(0, len(noisy), 3)]
 
 
-def overview(columns: Sequence[FileColumn], unsaid: Sequence[FileColumn], clocks: Sequence[FileColumn]) -> str:
-    """A line for each column: its mean, its standard deviation, its usual step, and what its numbers look like."""
-    likely = {column.position: _paced(column) for column in clocks}
-    for three in (*_threes(unsaid), *gravity.triples(unsaid)):
+def overview(
+    columns: Sequence[FileColumn], unsaid: Sequence[FileColumn], clocks: Sequence[FileColumn], known: Mapping[int, str]
+) -> tuple[ColumnRow, ...]:
+    """What the numbers of each column show, and what it is proposed as; `known` are units by positions."""
+    paced = {column.position: _paced(column) for column in clocks}
+    stamps = next((column.position for column in clocks if _is_clock(column)), 0)
+    units, sensor = dict[int, str](), dict[int, int]()
+    likely = {at: words for at, (_, words) in paced.items()}
+    for i, three in enumerate((*_threes(unsaid), *gravity.triples(unsaid)), start=1):
         named = all(headers.sensor_by_name(column.name) == "accelerometer" for column in three)
         unit = gravity.weighed(three, gravity.RATES, 1.0, gravity.NAMED if named else gravity.UNNAMED)[0]
+        sensor |= {c.position: i for c in three}
+        units |= {c.position: unit for c in three if unit}
         likely |= {c.position: say("gravity in {unit}", unit=unit) for c in three if unit}
-    head = say("column"), say("mean"), say("std"), say("step"), say("looks like")
-    labels = (f"{c.position}: {c.name}" if c.header else c.name for c in columns[:SHOWN])
-    rows = (_sized(c, likely.get(c.position, "")) for c in columns)
-    lines = [head, *((label, *row) for label, row in zip(labels, rows, strict=False))]
-    return "".join("\n  {:<16}{:>11}  {:>10}  {:>10}  {}".format(*line).rstrip() for line in lines)
+    units |= {at: unit for at, unit in known.items() if unit != UNIT}
+    rows = list[ColumnRow]()
+    for c in columns[:MOST]:
+        at = c.position
+        key, label = c.name if c.name.isdigit() else str(at), f"{at}: {c.name}" if c.header else c.name
+        numbers, looks, out = _sized(c)
+        signal = at in units or (c in unsaid and (not out or bool(headers.sensor_by_name(c.name))))
+        use = ("time", paced[at][0]) if at == stamps else ("signal", units.get(at, "")) if signal else ("", "")
+        rows.append(ColumnRow(key, label, *numbers, likely.get(at) or looks, *use, sensor.get(at, 0)))
+    return tuple(rows)
 
 
-def _paced(column: FileColumn) -> str:
-    rate = dict(readings(column.values)).get(unit := unit_by_rate(column.values)[0])
-    return say("a clock of {rate:.6g} Hz in {unit}", rate=rate, unit=unit) if rate else say("a clock or a counter")
+def printed(rows: Sequence[ColumnRow]) -> str:
+    """A line for each column."""
+    head = "", say("column"), say("mean"), say("std"), say("step"), say("looks like")
+    return "".join("\n  {1:<16}{2:>11}  {3:>10}  {4:>10}  {5}".format(*line).rstrip() for line in (head, *rows[:SHOWN]))
 
 
-def _sized(column: FileColumn, likely: str) -> tuple[str, str, str, str]:
+def _paced(column: FileColumn) -> tuple[str, str]:
+    """The likely unit of time stamps, and how they look."""
+    rates = dict(readings(column.values))
+    unit = column.unit if column.unit in rates else unit_by_rate(column.values)[0]
+    if unit not in rates:
+        return "", say("a clock or a counter")
+    return unit, say("a clock of {rate:.6g} Hz in {unit}", rate=rates[unit], unit=unit)
+
+
+def _sized(column: FileColumn) -> tuple[tuple[str, str, str], str, bool]:
     with np.errstate(all="ignore"):
         values = np.asarray(column.values, dtype=np.float64)
         steps = np.abs(np.diff(values))
         mean, spread, step = float(np.mean(values)), float(np.std(values)), float(np.median(steps))
-    return f"{mean:.4g}", f"{spread:.3g}", f"{step:.3g}", likely or _looks(column, steps, spread)
+    return (f"{mean:.4g}", f"{spread:.3g}", f"{step:.3g}"), *_looks(column, steps, spread)
 
 
-def _looks(column: FileColumn, steps: FloatArray, spread: float) -> str:
-    """What numbers that are neither a clock nor gravity look like: the first of some kinds that they are."""
+def _looks(column: FileColumn, steps: FloatArray, spread: float) -> tuple[str, bool]:
+    """What numbers that are neither a clock nor gravity look like, and whether that is no inertial signal."""
     whole, largest = column.values.dtype.kind == "i", float(np.abs(column.values).max(initial=0))
     kinds = (
-        (not spread, say("constant")),
-        (bool(np.all(np.diff(column.values) > 0)), say("a clock or a counter")),
-        (whole and len(np.unique(column.values[:1000])) <= FEW, say("a state or flags")),
-        (170 < largest <= 180 and steps.max(initial=0) > 180, say("an angle within 180 deg")),
-        (float(np.quantile(steps, 0.9)) < SLOW * spread, say("slow, such as a temperature")),
-        (whole, say("whole numbers, such as counts")),
-    )  # fmt: skip
-    return next((words for fits, words in kinds if fits), "")
+        (not spread, say("constant"), True),
+        (bool(np.all(np.diff(column.values) > 0)), say("a clock or a counter"), True),
+        (whole and len(np.unique(column.values[:1000])) <= FEW, say("a state or flags"), True),
+        (170 < largest <= 180 and steps.max(initial=0) > 180, say("an angle within 180 deg"), True),
+        (float(np.quantile(steps, 0.9)) < SLOW * spread, say("slow, such as a temperature"), True),
+        (whole, say("whole numbers, such as counts"), False),
+    )
+    return next(((words, out) for fits, words, out in kinds if fits), ("", False))
 
 
 def _stated(unit: str, why: str = "", *, kind: str = "") -> Proposal:

@@ -67,20 +67,12 @@ def apart(columns: list[FileColumn], by: Turns) -> tuple[list[list[FileColumn]],
             header = f"{name} {column.header or column.name}"
             group.append(replace(column, values=values, name=f"{name} {column.name}", header=header, position=position))
         groups.append(group)
-    label = columns[by.place].label
-    sizes = join(
-        ", ",
-        (
-            say("{name} ({count} rows)", name=name, count=int((by.codes == code).sum()))
-            for code, name in enumerate(by.ids)
-        ),
-    )
-    return groups, (
-        say(
-            "the rows belong to {count} sensors according to {column}: {sizes}",
-            count=len(by.ids), column=label, sizes=sizes,
-        ),
-    )  # fmt: skip
+    counted = zip(by.ids, np.bincount(by.codes, minlength=len(by.ids)).tolist(), strict=True)
+    sizes = join(", ", (say("{name} ({count} rows)", name=name, count=count) for name, count in counted))
+    return groups, (say(
+        "the rows belong to {count} sensors according to {column}: {sizes}",
+        count=len(by.ids), column=columns[by.place].label, sizes=sizes,
+    ),)  # fmt: skip
 
 
 def between(columns: list[FileColumn]) -> tuple[list[FileColumn], tuple[str, ...]]:
@@ -92,30 +84,17 @@ def between(columns: list[FileColumn]) -> tuple[list[FileColumn], tuple[str, ...
         return columns, ()
     numbers = [int(columns[i].values[0]) for i in ids]
     width = ids[1] - ids[0]
-    if len(set(numbers)) < len(ids) or set(np.diff(ids)) != {width} or not 2 <= width <= 4:
+    regular = len(set(numbers)) == len(ids) and set(np.diff(ids)) == {width} and 2 <= width <= 4
+    if not regular or len(columns) < ids[-1] + width:
         return columns, ()
-    if len(columns) < ids[-1] + width:
-        return columns, ()
-    named = [column for i, column in enumerate(columns) if i not in ids]
-    names = {
-        columns[i + k].position: f"sensor {number} {_AXES[k - 1]}"
-        for i, number in zip(ids, numbers, strict=True)
-        for k in range(1, width)
-    }
-    result = [replace(column, name=names.get(column.position, column.name)) for column in named]
-    places = join(
-        ", ",
-        (
-            say("{position} (always {number})", position=columns[i].position, number=number)
-            for i, number in zip(ids, numbers, strict=True)
-        ),
-    )
-    return result, (
-        say(
-            "columns {columns} are used as ids of sensors, and the columns after each are named after it",
-            columns=places,
-        ),
-    )
+    known = list(zip(ids, numbers, strict=True))
+    names = {i + k: f"sensor {number} {_AXES[k - 1]}" for i, number in known for k in range(1, width)}
+    result = [replace(c, name=names.get(i, c.name)) for i, c in enumerate(columns) if i not in ids]
+    always = (say("{position} (always {number})", position=columns[i].position, number=number) for i, number in known)
+    return result, (say(
+        "columns {columns} are used as ids of sensors, and the columns after each are named after it",
+        columns=join(", ", always),
+    ),)  # fmt: skip
 
 
 def _constant(column: FileColumn) -> bool:

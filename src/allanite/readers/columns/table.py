@@ -116,16 +116,15 @@ class Sense:
         """Ask for what is not known."""
         questions = [*beat.questions, *self.choice.questions]
         if questions:
-            asked, why = self._proposed(beat)
-            omitted = self.choice.omitted if beat.questions or not self.choice.unsaid else ()
-            table = ""
-            if self.choice.unsaid:
-                numbers = [column for column in self.columns if not column.text and column.values.size]
-                clock = [self.sources.stamps] if self.sources.stamps else self._rising
-                table, omitted = proposal.overview(numbers, self.choice.unsaid, clock), ()
+            asked, why, known = self._proposed(beat)
+            clock, unsaid = [self.sources.stamps] if self.sources.stamps else self._rising, self.choice.unsaid
+            numbers = [column for column in self.columns if not column.text and column.values.size]
+            rows = proposal.overview(numbers, unsaid, clock, known) if unsaid or clock else ()
+            words = "; ".join((*questions, *why, *(() if unsaid else self.choice.omitted)))
             raise UsageError(
-                "; ".join((*questions, *why, *omitted)) + table, choice="rate" if beat.questions else "unit", cure=asked
-            )
+                words + (proposal.printed(rows) if unsaid else ""),
+                choice="rate" if beat.questions else "unit", cure=asked, columns=rows,
+            )  # fmt: skip
         stated = self.options.unit or self.options.units
         against = None if stated else gravity.contradiction(self.choice.signals, beat.rate)
         if against is not None:
@@ -138,16 +137,16 @@ class Sense:
         free = [column for column in self.columns if column not in [signal.column for signal in self.signals]]
         return [c for c in free if self.options.time is None and channels.climbs(c, self.options, self.columns)]
 
-    def _proposed(self, beat: clock.Beat) -> tuple[Cure, tuple[str, ...]]:
-        """What to type about the clock and the columns without a unit, and why."""
+    def _proposed(self, beat: clock.Beat) -> tuple[Cure, tuple[str, ...], dict[int, str]]:
+        """What to type about the clock and the columns without a unit, why, and units by positions of columns."""
         given, unsaid = self.options.unit, self.choice.unsaid
+        known = {signal.column.position: signal.unit for signal in self.choice.signals}
         if given and unsaid:
-            return (given, channels.unit_meant(given) or UNIT), ()
+            return (given, channels.unit_meant(given) or UNIT), (), known
         proposals = [proposal.clock(self._rising, self.sources)] if beat.questions else []
         proposals += [proposal.units(unsaid, proposals[0].rate if proposals else beat.rate)] if unsaid else []
-        return ("", " ".join(proposed.words for proposed in proposals)), tuple(
-            why for proposed in proposals for why in proposed.why
-        )
+        known |= {position: unit for proposed in proposals for position, unit in proposed.units.items()}
+        return ("", " ".join(p.words for p in proposals)), tuple(why for p in proposals for why in p.why), known
 
     def notes(self, beat: clock.Beat) -> tuple[str, ...]:
         """The assumptions."""

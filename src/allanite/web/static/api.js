@@ -1,9 +1,9 @@
 // The server: every request of the page goes through here.
 
 export class Refusal extends Error {
-  constructor({ error, option = null, exit = null, cure = "" }) {
+  constructor({ error, option = null, exit = null, cure = "", columns = null }) {
     super(error);
-    Object.assign(this, { option, exit, cure });
+    Object.assign(this, { option, exit, cure, columns });
   }
 }
 

@@ -1,5 +1,6 @@
 // The choices as controls: each with its help, what was assumed, and its own place for an error.
 
+import * as columns from "./columns.js";
 import { button, byId, el, fill, menu, show } from "./dom.js";
 import { shown } from "./jobs.js";
 import { label, spoken } from "./naming.js";
@@ -7,6 +8,7 @@ import { alter, fileOf, on, recipe, run, state, tell } from "./state.js";
 import { legible } from "./trace.js";
 import { t } from "./words.js";
 
+const AXES = 3; // columns that one unit may be for
 const UNREADABLE = 3; // exit code of data that cannot be read
 
 // choices that are always in sight; the others are among more options
@@ -107,14 +109,22 @@ export function refuse(error) {
     return;
   }
   const place = byId(`error-${key}`);
-  fill(place, spoken(error.message));
+  fill(place, spoken(error.message.split("\n")[0])); // the rest is the table of columns
   show(place, true);
-  if (key === "unit" || error.message.includes("--unit")) {
-    byId("error-unit").append(sensorUnits(error.cure) ?? unitButtons());
+  const rows = /--scale/.test(error.cure) ? null : error.columns;
+  if (rows) columns.ask(error);
+  const sensors = sensorUnits(error.cure);
+  const several = !sensors && rows?.filter((row) => row.use === "signal").length > AXES;
+  if (!several && (key === "unit" || error.message.includes("--unit"))) {
+    byId("error-unit").append(sensors ?? unitButtons());
     show(byId("error-unit"), true);
   }
   input(key).setAttribute("aria-invalid", "true");
   for (const fold of [byId("side-fold"), input(key).closest("details")]) if (fold) fold.open = true;
+  if (several) {
+    columns.focus();
+    return;
+  }
   input(key).scrollIntoView({ block: "center" });
   input(key).focus();
 }

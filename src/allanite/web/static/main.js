@@ -1,6 +1,7 @@
 // The page: loads what is kept, joins the parts, and analyzes what is dropped.
 
 import * as api from "./api.js";
+import * as columns from "./columns.js";
 import * as compare from "./compare.js";
 import * as controls from "./controls.js";
 import * as curves from "./curves.js";
@@ -127,13 +128,13 @@ async function begin() {
   await load(asked ?? localStorage.getItem("lang"));
   state.choices.lang ??= asked ?? state.tables.first?.lang ?? "en";
   await theme.setLanguage(state.choices.lang);
-  on("language", (lang) => { localStorage.setItem("lang", lang); controls.build(); speakResults(); });
+  on("language", (lang) => { localStorage.setItem("lang", lang); controls.build(); speakResults(); if (!run() && !jobs.busy()) tried(); });
   on("error", (error) => controls.refuse(error));
   on("file", tried);
   on("altered", tried);
   addEventListener("pagehide", () => pending() && keep());
   addEventListener("hashchange", () => location.reload()); // another place where work is kept
-  for (const part of [files, trace, selection, curves, fit, results, compare, live, theme]) part.start();
+  for (const part of [files, columns, trace, selection, curves, fit, results, compare, live, theme]) part.start();
   byId("side-fold").open = matchMedia("(min-width: 56rem)").matches;
   controls.build();
   output.start(renew);

@@ -36,12 +36,14 @@ function card(one, current) {
   for (const value of found.querySelectorAll("dd")) fill(value, value.textContent.split(/(?<=[,，])/).flatMap((part) => [/^\s/.test(part) && " ", el("span", {}, part.trim())])); // broken after a comma first
   const pick = () => choose({ channel: one.name });
   found.addEventListener("click", pick);
+  const event = one.findings?.find((each) => each.at); // what happened in the record
+  if (event) found.append(el("p", { test: "card-finding" }, spoken(event.text).split(/[;；]/)[0]));
   found.querySelector("a").replaceWith(button(one.name || t("channel"), "card-name", pick, { class: "plain", "aria-current": one === current ? "true" : null }));
   return found;
 }
 
 function assumed(result) {
-  const notes = result.notes ?? result.value?.notes ?? [];
+  const notes = [...(result.findings ?? []).map((one) => one.text), ...(result.notes ?? result.value?.notes ?? [])];
   fill(byId("assumed"), notes.length ? el("details", { open: true }, el("summary", {}, t("assumed")), el("ul", { test: "assumed" }, notes.map((note) => el("li", {}, spoken(note))))) : []);
 }
 

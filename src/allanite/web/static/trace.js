@@ -29,7 +29,8 @@ export const channel = () => state.choices.channel ?? data?.channel ?? null;
 function findings() {
   const result = shown();
   const own = result?.channels?.find((one) => one.name === channel()) ?? result?.channels?.[0];
-  return (own?.findings ?? []).map((one) => ({ ...one, text: spoken(one.text), level: one.level ?? "note" }));
+  const each = [...(result?.findings ?? []), ...(own?.findings ?? [])].sort((a, b) => Boolean(b.at) - Boolean(a.at)); // first what happened
+  return each.map((one) => ({ ...one, text: spoken(one.text), level: one.level ?? "note" }));
 }
 
 const hue = (level) => color(level === "alert" ? "--alarm" : level === "fair" ? "--fair" : "--soft");
