@@ -64,6 +64,8 @@ ROWS = [
     sentence("info gyro.csv --channels gx gy", "written with commas", cure="info gyro.csv --channels gx,gy"),
     sentence("spectrum gyro.csv --nperseg 64", "did you mean --segment?", cure="spectrum --help"),
     sentence("info", "Missing argument 'FILE'", cure="info --help"),
+    sentence("simulate --sensor mems --rate 1 --samples 500 -o x.csv", "without an option",
+             cure="simulate --sensor mems --rate 1 --samples 500 x.csv"),
     # units and rates
     sentence("info unit.csv", "unit is unknown", "gx [deg/s]", "try: allanite info unit.csv --unit"),
     sentence("info bare.csv", "rate is not in the file", "unit", "try: allanite info bare.csv --rate HZ --unit UNIT"),

@@ -27,6 +27,7 @@ from .options import demand_filled, with_commas
 from .streams import begin, complain, ended, ended_by, lost, while_read
 
 DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
+WRITTEN = ("-o", "--output", "--out")  # options by which other verbs name a file
 BLAS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """One thread each unless something else is set: products here are short, and handing them to threads takes longer."""
 
@@ -145,6 +146,10 @@ class Front(click.Group):
         except click.NoSuchOption as error:
             inner = error.ctx or ctx
             options = {word: param for param in inner.command.params for word in reversed(param.opts)}
+            if error.option_name in WRITTEN and "out" in options:  # the file is an argument
+                better = [word for word in words if word != error.option_name]
+                told = f"{inner.command_path} takes the name of its file without an option"
+                raise Failure(told, UsageError.exit_code, f"try: {shlex.join(better)}") from None
             refused = unknown("option", error.option_name, options, listed=False)
             meant = options.get(refused.cure[1])
             if error.option_name.lstrip("-") in getattr(meant, "unlike", ()):
