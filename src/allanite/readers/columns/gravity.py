@@ -118,25 +118,28 @@ def earth(signals: Sequence[SignalColumn], rate: float) -> Iterator[Phrase]:
     gyros, axes = of["gyro"], of["accelerometer"]
     if len(gyros) != 3:
         return
-    means = np.array([_mean_of(signal, "deg/h", rate) for signal in gyros])
+    means = [_mean_of(signal, "deg/h", rate) for signal in gyros]
+    length = math.hypot(*means)
+    if not abs(length / EARTH - 1) < NEAR_EARTH:
+        return
     noise = max(_noise_of(signal, rate)[0] * 3600 for signal in gyros) / math.sqrt(len(gyros[0].column.values) / rate)
-    length = float(np.linalg.norm(means))
-    if not abs(length / EARTH - 1) < NEAR_EARTH or not 0 < noise < NEAR_EARTH * EARTH:
+    if not 0 < noise < NEAR_EARTH * EARTH:
         return
     yield say("the mean rate of the gyros has a length of {length:.4g} deg/h; that of the earth is {earth:g} deg/h",
               length=length, earth=EARTH)  # fmt: skip
-    down = np.array([_mean_of(signal, "g", rate) for signal in axes])
     if len(axes) == 3 and length_of([signal.column for signal in axes])[1]:
-        latitude = math.degrees(math.asin(float(means @ down) / length / float(np.linalg.norm(down))))
+        up = [_mean_of(signal, "g", rate) for signal in axes]
+        sine = sum(x * y for x, y in zip(means, up, strict=True)) / length / math.hypot(*up)
         yield say("the angle between the rate of the earth and gravity is that at a latitude of {latitude:.3g} deg",
-                  latitude=latitude)  # fmt: skip
+                  latitude=math.degrees(math.asin(min(max(sine, -1.0), 1.0))))  # fmt: skip
 
 
 def _mean_of(signal: SignalColumn, unit: str, rate: float) -> float:
-    """The mean of a signal as a rate in a unit."""
-    size = (signal.scale or 1.0) * unit_of(signal.unit).factor / unit_of(unit).factor
+    """The mean of a signal as a rate in a unit; NaN where there is none."""
+    values, size = signal.column.values, (signal.scale or 1.0) * unit_of(signal.unit).factor / unit_of(unit).factor
     with np.errstate(all="ignore"):  # of numbers that are no samples
-        return float(np.nanmean(signal.column.values)) * size * (1.0 if signal.kind == "rate" else rate)
+        known = values[np.isfinite(values)]
+        return float(np.mean(known)) * size * (1.0 if signal.kind == "rate" else rate) if known.size else math.nan
 
 
 def contradiction(signals: Sequence[SignalColumn], rate: float) -> tuple[Phrase, str] | None:
