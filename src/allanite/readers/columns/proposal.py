@@ -73,6 +73,9 @@ def units(columns: Sequence[FileColumn], rate: float) -> Proposal:
     words += [f"{column.position}={UNIT}" for three in gravity.triples(of.get("", ())) for column in three]
     stated = ",".join(words)
     made = _stated(stated if len(of) > 1 else theirs[next(iter(of))], why, kind="increment" if summed else "")
+    if UNIT in theirs.values() and all(column.values.dtype.kind == "i" for column in sensors):
+        option = spelled(f"--scale {SCALE}", f"scale={SCALE!r}")
+        made = made._replace(why=(*made.why, say("whole numbers may be counts: then {option} instead", option=option)))
     return made._replace(units={c.position: theirs.get(name, UNIT) for name, members in of.items() for c in members})
 
 
