@@ -105,7 +105,7 @@ def _demand_sensors(target: Target, groups: Mapping[str, Sequence[Axis]], axes: 
     absent = [sensor for sensor in target.sensors if sensor not in groups]
     if absent:
         given = ", ".join(f"{axis.label} ({axis.sensor})" for axis in axes)
-        remedy = spelled("add a file with it, or its noise: --model 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'",
+        remedy = spelled("add a file with it, or the N and K of its data sheet by --model",
                          "pass a list with a result or a model of it as well")  # fmt: skip
         names = " and ".join(f"an {sensor}" if sensor[0] == "a" else f"a {sensor}" for sensor in absent)
         raise DataError(f"{target.name} needs {names}, and there is only {given}: {remedy}")

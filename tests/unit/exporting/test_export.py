@@ -269,7 +269,7 @@ def test_the_other_sensor_as_a_model_and_json(files):
 
 @rows("arguments, code, words", [
     (("export", "{gyro}", "--to", "kalibr"), 3, "kalibr needs an accelerometer, and there is only gx (gyro)"),
-    (("export", "{gyro}", "--to", "kalibr"), 3, "--model 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'"),
+    (("export", "{gyro}", "--to", "kalibr"), 3, "N and K of its data sheet by --model"),
     (("export", "{gyro}", "--to", "nothing"), 2, "unknown target 'nothing'"),
     (("export", "--to", "kalibr"), 2, "give a recording, a result of analyze in JSON, or the noise with --model"),
     (("export", "--model", "N 1 deg/sqrt(h)", "--to", "statespace"), 2, "needs the sampling rate: --rate HZ"),
