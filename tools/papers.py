@@ -35,7 +35,9 @@ def table(found: Reproduction, lang: str) -> str:
     """The items of a paper as a table of a page."""
     with speaking(lang):
         heads = [tr(head) for head in HEADS]
-        rows = [[i.item, i.claim, i.paper, i.here, whole(tr(VERDICTS[i.verdict])), tr(i.why)] for i in found.items]
+        rows = [
+            [i.item, i.claim, i.paper, i.source, i.here, whole(tr(VERDICTS[i.verdict])), tr(i.why)] for i in found.items
+        ]
     lines = [heads, ["---"] * len(heads), *([written(cell) for cell in row] for row in rows)]
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 

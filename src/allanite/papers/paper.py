@@ -54,11 +54,11 @@ def _alike(shown: str, wanted: str) -> bool:
 
 
 AGREES, DIFFERS, DRAWN = "agrees", "differs", "drawn"  # verdicts that are found
+SHOWN, MISSING = "shown", "not built"  # verdicts of rows that hold no number
 
 VERDICTS = {
     AGREES: say("agrees"), DIFFERS: say("differs"), DRAWN: say("drawn"), "misprint": say("misprint"),
-    "not resolved": say("not resolved"), "not built": say("not built"), "computed": say("computed"),
-    "present": say("present"),
+    "not resolved": say("not resolved"), "computed": say("computed"), SHOWN: say("shown"), MISSING: say("not built"),
 }  # fmt: skip
 """All of them, as they are shown; the others stand in the file of the paper, each with its reason."""
 
@@ -69,8 +69,9 @@ class Item:
 
     item: str  # where it stands: "Table 3", "Fig. 2", "eq. 5".
     claim: str  # what is compared
-    paper: str  # as the paper prints it
-    numbers: tuple[float, ...] = ()  # the same as numbers, where they are compared
+    paper: str = ""  # as the paper prints it
+    source: str = ""  # what another source prints, and its name, where the paper prints no number: "3139, SP 1065"
+    numbers: tuple[float, ...] = ()  # what the paper prints, or else the source, as numbers that are compared
     # where ours stand: "file: cell", one a number. A cell is a column of a CSV file and the row it is read in
     # (``value @ term=N``, ``tau_s @ last``), or from ``/`` a path into a JSON file. Of a figure, its file alone.
     here: tuple[str, ...] = ()
@@ -82,6 +83,9 @@ class Item:
     form: str = ""  # how ours are written, with {} for each number; without it, four digits and the unit
     verdict: str = ""  # one of `VERDICTS` that is expected: without it, that numbers agree and that figures are drawn
     why: str = ""  # the reason of a difference, or what the agreement rests on
+
+
+SPOKEN = ("item", "claim", "paper", "source", "form", "why")  # texts of an item that another language replaces
 
 
 @dataclass(frozen=True)
@@ -105,10 +109,7 @@ class Paper:
         def tr(text: str) -> str:
             return known.get(text, text)
 
-        items = tuple(
-            replace(i, item=tr(i.item), claim=tr(i.claim), paper=tr(i.paper), form=tr(i.form), why=tr(i.why))
-            for i in self.items
-        )
+        items = tuple(replace(i, **{key: tr(getattr(i, key)) for key in SPOKEN}) for i in self.items)
         captions = {name: tr(text) for name, text in self.captions.items()}
         return replace(self, title=tr(self.title), data=tr(self.data), captions=captions, items=items)
 
@@ -148,15 +149,17 @@ def _item(row: dict[str, Any]) -> Item:
 class Compared(Value):
     """An item of a paper, what was found here, and the verdict."""
 
-    # item, claim, paper: where it stands, what is compared, and what the paper prints
+    # item, claim, paper, source: where it stands, what is compared, what the paper and another source print
     item: str
     claim: str
     paper: str
+    source: str
     here: str  # what was found here
     found: tuple[float, ...]  # the same as numbers
     verdict: str  # one of `paper.VERDICTS`
     why: str
     expected: bool = True  # whether that is the verdict that is expected
+    printed: bool = False  # whether numbers are compared, which paper or source print
 
 
 @dataclass(frozen=True, repr=False)
@@ -194,16 +197,18 @@ def compared(item: Item, folder: Path) -> Compared:
     drawn = [name for name, cell in places if not cell]
     for name in drawn:
         (folder / name).stat()  # raises if it was not written
-    verdict, expected = _verdict(item, numbers)
+    verdict, expected = verdict_on(item, numbers)
     shown = (
         [item.form.format(*numbers) if item.form else " ".join(f"{each:.4g}" for each in numbers)] if numbers else []
     )
     why = item.why or (say("within {share} %", share=f"{100 * item.tolerance:g}") if item.tolerance else "")
     here = "; ".join([*shown, *drawn])
-    return Compared(item.item, item.claim, item.paper, here, tuple(numbers), verdict, why, expected)
+    return Compared(
+        item.item, item.claim, item.paper, item.source, here, tuple(numbers), verdict, why, expected, bool(item.numbers)
+    )
 
 
-def _verdict(item: Item, found: Sequence[float]) -> tuple[str, bool]:
+def verdict_on(item: Item, found: Sequence[float]) -> tuple[str, bool]:
     """The verdict on an item, and whether it is the expected one."""
     replaced = not item.ours or _near(found, item.ours, 0.01)
     if not item.numbers:

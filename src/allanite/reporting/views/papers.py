@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from allanite.papers.paper import AGREES, DIFFERS, DRAWN, VERDICTS, Compared, Reproduction
-from allanite.phrases.phrase import Phrase, say, say_count
+from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting.first import DETAILS, First
 from allanite.reporting.matplotlib_svg import stored
 from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Picture, Table, one_sheet
@@ -16,20 +16,20 @@ from . import Rows, view
 BRAND = say("a paper beside what is found here")
 
 MARKS: dict[str, Mark] = {AGREES: "good", DIFFERS: "weak"}  # marks of verdicts; the others have none
-HEADS = (say("in the paper"), "", say("paper"), say("here"), "", say("why"))  # columns of the table of a page
-APART = ("not built", "computed", "present")  # verdicts on what the paper has no number for
+HEADS = (say("in the paper"), "", say("paper"), say("other source"), say("here"), say("verdict"), say("why"))
+COUNTED = (say("{agree} of {count} printed numbers agree"), say("{agree} of {count} of other sources"))
 MAX_ITEMS = 13  # items on the first screen
 
 
 def first_of_paper(value: Reproduction, _: float) -> First:
     """How many items agree, and those that do not."""
-    agree = sum(item.verdict == AGREES for item in value.items)
-    drawn = sum(item.verdict == DRAWN for item in value.items)
-    verdict = say(
-        "{agree} of {count} numbers and claims agree; {drawn}",
-        agree=agree, count=sum(item.verdict not in (DRAWN, *APART) for item in value.items),
-        drawn=say_count(drawn, "{count} figure drawn", "{count} figures drawn"),
-    )  # fmt: skip
+    parts = [
+        say(text, agree=sum(item.verdict == AGREES for item in items), count=len(items))
+        for by, text in enumerate(COUNTED) if (items := [i for i in value.items if i.printed and bool(i.source) == by])
+    ]  # fmt: skip
+    if drawn := sum(item.verdict == DRAWN for item in value.items):
+        parts.append(say_count(drawn, "{count} figure drawn", "{count} figures drawn"))
+    verdict = join("; ", parts)
     told = sorted(value.items, key=lambda item: (item.expected, item.verdict in (AGREES, DRAWN)))
     after = ((f"{Path(value.folder, 'page.html')}", say("all of them, with the figures")), DETAILS)
     return First(value.title, verdict, [_brief(told[:MAX_ITEMS])], after=after)
@@ -48,15 +48,15 @@ def paper_view(value: Reproduction, _: float) -> Face:
 
 
 def _brief(items: Sequence[Compared]) -> Table:
-    heads = [Column("", "name"), *(Column(text, "text") for text in (*HEADS[2:4], HEADS[5]))]
+    heads = [Column("", "name"), *(Column(text, "text") for text in (HEADS[2], *HEADS[4:6]))]
     return Table(heads, [brief(item) for item in items], marks=_marks(items))
 
 
 def brief(item: Compared) -> list[str]:
     """An item in a line: of the reason its first clause."""
-    reason = VERDICTS[item.verdict] if item.verdict == DRAWN else item.why or VERDICTS[item.verdict]
-    clause = reason if isinstance(reason, Phrase) else re.split("[:;] ", reason)[0]
-    return [": ".join((item.item, item.claim)), item.paper, item.here, clause]
+    clause = "" if isinstance(item.why, Phrase) else re.split("[:;] ", item.why)[0]
+    told = join(": ", filter(None, (VERDICTS[item.verdict], clause)))
+    return [": ".join((item.item, item.claim)), item.paper or item.source, item.here, told]
 
 
 def _figure(path: Path) -> Picture:
@@ -65,7 +65,7 @@ def _figure(path: Path) -> Picture:
 
 def _table(items: Sequence[Compared]) -> Table:
     heads = [Column(head, "text" if at else "name") for at, head in enumerate(HEADS)]
-    rows = [[i.item, i.claim, i.paper, i.here, VERDICTS[i.verdict], i.why] for i in items]
+    rows = [[i.item, i.claim, i.paper, i.source, i.here, VERDICTS[i.verdict], i.why] for i in items]
     return Table(heads, rows, marks=_marks(items), most=len(rows))
 
 
@@ -74,5 +74,5 @@ def _marks(items: Sequence[Compared]) -> list[Mark]:
 
 
 def _rows(value: Reproduction) -> Rows:
-    heads = ["item", "claim", "paper", "here", "verdict", "why"]
-    return heads, [[i.item, i.claim, i.paper, i.here, i.verdict, i.why] for i in value.items]
+    heads = ["item", "claim", "paper", "source", "here", "verdict", "why"]
+    return heads, [[getattr(item, head) for head in heads] for item in value.items]
