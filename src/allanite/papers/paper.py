@@ -109,7 +109,8 @@ class Paper:
         def tr(text: str) -> str:
             return known.get(text, text)
 
-        items = tuple(replace(i, **{key: tr(getattr(i, key)) for key in SPOKEN}) for i in self.items)
+        spoken: list[dict[str, Any]] = [{key: tr(getattr(i, key)) for key in SPOKEN} for i in self.items]
+        items = tuple(replace(i, **texts) for i, texts in zip(self.items, spoken, strict=True))
         captions = {name: tr(text) for name, text in self.captions.items()}
         return replace(self, title=tr(self.title), data=tr(self.data), captions=captions, items=items)
 
@@ -219,6 +220,5 @@ def verdict_on(item: Item, found: Sequence[float]) -> tuple[str, bool]:
 
 def _near(found: Sequence[float], numbers: Sequence[float], tolerance: float) -> bool:
     return all(
-        math.isclose(ours, theirs, rel_tol=tolerance, abs_tol=0.0 if theirs else tolerance)
-        for ours, theirs in zip(found, numbers, strict=True)
+        abs(ours - theirs) <= tolerance * (abs(theirs) or 1.0) for ours, theirs in zip(found, numbers, strict=True)
     )
