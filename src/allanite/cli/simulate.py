@@ -258,15 +258,16 @@ WRITTEN = {"report": "page.html", "json": "paper.json"}  # files of the comparis
 @command()
 @options(
     click.argument("paper", required=False),
-    click.argument("folder", required=False, default=".", type=click.Path(file_okay=False)),
+    click.argument("folder", required=False, type=click.Path(file_okay=False)),
     click.option("--commands", is_flag=True, help="Print the commands only."),
     *SHOWN,
 )  # fmt: skip
-def example(paper: str | None, folder: str, commands: bool, **shared: Any) -> None:
+def example(paper: str | None, folder: str | None, commands: bool, **shared: Any) -> None:
     """Reproduce the tables and figures of a paper.
 
-    Writes simulated input, tables, figures and a page into FOLDER, by commands that are printed and that can be
-    repeated one by one, and prints what the paper says beside what was found. Without PAPER, lists the papers.
+    PAPER is a number or a short name: 003 or laser. Writes simulated input, tables, figures and a page into FOLDER, by
+    default one of the short name, by commands that are printed and that can be repeated one by one, and prints what the
+    paper says beside what was found. Without PAPER, lists the papers.
     """
     from allanite.papers.paper import PAPERS, compare
     from allanite.papers.paper import paper as paper_of
@@ -274,7 +275,7 @@ def example(paper: str | None, folder: str, commands: bool, **shared: Any) -> No
     if paper is None:
         for row in map(paper_of, PAPERS):
             source = textwrap.wrap(row.source, 95, initial_indent="     ", subsequent_indent="     ")
-            show("\n".join([f"{row.name}  {row.title}", *source]))
+            show("\n".join([f"{row.name}  {row.short}: {row.title}", *source]))
         return
     row = paper_of(paper)
     lines = [shlex.split(command) for command in row.commands]
@@ -282,6 +283,7 @@ def example(paper: str | None, folder: str, commands: bool, **shared: Any) -> No
     if commands:
         show("\n".join(shown))
         return
+    folder = folder or row.short
     os.makedirs(folder, exist_ok=True)
     own = {name: os.path.join(folder, path) for name, path in WRITTEN.items()}
     out = outputs(shared | own, [])

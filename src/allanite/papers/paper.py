@@ -6,14 +6,16 @@ import json
 import math
 import tomllib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from allanite.core.names import demand_name
+from allanite.core.names import row_alike
 from allanite.core.plain import Value
 from allanite.core.units import unit_of
+from allanite.interpretation.glossary import Word
 from allanite.phrases.phrase import say
 
 READ: dict[str, Callable[..., list[float]]] = {
@@ -92,7 +94,7 @@ SPOKEN = ("item", "claim", "paper", "source", "form", "why")  # texts of an item
 class Paper:
     """What a file says of a paper."""
 
-    # name, title, source: name on the command line, what it is about, authors and journal
+    # name, title, source: number on the command line, what it is about, authors and journal
     name: str
     title: str
     source: str
@@ -101,6 +103,16 @@ class Paper:
     captions: dict[str, str]  # figures of the page in their order: file -> caption
     items: tuple[Item, ...]
     spoken: dict[str, dict[str, str]]  # language -> what its texts are there
+    short: str = ""  # its other name on the command line, and the folder where none is given
+    synonyms: tuple[str, ...] = ()  # other names by which it is asked for; they are suggested, not taken
+    topics: tuple[str, ...] = ()  # terms and statistics that it is about
+    own: tuple[str, ...] = ()  # what applies it to a recording of one's own, without the word allanite
+    page: str = ""  # its address
+
+    @property
+    def word(self) -> Word:
+        """What ``allanite explain`` says of it."""
+        return Word(self.title, (self.short, self.name), self.source)
 
     def within(self, lang: str) -> "Paper":
         """With its texts in another language, as far as the file has it."""
@@ -124,9 +136,15 @@ PAPERS: tuple[str, ...] = tuple(
 
 
 def paper(name: str) -> Paper:
-    """The paper of this name."""
-    demand_name("paper", name, PAPERS)
-    return read_paper(name, _FOLDER.joinpath(f"{name}.toml").read_text("utf-8"))
+    """The paper of this number or short name, in upper case or lower; an unknown one lists them."""
+    return row_alike("paper", name, papers())
+
+
+@cache
+def papers() -> dict[str, Paper]:
+    """The papers by their numbers and by their short names."""
+    rows = [read_paper(name, _FOLDER.joinpath(f"{name}.toml").read_text("utf-8")) for name in PAPERS]
+    return {row.name: row for row in rows} | {row.short: row for row in rows}
 
 
 def read_paper(name: str, text: str) -> Paper:
@@ -136,14 +154,12 @@ def read_paper(name: str, text: str) -> Paper:
     commands = [" ".join(command.split()) for command in data.pop("commands")]
     for word, meant in words.items():
         commands = [command.replace(f"{{{word}}}", meant) for command in commands]
-    items = tuple(_item(row) for row in data.pop("items"))
-    spoken = data.pop("spoken", {})
-    return Paper(name, commands=tuple(commands), items=items, spoken=spoken, **data)
+    items = tuple(Item(**_tuples(row)) for row in data.pop("items"))
+    return Paper(name, commands=tuple(commands), items=items, **{"spoken": {}} | _tuples(data))
 
 
-def _item(row: dict[str, Any]) -> Item:
-    lists = {f.name: tuple(row[f.name]) for f in fields(Item) if isinstance(row.get(f.name), list)}
-    return Item(**row | lists)
+def _tuples(row: dict[str, Any]) -> dict[str, Any]:
+    return {key: tuple(value) if isinstance(value, list) else value for key, value in row.items()}
 
 
 @dataclass(frozen=True, repr=False)
@@ -176,6 +192,7 @@ class Reproduction(Value):
     figures: dict[str, str]  # file of a figure -> caption
     folder: str  # where the files are
     commands: tuple[str, ...]
+    own: tuple[str, ...]  # commands for a recording of one's own
 
     def __str__(self) -> str:
         return self.title
@@ -184,9 +201,9 @@ class Reproduction(Value):
 def compare(paper: Paper, folder: Path) -> Reproduction:
     """The items of a paper beside the files in a folder, where its commands have run."""
     items = tuple(compared(item, folder) for item in paper.items)
-    commands = tuple(f"allanite {command}" for command in paper.commands)
+    commands, own = (tuple(f"allanite {line}" for line in lines) for lines in (paper.commands, paper.own))
     return Reproduction(
-        paper.name, paper.title, paper.source, paper.data, items, paper.captions, str(folder), commands
+        paper.name, paper.title, paper.source, paper.data, items, paper.captions, str(folder), commands, own
     )  # fmt: skip
 
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from allanite.papers.paper import AGREES, DIFFERS, DRAWN, VERDICTS, Compared, Reproduction
+from allanite.papers.paper import AGREES, DIFFERS, DRAWN, PAPERS, VERDICTS, Compared, Reproduction, paper
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting.first import DETAILS, First
 from allanite.reporting.matplotlib_svg import stored
@@ -15,10 +15,19 @@ from . import Rows, view
 
 BRAND = say("a paper beside what is found here")
 
+OWN, PAGE = say("your recording"), say("its page")
+
 MARKS: dict[str, Mark] = {AGREES: "good", DIFFERS: "weak"}  # marks of verdicts; the others have none
 HEADS = (say("in the paper"), "", say("paper"), say("other source"), say("here"), say("verdict"), say("why"))
 COUNTED = (say("{agree} of {count} printed numbers agree"), say("{agree} of {count} of other sources"))
 MAX_ITEMS = 13  # items on the first screen
+
+
+def about(*names: str) -> list[tuple[str, str]]:
+    """What next after papers of these names, and after terms and statistics that papers are about."""
+    rows = [row for row in map(paper, PAPERS) if not {row.short, *row.topics}.isdisjoint(names)]
+    own = [(f"allanite {line}", OWN) for row in rows if row.short in names and row.name in names for line in row.own]
+    return [*((f"allanite example {row.short}", BRAND) for row in rows), *own, *((row.page, PAGE) for row in rows)]
 
 
 def first_of_paper(value: Reproduction, _: float) -> First:
@@ -31,7 +40,8 @@ def first_of_paper(value: Reproduction, _: float) -> First:
         parts.append(say_count(drawn, "{count} figure drawn", "{count} figures drawn"))
     verdict = join("; ", parts)
     told = sorted(value.items, key=lambda item: (item.expected, item.verdict in (AGREES, DRAWN)))
-    after = ((f"{Path(value.folder, 'page.html')}", say("all of them, with the figures")), DETAILS)
+    own = ((command, OWN) for command in value.own[:1])
+    after = ((f"{Path(value.folder, 'page.html')}", say("all of them, with the figures")), DETAILS, *own)
     return First(value.title, verdict, [_brief(told[:MAX_ITEMS])], after=after)
 
 
