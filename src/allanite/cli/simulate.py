@@ -20,6 +20,7 @@ from .streams import show
 
 if TYPE_CHECKING:
     import numpy as np
+    from numpy.typing import NDArray
 
     from allanite.core.record import Record
 
@@ -127,6 +128,25 @@ def _gaps(record: "Record", rng: Any, share: tuple[float, str], length: tuple[fl
     return faults.gaps(record, share[0], convert(length[0], length[1] or "s", "s"), rng=rng)
 
 
+def _effect(record: "Record", text: str) -> "tuple[Record, NDArray[Any]]":
+    """A quantity that swings, with the rate and length of a record, and its effect in the unit of the record."""
+    import numpy as np
+
+    from allanite.core.errors import UsageError
+    from allanite.core.record import Record
+    from allanite.core.syntax import split_quantities
+    from allanite.core.units import convert
+
+    name, *words = text.split() or [""]
+    quantities = split_quantities(words)
+    if len(quantities) != 3 or not all(unit for _, unit in quantities):
+        raise UsageError(f"--effect has the form 'temp 2 degC 1100 s 40 deg/h', not {text!r}")
+    (swing, unit), (period, time), (size, of) = quantities
+    turns = np.arange(record.size) / (record.rate * convert(period, time, "s"))
+    wave = np.sin(2 * np.pi * turns)
+    return Record(swing * wave, record.rate, unit, name=name), convert(size, of, record.unit) * wave
+
+
 def _simple(name: str, example: str, defaults: tuple[float, ...], make: "Callable[..., Record]") -> "Fault":
     """A fault that is given by quantities as in the `example`, of which the last ones have `defaults`."""
 
@@ -164,6 +184,9 @@ CHANNEL_NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}  # fir
     "simulated unit",
     click.option("--rounding", is_flag=True, help="Generate Q by rounding the angle to steps of Q sqrt(12)."),
     click.option("--constant", metavar="RATE", help="Bias or earth rate, e.g. '10 deg/h'."),
+    click.option("--effect", multiple=True, metavar="'NAME SWING PERIOD SIZE'",
+        help="Add a column that swings, as a temperature, and its effect on the channels: 'temp 2 degC 1100 s "
+        "40 deg/h'; repeatable."),
     click.option("--low-pass", metavar="HZ", help="Low-pass filter of first order; '20 Hz 4' has order 4."),
     click.option("--noise-step", metavar="FACTOR", help="Multiply the noise of the second half by this."),
     click.option("--noise-profile", metavar="PROFILE",
@@ -221,11 +244,14 @@ def _recording(model: "Model", n: int, choices: dict[str, Any], tell: Callable[[
         name = CHANNEL_NAMES.get(model.signal.name, f"{model.signal.name} ") + ("xyz"[i] if count <= 3 else str(i + 1))
         tell(f"simulating {name}", 0.8 * i / count)
         record = simulated(model, n, choices["rate"], rng=rng, name=name, unit=unit, rounding=choices["rounding"])
+        causes = [_effect(record, text) for text in choices["effect"]]
+        for cause, effect in causes:
+            record = record.with_values(record.values + effect, f"effect of {cause.name} added")
         for option, fault in FAULTS.items():
             if choices[option] is not None:
                 record = fault(record, choices[option], rng, choices)
         records.append(record)
-    return Recording(tuple(records))
+    return Recording((*records, *(cause for cause, _ in causes)))
 
 
 COUNTING = ("model", "sensor", "rate", "duration", "samples", "channels", "seed", "constant", "out")

@@ -19,7 +19,7 @@ OWN, PAGE = say("your recording"), say("its page")
 
 MARKS: dict[str, Mark] = {AGREES: "good", DIFFERS: "weak"}  # marks of verdicts; the others have none
 HEADS = (say("in the paper"), "", say("paper"), say("other source"), say("here"), say("verdict"), say("why"))
-COUNTED = (say("{agree} of {count} printed numbers agree"), say("{agree} of {count} of other sources"))
+COUNTED = (say("{agree} of {count} printed numbers agree"), say("{agree} of {count} numbers of other sources agree"))
 MAX_ITEMS = 13  # items on the first screen
 
 
@@ -58,15 +58,15 @@ def paper_view(value: Reproduction, _: float) -> Face:
 
 
 def _brief(items: Sequence[Compared]) -> Table:
-    heads = [Column("", "name"), *(Column(text, "text") for text in (HEADS[2], *HEADS[4:6]))]
+    heads = [Column("", "name"), *(Column(text, "text") for text in (say("paper or source"), *HEADS[4:]))]
     return Table(heads, [brief(item) for item in items], marks=_marks(items))
 
 
 def brief(item: Compared) -> list[str]:
     """An item in a line: of the reason its first clause."""
     clause = "" if isinstance(item.why, Phrase) else re.split("[:;] ", item.why)[0]
-    told = join(": ", filter(None, (VERDICTS[item.verdict], clause)))
-    return [": ".join((item.item, item.claim)), item.paper or item.source, item.here, told]
+    where = ": ".join((item.item, item.claim))
+    return [where, item.paper or item.source, item.here, VERDICTS[item.verdict], clause]
 
 
 def _figure(path: Path) -> Picture:
