@@ -41,6 +41,21 @@ def test_quantization_is_made_by_rounding_on_request(tmp_path):
     assert run(path, "--model", "N 2 deg/sqrt(h)", "--rate", 10, "--samples", 500, "--rounding").exit_code == 2
 
 
+def test_an_effect_is_that_of_its_column(tmp_path):
+    path, plain = tmp_path / "out.npz", tmp_path / "plain.npz"
+    line = ("--model", "N 1 deg/sqrt(h)", "--rate", 10, "--samples", 500, "--channels", 2)
+    assert run(plain, *line).exit_code == 0
+    assert run(path, *line, "--effect", "temp 2 degC 40 s 3 deg/h", "--effect", "disp 1 um 7 s 1 deg/h").exit_code == 0
+    recording = al.read(path)
+    assert [(record.name, record.unit) for record in recording][2:] == [("temp", "degC"), ("disp", "um")]
+    *gyros, temp, disp = (record.values for record in recording)
+    np.testing.assert_allclose(temp, 2 * np.sin(2 * np.pi * np.arange(500) / 400), atol=1e-12)
+    for gyro, alone in zip(gyros, al.read(plain), strict=True):
+        np.testing.assert_allclose(gyro - alone.values, 1.5 * temp + disp, atol=1e-9)
+    for wrong in ("temp", "temp 2 degC", "temp 2 40 s 3 deg/h", ""):
+        assert "--effect has the form" in run(path, *line, "--force", "--effect", wrong).stderr, wrong
+
+
 def test_all_faults_at_once(tmp_path):
     path = tmp_path / "out.npz"
     result = run(
