@@ -60,8 +60,8 @@ def test_all_faults_at_once(tmp_path):
     path = tmp_path / "out.npz"
     result = run(
         path, "--model", "N 0.01 deg/sqrt(h), GM 0.1 deg/h 20 s", "--rate", 100, "--samples", 5000, "--constant",
-        "10 deg/h", "--low-pass", "20 Hz 2", "--noise-step", 2, "--outliers", "0.1% 20", "--clip", "300 deg/h",
-        "--quantize", "angle 0.1 arcsec", "--dither", "9 Hz 20", "--gaps", "1% 0.2s", "--json", "-",
+        "10 deg/h", "--low-pass", "20 Hz 2", "--noise-profile", "0:1, 25:1, 25:2", "--outliers", "0.1% 20", "--clip",
+        "300 deg/h", "--quantize", "angle 0.1 arcsec", "--dither", "9 Hz 20", "--gaps", "1% 0.2s", "--json", "-",
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
     truth = json.loads(result.stdout)
