@@ -80,9 +80,9 @@ def _sheet(channel: BudgetChannel) -> Sheet:
     if budget is None:
         refused = say("{channel}: no result: {reason}", channel=name, reason=channel.refusal)
         return channel_sheet(channel, (), (refused,), "alert")
-    said = [sentence(s) for s in budget.stages] or [WITHOUT]
-    named = tuple(join(": ", (name or say("channel"), each)) for each in said)
-    sentences = (Note(each, where="text") for each in said)
+    told = [sentence(s) for s in budget.stages] or [WITHOUT]
+    named = tuple(join(": ", (name or say("channel"), each)) for each in told)
+    sentences = (Note(each, where="text") for each in told)
     drawing = Drawing(lambda: figures.plot_budgets([budget]), say("noise of rounding by bits"), CAPTION)
     rows = []
     for s in budget.stages:
