@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.core.aliases import size_and_rate
+from allanite.core.errors import DataError, UsageError
+from allanite.core.syntax import split_quantities
 from allanite.core.units import convert, seconds_of
 from allanite.study.settings import LengthChoices, NoiseChoices
 
@@ -34,9 +37,6 @@ if TYPE_CHECKING:
 
 def _quantities(text: str, option: str, example: str, *, defaults: tuple[float, ...] = ()) -> list[tuple[float, str]]:
     """As many numbers with units as `example` has; trailing ones that are omitted take `defaults`."""
-    from allanite.core.errors import UsageError
-    from allanite.core.syntax import split_quantities
-
     quantities = split_quantities(text.split())
     missing = len(split_quantities(example.split())) - len(quantities)
     if not 0 <= missing <= len(defaults):
@@ -53,7 +53,6 @@ def turning_rate(text: str | None) -> float:
 
 def _noise_profile(record: "Record", text: str, _: Any, __: Any) -> "Record":
     # times and factors, from 'TIME:FACTOR, ...' or a file of two columns with or without a heading
-    from allanite.core.errors import DataError, UsageError
     from allanite.simulation import faults
 
     path = Path(text)
@@ -84,9 +83,6 @@ def _quantize(record: "Record", text: str, rng: "np.random.Generator", choices: 
 
 def _named(text: str, option: str, *forms: str) -> tuple[str, list[tuple[float, str]]]:
     """A word, one of those of several forms, and as many numbers with units as in them."""
-    from allanite.core.errors import UsageError
-    from allanite.core.syntax import split_quantities
-
     (word, *rest), known = text.split() or [""], [form.split() for form in forms]
     quantities = split_quantities(rest) if len(forms) == 1 or any(word == form[0] for form in known) else []
     if len(quantities) != len(split_quantities(known[0][1:])) or not all(unit for _, unit in quantities):
@@ -179,8 +175,6 @@ def simulate(**choices: Any) -> None:
     path = choices["out"]
     out = outputs(choices, [], also=["out"])
     demand_recording(path)
-    from allanite.core.aliases import size_and_rate
-    from allanite.core.errors import UsageError
     from allanite.simulation.record import RING_LASERS, Simulation
     from allanite.study.modelled import NoiseSettings, ways
 
@@ -198,7 +192,6 @@ def simulate(**choices: Any) -> None:
 def _recording(model: "Model", n: int, choices: dict[str, Any], tell: Callable[[str, float], None]) -> "Recording":
     import numpy as np
 
-    from allanite.core.errors import UsageError
     from allanite.core.record import Recording
     from allanite.simulation.record import simulate as simulated
 
@@ -232,7 +225,6 @@ def _counts(laser: "RingLaser", n: int, choices: dict[str, Any]) -> "Recording":
     """The counts of a ring laser gyro that turns at a constant rate."""
     import numpy as np
 
-    from allanite.core.errors import UsageError
     from allanite.core.record import Recording
     from allanite.simulation.record import simulate_ring_laser
 
