@@ -22,7 +22,7 @@ READ: dict[str, Callable[..., list[float]]] = {
     "ratios": lambda *numbers: [number / numbers[-1] for number in numbers[:-1]],
     "difference": lambda one, other: [one - other], "reduction": lambda after, before: [100 * (1 - after / before)],
     "slope": lambda *numbers: [math.log10(b / a) for a, b in zip(numbers[::2], numbers[1::2], strict=True)],
-    "mu": lambda *numbers: [2 * slope for slope in READ["slope"](*numbers)],
+    "mu": lambda *numbers: [round(2 * slope, 2) + 0.0 for slope in READ["slope"](*numbers)],
     "flatness": lambda late, tau, first: [(late / first) ** 2 * tau],
     "ramp": lambda allan, hadamard, tau: [math.sqrt(2 * (allan**2 - hadamard**2)) / tau],
     "percent": lambda *edf: [100 / math.sqrt(2 * each) for each in edf],
@@ -122,9 +122,7 @@ class Paper:
 
 _FOLDER = files("allanite.papers")
 
-PAPERS: tuple[str, ...] = tuple(
-    sorted(path.name.removesuffix(".toml") for path in _FOLDER.iterdir() if path.name.endswith(".toml"))
-)
+PAPERS: tuple[str, ...] = tuple(sorted(path.name[:-5] for path in _FOLDER.iterdir() if path.name.endswith(".toml")))
 """Names of the papers."""
 
 
@@ -204,11 +202,9 @@ def compared(item: Item, folder: Path) -> Compared:
     for name in drawn:
         (folder / name).stat()  # raises if it was not written
     verdict, expected = verdict_on(item, numbers)
-    shown = (
-        [item.form.format(*numbers) if item.form else " ".join(f"{each:.4g}" for each in numbers)] if numbers else []
-    )
+    shown = item.form.format(*numbers) if item.form else " ".join(f"{each:.4g}" for each in numbers)
     why = item.why or (say("within {share} %", share=f"{100 * item.tolerance:g}") if item.tolerance else "")
-    here = "; ".join([*shown, *drawn])
+    here = "; ".join(filter(None, (shown, *drawn)))
     return Compared(
         item.item, item.claim, item.paper, item.source, here, tuple(numbers), verdict, why, expected, bool(item.numbers)
     )
@@ -224,6 +220,5 @@ def verdict_on(item: Item, found: Sequence[float]) -> tuple[str, bool]:
 
 
 def _near(found: Sequence[float], numbers: Sequence[float], tolerance: float) -> bool:
-    return all(
-        abs(ours - theirs) <= tolerance * (abs(theirs) or 1.0) for ours, theirs in zip(found, numbers, strict=True)
-    )
+    pairs = zip(found, numbers, strict=True)
+    return all(abs(ours - theirs) <= tolerance * (abs(theirs) or 1.0) for ours, theirs in pairs)
