@@ -19,14 +19,18 @@ from allanite.interpretation.glossary import Word
 from allanite.phrases.phrase import say
 
 READ: dict[str, Callable[..., list[float]]] = {
-    "": lambda *numbers: list(numbers), "ratio": lambda one, other: [one / other],
+    "": lambda *numbers: list(numbers),
+    "ratio": lambda *numbers: [a / b for a, b in zip(numbers[::2], numbers[1::2], strict=True)],
     "ratios": lambda *numbers: [number / numbers[-1] for number in numbers[:-1]],
     "difference": lambda one, other: [one - other], "reduction": lambda after, before: [100 * (1 - after / before)],
     "slope": lambda *numbers: [math.log10(b / a) for a, b in zip(numbers[::2], numbers[1::2], strict=True)],
+    "mu": lambda *numbers: [round(2 * slope, 2) + 0.0 for slope in READ["slope"](*numbers)],
+    "flatness": lambda late, tau, first: [(late / first) ** 2 * tau],
     "ramp": lambda allan, hadamard, tau: [math.sqrt(2 * (allan**2 - hadamard**2)) / tau],
     "percent": lambda *edf: [100 / math.sqrt(2 * each) for each in edf],
 }  # fmt: skip
-"""What is made of the numbers of cells: slopes of pairs over a decade, a ramp from two deviations, percent from edf."""
+"""What is made of the numbers of cells: slopes of pairs over a decade (`mu` of the variance), a ramp from two
+deviations, percent from edf, the variance times tau over that at 1 s."""
 
 
 def number(path: Path, cell: str) -> float:
@@ -38,14 +42,14 @@ def number(path: Path, cell: str) -> float:
             value = value[int(key) if isinstance(value, list) else key]
         return float(value)
     rows = list(csv.DictReader(io.StringIO(text)))
-    column, _, where = cell.partition(" @ ")
-    if where == "last":
-        return float(rows[-1][column])
-    wanted = dict(pair.split("=") for pair in where.split(" & ")) if where else {}
-    for row in rows:
-        if all(_alike(row[key], value) for key, value in wanted.items()):
-            return float(row[column])
-    raise LookupError(f"{path.name} has no row {where}")
+    column, _, where = cell.removeprefix("rms ").partition(" @ ")
+    wanted = dict(pair.split("=") for pair in where.split(" & ")) if where not in ("", "last") else {}
+    cells = [row[column] for row in rows if all(_alike(row[key], value) for key, value in wanted.items())]
+    if not cells:
+        raise LookupError(f"{path.name} has no row {where}")
+    if cell.startswith("rms "):
+        return math.hypot(*map(float, cells)) / math.sqrt(len(cells))
+    return float(cells[-1 if where == "last" else 0])
 
 
 def _alike(shown: str, wanted: str) -> bool:
@@ -75,7 +79,8 @@ class Item:
     source: str = ""  # what another source prints, and its name, where the paper prints no number: "3139, SP 1065"
     numbers: tuple[float, ...] = ()  # what the paper prints, or else the source, as numbers that are compared
     # where ours stand: "file: cell", one a number. A cell is a column of a CSV file and the row it is read in
-    # (``value @ term=N``, ``tau_s @ last``), or from ``/`` a path into a JSON file. Of a figure, its file alone.
+    # (``value @ term=N``, ``tau_s @ last``; of all such rows ``rms deviation @ m=1``), or from ``/`` a path into a
+    # JSON file. Of a figure, its file alone.
     here: tuple[str, ...] = ()
     tolerance: float = 0.0  # relative; of a number that is zero, absolute
     # numbers that replace those of the paper, within 1 %, or that are computed where it has none
@@ -129,9 +134,7 @@ class Paper:
 
 _FOLDER = files("allanite.papers")
 
-PAPERS: tuple[str, ...] = tuple(
-    sorted(path.name.removesuffix(".toml") for path in _FOLDER.iterdir() if path.name.endswith(".toml"))
-)
+PAPERS: tuple[str, ...] = tuple(sorted(path.name[:-5] for path in _FOLDER.iterdir() if path.name.endswith(".toml")))
 """Names of the papers."""
 
 
@@ -216,11 +219,9 @@ def compared(item: Item, folder: Path) -> Compared:
     for name in drawn:
         (folder / name).stat()  # raises if it was not written
     verdict, expected = verdict_on(item, numbers)
-    shown = (
-        [item.form.format(*numbers) if item.form else " ".join(f"{each:.4g}" for each in numbers)] if numbers else []
-    )
+    shown = item.form.format(*numbers) if item.form else " ".join(f"{each:.4g}" for each in numbers)
     why = item.why or (say("within {share} %", share=f"{100 * item.tolerance:g}") if item.tolerance else "")
-    here = "; ".join([*shown, *drawn])
+    here = "; ".join(filter(None, (shown, *drawn)))
     return Compared(
         item.item, item.claim, item.paper, item.source, here, tuple(numbers), verdict, why, expected, bool(item.numbers)
     )
@@ -236,6 +237,5 @@ def verdict_on(item: Item, found: Sequence[float]) -> tuple[str, bool]:
 
 
 def _near(found: Sequence[float], numbers: Sequence[float], tolerance: float) -> bool:
-    return all(
-        abs(ours - theirs) <= tolerance * (abs(theirs) or 1.0) for ours, theirs in zip(found, numbers, strict=True)
-    )
+    pairs = zip(found, numbers, strict=True)
+    return all(abs(ours - theirs) <= tolerance * (abs(theirs) or 1.0) for ours, theirs in pairs)
