@@ -227,8 +227,9 @@ def _resolved(column: FileColumn, options: Options, *, applies: bool) -> SignalC
     if not unit:
         return Left(column, say("the unit is unknown"), _ask_unit(None), open=True)
     known, scale = (column.kind, column.scale) if unit == column.unit else ("", None)
-    kind = own.kind or known
     fits = kinds_of(unit)
+    counts = own.worth is not None and "rate" not in fits and "count" in fits and _both_ways(column)
+    kind = own.kind or known or ("count" if counts else "")
     if not fits:
         return Left(column, _strange(unit), _ask_unit(own.unit), open=True)
     meanings = offered(unit, integers=column.values.dtype.kind == "i")
@@ -238,6 +239,12 @@ def _resolved(column: FileColumn, options: Options, *, applies: bool) -> SignalC
         return Left(column, reason, say("pass what a sample is: {meanings}", meanings=meanings))
     scale = scale if own.worth is None else own.worth
     return SignalColumn(column, unit, kind or fits[0], scale, _source(column, options, unit, applies))
+
+
+def _both_ways(column: FileColumn) -> bool:
+    """Whether whole numbers rise and fall, as counts of each sample interval do and their sum does not."""
+    steps = np.diff(column.values) if column.values.dtype.kind == "i" else np.zeros(1)
+    return bool(steps.size and steps.min() < 0 < steps.max())
 
 
 def _source(column: FileColumn, options: Options, unit: str, applies: bool) -> str:

@@ -42,8 +42,10 @@ def first_of_rates(study: RateStudy, level: float) -> First:
         own += [Remark.of(name, text) for text in (apart, *told_here) if text]
     remarks += merged(own, len(study.channels))
     answer: list[Answer] = [_channels(alike, study, level) for alike in by_sensor(study.channels)]
-    ranked = [c.experiment.ranking for c in study.channels if c.experiment is not None]
-    answer += dict.fromkeys(experiments.told(ranking) for ranking in ranked if ranking is not None)
+    measured = [c.by_reversal or c.experiment for c in study.channels if c.experiment is not None]
+    if len(measured) == 1 and measured[0].start.size > 1:
+        answer.append(experiments.table_of(measured[0], level))
+    answer += dict.fromkeys(filter(None, (experiments.told(e) for e in measured if e.ranking or len(measured) == 1)))
     answer += dict.fromkeys(
         text for channel in study.channels for text in experiments.certain_limits(channel.estimates)
     )
@@ -53,7 +55,11 @@ def first_of_rates(study: RateStudy, level: float) -> First:
             for c in study.channels
             if any(e.start.size > 1 for e in c.by_duration)
         ]
-    legend = [(PLUS_MINUS, say("±: {share} half width.", share=words.percent(level)))]
+    half = say("±: {share} half width.", share=words.percent(level))
+    if any(e.ranking is None and e.start.size > 1 for e in measured):
+        half = say("±: {share} half width; without a model, by Student's t from the scatter of the intervals.",
+                   share=words.percent(level))  # fmt: skip
+    legend = [(PLUS_MINUS, half)]
     return First(title_of(study), "", answer, [*remarks, *alerts(study)], legend, how_read(study), [FIGURES, DETAILS])
 
 
@@ -76,7 +82,7 @@ def _channels(channels: Sequence[RateChannel], study: RateStudy, level: float) -
     biases = ["" if c.bias is None else _size(c.bias, level) for c in channels]
     experiments = [channel.experiment for channel in channels]
     several = [e for e in experiments if e is not None and e.start.size > 1]
-    if several:
+    if several and len(study.channels) > 1:
         time = words.duration(several[0].duration)
         scatters = [None if e is None else e.scatter(e.methods[0]) for e in experiments]
         factor = rate_factor(unit, signal)
@@ -104,11 +110,15 @@ def _whole(channel: RateChannel, study: RateStudy) -> RateEstimate | None:
 
 
 def _rate(found: RateEstimate | None, channel: RateChannel, level: float) -> str:
-    if found is not None:
+    """A rate with its error under the noise model, or else by the scatter of the intervals unless they drift."""
+    measured = channel.by_reversal or channel.experiment
+    if measured is None or found is None:
+        return "" if found is None else _size(found, level)
+    if math.isfinite(found.interval(level)[0]) or measured.start.size < 2 or measured.drift:
         return _size(found, level)
-    if channel.experiment is None:
-        return ""
-    return rounded(channel.experiment.reference / rate_factor(channel.record.signal.sheet[0], channel.record.signal))
+    value, half = found.value, measured.half_width(found.method, level) / math.sqrt(measured.start.size)
+    factor = rate_factor(found.signal.sheet[0], found.signal)
+    return _number(*(v / factor for v in (value, value - half, value + half)))
 
 
 def _size(found: RateEstimate, level: float) -> str:
@@ -135,13 +145,11 @@ def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterat
     if experiment is None:
         return
     yield from experiments.sentences(experiment)
-    if channel.bias is not None:
-        yield Note(say("rate by reversal: {rate}", rate=channel.estimates[0].words(level=level)), "strong")
-        yield Note(say("bias by reversal: {bias}", bias=channel.bias.words(level=level)))
+    yield from _reversed(channel, level)
     if channel.north is not None:
         yield Note(channel.north.words(), "strong")
     if experiment.start.size > 1:
-        yield experiments.table_of(experiment)
+        yield experiments.table_of(experiment, level)
     if any(e.start.size > 1 for e in channel.by_duration):
         yield from experiments.by_time(experiments.series_of(channel))
     yield from _estimates(channel.estimates, level, modeled=experiment.ranking is not None)
@@ -150,6 +158,16 @@ def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterat
         yield experiments.every_interval(experiment)
     if isinstance(channel.record, Record):
         yield from experiments.closeup_parts(first_of(channel.record, experiment, settings), "page")
+
+
+def _reversed(channel: RateChannel, level: float) -> Iterator[Part]:
+    """Rate and bias by the reversal of the gyro, and how the rates of its pairs of intervals scatter."""
+    if channel.bias is not None:
+        yield Note(say("rate by reversal: {rate}", rate=channel.estimates[0].words(level=level)), "strong")
+        yield Note(say("bias by reversal: {bias}", bias=channel.bias.words(level=level)))
+    if channel.by_reversal is not None and channel.by_reversal.start.size > 1:
+        yield Note(say("by reversal, half the differences of intervals of both recordings:"))
+        yield experiments.table_of(channel.by_reversal, level)
 
 
 def first_of(record: Record, found: Experiment, settings: RateSettings) -> Closeup:
@@ -213,14 +231,14 @@ def _draw(channels: Iterable[RateChannel]) -> Plot:
 def _rows(study: RateStudy, level: float) -> Rows:
     rows: list[list[Any]] = []
     for channel in study.channels:
-        for experiment in experiments.series_of(channel):
+        for experiment in (*experiments.series_of(channel), *filter(None, [channel.by_reversal])):
             whole = experiment is channel.experiment and experiment.start.size == 1  # an estimate, below
             rows += () if whole else experiments.experiment_rows(experiment)
         for e in channel.estimates:
             unit = e.signal.sheet[0]
             numbers = [v / rate_factor(unit, e.signal) for v in (e.value, *e.interval(level), e.standard_error)]
             rows.append([channel.record.name, e.method, e.duration, 1, *map(experiments.finite, numbers[:3]), *[""] * 7,
-                         experiments.finite(numbers[3]), unit])  # fmt: skip
+                         experiments.finite(numbers[3]), *[""] * 6, 1 + (channel.bias is not None), unit])  # fmt: skip
     return experiments.HEADINGS, rows
 
 
@@ -237,8 +255,8 @@ def study_view(study: RateStudy, level: float) -> Face:
         given = study.settings.noise
         name, experiment = channel.record.name, channel.experiment
         verdict: str = say("no result: {reason}", reason=channel.refusal) if channel.refusal else ""
-        if experiment is not None and experiment.ranking is not None:
-            verdict = experiments.told(experiment.ranking)
+        if experiment is not None and not verdict:
+            verdict = experiments.told(experiment)
         verdicts = (join(", ", (name or say("the channel"), verdict)),) if verdict else ()
         known = given is not None or channel.certain or (channel.noise is not None and channel.noise.explained)
         grade = "" if known and not channel.refusal else "alert"

@@ -9,6 +9,7 @@ import numpy as np
 from allanite.applications.constant_rate import Closeup, Experiment, Ranking, RateEstimate
 from allanite.applications.constant_rate.campaign import RateChannel
 from allanite.applications.constant_rate.estimates import rate_factor
+from allanite.applications.constant_rate.experiments import Standing
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
@@ -20,8 +21,11 @@ from . import view
 BRAND = say("a constant rate in a short time")
 
 KEY = say(
-    "std: scatter of the errors, with its 68 % interval; neighbours: the same from differences of neighbouring "
-    "intervals, which a slow drift does not reach; predicted: under the noise model, without these data."
+    "std: scatter of the errors; ±: the error of one interval by Student's t, of all methods at once; predicted: under "
+    "the noise model, without these data; total error: root mean square against the true rate; times the least: std "
+    "over the least one, with limits by which at the same probability the best method is not called worse, if the "
+    "intervals are independent; neighbours: std from differences of neighbouring intervals, which a slow drift does "
+    "not reach."
 )
 CAPTION = say(
     "Error of every method in each interval; below, where the record is long enough, the standard deviation against "
@@ -32,8 +36,8 @@ CAPTION = say(
 def sentences(found: Experiment) -> Iterator[Note]:
     """What was found in the intervals."""
     unit = found.signal.sheet[0]
-    if found.ranking is not None:
-        yield Note(told(found.ranking), "strong")
+    if told(found):
+        yield Note(told(found), "strong")
     if found.start.size > 1:
         reference = found.reference / unit_of(unit).factor
         length = words.duration(found.duration)
@@ -65,29 +69,44 @@ def sentences(found: Experiment) -> Iterator[Note]:
         yield Note(say("{method} is left out: {reason}", method=method, reason=why))
 
 
-def told(ranking: Ranking) -> str:
-    """The recommendation for the length of the intervals."""
-    return say("in {length}: {verdict}", length=words.duration(ranking.duration), verdict=ranking.verdict)
+def told(found: Ranking | Experiment) -> str:
+    """The recommendation for the length of the intervals: by the noise model, or else by how they scatter."""
+    by = (found.ranking or found) if isinstance(found, Experiment) else found
+    return say("in {length}: {verdict}", length=words.duration(by.duration), verdict=by.verdict) if by.verdict else ""
 
 
-def table_of(found: Experiment) -> Table:
-    """The scatter of every method, rounded to three digits of the least."""
+def table_of(found: Experiment, level: float) -> Table:
+    """The scatter of every method beside the prediction and the least one, to three digits of the least."""
     unit = found.signal.sheet[0]
-    _, rows = found.rows(unit)
-    least = min((row[2] for row in rows if row[2] > 0), default=1.0)
+    scatters, standings = [found.scatter(method) for method in found.methods], found.standings(level)
+    factor = rate_factor(unit, found.signal)
+    least = min((s.deviation / factor for s in scatters if s.deviation > 0), default=1.0)
     form = f".{max(0, 2 - math.floor(math.log10(least)))}f"
-    heads = (
-        Column(say("method"), "symbol"), Column(join(" ", (say("std"), f"[{unit}]")), form=form),
-        Column(words.interval(0.68), "interval"), Column(say("neighbours"), form=form),
-        Column(say("predicted"), form=known(form, say("not predicted"))),
-        Column(say("3 sigma"), aside=True, form=form), Column(say("mean error"), aside=True, form=f"+{form}"),
-        Column(say("worst"), aside=True, form=f"+{form}"),
-    )  # fmt: skip
-    cells = [
-        [method, std, f"{low:{form}} .. {high:{form}}", neighbours, predicted, bound, mean, worst]
-        for method, mean, std, low, high, neighbours, bound, worst, predicted in rows
+    plain, signed = known(form), known(f"+{form}")
+    columns: list[tuple[Column, list[Any]]] = [
+        (Column(say("method"), "symbol"), list(found.methods)),
+        (Column(join(" ", (say("std"), f"[{unit}]")), form=plain), [s.deviation for s in scatters]),
+        (Column("±", form=plain), [s.half for s in standings]),
+        (Column(say("predicted"), form=plain), [s.predicted for s in scatters]),
+        (Column(say("total error"), form=plain), [s.total for s in scatters]),
+        (Column(say("verdict"), "text"), [s.verdict for s in standings]),
+        (Column(say("times the least"), form=known(".3g")), [s.ratio * factor for s in standings]),
+        (Column(words.interval(level), "interval"), [_between(s) for s in standings]),
+        (Column(say("mean error"), aside=True, form=signed), [s.mean for s in scatters]),
+        (Column(say("worst"), aside=True, form=signed), [s.worst for s in scatters]),
+        (Column(say("neighbours"), aside=True, form=plain), [s.neighbours for s in scatters]),
     ]
-    return Table(heads, cells, key=KEY)
+    shown = [
+        (column, [cell if isinstance(cell, str) else cell / factor for cell in cells]) for column, cells in columns
+        if any(cell if isinstance(cell, str) else math.isfinite(cell) for cell in cells)
+    ]  # fmt: skip
+    rows = list(zip(*(cells for _, cells in shown), strict=True))
+    return Table([column for column, _ in shown], rows, key=KEY)
+
+
+def _between(standing: Standing) -> str:
+    """The limits of the ratio to the least scatter; nothing for that one itself, or where it is not compared."""
+    return f"{standing.low:.3g} .. {standing.high:.3g}" if standing.low != standing.high and standing.verdict else ""
 
 
 def every_interval(found: Experiment) -> Table:
@@ -155,7 +174,8 @@ def _scatter(e: Experiment, method: str, name: str) -> float:
 
 HEADINGS = (
     "channel", "method", "duration_s", "intervals", "rate", "rate_low", "rate_high", "mean_error", "std", "std_low",
-    "std_high", "neighbours", "three_sigma", "worst", "predicted", "unit",
+    "std_high", "neighbours", "three_sigma", "worst", "predicted", "total_error", "half_width", "over_least",
+    "over_least_low", "over_least_high", "verdict", "positions", "unit",
 )  # fmt: skip
 
 
@@ -163,9 +183,11 @@ def experiment_rows(found: Experiment) -> Iterator[list[Any]]:
     """The rows of an experiment under `HEADINGS`."""
     unit = found.signal.sheet[0]
     means = dict(zip(found.methods, found.rates.mean(axis=1) / rate_factor(unit, found.signal), strict=True))
-    for method, *numbers in found.rows(unit)[1]:
+    factor = rate_factor(unit, found.signal)
+    for (method, *numbers), standing in zip(found.rows(unit)[1], found.standings(), strict=True):
+        compared = standing.half / factor, standing.ratio, standing.low, standing.high
         yield [found.name, method, found.duration, found.start.size, float(means[method]), "", "",
-               *map(finite, numbers), unit]  # fmt: skip
+               *map(finite, (*numbers, *compared)), standing.verdict, found.positions, unit]  # fmt: skip
 
 
 def finite(value: float) -> float | str:
@@ -177,12 +199,12 @@ def finite(value: float) -> float | str:
     lambda values, fit, level: figures.plot_rates([(experiment, ()) for experiment in values]),
     lambda found, level: (HEADINGS, list(experiment_rows(found))),
 )
-def experiment_view(found: Experiment, _: float) -> Face:
+def experiment_view(found: Experiment, level: float) -> Face:
     """The rates of all methods over the intervals of a record."""
     return one_sheet(
         found.name or say("Rate"), BRAND, found.name,
         (
-            *sentences(found), *([table_of(found)] if found.start.size > 1 else ()),
+            *sentences(found), *([table_of(found, level)] if found.start.size > 1 else ()),
             Drawing(lambda: figures.plot_rates([(found, ())]), say("errors of all methods"), CAPTION),
         ),
     )  # fmt: skip
