@@ -4,6 +4,8 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from allanite.applications.choices import RateChoices
 from allanite.extending import (
     SHORTEST,
@@ -296,7 +298,7 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
     asked = settings.durations != DURATIONS
     durations = tuple(d for d in settings.durations if asked or d * MIN_INTERVALS <= record.duration)
     short = [d for d in durations if asked and not fits(record, d)]
-    methods = measured.methods if measured.start.size == 1 else ()
+    methods = measured.methods if measured.start.size == 1 and np.isfinite(record.values).all() else ()
     estimates = tuple(_whole(record, method, model, chosen) for method in methods)
     if any(e.limits is not None for e in estimates):  # an ideal staircase has no noise that could be identified
         noise, alerts, settled = None, (), (*settled, "short")

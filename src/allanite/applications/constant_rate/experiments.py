@@ -208,7 +208,7 @@ class Experiment(Value):
             return say("too few intervals to compare methods: give shorter ones ({option})",
                        option=spelled(f"--interval {shorter}", f"interval={shorter}"))  # fmt: skip
         if not self.chosen:
-            return say("every interval gives the same rate")
+            return say("every interval gives the same rate: no scatter by which to compare methods")
         parts = [say("use {method}: in {count} intervals no other scatters less by more than {percent:g} %",
                      method=self.chosen, count=self.start.size, percent=100 * MAX_LOSS)]  # fmt: skip
         apart = [s for s in standings if s.high > 1 + MAX_LOSS]

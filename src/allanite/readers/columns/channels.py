@@ -228,11 +228,11 @@ def _resolved(column: FileColumn, options: Options, *, applies: bool) -> SignalC
         return Left(column, say("the unit is unknown"), _ask_unit(None), open=True)
     known, scale = (column.kind, column.scale) if unit == column.unit else ("", None)
     fits = kinds_of(unit)
-    counts = own.worth is not None and "rate" not in fits and "count" in fits and _both_ways(column)
+    counts = own.worth is not None and "rate" not in fits and "count" in fits and _counts(column)
     kind = own.kind or known or ("count" if counts else "")
     if not fits:
         return Left(column, _strange(unit), _ask_unit(own.unit), open=True)
-    meanings = offered(unit, integers=column.values.dtype.kind == "i")
+    meanings = offered(unit, integers=_whole(column))
     if (kind or "rate") not in fits:
         unclear = say("{unit!r} does not determine what a sample is", unit=unit)
         reason = say("{unit!r} does not match kind {kind!r}", unit=unit, kind=kind) if kind else unclear
@@ -241,10 +241,18 @@ def _resolved(column: FileColumn, options: Options, *, applies: bool) -> SignalC
     return SignalColumn(column, unit, kind or fits[0], scale, _source(column, options, unit, applies))
 
 
-def _both_ways(column: FileColumn) -> bool:
-    """Whether whole numbers rise and fall, as counts of each sample interval do and their sum does not."""
-    steps = np.diff(column.values) if column.values.dtype.kind == "i" else np.zeros(1)
-    return bool(steps.size and steps.min() < 0 < steps.max())
+def _whole(column: FileColumn) -> bool:
+    """Whether all samples that are not missing are whole numbers."""
+    values = column.values
+    return bool(np.all(np.isnan(values) | (np.isfinite(values) & (np.rint(values) == values))))
+
+
+def _counts(column: FileColumn) -> bool:
+    """Whether whole numbers are as independent as the counts of each sample interval, which their sum is not."""
+    values = column.values.astype(np.float64)
+    steps = np.diff(values) if _whole(column) else np.zeros(0)
+    squares = np.square(steps[np.isfinite(steps)])
+    return bool(squares.size and squares.mean() > 0.2 * np.nanvar(values) > 0)
 
 
 def _source(column: FileColumn, options: Options, unit: str, applies: bool) -> str:

@@ -16,6 +16,7 @@ from allanite.applications.constant_rate import (
 )
 from allanite.applications.constant_rate.campaign import DURATIONS, RateChannel, RateSettings, RateStudy
 from allanite.applications.constant_rate.estimates import rate_factor
+from allanite.core.arrays import complete
 from allanite.core.errors import UndrawnError
 from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
@@ -43,9 +44,8 @@ def first_of_rates(study: RateStudy, level: float) -> First:
     remarks += merged(own, len(study.channels))
     answer: list[Answer] = [_channels(alike, study, level) for alike in by_sensor(study.channels)]
     measured = [c.by_reversal or c.experiment for c in study.channels if c.experiment is not None]
-    if len(measured) == 1 and measured[0].start.size > 1:
-        answer.append(experiments.table_of(measured[0], level))
-    answer += dict.fromkeys(filter(None, (experiments.told(e) for e in measured if e.ranking or len(measured) == 1)))
+    for experiment in measured[: len(study.channels) == 1]:
+        answer += [experiments.table_of(experiment, level), *filter(None, [experiments.told(experiment)])]
     answer += dict.fromkeys(
         text for channel in study.channels for text in experiments.certain_limits(channel.estimates)
     )
@@ -90,6 +90,8 @@ def _channels(channels: Sequence[RateChannel], study: RateStudy, level: float) -
         predicted = ["" if s is None or math.isnan(s.predicted) else rounded(s.predicted / factor) for s in scatters]
         rows.append(ChannelRow(say("scatter of {time} means", time=time), "", unit, shown, short=say("scatter")))
         rows.append(ChannelRow(say("predicted for {time}", time=time), "", unit, predicted, 2, say("predicted")))
+        best = ["" if e is None else (e.ranking or e).chosen for e in experiments]
+        rows.append(ChannelRow(say("method for {time}", time=time), "", "", best, short=say("method")))
     rows.append(ChannelRow(say("north"), "", "deg", norths))
     rows.append(ChannelRow(say("bias by reversal"), "", unit, biases, short=say("bias")))
     fits = [fit_words(channel.noise, channel.refusal) for channel in channels]
@@ -98,9 +100,11 @@ def _channels(channels: Sequence[RateChannel], study: RateStudy, level: float) -
 
 
 def _whole(channel: RateChannel, study: RateStudy) -> RateEstimate | None:
-    """The rate over the record: as measured, or of several intervals by the first method."""
+    """The rate over the record: as measured, or of several intervals by the first method; None if it has gaps."""
     if channel.estimates or channel.experiment is None or not isinstance(channel.record, Record):
         return next(iter((*channel.certain, *channel.estimates)), None)
+    if not complete(channel.record.values):
+        return None
     chosen, model = study.settings.experiment_on(channel.record), study.settings.noise
     if model is None and channel.noise is not None and channel.noise.explained:
         model = channel.noise.fit.usable()
@@ -112,12 +116,13 @@ def _whole(channel: RateChannel, study: RateStudy) -> RateEstimate | None:
 def _rate(found: RateEstimate | None, channel: RateChannel, level: float) -> str:
     """A rate with its error under the noise model, or else by the scatter of the intervals unless they drift."""
     measured = channel.by_reversal or channel.experiment
-    if measured is None or found is None:
+    if measured is None or (found is not None and math.isfinite(found.interval(level)[0])):
         return "" if found is None else _size(found, level)
-    if math.isfinite(found.interval(level)[0]) or measured.start.size < 2 or measured.drift:
-        return _size(found, level)
-    value, half = found.value, measured.half_width(found.method, level) / math.sqrt(measured.start.size)
-    factor = rate_factor(found.signal.sheet[0], found.signal)
+    method = measured.methods[0] if found is None else found.method
+    value = float(measured.rates[measured.methods.index(method)].mean()) if found is None else found.value
+    half = measured.half_width(method, level) / math.sqrt(measured.start.size)
+    half = math.nan if measured.drift or not half > 0 else half
+    factor = rate_factor(measured.signal.sheet[0], measured.signal)
     return _number(*(v / factor for v in (value, value - half, value + half)))
 
 

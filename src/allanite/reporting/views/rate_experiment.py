@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from allanite.applications.constant_rate import Closeup, Experiment, Ranking, RateEstimate
 from allanite.applications.constant_rate.campaign import RateChannel
 from allanite.applications.constant_rate.estimates import rate_factor
-from allanite.applications.constant_rate.experiments import Standing
+from allanite.applications.constant_rate.experiments import Scatter, Standing
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
@@ -21,7 +22,7 @@ from . import view
 BRAND = say("a constant rate in a short time")
 
 KEY = say(
-    "std: scatter of the errors; ±: the error of one interval by Student's t, of all methods at once; predicted: under "
+    "std: scatter of the errors; ± of one: error of one interval by Student's t, all methods at once; predicted: under "
     "the noise model, without these data; total error: root mean square against the true rate; times the least: std "
     "over the least one, with limits by which at the same probability the best method is not called worse, if the "
     "intervals are independent; neighbours: std from differences of neighbouring intervals, which a slow drift does "
@@ -78,30 +79,32 @@ def told(found: Ranking | Experiment) -> str:
 def table_of(found: Experiment, level: float) -> Table:
     """The scatter of every method beside the prediction and the least one, to three digits of the least."""
     unit = found.signal.sheet[0]
-    scatters, standings = [found.scatter(method) for method in found.methods], found.standings(level)
-    factor = rate_factor(unit, found.signal)
-    least = min((s.deviation / factor for s in scatters if s.deviation > 0), default=1.0)
+    scatters, standings = [Scatter(*row) for row in found.rows(unit)[1]], found.standings(level)
+    factor, several = rate_factor(unit, found.signal), found.start.size > 1
+    least = min((v for s in scatters for v in (s.deviation, s.predicted) if v > 0), default=1.0)
     form = f".{max(0, 2 - math.floor(math.log10(least)))}f"
-    plain, signed = known(form), known(f"+{form}")
+    plain, signed, errors = known(form), known(f"+{form}"), scatters if several or found.known else []
     columns: list[tuple[Column, list[Any]]] = [
         (Column(say("method"), "symbol"), list(found.methods)),
-        (Column(join(" ", (say("std"), f"[{unit}]")), form=plain), [s.deviation for s in scatters]),
-        (Column("±", form=plain), [s.half for s in standings]),
+        (Column(say("std"), form=plain), [s.deviation for s in scatters]),
+        (Column(say("± of one"), form=plain), [s.half / factor for s in standings]),
         (Column(say("predicted"), form=plain), [s.predicted for s in scatters]),
         (Column(say("total error"), form=plain), [s.total for s in scatters]),
         (Column(say("verdict"), "text"), [s.verdict for s in standings]),
-        (Column(say("times the least"), form=known(".3g")), [s.ratio * factor for s in standings]),
+        (Column(say("times the least"), form=known(".3g")), [s.ratio for s in standings]),
         (Column(words.interval(level), "interval"), [_between(s) for s in standings]),
-        (Column(say("mean error"), aside=True, form=signed), [s.mean for s in scatters]),
-        (Column(say("worst"), aside=True, form=signed), [s.worst for s in scatters]),
+        (Column(say("mean rate"), aside=True, form=".8g"), (found.rates.mean(axis=1) / factor).tolist()),
+        (Column(say("mean error"), aside=True, form=signed), [s.mean for s in errors]),
+        (Column(say("worst"), aside=True, form=signed), [s.worst for s in errors]),
         (Column(say("neighbours"), aside=True, form=plain), [s.neighbours for s in scatters]),
     ]
     shown = [
-        (column, [cell if isinstance(cell, str) else cell / factor for cell in cells]) for column, cells in columns
+        (column, cells) for column, cells in columns
         if any(cell if isinstance(cell, str) else math.isfinite(cell) for cell in cells)
     ]  # fmt: skip
-    rows = list(zip(*(cells for _, cells in shown), strict=True))
-    return Table([column for column, _ in shown], rows, key=KEY)
+    heads = [column for column, _ in shown]
+    heads[1] = replace(heads[1], heading=join(" ", (heads[1].heading, f"[{unit}]")))
+    return Table(heads, list(zip(*(cells for _, cells in shown), strict=True)), key=KEY)
 
 
 def _between(standing: Standing) -> str:
