@@ -217,6 +217,7 @@ class RateChannel(ChannelResult):
     bias: RateEstimate | None = None
     north: North | None = None
     by_reversal: Experiment | None = None
+    whole: RateEstimate | None = None
     alerts: tuple[str, ...] = ()
 
     @property
@@ -298,8 +299,9 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
     asked = settings.durations != DURATIONS
     durations = tuple(d for d in settings.durations if asked or d * MIN_INTERVALS <= record.duration)
     short = [d for d in durations if asked and not fits(record, d)]
-    methods = measured.methods if measured.start.size == 1 and np.isfinite(record.values).all() else ()
-    estimates = tuple(_whole(record, method, model, chosen) for method in methods)
+    methods = measured.methods[: None if measured.start.size == 1 else 1] if np.isfinite(record.values).all() else ()
+    wholes = tuple(_whole(record, method, model, chosen) for method in methods)
+    estimates = wholes if measured.start.size == 1 else ()
     if any(e.limits is not None for e in estimates):  # an ideal staircase has no noise that could be identified
         noise, alerts, settled = None, (), (*settled, "short")
     heading = bias = turned = None
@@ -330,7 +332,7 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
     return RateChannel(
         record, seen.quality, noise, experiment=measured, by_duration=by_duration(record, durations, model, chosen),
         estimates=estimates, bias=bias, north=heading, by_reversal=turned,
-        alerts=(*alerts, *map(str, measured.findings), *unfit, *warned),
+        whole=next(iter(wholes), None), alerts=(*alerts, *map(str, measured.findings), *unfit, *warned),
     )  # fmt: skip
 
 

@@ -257,15 +257,11 @@ class Experiment(Value):
             ratio=ratio, part=part, intervals=k, change=-change, unit=unit,
         )  # fmt: skip
 
-    def rows(self, unit: str | None = None, level: float = 0.68) -> tuple[list[str], list[list[Any]]]:
-        """Headings and rows, one row per method, in `unit`."""
-        unit = unit or self.signal.sheet[0]
-        factor = rate_factor(unit, self.signal)
-        share = f"{100 * level:g} %"
-        headings = ["method", "mean error", "std", f"{share} low", f"{share} high", "neighbours", "3 sigma", "worst",
-                    "predicted", "total error"]  # fmt: skip
-        scatters = (self.scatter(method, level) for method in self.methods)
-        return headings, [[s.method, *(v / factor for v in s[1:])] for s in scatters]
+    def scatters(self, unit: str | None = None, level: float = 0.68) -> list[Scatter]:
+        """How the rates of every method scatter, in `unit`."""
+        factor = rate_factor(unit or self.signal.sheet[0], self.signal)
+        found = (self.scatter(method, level) for method in self.methods)
+        return [Scatter(s.method, *(v / factor for v in s[1:])) for s in found]
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI."""

@@ -11,12 +11,9 @@ from allanite.applications.constant_rate import (
     Ranking,
     RateEstimate,
     closeup,
-    estimate,
-    subtract_bias,
 )
 from allanite.applications.constant_rate.campaign import DURATIONS, RateChannel, RateSettings, RateStudy
 from allanite.applications.constant_rate.estimates import rate_factor
-from allanite.core.arrays import complete
 from allanite.core.errors import UndrawnError
 from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
@@ -76,7 +73,7 @@ def _unsteady(experiment: Experiment) -> str:
 def _channels(channels: Sequence[RateChannel], study: RateStudy, level: float) -> Channels:
     signal, unit = channels[0].record.signal, channels[0].record.signal.sheet[0]
     length, rows = words.duration(channels[0].record.duration), list[ChannelRow]()
-    cells = [_rate(_whole(channel, study), channel, level) for channel in channels]
+    cells = [_rate(channel, level) for channel in channels]
     rows.append(ChannelRow(say("rate, mean over {length}", length=length), "", unit, cells, short=say("rate")))
     norths = ["" if c.north is None else _number(c.north.heading, c.north.low, c.north.high) for c in channels]
     biases = ["" if c.bias is None else _size(c.bias, level) for c in channels]
@@ -99,22 +96,9 @@ def _channels(channels: Sequence[RateChannel], study: RateStudy, level: float) -
     return Channels(names_of(channels), [row for row in rows if any(row.cells)], signal.sensor)
 
 
-def _whole(channel: RateChannel, study: RateStudy) -> RateEstimate | None:
-    """The rate over the record: as measured, or of several intervals by the first method; None if it has gaps."""
-    if channel.estimates or channel.experiment is None or not isinstance(channel.record, Record):
-        return next(iter((*channel.certain, *channel.estimates)), None)
-    if not complete(channel.record.values):
-        return None
-    chosen, model = study.settings.experiment_on(channel.record), study.settings.noise
-    if model is None and channel.noise is not None and channel.noise.explained:
-        model = channel.noise.fit.usable()
-    method = channel.experiment.methods[0]
-    rate = estimate(channel.record, method, model=model, dither=chosen.dither, options=chosen.options)
-    return subtract_bias(rate, chosen.bias, channel.record.signal.unit) if chosen.bias else rate
-
-
-def _rate(found: RateEstimate | None, channel: RateChannel, level: float) -> str:
-    """A rate with its error under the noise model, or else by the scatter of the intervals unless they drift."""
+def _rate(channel: RateChannel, level: float) -> str:
+    """The rate over the record: its error is that under the noise model, or else by the scatter of intervals alike."""
+    found = next(iter((*channel.certain, *channel.estimates)), channel.whole)
     measured = channel.by_reversal or channel.experiment
     if measured is None or (found is not None and math.isfinite(found.interval(level)[0])):
         return "" if found is None else _size(found, level)

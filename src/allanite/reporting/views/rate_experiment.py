@@ -10,7 +10,7 @@ import numpy as np
 from allanite.applications.constant_rate import Closeup, Experiment, Ranking, RateEstimate
 from allanite.applications.constant_rate.campaign import RateChannel
 from allanite.applications.constant_rate.estimates import rate_factor
-from allanite.applications.constant_rate.experiments import Scatter, Standing
+from allanite.applications.constant_rate.experiments import Standing
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
@@ -79,7 +79,7 @@ def told(found: Ranking | Experiment) -> str:
 def table_of(found: Experiment, level: float) -> Table:
     """The scatter of every method beside the prediction and the least one, to three digits of the least."""
     unit = found.signal.sheet[0]
-    scatters, standings = [Scatter(*row) for row in found.rows(unit)[1]], found.standings(level)
+    scatters, standings = found.scatters(), found.standings(level)
     factor, several = rate_factor(unit, found.signal), found.start.size > 1
     least = min((v for s in scatters for v in (s.deviation, s.predicted) if v > 0), default=1.0)
     form = f".{max(0, 2 - math.floor(math.log10(least)))}f"
@@ -187,7 +187,7 @@ def experiment_rows(found: Experiment) -> Iterator[list[Any]]:
     unit = found.signal.sheet[0]
     means = dict(zip(found.methods, found.rates.mean(axis=1) / rate_factor(unit, found.signal), strict=True))
     factor = rate_factor(unit, found.signal)
-    for (method, *numbers), standing in zip(found.rows(unit)[1], found.standings(), strict=True):
+    for (method, *numbers), standing in zip(found.scatters(), found.standings(), strict=True):
         compared = standing.half / factor, standing.ratio, standing.low, standing.high
         yield [found.name, method, found.duration, found.start.size, float(means[method]), "", "",
                *map(finite, (*numbers, *compared)), standing.verdict, found.positions, unit]  # fmt: skip
