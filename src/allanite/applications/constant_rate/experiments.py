@@ -56,6 +56,14 @@ class Standing(NamedTuple):
     verdict: str
 
 
+def _ratio(a: FloatArray, b: FloatArray, t: float) -> tuple[float, float, float]:
+    """Standard deviation of one series over that of another, with limits at a value of Student's t."""
+    value, correlation = float(a.std() / b.std()), float(np.corrcoef(a, b)[0, 1])
+    c = 1 + 2 * (1 - correlation**2) * t**2 / (a.size - 2)
+    narrow = math.sqrt(max(c - math.sqrt(max(c**2 - 1, 0.0)), 0.0))
+    return value, value * narrow, value / narrow if narrow > 0 else math.inf
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Experiment(Value):
     """Rates of all methods over the intervals of a record, SI.
@@ -149,15 +157,9 @@ class Experiment(Value):
         k = self.start.size
         if k < 3:
             return ()
-        ratios, t = [], float(stdtrit(k - 2, (1 + level) / 2))
+        t = float(stdtrit(k - 2, (1 + level) / 2))
         scattered = [(m, rates) for m, rates in zip(self.methods, self.rates, strict=True) if rates.std() > 0]
-        for (first, a), (second, b) in combinations(scattered, 2):
-            value, correlation = float(a.std(ddof=1) / b.std(ddof=1)), float(np.corrcoef(a, b)[0, 1])
-            c = 1 + 2 * (1 - correlation**2) * t**2 / (k - 2)
-            narrow = math.sqrt(max(c - math.sqrt(max(c**2 - 1, 0.0)), 0.0))
-            high = value / narrow if narrow > 0 else math.inf
-            ratios.append(Ratio(first, second, value, value * narrow, high))
-        return tuple(ratios)
+        return tuple(Ratio(first, second, *_ratio(a, b, t)) for (first, a), (second, b) in combinations(scattered, 2))
 
     def half_width(self, method: str, level: float = 0.95, *, of: int = 1) -> float:
         """Half width of the error of one interval by Student's t; `of` several methods at once by Bonferroni; SI."""
@@ -178,18 +180,17 @@ class Experiment(Value):
         ----------
         J. C. Hsu, Annals of Statistics 9 (1981) 1026: multiple comparisons with the best.
         """
-        count = len(self.methods)
-        pairs = {(r.first, r.second): r for r in self.ratios(1 - 2 * (1 - level) / max(count - 1, 2))}
-        pairs |= {(r.second, r.first): Ratio(r.second, r.first, 1 / r.value, 1 / r.high, 1 / r.low)
-                  for r in pairs.values() if r.low > 0}  # fmt: skip
-        least = self.methods[int(self.rates.std(axis=1).argmin())]
-        none = Ratio("", "", math.nan, math.nan, math.nan)
+        from scipy.special import stdtrit
+
+        k, count, least = self.start.size, len(self.methods), int(self.rates.std(axis=1).argmin())
+        t = float(stdtrit(k - 2, 1 - (1 - level) / max(count - 1, 2))) if k > 2 else math.nan
         found = []
-        for method in self.methods:
-            r = Ratio(method, least, 1.0, 1.0, 1.0) if method == least and pairs else pairs.get((method, least), none)
-            word = say("as good") if r.high <= 1 + MAX_LOSS else say("worse") if r.low > 1 else say("undecided")
-            verdict = "" if math.isnan(r.value) else say("least scatter") if method == least else word
-            found.append(Standing(method, self.half_width(method, level, of=count), *r[2:], verdict))
+        for i, method in enumerate(self.methods):
+            one = (1.0, 1.0, 1.0) if t > 0 and self.rates[least].std() > 0 else (math.nan,) * 3
+            ratio, low, high = one if i == least or math.isnan(one[0]) else _ratio(self.rates[i], self.rates[least], t)
+            word = say("as good") if high <= 1 + MAX_LOSS else say("worse") if low > 1 else say("undecided")
+            verdict = "" if math.isnan(ratio) else say("least scatter") if i == least else word
+            found.append(Standing(method, self.half_width(method, level, of=count), ratio, low, high, verdict))
         return tuple(found)
 
     @property
@@ -211,14 +212,13 @@ class Experiment(Value):
             return say("every interval gives the same rate: no scatter by which to compare methods")
         parts = [say("use {method}: in {count} intervals no other scatters less by more than {percent:g} %",
                      method=self.chosen, count=self.start.size, percent=100 * MAX_LOSS)]  # fmt: skip
-        apart = [s for s in standings if s.high > 1 + MAX_LOSS]
-        beaten = min((s for s in apart if s.low > 1), key=lambda s: s.ratio, default=None)
+        beaten = min((s for s in standings if s.low > 1 and s.high > 1 + MAX_LOSS), key=lambda s: s.ratio, default=None)
         if beaten is not None:
             parts.append(say("{method} scatters {ratio:.3g} times as much, at least {low:.3g} times",
                              method=beaten.method, ratio=beaten.ratio, low=beaten.low))  # fmt: skip
-        rivals = [s.method for s in apart if s.low <= 1]
-        if self.chosen in rivals:
-            rivals = [s.method for s in standings if (s.method in rivals or s.ratio == 1) and s.method != self.chosen]
+        least = min(standings, key=lambda s: s.ratio).method
+        unsure = [s.method for s in standings if s.low <= 1 and s.high > 1 + MAX_LOSS]
+        rivals = [least if method == self.chosen else method for method in unsure]
         if rivals:
             parts.append(say("not certain against {methods}", methods=", ".join(rivals)))
         return join("; ", parts)

@@ -4,14 +4,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from allanite.applications.constant_rate import (
-    RATE_ESTIMATORS,
-    Closeup,
-    Experiment,
-    Ranking,
-    RateEstimate,
-    closeup,
-)
+from allanite.applications.constant_rate import RATE_ESTIMATORS, Closeup, Experiment, Ranking, RateEstimate, closeup
 from allanite.applications.constant_rate.campaign import DURATIONS, RateChannel, RateSettings, RateStudy
 from allanite.applications.constant_rate.estimates import rate_factor
 from allanite.core.errors import UndrawnError
@@ -177,15 +170,11 @@ def interval_rows(study: RateStudy) -> Rows:
     """The rate of every interval by every method, unrounded, in the unit of data sheets."""
     heads = ("channel", "interval", "start_s", "duration_s", "method", "rate", "error", "unit")
     rows = []
-    for experiment in (channel.experiment for channel in study if channel.experiment is not None):
-        unit = experiment.signal.sheet[0]
-        factor = rate_factor(unit, experiment.signal)
-        for i, start in enumerate(experiment.start.tolist()):
-            for method, rate, error in zip(
-                experiment.methods, experiment.rates[:, i], experiment.errors[:, i], strict=True
-            ):
-                numbers = (float(rate) / factor, float(error) / factor)
-                rows.append([experiment.name, i + 1, start, experiment.duration, method, *numbers, unit])
+    for e in (channel.experiment for channel in study if channel.experiment is not None):
+        unit, factor = e.signal.sheet[0], rate_factor(e.signal.sheet[0], e.signal)
+        rates, errors = (e.rates.T / factor).tolist(), (e.errors.T / factor).tolist()
+        rows += [[e.name, i + 1, start, e.duration, *cells, unit] for i, start in enumerate(e.start.tolist())
+                 for cells in zip(e.methods, rates[i], errors[i], strict=True)]  # fmt: skip
     return heads, rows
 
 
@@ -241,13 +230,14 @@ def study_view(study: RateStudy, level: float) -> Face:
     """The rate of each channel by every method."""
     sheets = []
     for channel in study.channels:
-        given = study.settings.noise
-        name, experiment = channel.record.name, channel.experiment
-        verdict: str = say("no result: {reason}", reason=channel.refusal) if channel.refusal else ""
-        if experiment is not None and not verdict:
-            verdict = experiments.told(experiment)
-        verdicts = (join(", ", (name or say("the channel"), verdict)),) if verdict else ()
-        known = given is not None or channel.certain or (channel.noise is not None and channel.noise.explained)
+        told = "" if channel.experiment is None else experiments.told(channel.experiment)
+        verdict = say("no result: {reason}", reason=channel.refusal) if channel.refusal else told
+        verdicts = (join(", ", (channel.record.name or say("the channel"), verdict)),) if verdict else ()
+        known = (
+            study.settings.noise is not None
+            or channel.certain
+            or (channel.noise is not None and channel.noise.explained)
+        )
         grade = "" if known and not channel.refusal else "alert"
         sheets.append(channel_sheet(channel, _parts(channel, study.settings, level), verdicts, grade))
     title = say("Rate of {source}", source=source_of(study))

@@ -56,7 +56,6 @@ def sentences(found: Experiment) -> Iterator[Note]:
     if found.ranking is not None and found.start.size != 1:
         wandering = [t.symbol for t in found.ranking.model if t.row.slope >= 0]
         if wandering:
-            unit = found.signal.sheet[0]
             both = math.sqrt(float(expected(found.ranking.model, "adev", found.duration)[0])) / unit_of(unit).factor
             yield Note(
                 say(
@@ -151,8 +150,9 @@ def by_time(series: Sequence[Experiment]) -> Iterator[Table]:
     methods = list(dict.fromkeys(method for e in ordered for method in e.methods))
     measured = say("std against the measuring time [{unit}]", unit=unit)
     predicted = say("predicted std against the measuring time [{unit}]", unit=unit)
+    scatters = [{s.method: s for s in e.scatters()} for e in ordered]
     for name, title in (("deviation", measured), ("predicted", predicted)):
-        numbers = {m: [_scatter(e, m, name) for e in ordered] for m in methods}
+        numbers = {m: [getattr(s[m], name) if m in s else math.nan for s in scatters] for m in methods}
         if name == "predicted":
             numbers = {m: each for m, each in numbers.items() if any(map(math.isfinite, each))}
         heading = join(" ", (say("std"), f"[{unit}]")) if len(methods) == 1 and name == "deviation" else ""
@@ -169,12 +169,6 @@ def by_time(series: Sequence[Experiment]) -> Iterator[Table]:
             yield Table(heads, rows, title)
 
 
-def _scatter(e: Experiment, method: str, name: str) -> float:
-    """A measure of the scatter of a method in the unit of data sheets; NaN where it was left out."""
-    factor = rate_factor(e.signal.sheet[0], e.signal)
-    return float(getattr(e.scatter(method), name)) / factor if method in e.methods else math.nan
-
-
 HEADINGS = (
     "channel", "method", "duration_s", "intervals", "rate", "rate_low", "rate_high", "mean_error", "std", "std_low",
     "std_high", "neighbours", "three_sigma", "worst", "predicted", "total_error", "half_width", "over_least",
@@ -185,12 +179,12 @@ HEADINGS = (
 def experiment_rows(found: Experiment) -> Iterator[list[Any]]:
     """The rows of an experiment under `HEADINGS`."""
     unit = found.signal.sheet[0]
-    means = dict(zip(found.methods, found.rates.mean(axis=1) / rate_factor(unit, found.signal), strict=True))
     factor = rate_factor(unit, found.signal)
-    for (method, *numbers), standing in zip(found.scatters(), found.standings(), strict=True):
-        compared = standing.half / factor, standing.ratio, standing.low, standing.high
-        yield [found.name, method, found.duration, found.start.size, float(means[method]), "", "",
-               *map(finite, (*numbers, *compared)), standing.verdict, found.positions, unit]  # fmt: skip
+    means = (found.rates.mean(axis=1) / factor).tolist()
+    for mean, (method, *numbers), s in zip(means, found.scatters(), found.standings(), strict=True):
+        compared = map(finite, (*numbers, s.half / factor, s.ratio, s.low, s.high))
+        yield [found.name, method, found.duration, found.start.size, mean, "", "", *compared, s.verdict,
+               found.positions, unit]  # fmt: skip
 
 
 def finite(value: float) -> float | str:
