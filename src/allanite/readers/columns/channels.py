@@ -241,18 +241,20 @@ def _resolved(column: FileColumn, options: Options, *, applies: bool) -> SignalC
     return SignalColumn(column, unit, kind or fits[0], scale, _source(column, options, unit, applies))
 
 
+@np.errstate(all="ignore")
 def _whole(column: FileColumn) -> bool:
     """Whether all samples that are not missing are whole numbers."""
     values = column.values
     return bool(np.all(np.isnan(values) | (np.isfinite(values) & (np.rint(values) == values))))
 
 
+@np.errstate(all="ignore")
 def _counts(column: FileColumn) -> bool:
     """Whether whole numbers are as independent as the counts of each sample interval, which their sum is not."""
     values = column.values.astype(np.float64)
-    steps = np.diff(values) if _whole(column) else np.zeros(0)
-    squares = np.square(steps[np.isfinite(steps)])
-    return bool(squares.size and squares.mean() > 0.2 * np.nanvar(values) > 0)
+    kept, squares = values[np.isfinite(values)], np.square(np.diff(values))
+    squares = squares[np.isfinite(squares)]
+    return bool(_whole(column) and squares.size and squares.mean() > 0.2 * kept.var() > 0)
 
 
 def _source(column: FileColumn, options: Options, unit: str, applies: bool) -> str:
