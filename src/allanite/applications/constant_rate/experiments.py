@@ -186,7 +186,7 @@ class Experiment(Value):
         t = float(stdtrit(k - 2, 1 - (1 - level) / max(count - 1, 2))) if k > 2 else math.nan
         found = []
         for i, method in enumerate(self.methods):
-            one = (1.0, 1.0, 1.0) if t > 0 and self.rates[least].std() > 0 else (math.nan,) * 3
+            one = (1.0, 1.0, 1.0) if count > 1 and t > 0 and self.rates[least].std() > 0 else (math.nan,) * 3
             ratio, low, high = one if i == least or math.isnan(one[0]) else _ratio(self.rates[i], self.rates[least], t)
             word = say("as good") if high <= 1 + MAX_LOSS else say("worse") if low > 1 else say("undecided")
             verdict = "" if math.isnan(ratio) else say("least scatter") if i == least else word
