@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass, field, replace
-from itertools import combinations
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -34,16 +33,6 @@ class Scatter(NamedTuple):
     total: float
 
 
-class Ratio(NamedTuple):
-    """Standard deviation of one method over that of another, with limits that allow for their using the same data."""
-
-    first: str
-    second: str
-    value: float
-    low: float
-    high: float
-
-
 class Standing(NamedTuple):
     """A method beside that of least scatter."""
 
@@ -56,8 +45,16 @@ class Standing(NamedTuple):
     verdict: str
 
 
-def _ratio(a: FloatArray, b: FloatArray, t: float) -> tuple[float, float, float]:
-    """Standard deviation of one series over that of another, with limits at a value of Student's t."""
+def ratio_of(a: FloatArray, b: FloatArray, t: float) -> tuple[float, float, float]:
+    """Standard deviation of one series over that of another, with limits at a value of Student's t.
+
+    Sums and differences of the two standardized series are uncorrelated where the ratio is right, so that the
+    correlation of the two, which is high, narrows the limits.
+
+    References
+    ----------
+    E. J. G. Pitman, Biometrika 31 (1939) 9; W. A. Morgan, ibid. 13.
+    """
     value, correlation = float(a.std() / b.std()), float(np.corrcoef(a, b)[0, 1])
     c = 1 + 2 * (1 - correlation**2) * t**2 / (a.size - 2)
     narrow = math.sqrt(max(c - math.sqrt(max(c**2 - 1, 0.0)), 0.0))
@@ -142,25 +139,6 @@ class Experiment(Value):
         return Scatter(method, float(errors.mean()), deviation, low, high, neighbours, 3 * deviation, worst, predicted,
                        total)  # fmt: skip
 
-    def ratios(self, level: float = 0.95) -> tuple[Ratio, ...]:
-        """Ratios of the standard deviations of all pairs of methods that scatter.
-
-        Limits after Pitman and Morgan: sums and differences of the two standardized errors are uncorrelated where the
-        ratio is right, so that the correlation of the two series, which is high, narrows them.
-
-        References
-        ----------
-        E. J. G. Pitman, Biometrika 31 (1939) 9; W. A. Morgan, ibid. 13.
-        """
-        from scipy.special import stdtrit
-
-        k = self.start.size
-        if k < 3:
-            return ()
-        t = float(stdtrit(k - 2, (1 + level) / 2))
-        scattered = [(m, rates) for m, rates in zip(self.methods, self.rates, strict=True) if rates.std() > 0]
-        return tuple(Ratio(first, second, *_ratio(a, b, t)) for (first, a), (second, b) in combinations(scattered, 2))
-
     def half_width(self, method: str, level: float = 0.95, *, of: int = 1) -> float:
         """Half width of the error of one interval by Student's t; `of` several methods at once by Bonferroni; SI."""
         from scipy.special import stdtrit
@@ -187,7 +165,9 @@ class Experiment(Value):
         found = []
         for i, method in enumerate(self.methods):
             one = (1.0, 1.0, 1.0) if count > 1 and t > 0 and self.rates[least].std() > 0 else (math.nan,) * 3
-            ratio, low, high = one if i == least or math.isnan(one[0]) else _ratio(self.rates[i], self.rates[least], t)
+            ratio, low, high = (
+                one if i == least or math.isnan(one[0]) else ratio_of(self.rates[i], self.rates[least], t)
+            )
             word = say("as good") if high <= 1 + MAX_LOSS else say("worse") if low > 1 else say("undecided")
             verdict = "" if math.isnan(ratio) else say("least scatter") if i == least else word
             found.append(Standing(method, self.half_width(method, level, of=count), ratio, low, high, verdict))
@@ -267,11 +247,8 @@ class Experiment(Value):
         """Plain data, SI."""
         rates = dict(zip(self.methods, self.rates.tolist(), strict=True))
         methods = [{**self.scatter(method)._asdict(), "rates": rates[method]} for method in self.methods]
-        ratios = [ratio._asdict() for ratio in self.ratios()]
         standings = [standing._asdict() for standing in self.standings(level)]
-        return super().to_dict(level) | {
-            "methods": plain(methods), "ratios": plain(ratios), "standings": plain(standings),
-        }  # fmt: skip
+        return super().to_dict(level) | {"methods": plain(methods), "standings": plain(standings)}
 
     def _summary(self) -> str:
         return f"{self.name} {self.start.size} intervals of {self.duration:g} s: {', '.join(self.methods)}"

@@ -40,7 +40,6 @@ def test_intervals_fill_the_record_but_for_its_end():
     found = experiment(white(100), MODEL, ExperimentSettings(interval=120.0, methods=("mean", "optimal")))
     assert (found.rates.shape, found.duration) == ((2, 1), 10.0)
     assert math.isnan(found.scatter("mean").deviation)
-    assert found.ratios() == ()
     found = experiment(
         white(), MODEL, ExperimentSettings(interval=10.0, methods=("conditional",), options=EstimatorSettings(lines=3))
     )
