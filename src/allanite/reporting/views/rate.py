@@ -93,7 +93,8 @@ def _rate(channel: RateChannel, level: float) -> str:
     """The rate over the record: its error is that under the noise model, or else by the scatter of intervals alike."""
     found = next(iter((*channel.certain, *channel.estimates)), channel.whole)
     measured = channel.by_reversal or channel.experiment
-    if measured is None or (found is not None and math.isfinite(found.interval(level)[0])):
+    apart = found is not None and measured is not None and found.method not in measured.methods
+    if measured is None or (found is not None and (apart or math.isfinite(found.interval(level)[0]))):
         return "" if found is None else _size(found, level)
     method = measured.methods[0] if found is None else found.method
     value = float(measured.rates[measured.methods.index(method)].mean()) if found is None else found.value
