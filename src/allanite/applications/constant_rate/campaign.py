@@ -4,6 +4,8 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from allanite.applications.choices import RateChoices
 from allanite.extending import (
     SHORTEST,
@@ -214,6 +216,8 @@ class RateChannel(ChannelResult):
     estimates: tuple[RateEstimate, ...] = ()
     bias: RateEstimate | None = None
     north: North | None = None
+    by_reversal: Experiment | None = None
+    whole: RateEstimate | None = None
     alerts: tuple[str, ...] = ()
 
     @property
@@ -295,11 +299,12 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
     asked = settings.durations != DURATIONS
     durations = tuple(d for d in settings.durations if asked or d * MIN_INTERVALS <= record.duration)
     short = [d for d in durations if asked and not fits(record, d)]
-    methods = measured.methods if measured.start.size == 1 else ()
-    estimates = tuple(_whole(record, method, model, chosen) for method in methods)
+    methods = measured.methods[: None if measured.start.size == 1 else 1] if np.isfinite(record.values).all() else ()
+    wholes = tuple(_whole(record, method, model, chosen) for method in methods)
+    estimates = wholes if measured.start.size == 1 else ()
     if any(e.limits is not None for e in estimates):  # an ideal staircase has no noise that could be identified
         noise, alerts, settled = None, (), (*settled, "short")
-    heading = bias = None
+    heading = bias = turned = None
     if len(seen.records) > 1 or settings.horizontal:
         method = settings.position_method if model is not None else "mean"
         first, *rest = (_whole(position, method, model, settings.experiment) for position in seen.records)
@@ -310,6 +315,9 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
         else:
             rate, bias = reversal(first, second)
             estimates = (rate,)
+            other = experiment(seen.records[1], model, chosen)
+            alike = (other.methods, other.duration) == (measured.methods, measured.duration)
+            turned = measured.reversed_by(other) if alike else None
     warned = (
         say("second recording: {finding}", finding=str(f)) if i else str(f)
         for i, quality in enumerate(seen.qualities)
@@ -323,7 +331,8 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
     )  # fmt: skip
     return RateChannel(
         record, seen.quality, noise, experiment=measured, by_duration=by_duration(record, durations, model, chosen),
-        estimates=estimates, bias=bias, north=heading, alerts=(*alerts, *map(str, measured.findings), *unfit, *warned),
+        estimates=estimates, bias=bias, north=heading, by_reversal=turned,
+        whole=next(iter(wholes), None), alerts=(*alerts, *map(str, measured.findings), *unfit, *warned),
     )  # fmt: skip
 
 

@@ -143,17 +143,21 @@ class Ranking(Value):
         return self.errors[method] / self.best if self.best > 0 else math.nan
 
     @property
+    def chosen(self) -> str:
+        """The simplest method within `MAX_LOSS` of the bound; empty where nothing is to choose."""
+        if not self.best > 0:
+            return ""
+        return next((m for m in self.errors if self.ratio(m) <= 1 + MAX_LOSS and m != "optimal"), "optimal")
+
+    @property
     def verdict(self) -> str:
         """Which method to use, in a sentence."""
-        if not self.best > 0:
+        use = self.chosen
+        if not use:
             return say("under this model the rate is measured without error")
-        loss = self.ratio("mean") - 1
-        if loss <= MAX_LOSS:
-            return say(
-                "for this gyro averaging is already within {percent:.2g} % of the optimum", percent=max(100 * loss, 0.1)
-            )
-        simple = [m for m in self.errors if self.ratio(m) <= 1 + MAX_LOSS and m != "optimal"]
-        use = simple[0] if simple else "optimal"
+        if use == "mean":
+            percent = max(100 * (self.ratio("mean") - 1), 0.1)
+            return say("for this gyro averaging is already within {percent:.2g} % of the optimum", percent=percent)
         gain = self.errors["mean"] / self.errors[use]
         if use == "optimal" and self.ratio("regression") < self.ratio("mean"):
             return say(

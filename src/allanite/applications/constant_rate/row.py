@@ -188,7 +188,8 @@ def pulse_of(record: Record, options: EstimatorSettings) -> float:
             raise UsageError(f"a quantum must be a positive number of {record.unit}, not {options.quantum!r}")
         readings = options.quantum / (1.0 if record.scale is None else record.scale)
         return readings if record.integrated else readings * record.rate
-    return 1.0 if record.kind == "count" else math.nan
+    counted = record.kind == "count" or (record.kind == "increment" and record.scale is not None)
+    return 1.0 if counted and not np.any(record.values % 1 > 0) else math.nan  # counts with gaps are increments
 
 
 def reading_size(record: Record) -> float:

@@ -180,7 +180,7 @@ def _record(signal: channels.SignalColumn, beat: clock.Beat, stated: float | Non
             column=signal.column.label, option=spelled("--kind increment", "kind=increment"),
         ))  # fmt: skip
     put, kind = beat.grid.put(values), signal.kind
-    if beat.grid.lost and kind == "count":  # a gap is not an integer: the same numbers, as increments
+    if kind == "count" and np.isnan(put).any():  # a gap is not an integer: the same numbers, as increments
         kind = "increment"
     history = (*history, *beat.grid.history)
     return Record(put, beat.rate, signal.unit, kind, signal.scale, name=name, start=start, history=history)

@@ -4,16 +4,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from allanite.applications.constant_rate import (
-    RATE_ESTIMATORS,
-    Closeup,
-    Experiment,
-    Ranking,
-    RateEstimate,
-    closeup,
-    estimate,
-    subtract_bias,
-)
+from allanite.applications.constant_rate import RATE_ESTIMATORS, Closeup, Experiment, Ranking, RateEstimate, closeup
 from allanite.applications.constant_rate.campaign import DURATIONS, RateChannel, RateSettings, RateStudy
 from allanite.applications.constant_rate.estimates import rate_factor
 from allanite.core.errors import UndrawnError
@@ -42,8 +33,9 @@ def first_of_rates(study: RateStudy, level: float) -> First:
         own += [Remark.of(name, text) for text in (apart, *told_here) if text]
     remarks += merged(own, len(study.channels))
     answer: list[Answer] = [_channels(alike, study, level) for alike in by_sensor(study.channels)]
-    ranked = [c.experiment.ranking for c in study.channels if c.experiment is not None]
-    answer += dict.fromkeys(experiments.told(ranking) for ranking in ranked if ranking is not None)
+    measured = [c.by_reversal or c.experiment for c in study.channels if c.experiment is not None]
+    for experiment in measured[: len(study.channels) == 1]:
+        answer += [experiments.table_of(experiment, level), *filter(None, [experiments.told(experiment)])]
     answer += dict.fromkeys(
         text for channel in study.channels for text in experiments.certain_limits(channel.estimates)
     )
@@ -53,7 +45,11 @@ def first_of_rates(study: RateStudy, level: float) -> First:
             for c in study.channels
             if any(e.start.size > 1 for e in c.by_duration)
         ]
-    legend = [(PLUS_MINUS, say("±: {share} half width.", share=words.percent(level)))]
+    half = say("±: {share} half width.", share=words.percent(level))
+    if any(e.ranking is None and e.start.size > 1 for e in measured):
+        half = say("±: {share} half width; without a model, by Student's t from the scatter of the intervals.",
+                   share=words.percent(level))  # fmt: skip
+    legend = [(PLUS_MINUS, half)]
     return First(title_of(study), "", answer, [*remarks, *alerts(study)], legend, how_read(study), [FIGURES, DETAILS])
 
 
@@ -70,13 +66,13 @@ def _unsteady(experiment: Experiment) -> str:
 def _channels(channels: Sequence[RateChannel], study: RateStudy, level: float) -> Channels:
     signal, unit = channels[0].record.signal, channels[0].record.signal.sheet[0]
     length, rows = words.duration(channels[0].record.duration), list[ChannelRow]()
-    cells = [_rate(_whole(channel, study), channel, level) for channel in channels]
+    cells = [_rate(channel, level) for channel in channels]
     rows.append(ChannelRow(say("rate, mean over {length}", length=length), "", unit, cells, short=say("rate")))
     norths = ["" if c.north is None else _number(c.north.heading, c.north.low, c.north.high) for c in channels]
     biases = ["" if c.bias is None else _size(c.bias, level) for c in channels]
     experiments = [channel.experiment for channel in channels]
     several = [e for e in experiments if e is not None and e.start.size > 1]
-    if several:
+    if several and len(study.channels) > 1:
         time = words.duration(several[0].duration)
         scatters = [None if e is None else e.scatter(e.methods[0]) for e in experiments]
         factor = rate_factor(unit, signal)
@@ -84,6 +80,8 @@ def _channels(channels: Sequence[RateChannel], study: RateStudy, level: float) -
         predicted = ["" if s is None or math.isnan(s.predicted) else rounded(s.predicted / factor) for s in scatters]
         rows.append(ChannelRow(say("scatter of {time} means", time=time), "", unit, shown, short=say("scatter")))
         rows.append(ChannelRow(say("predicted for {time}", time=time), "", unit, predicted, 2, say("predicted")))
+        best = ["" if e is None else (e.ranking or e).chosen for e in experiments]
+        rows.append(ChannelRow(say("method for {time}", time=time), "", "", best, short=say("method")))
     rows.append(ChannelRow(say("north"), "", "deg", norths))
     rows.append(ChannelRow(say("bias by reversal"), "", unit, biases, short=say("bias")))
     fits = [fit_words(channel.noise, channel.refusal) for channel in channels]
@@ -91,24 +89,19 @@ def _channels(channels: Sequence[RateChannel], study: RateStudy, level: float) -
     return Channels(names_of(channels), [row for row in rows if any(row.cells)], signal.sensor)
 
 
-def _whole(channel: RateChannel, study: RateStudy) -> RateEstimate | None:
-    """The rate over the record: as measured, or of several intervals by the first method."""
-    if channel.estimates or channel.experiment is None or not isinstance(channel.record, Record):
-        return next(iter((*channel.certain, *channel.estimates)), None)
-    chosen, model = study.settings.experiment_on(channel.record), study.settings.noise
-    if model is None and channel.noise is not None and channel.noise.explained:
-        model = channel.noise.fit.usable()
-    method = channel.experiment.methods[0]
-    rate = estimate(channel.record, method, model=model, dither=chosen.dither, options=chosen.options)
-    return subtract_bias(rate, chosen.bias, channel.record.signal.unit) if chosen.bias else rate
-
-
-def _rate(found: RateEstimate | None, channel: RateChannel, level: float) -> str:
-    if found is not None:
-        return _size(found, level)
-    if channel.experiment is None:
-        return ""
-    return rounded(channel.experiment.reference / rate_factor(channel.record.signal.sheet[0], channel.record.signal))
+def _rate(channel: RateChannel, level: float) -> str:
+    """The rate over the record: its error is that under the noise model, or else by the scatter of intervals alike."""
+    found = next(iter((*channel.certain, *channel.estimates)), channel.whole)
+    measured = channel.by_reversal or channel.experiment
+    apart = found is not None and measured is not None and found.method not in measured.methods
+    if measured is None or (found is not None and (apart or math.isfinite(found.interval(level)[0]))):
+        return "" if found is None else _size(found, level)
+    method = measured.methods[0] if found is None else found.method
+    value = float(measured.rates[measured.methods.index(method)].mean()) if found is None else found.value
+    half = measured.half_width(method, level) / math.sqrt(measured.start.size)
+    half = math.nan if measured.drift or not half > 0 else half
+    factor = rate_factor(measured.signal.sheet[0], measured.signal)
+    return _number(*(v / factor for v in (value, value - half, value + half)))
 
 
 def _size(found: RateEstimate, level: float) -> str:
@@ -135,13 +128,11 @@ def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterat
     if experiment is None:
         return
     yield from experiments.sentences(experiment)
-    if channel.bias is not None:
-        yield Note(say("rate by reversal: {rate}", rate=channel.estimates[0].words(level=level)), "strong")
-        yield Note(say("bias by reversal: {bias}", bias=channel.bias.words(level=level)))
+    yield from _reversed(channel, level)
     if channel.north is not None:
         yield Note(channel.north.words(), "strong")
     if experiment.start.size > 1:
-        yield experiments.table_of(experiment)
+        yield experiments.table_of(experiment, level)
     if any(e.start.size > 1 for e in channel.by_duration):
         yield from experiments.by_time(experiments.series_of(channel))
     yield from _estimates(channel.estimates, level, modeled=experiment.ranking is not None)
@@ -150,6 +141,16 @@ def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterat
         yield experiments.every_interval(experiment)
     if isinstance(channel.record, Record):
         yield from experiments.closeup_parts(first_of(channel.record, experiment, settings), "page")
+
+
+def _reversed(channel: RateChannel, level: float) -> Iterator[Part]:
+    """Rate and bias by the reversal of the gyro, and how the rates of its pairs of intervals scatter."""
+    if channel.bias is not None:
+        yield Note(say("rate by reversal: {rate}", rate=channel.estimates[0].words(level=level)), "strong")
+        yield Note(say("bias by reversal: {bias}", bias=channel.bias.words(level=level)))
+    if channel.by_reversal is not None and channel.by_reversal.start.size > 1:
+        yield Note(say("by reversal, half the differences of intervals of both recordings:"))
+        yield experiments.table_of(channel.by_reversal, level)
 
 
 def first_of(record: Record, found: Experiment, settings: RateSettings) -> Closeup:
@@ -170,15 +171,11 @@ def interval_rows(study: RateStudy) -> Rows:
     """The rate of every interval by every method, unrounded, in the unit of data sheets."""
     heads = ("channel", "interval", "start_s", "duration_s", "method", "rate", "error", "unit")
     rows = []
-    for experiment in (channel.experiment for channel in study if channel.experiment is not None):
-        unit = experiment.signal.sheet[0]
-        factor = rate_factor(unit, experiment.signal)
-        for i, start in enumerate(experiment.start.tolist()):
-            for method, rate, error in zip(
-                experiment.methods, experiment.rates[:, i], experiment.errors[:, i], strict=True
-            ):
-                numbers = (float(rate) / factor, float(error) / factor)
-                rows.append([experiment.name, i + 1, start, experiment.duration, method, *numbers, unit])
+    for e in (channel.experiment for channel in study if channel.experiment is not None):
+        unit, factor = e.signal.sheet[0], rate_factor(e.signal.sheet[0], e.signal)
+        rates, errors = (e.rates.T / factor).tolist(), (e.errors.T / factor).tolist()
+        rows += [[e.name, i + 1, start, e.duration, *cells, unit] for i, start in enumerate(e.start.tolist())
+                 for cells in zip(e.methods, rates[i], errors[i], strict=True)]  # fmt: skip
     return heads, rows
 
 
@@ -213,14 +210,14 @@ def _draw(channels: Iterable[RateChannel]) -> Plot:
 def _rows(study: RateStudy, level: float) -> Rows:
     rows: list[list[Any]] = []
     for channel in study.channels:
-        for experiment in experiments.series_of(channel):
+        for experiment in (*experiments.series_of(channel), *filter(None, [channel.by_reversal])):
             whole = experiment is channel.experiment and experiment.start.size == 1  # an estimate, below
             rows += () if whole else experiments.experiment_rows(experiment)
         for e in channel.estimates:
             unit = e.signal.sheet[0]
             numbers = [v / rate_factor(unit, e.signal) for v in (e.value, *e.interval(level), e.standard_error)]
             rows.append([channel.record.name, e.method, e.duration, 1, *map(experiments.finite, numbers[:3]), *[""] * 7,
-                         experiments.finite(numbers[3]), unit])  # fmt: skip
+                         experiments.finite(numbers[3]), *[""] * 6, 1 + (channel.bias is not None), unit])  # fmt: skip
     return experiments.HEADINGS, rows
 
 
@@ -234,13 +231,14 @@ def study_view(study: RateStudy, level: float) -> Face:
     """The rate of each channel by every method."""
     sheets = []
     for channel in study.channels:
-        given = study.settings.noise
-        name, experiment = channel.record.name, channel.experiment
-        verdict: str = say("no result: {reason}", reason=channel.refusal) if channel.refusal else ""
-        if experiment is not None and experiment.ranking is not None:
-            verdict = experiments.told(experiment.ranking)
-        verdicts = (join(", ", (name or say("the channel"), verdict)),) if verdict else ()
-        known = given is not None or channel.certain or (channel.noise is not None and channel.noise.explained)
+        told = "" if channel.experiment is None else experiments.told(channel.experiment)
+        verdict = say("no result: {reason}", reason=channel.refusal) if channel.refusal else told
+        verdicts = (join(", ", (channel.record.name or say("the channel"), verdict)),) if verdict else ()
+        known = (
+            study.settings.noise is not None
+            or channel.certain
+            or (channel.noise is not None and channel.noise.explained)
+        )
         grade = "" if known and not channel.refusal else "alert"
         sheets.append(channel_sheet(channel, _parts(channel, study.settings, level), verdicts, grade))
     title = say("Rate of {source}", source=source_of(study))

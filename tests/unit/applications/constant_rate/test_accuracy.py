@@ -20,6 +20,7 @@ from allanite.applications.constant_rate import (
     experiment,
     predicted_standard_error,
 )
+from allanite.applications.constant_rate.experiments import ratio_of
 from allanite.applications.constant_rate.row import interval_of
 from allanite.applications.constant_rate.run import in_si, task_of
 from allanite.core.model import term
@@ -162,13 +163,12 @@ def test_the_warm_up_and_the_limits_of_ratios_and_scatter(gl1):
     assert scatter.deviation > 1.2 * scatter.neighbours
     # -0.01 deg/h that decays with ten minutes leaves the first interval below
     assert -0.015 < found.errors[found.methods.index("optimal"), 0] / ARCSEC < -0.004
-    ratios = {(r.first, r.second): r for r in gl1[0].ratios()}
-    assert len(ratios) == 15
-    close = ratios["regression", "conditional"]
+    rates = dict(zip(gl1[0].methods, gl1[0].rates, strict=True))
+    _, low, high = ratio_of(rates["regression"], rates["conditional"], 1.986)
     regression, conditional = (gl1[0].scatter(m).predicted for m in ("regression", "conditional"))
-    assert close.low < regression / conditional < close.high
-    assert close.high / close.low < 1.02
-    wide = ratios["mean", "optimal"]
+    assert low < regression / conditional < high < 1.02 * low
+    wide, *_, optimal = gl1[0].standings()
+    assert (optimal.verdict, wide.verdict) == ("least scatter", "worse")
     assert wide.low < 2.11 < wide.high
     assert wide.high / wide.low > 1.3
     # 94 intervals: 68 % within 7.3 %
