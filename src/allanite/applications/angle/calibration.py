@@ -12,6 +12,7 @@ from allanite.extending import DataError, Finding, FloatArray, UsageError, Value
 
 from .geometry import Gimbals, column
 from .harmonics import USUAL, Harmonics, Orders, amplitude_names, design, harmonic_set
+from .latitude import contradiction
 from .solve import Solution, System, correlation_of, solve
 from .squareroot import SquareRoot
 
@@ -233,7 +234,8 @@ def estimate(
     before = prior_of(prior, harmonics, len(names))
     solution = solve(System(names, rows, z, gimbals.time), sigma=sigma, prior=before, method=method)
     known = caveats(gimbals, harmonics, names, solution.known, before)
-    solution = replace(solution, findings=(*known, *too_large(tuple(_parts(solution, harmonics)))))
+    large = too_large(tuple(_parts(solution, harmonics)))
+    solution = replace(solution, findings=(*contradiction(gimbals), *known, *large))
     return Calibration(tuple(_parts(solution, harmonics)), solution, gimbals)
 
 
