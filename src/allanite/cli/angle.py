@@ -333,8 +333,8 @@ def _gimbals(file: Any, choices: dict[str, Any]) -> "tuple[Recording, FloatArray
         data, at = _rows(file, choices, [role for role in roles if role != "mu"], tuple(UNITS))
     z, time, known = at.pop("difference"), at.pop("time"), choices["latitude"]
     turning = {} if period is None else {"rho": 2 * math.pi / period * time}
-    resting = {"h_polar": (known or 0.0) * DEGREE, "q_polar": 0.0}
-    gimbals = Gimbals(time, **(resting | at | turning), ring_heading=choices["ring_heading"] * DEGREE)
+    angles: dict[str, Any] = {"h_polar": (known or 0.0) * DEGREE, "q_polar": 0.0, **at, **turning}
+    gimbals = Gimbals(time, **angles, ring_heading=choices["ring_heading"] * DEGREE)
     if known is None and "h_polar" not in at:
         found = demand_latitude(gimbals)
         gimbals = gimbals.moved(h_polar=found.value)

@@ -13,6 +13,7 @@ from allanite.extending import DataError, Finding, FloatArray, UsageError, Value
 from .geometry import Gimbals, column
 from .harmonics import USUAL, Harmonics, Orders, amplitude_names, design, harmonic_set
 from .latitude import contradiction
+from .missing import missing
 from .solve import Solution, System, correlation_of, solve
 from .squareroot import SquareRoot
 
@@ -234,8 +235,12 @@ def estimate(
     before = prior_of(prior, harmonics, len(names))
     solution = solve(System(names, rows, z, gimbals.time), sigma=sigma, prior=before, method=method)
     known = caveats(gimbals, harmonics, names, solution.known, before)
+    slopes = gimbals.partials
+    sensors = {angle: (getattr(gimbals, angle), slopes[angle]) for angle in harmonics}
+    more = missing(solution, rows, z, sensors, harmonics)
     large = too_large(tuple(_parts(solution, harmonics)))
-    solution = replace(solution, findings=(*contradiction(gimbals), *known, *large))
+    findings = (*more, *contradiction(gimbals), *solution.findings, *known, *large)
+    solution = replace(solution, findings=findings)
     return Calibration(tuple(_parts(solution, harmonics)), solution, gimbals)
 
 

@@ -258,7 +258,8 @@ class Harmonics(Correction):
         """Whether it is "identified", "absent", or "weak": significant, but the noise is not as assumed."""
         if not self.found(order):
             return "absent"
-        sound = self.solution is None or all(check.passed for check in self.solution.checks)
+        solution = self.solution
+        sound = solution is None or (solution.complete and all(check.passed for check in solution.checks))
         return "identified" if sound else "weak"
 
     def upper(self, order: int) -> float:
@@ -277,6 +278,10 @@ class Harmonics(Correction):
         half = quantile(level, self.freedom) * float(self.amplitude_error[i])
         return max(0.0, float(self.amplitude[i]) - half), float(self.amplitude[i]) + half
 
+    def limits(self, order: int, level: float = 0.95) -> tuple[float | None, float | None]:
+        """The interval of an amplitude, rad; None where the model is not complete, so that it would not hold."""
+        return self.interval(order, level) if self.solution is None or self.solution.complete else (None, None)
+
     def _index(self, order: int) -> int:
         if order not in self.orders:
             raise UsageError(f"order {order!r} was not estimated; orders: {', '.join(map(str, self.orders))}")
@@ -288,7 +293,7 @@ class Harmonics(Correction):
         errors = np.sqrt(np.diag(self.covariance))
         columns = (self.sine, errors[::2], self.cosine, errors[1::2], self.amplitude)
         rows = [
-            [self.name, k, *numbers, *self.interval(k, level), phase, self.status(k)]
+            [self.name, k, *numbers, *self.limits(k, level), phase, self.status(k)]
             for k, phase, *numbers in zip(
                 self.orders, self.phase.tolist(), *(column.tolist() for column in columns), strict=True
             )
@@ -301,7 +306,8 @@ class Harmonics(Correction):
         keys = [heading.replace(" ", "_") for heading in headings]
         terms = [dict(zip(keys, row, strict=True)) for row in rows]
         for term in terms:
-            term["upper"] = self.upper(term["order"]) if term["status"] == "absent" else None
+            limited = term["status"] == "absent" and term["low"] is not None
+            term["upper"] = self.upper(term["order"]) if limited else None
         data: dict[str, Any] = {"allanite": 1, "type": "Harmonics", "name": self.name, "unit": "rad", "level": level,
                                 "terms": terms, "covariance": self.covariance.tolist(),
                                 "freedom": None if math.isinf(self.freedom) else self.freedom}  # fmt: skip
