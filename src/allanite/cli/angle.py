@@ -13,9 +13,9 @@ from allanite.core.choices import separated
 from allanite.core.errors import UnitError, UsageError
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import say, say_count
-from allanite.study.settings import LengthChoices
+from allanite.study.settings import LengthChoices, WatchChoices
 
-from .deliver import STDOUT, Extra, Outputs, deliver, outputs, put
+from .deliver import STDOUT, Extra, Outputs, deliver, outputs, put, settings_of
 from .options import NAMES, NUMBERS, RESULTS, Converted, Decorator, options
 from .streams import show
 
@@ -242,9 +242,7 @@ def calibrate(file: str, **choices: Any) -> None:
     deliver_study(harmonics, out, choices, data, {"measured [rad]": a, "corrected [rad]": a - harmonics.at(a)})
 
 
-@angle.command()
-@options(
-    "file",
+GIMBALS = (
     click.option("--difference", required=True, metavar="COLUMN",
         help="Measured minus computed cosine between the momentum vectors."),
     "angle time",
@@ -263,23 +261,52 @@ def calibrate(file: str, **choices: Any) -> None:
     "orders", ANGLES,
     click.option("--nuisance", type=NAMES, metavar="A,B,...",
         help="Parameters estimated jointly with the harmonics.  [default: ax,az,A1,A2,A3]"),
-    "angle unit", "estimated sigma", prior_option("arcsec (arcsec/s for A3)"), "corrected angles", "level", "recipe",
-    *RESULTS, settings=(RateChoices,),
+    "angle unit", "estimated sigma", prior_option("arcsec (arcsec/s for A3)"),
 )  # fmt: skip
+
+
+@angle.command()
+@options("file", *GIMBALS, "corrected angles", "level", "recipe", *RESULTS, settings=(RateChoices,))
 def estimate(file: str, **choices: Any) -> None:
     """Estimate the errors of a gimbal's sensors."""
     out = outputs(choices, [file, choices["recipe"]], also=("corrected",))
     from allanite.applications.angle import estimate as run
-    from allanite.applications.angle.harmonics import USUAL
 
-    (data, z, gimbals), prior = _gimbals(file, choices), choices["prior"]
-    result = run(
-        z, gimbals, orders=dict.fromkeys(choices["angles"], choices["orders"]),
-        nuisance=choices["nuisance"] or USUAL, sigma=_scaled(choices["sigma"], ARCSEC),
-        prior=None if prior is None else (prior[0] * ARCSEC, prior[1] * ARCSEC),
-    )  # fmt: skip
+    data, z, gimbals = gimbals_of(file, choices)
+    result = run(z, gimbals, **model_of(choices))
     angles = {f"{h.name} [rad]": getattr(gimbals, h.name) - h.at(getattr(gimbals, h.name)) for h in result}
     deliver_study(replace(result, true=true_of(data.source)), out, choices, data, {"time [s]": gimbals.time, **angles})
+
+
+@angle.command()
+@options(
+    click.argument("target", metavar="FILE|PORT|udp://127.0.0.1:9000"), *GIMBALS, "level", "recipe",
+    "every", "duration", "idle", "baud", *RESULTS, settings=(RateChoices, WatchChoices),
+)  # fmt: skip
+def watch(target: str, **choices: Any) -> None:
+    """Estimate the same in service, sample by sample.
+
+    Reads lines of numbers from a file that grows, a serial port, or datagrams sent to this machine, and takes every
+    sample into a Kalman filter without prediction, in a memory that does not grow. Says every few seconds what is
+    known. Ctrl-C, SIGTERM, --for or --idle end it, and the estimate is printed and written.
+    """
+    out = outputs(choices, [target, choices["recipe"]])
+    from .following import follow
+
+    settings = settings_of(WatchChoices, choices)
+    result, data = follow(target, choices, settings, quiet=out.quiet)
+    true = true_of(target) if Path(target).is_file() else ()
+    deliver_study(replace(result, true=true), out, choices, data)
+
+
+def model_of(choices: Mapping[str, Any]) -> dict[str, Any]:
+    """What is estimated, in rad."""
+    from allanite.applications.angle.harmonics import USUAL
+
+    prior = choices["prior"]
+    return {"orders": dict.fromkeys(choices["angles"], choices["orders"]), "nuisance": choices["nuisance"] or USUAL,
+            "sigma": _scaled(choices["sigma"], ARCSEC),
+            "prior": None if prior is None else (prior[0] * ARCSEC, prior[1] * ARCSEC)}  # fmt: skip
 
 
 UNITS = {"difference": ("1", "rad"), "time": ("s", "1")}  # of columns that are no angles; a small angle is its sine
@@ -312,7 +339,7 @@ def _rows(
     return data, dict(zip((*angles, *plain), columns[:, whole], strict=True))
 
 
-def _gimbals(file: Any, choices: dict[str, Any]) -> "tuple[Recording, FloatArray, Gimbals]":
+def gimbals_of(file: Any, choices: dict[str, Any]) -> "tuple[Recording, FloatArray, Gimbals]":
     """The rows of a file, their differences of cosines, and their gimbals."""
     from allanite.applications.angle import Gimbals
     from allanite.applications.angle.latitude import demand_latitude

@@ -234,12 +234,20 @@ def estimate(
     names, rows = design(gimbals, harmonics, nuisance)
     before = prior_of(prior, harmonics, len(names))
     solution = solve(System(names, rows, z, gimbals.time), sigma=sigma, prior=before, method=method)
-    known = caveats(gimbals, harmonics, names, solution.known, before)
+    return examined(solution, rows, z, gimbals, harmonics)
+
+
+def examined(
+    solution: Solution, rows: FloatArray, z: FloatArray, gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]
+) -> Calibration:
+    """The harmonics of a solution, with what the samples say against it."""
     slopes = gimbals.partials
     sensors = {angle: (getattr(gimbals, angle), slopes[angle]) for angle in harmonics}
-    more = missing(solution, rows, z, sensors, harmonics)
-    large = too_large(tuple(_parts(solution, harmonics)))
-    findings = (*more, *contradiction(gimbals), *solution.findings, *known, *large)
+    findings = (
+        *missing(solution, rows, z, sensors, harmonics), *contradiction(gimbals), *solution.findings,
+        *caveats(gimbals, harmonics, solution.names, solution.known, solution.prior),
+        *too_large(tuple(_parts(solution, harmonics))),
+    )  # fmt: skip
     solution = replace(solution, findings=findings)
     return Calibration(tuple(_parts(solution, harmonics)), solution, gimbals)
 

@@ -93,14 +93,17 @@ def amplitude_names(harmonics: Mapping[str, tuple[int, ...]]) -> tuple[str, ...]
 
 
 def design(
-    gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]], nuisance: Sequence[str]
+    gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]], nuisance: Sequence[str], *, still: bool = False
 ) -> tuple[tuple[str, ...], FloatArray]:
-    """Names of the constants, and the rows by which the measured cosine depends on them, shape (n, p)."""
+    """Names of the constants, and the rows by which the measured cosine depends on them, shape (n, p).
+
+    Refuses angles that do not move, unless they may be `still`.
+    """
     for name in nuisance:
         demand_name("nuisance", name, NUISANCES)
     if len(set(nuisance)) < len(nuisance):
         raise UsageError(f"a nuisance is given twice: {', '.join(nuisance)}")
-    for angle, orders in harmonics.items():
+    for angle, orders in () if still else harmonics.items():
         demand_motion(f"the angle {angle}", gimbals.span(angle), orders, REMEDIES.get(angle, EARTHLY))
     f = gimbals.partials
     blocks = [f[a][:, None] * waves(getattr(gimbals, a), orders) for a, orders in harmonics.items()]

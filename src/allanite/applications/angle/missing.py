@@ -34,7 +34,7 @@ class Left(NamedTuple):
     @property
     def variance(self) -> float:
         """Of the noise."""
-        return float((self.rest**2).sum()) / max(1, self.rest.size - self.known.shape[1])
+        return float((self.rest**2).sum() / max(1, self.rest.size - self.known.shape[1]))
 
     def explained(self, orders: IntArray) -> Pair:
         """Squares that a harmonic of each order explains, and its amplitude; 0 where the constants explain it."""
