@@ -214,8 +214,8 @@ def angle() -> None:
     """Analyze harmonic errors of angle sensors.
 
     `calibrate` compares an encoder with a reference; `estimate` identifies the errors of a gimbal's angle sensors in
-    service, from the measured cosine between the momentum vectors of two gyros; `plan` predicts where that works best,
-    without data; `simulate` writes a test file.
+    service, from the measured cosine between the momentum vectors of two gyros, and `watch` does so while the samples
+    come; `plan` predicts where that works best, without data; `simulate` writes a test file.
     """
 
 
@@ -252,7 +252,8 @@ GIMBALS = (
         help="Intermediate angle of the equatorial gyro."),
     click.option("--h-polar", metavar="COLUMN", help="Inner angle of the polar gyro.  [default: the latitude]"),
     click.option("--q-polar", metavar="COLUMN", help="Intermediate angle of the polar gyro.  [default: 0]"),
-    "latitude",
+    click.option("--latitude", type=float, metavar="DEG",
+        help="Latitude of the site.  [default: from the motion of h and q]"),
     click.option("--mu", metavar="COLUMN",
         help="Angle of the equatorial gyro's outer ring.  [default: mu, if there is such a column]"),
     HEADING,
@@ -266,7 +267,7 @@ GIMBALS = (
 
 
 @angle.command()
-@options("file", *GIMBALS, "corrected angles", "level", "recipe", *RESULTS, settings=(RateChoices,))
+@options("file", *GIMBALS, "corrected angles", "level", "recipe", *RESULTS)
 def estimate(file: str, **choices: Any) -> None:
     """Estimate the errors of a gimbal's sensors."""
     out = outputs(choices, [file, choices["recipe"]], also=("corrected",))
@@ -281,14 +282,14 @@ def estimate(file: str, **choices: Any) -> None:
 @angle.command()
 @options(
     click.argument("target", metavar="FILE|PORT|udp://127.0.0.1:9000"), *GIMBALS, "level", "recipe",
-    "every", "duration", "idle", "baud", *RESULTS, settings=(RateChoices, WatchChoices),
+    "every", "duration", "idle", "baud", *RESULTS, settings=(WatchChoices,),
 )  # fmt: skip
 def watch(target: str, **choices: Any) -> None:
-    """Estimate the same in service, sample by sample.
+    """Estimate the errors of a gimbal's sensors live.
 
-    Reads lines of numbers from a file that grows, a serial port, or datagrams sent to this machine, and takes every
-    sample into a Kalman filter without prediction, in a memory that does not grow. Says every few seconds what is
-    known. Ctrl-C, SIGTERM, --for or --idle end it, and the estimate is printed and written.
+    Reads lines of numbers from a file that grows, a serial port, or datagrams sent to this machine. Each sample enters
+    a Kalman filter without prediction, whose memory does not grow. Prints every few seconds what is known so far.
+    Ctrl-C, SIGTERM, --for or --idle end it, and the results of 'allanite angle estimate' are printed and written.
     """
     out = outputs(choices, [target, choices["recipe"]])
     from .following import follow

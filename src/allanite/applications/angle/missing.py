@@ -18,6 +18,7 @@ FINENESS = 3  # orders that are tried within what the motion of an angle resolve
 AROUND = 25  # orders on each side that tell how large the noise is there
 MEDIAN = 2 * math.log(2.0)  # of the squares that one more harmonic explains of white noise of variance 1
 ALIKE = 6.63  # squares, over the noise, by which orders that explain the samples as well differ: 99 %
+AT_ONCE = 1 << 17  # numbers that are computed at a time
 NEW = 0.1  # part of a harmonic that must not be explained by the other constants
 
 Pair = tuple[FloatArray, FloatArray]
@@ -39,13 +40,18 @@ class Left(NamedTuple):
     def explained(self, orders: IntArray) -> Pair:
         """Squares that a harmonic of each order explains, and its amplitude; 0 where the constants explain it."""
         squares, sizes = np.zeros((2, orders.size))
-        for i, order in enumerate(orders.tolist()):
-            pair = self.slope[:, None] * waves(self.angle, (order,))
-            new = pair - self.known @ (self.known.T @ pair)
-            gram, by = new.T @ new, new.T @ self.rest
-            if np.linalg.eigvalsh(gram)[0] > NEW * NEW * (pair**2).sum():
-                constants = np.linalg.solve(gram, by)
-                squares[i], sizes[i] = by @ constants, np.hypot(*constants)
+        at_once = max(1, AT_ONCE // self.rest.size)
+        for i in range(0, orders.size, at_once):
+            pairs = self.slope[:, None] * waves(self.angle, tuple(orders[i : i + at_once].tolist()))
+            new = pairs - self.known @ (self.known.T @ pairs)
+            length = (pairs**2).sum(axis=0).reshape(-1, 2).sum(axis=1)
+            by = (self.rest @ new).reshape(-1, 2)
+            s, c = new.reshape(-1, by.shape[0], 2).transpose(2, 1, 0)
+            ss, sc, cc = ((a * b).sum(axis=1) for a, b in ((s, s), (s, c), (c, c)))
+            smaller = (ss + cc) / 2 - np.hypot((ss - cc) / 2, sc)  # eigenvalue
+            fit = np.array([cc * by[:, 0] - sc * by[:, 1], ss * by[:, 1] - sc * by[:, 0]])
+            fit = np.where(smaller > NEW * NEW * length, fit / np.maximum(ss * cc - sc * sc, 1e-300), 0.0)
+            squares[i : i + at_once], sizes[i : i + at_once] = (fit * by.T).sum(axis=0), np.hypot(*fit)
         return squares, sizes
 
 

@@ -28,6 +28,7 @@ from .squareroot import SquareRoot, batch
 
 PASSED = 0.01  # p-value below which a test has failed
 FALSE_ALARM = 1e-3  # probability, for a whole record of white noise, that a sample is omitted or a harmonic is named
+BROKEN = 1e-5  # p-value of a test below which limits would not hold
 MISSING = "order"  # name of a finding about a harmonic that the model lacks
 MOST_OMITTED = 0.1  # part of the samples beyond which what deviates is no outlier, but the noise
 
@@ -158,8 +159,8 @@ class Solution(Value):
 
     @property
     def complete(self) -> bool:
-        """Whether limits can be stated: no harmonic is missing, and no test fails at the rate of false alarms."""
-        return all(f.name != MISSING for f in self.findings) and all(c.p >= FALSE_ALARM for c in self.checks)
+        """Whether limits can be stated: no harmonic is missing, and no test fails beyond doubt."""
+        return all(f.name != MISSING for f in self.findings) and all(c.p >= BROKEN for c in self.checks)
 
     def limits(self, name: str, level: float = 0.95) -> tuple[float | None, float | None]:
         """The interval of a constant; None where the model is not complete, so that it would not hold."""
