@@ -22,9 +22,13 @@ READ: dict[str, Callable[..., list[float]]] = {
     "difference": lambda one, other: [one - other], "reduction": lambda after, before: [100 * (1 - after / before)],
     "slope": lambda *numbers: [math.log10(b / a) for a, b in zip(numbers[::2], numbers[1::2], strict=True)],
     "ramp": lambda allan, hadamard, tau: [math.sqrt(2 * (allan**2 - hadamard**2)) / tau],
+    "of 0.41": lambda *numbers: [0.41 * number for number in numbers],
     "percent": lambda *edf: [100 / math.sqrt(2 * each) for each in edf],
 }  # fmt: skip
-"""What is made of the numbers of cells: slopes of pairs over a decade, a ramp from two deviations, percent from edf."""
+"""What is made of the numbers of cells: slopes of pairs over a decade, a ramp from two deviations, percent from edf.
+
+"of 0.41" are sums over that of the best range in the relative unit of 002, in which the best is 0.41.
+"""
 
 
 def number(path: Path, cell: str) -> float:

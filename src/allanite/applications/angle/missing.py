@@ -12,7 +12,7 @@ from .harmonics import waves
 from .solve import FALSE_ALARM, MISSING, Solution
 
 LARGEST_ORDER = 1024  # that is looked for, unless larger ones were asked for
-GROUPS = 8192  # means of samples at neighboring angles that are searched, at most
+GROUPS = 4096  # means of samples at neighboring angles that are searched, at most
 MOST = 4  # missing harmonics that are named
 FINENESS = 3  # orders that are tried within what the motion of an angle resolves
 AROUND = 25  # orders on each side that tell how large the noise is there
@@ -42,16 +42,19 @@ class Left(NamedTuple):
         squares, sizes = np.zeros((2, orders.size))
         at_once = max(1, AT_ONCE // self.rest.size)
         for i in range(0, orders.size, at_once):
-            pairs = self.slope[:, None] * waves(self.angle, tuple(orders[i : i + at_once].tolist()))
-            new = pairs - self.known @ (self.known.T @ pairs)
-            length = (pairs**2).sum(axis=0).reshape(-1, 2).sum(axis=1)
-            by = (self.rest @ new).reshape(-1, 2)
-            s, c = new.reshape(-1, by.shape[0], 2).transpose(2, 1, 0)
-            ss, sc, cc = ((a * b).sum(axis=1) for a, b in ((s, s), (s, c), (c, c)))
-            smaller = (ss + cc) / 2 - np.hypot((ss - cc) / 2, sc)  # eigenvalue
-            fit = np.array([cc * by[:, 0] - sc * by[:, 1], ss * by[:, 1] - sc * by[:, 0]])
-            fit = np.where(smaller > NEW * NEW * length, fit / np.maximum(ss * cc - sc * sc, 1e-300), 0.0)
-            squares[i : i + at_once], sizes[i : i + at_once] = (fit * by.T).sum(axis=0), np.hypot(*fit)
+            part = slice(i, i + at_once)
+            phase = np.outer(orders[part], self.angle)
+            s, c = self.slope * np.sin(phase), self.slope * np.cos(phase)
+            inside, beside, by, on = s @ self.known, c @ self.known, s @ self.rest, c @ self.rest
+            total = (s * s).sum(axis=1) + (c * c).sum(axis=1)
+            ss, sc, cc = (
+                (one * two).sum(axis=1) - (p * q).sum(axis=1)
+                for one, two, p, q in ((s, s, inside, inside), (s, c, inside, beside), (c, c, beside, beside))
+            )
+            new = (ss + cc) / 2 - np.hypot((ss - cc) / 2, sc) > NEW * NEW * total
+            det = np.where(new, ss * cc - sc * sc, np.inf)
+            sine, cosine = (cc * by - sc * on) / det, (ss * on - sc * by) / det
+            squares[part], sizes[part] = sine * by + cosine * on, np.hypot(sine, cosine)
         return squares, sizes
 
 

@@ -252,10 +252,11 @@ def solve(
     system: System, *, sigma: float | None = None, prior: FloatArray | None = None, method: str = "recursive"
 ) -> Solution:
     """Constants from samples without outliers."""
-    whole, (kept, threshold) = system, within_gate(system, sigma)
+    whole, (alone, spread, freedom) = system, _alone(system, sigma, prior)
+    kept = within_gate(system, alone, sigma)
     if not kept.all():
         system = System(system.names, *(part[kept] for part in system[1:]))
-    alone, spread, freedom = _alone(system, sigma, prior)
+        alone, spread, freedom = _alone(system, sigma, prior)
     vague = prior if prior is not None else VAGUE * spread / np.sqrt((system.rows**2).mean(axis=0))
     rows, values = system.rows / spread, system.values / spread
     demand_name("method", method, METHODS)
@@ -265,33 +266,30 @@ def solve(
         names=system.names, values=end.values, covariance=end.covariance, sigma=spread, given=sigma is not None,
         freedom=math.inf if sigma is not None else freedom, condition=alone.condition, prior=prior, history=history,
         innovations=innovations, checks=(*level, *checks(innovations)), known=end, omitted=np.flatnonzero(~kept),
-        findings=omission(whole.time[~kept], kept.size, threshold),
+        findings=omission(whole.time[~kept], kept.size, gate(kept.size)),
     )  # fmt: skip
 
 
-def within_gate(system: System, sigma: float | None) -> tuple[BoolArray, float]:
-    """Which samples are within the gate: the innovation of each, given all others that are; and its half width."""
+def within_gate(system: System, known: SquareRoot, sigma: float | None) -> BoolArray:
+    """Which samples are within the gate: the innovation of each, given all others that are."""
     n, p = system.rows.shape
     kept, limit = np.ones(n, dtype=bool), gate(n)
-    if n <= p + 2 or not np.ptp(system.values):
-        return kept, limit
     for _ in range(ROUNDS):
-        known = batch(system.rows[kept], system.values[kept])
         scale, direction = known.singular
         length = np.linalg.norm(known.factor[:, :-1], axis=0)
         used = scale > SINGULAR * scale[0]
-        basis = (system.rows / np.where(length > 0, length, 1.0)) @ (direction[used] / scale[used, None]).T
-        left = system.values - basis @ (basis[kept].T @ system.values[kept])
+        basis = system.rows @ ((direction[used] / scale[used, None]) / np.where(length > 0, length, 1.0)).T
         weight = (basis**2).sum(axis=1)
+        left = system.values - basis @ (basis.T @ np.where(kept, system.values, 0.0))
         left /= np.sqrt(np.maximum(1 + np.where(kept, -weight, weight), 1e-6))
-        spread = max(sigma or 0.0, ROBUST * float(np.median(np.abs(left[kept]))))
-        inside = np.abs(left) <= limit * spread
-        if (inside == kept).all() or not spread:
-            return kept, limit
-        if (~inside).sum() > MOST_OMITTED * n or inside.sum() <= p + 2:
+        inside = np.abs(left) <= limit * max(sigma or 0.0, ROBUST * float(np.median(np.abs(left[kept]))))
+        if (inside == kept).all():
+            return kept
+        if inside.sum() <= max(p + 2, (1 - MOST_OMITTED) * n):
             break
         kept = inside
-    return np.ones(n, dtype=bool), limit
+        known = batch(system.rows[kept], system.values[kept])
+    return np.ones(n, dtype=bool)
 
 
 def gate(count: int) -> float:
