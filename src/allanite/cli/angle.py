@@ -364,9 +364,9 @@ def gimbals_of(file: Any, choices: dict[str, Any]) -> "tuple[Recording, FloatArr
     angles: dict[str, Any] = {"h_polar": (known or 0.0) * DEGREE, "q_polar": 0.0, **at, **turning}
     gimbals = Gimbals(time, **angles, ring_heading=choices["ring_heading"] * DEGREE)
     if known is None and "h_polar" not in at:
-        found = demand_latitude(gimbals)
-        gimbals = gimbals.moved(h_polar=found.value)
-        data = replace(data, notes=(say("{latitude} from the motion of h and q", latitude=str(found)), *data.notes))
+        implied = demand_latitude(gimbals)
+        gimbals = gimbals.moved(h_polar=implied.value)
+        data = replace(data, notes=(say("{latitude} from the motion of h and q", latitude=str(implied)), *data.notes))
     return data, z, gimbals
 
 

@@ -29,7 +29,7 @@ def follow(
 ) -> tuple[Calibration, Recording]:
     """The estimate when the source ends, or is ended; and how its rows were read."""
     service = Service(**model_of(choices))
-    data, said = None, -math.inf
+    data, reported = None, -math.inf
     feed = Feed(tap := opened(target, settings.baud))
     with closing(feed), closing(Spool(target, sent=tap.live)) as spool:
         for rows in _rows_of(feed, spool, settings):
@@ -41,8 +41,8 @@ def follow(
                 continue
             if choices["latitude"] is None and choices["h_polar"] is None:  # that of the first rows holds for all
                 choices["latitude"] = math.degrees(gimbals.h_polar[0])
-            if not quiet and time.monotonic() >= said + settings.every:
-                said = time.monotonic()
+            if not quiet and time.monotonic() >= reported + settings.every:
+                reported = time.monotonic()
                 complain(_report(service, choices["level"] or 0.95))
         if data is None:
             raise DataError(say("{target!r} sent no samples", target=target))
@@ -75,7 +75,7 @@ def _rows_of(feed: Feed, spool: Spool, settings: WatchChoices) -> Iterator[Named
 
 
 def _report(service: Service, level: float) -> str:
-    """The harmonics that are significant so far, with their limits, and what is said against them."""
+    """The harmonics that are significant so far, with their limits, and the findings."""
     count = say_count(service.known.count, "{count} sample", "{count} samples")
     try:
         result = service.result()

@@ -47,31 +47,30 @@ def latitude(gimbals: Gimbals) -> Latitude:
     return Latitude(plane, abs(plane - by_rate) + COVER * error)
 
 
-def _spread(left: FloatArray) -> float:
+def _spread(residuals: FloatArray) -> float:
     """Variance of samples for the error of a mean: with their correlation up to where it is first negative."""
-    size = 1 << (2 * left.size - 1).bit_length()
-    correlation = np.fft.irfft(np.abs(np.fft.rfft(left, size)) ** 2, size)[: left.size]
-    positive = int(np.argmax(correlation < 0)) or left.size
-    return float(2 * correlation[:positive].sum() - correlation[0]) / left.size
+    size = 1 << (2 * residuals.size - 1).bit_length()
+    correlation = np.fft.irfft(np.abs(np.fft.rfft(residuals, size)) ** 2, size)[: residuals.size]
+    positive = int(np.argmax(correlation < 0)) or residuals.size
+    return float(2 * correlation[:positive].sum() - correlation[0]) / residuals.size
 
 
 def demand_latitude(gimbals: Gimbals) -> Latitude:
     """The latitude of these gimbals; refused where they hardly tell it."""
-    found = latitude(gimbals)
-    if not found.half <= VAGUE:
-        raise UsageError(f"the motion of h and q gives the {found} only; give the latitude of the polar gyro's gimbal "
-                         f"({spelled('--latitude', 'h_polar')}), or its inner angle "
-                         f"({spelled('--h-polar COLUMN', 'h_polar')})", choice="latitude")  # fmt: skip
-    return found
+    implied = latitude(gimbals)
+    if not implied.half <= VAGUE:
+        cure = spelled("the latitude (--latitude DEG), or the polar gyro's inner angle (--h-polar COLUMN)", "h_polar")
+        raise UsageError(f"the motion of h and q gives only the {implied}; give {cure}", choice="latitude")
+    return implied
 
 
 def contradiction(gimbals: Gimbals) -> tuple[Finding, ...]:
-    """What is said where the motion of h and q contradicts a polar gyro that stands at a given latitude."""
+    """A finding where the motion of h and q contradicts the latitude at which the polar gyro stands."""
     given, still = float(gimbals.h_polar[0]), not np.ptp(gimbals.h_polar) and not gimbals.q_polar.any()
-    if not still or abs(given - (found := latitude(gimbals)).value) <= FALSE * found.half:
+    if not still or abs(given - (implied := latitude(gimbals)).value) <= FALSE * implied.half:
         return ()
-    before, after = (np.abs(g.partials["h"]).mean() for g in (gimbals, gimbals.moved(h_polar=found.value)))
-    what = say("the motion of h and q gives the {latitude}, not {given:.6g} deg", latitude=str(found),
+    before, after = (np.abs(g.partials["h"]).mean() for g in (gimbals, gimbals.moved(h_polar=implied.value)))
+    what = say("the motion of h and q gives the {latitude}, not {given:.6g} deg", latitude=str(implied),
                given=math.degrees(given))  # fmt: skip
     effect = say("amplitudes of h become {share:.2g} times what they are", share=float(after / before))
     return (Finding("latitude", what, effect, say("give the latitude of the site, or omit it")),)

@@ -24,8 +24,8 @@ NEW = 0.1  # part of a harmonic that must not be explained by the other constant
 Pair = tuple[FloatArray, FloatArray]
 
 
-class Left(NamedTuple):
-    """What is left of a sensor's samples, by its angle: means of neighbors, orthogonal to the constants."""
+class Residuals(NamedTuple):
+    """The residuals of samples by the angle of a sensor: means of neighbors, orthogonal to the constants."""
 
     angle: FloatArray
     slope: FloatArray
@@ -34,7 +34,7 @@ class Left(NamedTuple):
 
     @property
     def variance(self) -> float:
-        """Of the noise."""
+        """Variance of a sample's noise."""
         return float((self.rest**2).sum() / max(1, self.rest.size - self.known.shape[1]))
 
     def explained(self, orders: IntArray) -> Pair:
@@ -48,8 +48,8 @@ class Left(NamedTuple):
             inside, beside, by, on = s @ self.known, c @ self.known, s @ self.rest, c @ self.rest
             total = (s * s).sum(axis=1) + (c * c).sum(axis=1)
             ss, sc, cc = (
-                (one * two).sum(axis=1) - (p * q).sum(axis=1)
-                for one, two, p, q in ((s, s, inside, inside), (s, c, inside, beside), (c, c, beside, beside))
+                (u * v).sum(axis=1) - (p * q).sum(axis=1)
+                for u, v, p, q in ((s, s, inside, inside), (s, c, inside, beside), (c, c, beside, beside))
             )
             new = (ss + cc) / 2 - np.hypot((ss - cc) / 2, sc) > NEW * NEW * total
             det = np.where(new, ss * cc - sc * sc, np.inf)
@@ -79,7 +79,7 @@ def missing(
     rows, values = rows[kept], values[kept]
     known = dict(asked)
     for _ in range(MOST):
-        peaks = [_peak(name, _left(rows, values, *(part[kept] for part in pair)), known[name])
+        peaks = [_peak(name, _residuals(rows, values, *(part[kept] for part in pair)), known[name])
                  for name, pair in sensors.items()]  # fmt: skip
         likely = sorted((peak for peak in peaks if peak is not None), key=lambda peak: -peak.squares)
         if not likely or likely[0].p * len(sensors) > FALSE_ALARM:
@@ -91,7 +91,7 @@ def missing(
         known[name] = (*known[name], order)
 
 
-def _left(rows: FloatArray, values: FloatArray, angle: FloatArray, slope: FloatArray) -> Left:
+def _residuals(rows: FloatArray, values: FloatArray, angle: FloatArray, slope: FloatArray) -> Residuals:
     many = math.ceil(values.size / GROUPS)
     order = np.argsort(np.mod(angle, 2 * math.pi), kind="stable") if many > 1 else np.arange(values.size)
     order = order[: values.size // many * many].reshape(-1, many)
@@ -99,21 +99,21 @@ def _left(rows: FloatArray, values: FloatArray, angle: FloatArray, slope: FloatA
     # neighbors are within a turn of each other, of whichever turn they are
     angle = np.angle(np.exp(1j * angle)[order].mean(axis=1)) if many > 1 else angle
     basis, _ = np.linalg.qr(rows)
-    return Left(angle, slope, basis, values - basis @ (basis.T @ values))
+    return Residuals(angle, slope, basis, values - basis @ (basis.T @ values))
 
 
-def _peak(name: str, left: Left, asked: tuple[int, ...]) -> Peak | None:
-    turned = np.unwrap(left.angle)
+def _peak(name: str, residuals: Residuals, asked: tuple[int, ...]) -> Peak | None:
+    turned = np.unwrap(residuals.angle)
     resolved, step = 2 * math.pi / float(np.ptp(turned)), float(np.median(np.abs(np.diff(turned))))
     most = max(LARGEST_ORDER, 4 * max(asked))
     if step * max(asked) < math.pi:  # unless the angles are those of a table, in any order
         most = min(most, int(math.pi / max(step, 1e-12)))
     gap = max(1, int(resolved / FINENESS))
     orders = np.arange(max(1, math.ceil(resolved)), most + 1, gap)
-    variance, freedom = left.variance, left.rest.size - left.known.shape[1] - 2
+    variance, freedom = residuals.variance, residuals.rest.size - residuals.known.shape[1] - 2
     if orders.size < 2 or freedom < 1 or not variance > 0:
         return None
-    squares, _ = left.explained(orders)
+    squares, _ = residuals.explained(orders)
     best = int(squares.argmax())
     near = squares[max(0, best - AROUND) : best + AROUND + 1]
     variance = max(variance, float(np.median(near)) / MEDIAN)
@@ -123,7 +123,7 @@ def _peak(name: str, left: Left, asked: tuple[int, ...]) -> Peak | None:
     fine = fine[~np.isin(fine, asked)]
     if not fine.size:
         return None
-    squares, sizes = left.explained(fine)
+    squares, sizes = residuals.explained(fine)
     alike = squares > squares.max() - ALIKE * variance
     usual = alike & (fine % min(asked) == 0)
     chosen = int(np.where(usual if usual.any() else alike, squares, -1.0).argmax())

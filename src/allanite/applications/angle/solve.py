@@ -280,9 +280,9 @@ def within_gate(system: System, known: SquareRoot, sigma: float | None) -> BoolA
         used = scale > SINGULAR * scale[0]
         basis = system.rows @ ((direction[used] / scale[used, None]) / np.where(length > 0, length, 1.0)).T
         weight = (basis**2).sum(axis=1)
-        left = system.values - basis @ (basis.T @ np.where(kept, system.values, 0.0))
-        left /= np.sqrt(np.maximum(1 + np.where(kept, -weight, weight), 1e-6))
-        inside = np.abs(left) <= limit * max(sigma or 0.0, ROBUST * float(np.median(np.abs(left[kept]))))
+        rest = system.values - basis @ (basis.T @ np.where(kept, system.values, 0.0))
+        rest /= np.sqrt(np.maximum(1 + np.where(kept, -weight, weight), 1e-6))
+        inside = np.abs(rest) <= limit * max(sigma or 0.0, ROBUST * float(np.median(np.abs(rest[kept]))))
         if (inside == kept).all():
             return kept
         if inside.sum() <= max(p + 2, (1 - MOST_OMITTED) * n):
@@ -300,7 +300,7 @@ def gate(count: int) -> float:
 
 
 def omission(at: FloatArray, count: int, threshold: float) -> tuple[Finding, ...]:
-    """What is said of outliers, at these times, of a record of so many samples."""
+    """A finding about outliers at these times, of a record of so many samples."""
     if not at.size:
         return ()
     what = say_count(

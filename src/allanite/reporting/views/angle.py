@@ -44,7 +44,7 @@ KEY = say(
     "S and C with one standard error, arcsec. Identified: without the harmonic, an amplitude as large would have a "
     "probability below 1 %. Absent: not identified; the limit is the 95 % upper limit. Weak: identified, but the "
     "residuals are not the noise that the errors and intervals assume. Harmonics that were not requested are looked "
-    "for: of 1000 records of white noise, one is said to have one, and one to have an outlier."
+    "for: of 1000 records of white noise, one shows one by chance, and one an outlier."
 )
 INNOVATIONS = say(
     "Innovations: each sample minus its prediction from the samples before it, in standard deviations, and their "
