@@ -59,7 +59,8 @@ def _rows_of(feed: Feed, spool: Spool, settings: WatchChoices) -> Iterator[Named
             data = b""
             try:
                 data = feed.take(WAIT)
-            except OSError:
+            except (OSError, DataError) as error:  # the source is gone, or a file became shorter
+                complain(str(error))
                 over = True
             now = time.monotonic()
             last = now if data else last

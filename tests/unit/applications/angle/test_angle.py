@@ -302,6 +302,49 @@ def test_a_recursive_filter_gives_the_same_in_service():
 
 
 @pytest.mark.slow("ensemble")
+def test_false_alarms_are_as_rare_as_is_stated():
+    """300 records of white noise: of either alarm, 0.1 % a record, 4 or more have a probability below 3e-4."""
+    alarms = {"order": 0, "outliers": 0}
+    for seed in range(1, 301):
+        gimbals = hour(60.0 * seed)
+        z = al.angle.simulate(gimbals, sensors(), sigma=5e-6, rng=np.random.default_rng(seed))
+        names = {f.name for f in al.angle.estimate(z, gimbals, prior=(1e-4, 1e-3)).solution.findings}
+        alarms = {name: count + (name in names) for name, count in alarms.items()}
+    assert max(alarms.values()) < 4
+
+
+ATTACKS = [(0.5, 600, 52, 5.0, (128, 256), None), (1, 1200, -52, 1.0, (64, 128), (math.radians(0.5), 60.0)),
+           (2, 1800, -41, 1.0, (90, 180), None), (10, 7200, 29, 0.1, (2048,), None),
+           (30, 14400, 14, 1.0, (128, 256), None),
+           (2, 1200, -69, 5.0, (36,), None), (5, 3600, 70, 0.1, (128, 256, 512), None),
+           (20, 7200, -3, 1.0, (8, 256), None),
+           (3, 1800, 60, 2.0, (100,), (math.radians(0.1), 20.0)), (60, 20000, 35, 1.0, (16, 32), None)]  # fmt: skip
+"""Interval and duration, s; latitude, deg; noise, arcsec; orders; sway."""
+
+
+@rows("interval, duration, latitude, noise, orders, sway", ATTACKS)
+@pytest.mark.slow("ten records by the literal filter")
+def test_records_of_any_rate_and_length_are_those_of_the_filter_of_textbooks(
+    interval, duration, latitude, noise, orders, sway
+):
+    rng, sigma, prior = np.random.default_rng(len(orders)), noise * ARCSEC, (30 * ARCSEC, 200 * ARCSEC)
+    gimbals = al.angle.gimbals(
+        np.arange(3000.0, 3000.0 + duration, interval), latitude=math.radians(latitude), sway=sway
+    )
+    true = {a: al.angle.Harmonics.of({k: tuple(rng.normal(0, 3, 2) * ARCSEC) for k in orders}) for a in ("h", "q")}
+    z = al.angle.simulate(gimbals, true, sigma=sigma, rng=rng)
+    found = al.angle.estimate(z, gimbals, orders=orders, sigma=sigma, prior=prior).solution
+    service, kept = Service(orders, sigma=sigma, prior=prior), np.delete(np.arange(z.size), found.omitted)
+    service.add(z, gimbals)
+    names, matrix = design(gimbals, {"h": orders, "q": orders}, USUAL)
+    amplitudes = 4 * len(orders)
+    x, P, _ = kalman(matrix[kept], z[kept], sigma, [prior[0]] * amplitudes + [prior[1]] * 5)
+    assert (np.abs(found.values - x) < 1e-3 * found.errors).all()
+    np.testing.assert_allclose(found.errors, np.sqrt(np.diag(P)), rtol=1e-3)
+    np.testing.assert_allclose(service.result().solution.values, found.values, atol=1e-3 * found.errors.min())
+
+
+@pytest.mark.slow("ensemble")
 def test_checks_are_right_as_often_as_they_say():
     """300 records of white noise, seeds 1 to 300: a check at 1 % fails in 0 to 10 (error probability 1e-4 each)."""
     rows = np.column_stack([np.ones(200), np.linspace(-1, 1, 200)])
