@@ -66,11 +66,6 @@ RECURSIVE = say(
     "The constants are estimated recursively in square-root form: each sample is rotated into the triangular factor of "
     "the information matrix, which gives the least-squares estimate, its covariance, and the innovation of each sample."
 )
-INFORMED = say(
-    "The constants are estimated recursively in square-root form: each sample is rotated into the triangular factor of "
-    "the information matrix, which gives the least-squares estimate with what was known before, its covariance, and "
-    "the innovation of each sample."
-)
 
 
 def _verdict(result: Result, level: float, doubt: bool) -> str:
@@ -262,7 +257,7 @@ def result_view(result: Result, level: float) -> Face:
     verdicts = (_verdict(result, level, doubt),)
     sheet = Sheet(names, about, tuple(_parts(result, solution, level)), verdicts, "alert" if doubt else "")
     model = GIMBAL if isinstance(result, Calibration) else AGAINST
-    return Face(title, BRAND, (sheet,), how=(Note(model), Note(RECURSIVE if solution.prior is None else INFORMED)))
+    return Face(title, BRAND, (sheet,), how=(Note(model), Note(RECURSIVE)))
 
 
 LAWS = {"exact": say("exact"), "linear": say("linear")}

@@ -322,11 +322,10 @@ ATTACKS = [(0.5, 600, 52, 5.0, (128, 256), None), (1, 1200, -52, 1.0, (64, 128),
 """Interval and duration, s; latitude, deg; noise, arcsec; orders; sway."""
 
 
-@rows("interval, duration, latitude, noise, orders, sway", ATTACKS)
+@rows("case", ATTACKS)
 @pytest.mark.slow("ten records by the literal filter")
-def test_records_of_any_rate_and_length_are_those_of_the_filter_of_textbooks(
-    interval, duration, latitude, noise, orders, sway
-):
+def test_any_rate_and_length_against_the_filter_of_textbooks(case):
+    interval, duration, latitude, noise, orders, sway = case
     rng, sigma, prior = np.random.default_rng(len(orders)), noise * ARCSEC, (30 * ARCSEC, 200 * ARCSEC)
     gimbals = al.angle.gimbals(
         np.arange(3000.0, 3000.0 + duration, interval), latitude=math.radians(latitude), sway=sway
@@ -336,7 +335,7 @@ def test_records_of_any_rate_and_length_are_those_of_the_filter_of_textbooks(
     found = al.angle.estimate(z, gimbals, orders=orders, sigma=sigma, prior=prior).solution
     service, kept = Service(orders, sigma=sigma, prior=prior), np.delete(np.arange(z.size), found.omitted)
     service.add(z, gimbals)
-    names, matrix = design(gimbals, {"h": orders, "q": orders}, USUAL)
+    _, matrix = design(gimbals, {"h": orders, "q": orders}, USUAL)
     amplitudes = 4 * len(orders)
     x, P, _ = kalman(matrix[kept], z[kept], sigma, [prior[0]] * amplitudes + [prior[1]] * 5)
     assert (np.abs(found.values - x) < 1e-3 * found.errors).all()
