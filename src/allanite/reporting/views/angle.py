@@ -191,16 +191,10 @@ def _constant(value: float, error: float) -> tuple[str, str]:
 def _constants(result: Result, solution: Solution, level: float) -> tuple[list[str], list[list[Any]]]:
     """All constants with limits, SI; the true ones of a simulated record."""
     truth = _truth(result)
-    rows: list[list[Any]] = [
-        [
-            name,
-            value,
-            error,
-            *(v if v is not None else "" for v in solution.limits(name, level)),
-            *([truth.get(name, "")] if truth else []),
-        ]
-        for name, value, error in zip(solution.names, solution.values.tolist(), solution.errors.tolist(), strict=True)
-    ]
+    rows: list[list[Any]] = []
+    for name, value, error in zip(solution.names, solution.values.tolist(), solution.errors.tolist(), strict=True):
+        limits = ("" if limit is None else limit for limit in solution.limits(name, level))
+        rows.append([name, value, error, *limits, *([truth.get(name, "")] if truth else [])])
     return ["constant", "value", "standard_error", "low", "high", *(["true"] if truth else [])], rows
 
 
