@@ -77,12 +77,10 @@ def _rows_of(feed: Feed, spool: Spool, settings: WatchChoices) -> Iterator[Named
 
 def _report(service: Service, level: float) -> str:
     """The harmonics that are significant so far, with their limits, and the findings."""
-    count = say_count(service.known.count, "{count} sample", "{count} samples")
-    try:
-        result = service.result()
-    except DataError as error:
-        return join("; ", (count, str(error)))
-    words = []
+    count = say_count(service.count, "{count} sample", "{count} samples")
+    if service.waiting:
+        return count
+    words, result = [], service.result()
     for h in result:
         for order in filter(h.found, h.orders):
             at = h.orders.index(order)

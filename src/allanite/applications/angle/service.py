@@ -10,13 +10,14 @@ from allanite.extending import DataError, FloatArray
 from .calibration import Calibration, Prior, examined, prior_of
 from .geometry import ANGLES, Gimbals
 from .harmonics import USUAL, Orders, design, harmonic_set
-from .solve import CHECKPOINTS, ROBUST, History, Solution, checks, gate, level_check, omission
-from .squareroot import SquareRoot
+from .solve import CHECKPOINTS, ROBUST, History, Solution, System, checks, gate, level_check, omission, within_gate
+from .squareroot import SquareRoot, batch
 
 KEPT = 1 << 16  # last samples that are tested for what the model lacks
 SCALED = 64  # innovations from which their spread is known
 LATEST = 1024  # innovations that give it
 LOST = 32  # outliers in succession from which they are none: the constants have changed
+FIRST = 8  # samples for each constant that are taken in at first, together
 UNKNOWN = 1.0  # rad, and rad/s: what is known of a constant before the first sample
 UNIT = math.pi / 648_000  # rad: the noise of a sample until it is known
 
@@ -37,6 +38,12 @@ class Service:
         self.recent, self.history = np.empty((len(ANGLES) + 4, 0)), list[tuple[int, float, FloatArray, FloatArray]]()
         self.omitted, self.row, self.first, self.last, self.stride = 0, 0, 0.0, -math.inf, 1
         self.heading, self.turning = 0.0, False
+        self.waiting: list[tuple[FloatArray, FloatArray]] = []  # the first samples, which are gated together
+
+    @property
+    def count(self) -> int:
+        """Samples that are taken in, or are to be with the first ones."""
+        return self.known.count + sum(len(rows) for rows, _ in self.waiting)
 
     def add(self, z: FloatArray, gimbals: Gimbals) -> None:
         """Take in samples; those that are not later than the last one are passed over."""
@@ -48,7 +55,23 @@ class Service:
         turn = np.zeros(z.size) if gimbals.rho is None else gimbals.rho
         kept = np.array([z, gimbals.time, turn, *(getattr(gimbals, name) for name in ANGLES), z])[:, new]
         self.last = float(gimbals.time[-1])
-        self._absorb(rows[new] / self.unit, kept)
+        self.waiting.append((rows[new] / self.unit, kept))
+        if self.known.count or self.count >= FIRST * rows.shape[1]:
+            self._take()
+
+    def _take(self) -> None:
+        rows, kept = np.vstack([rows for rows, _ in self.waiting]), np.hstack([kept for _, kept in self.waiting])
+        self.waiting = []
+        if not self.known.count:
+            z = kept[0] / self.unit
+            inside = within_gate(System((), rows, z, kept[1]), batch(rows, z), None if self.sigma is None else 1.0)
+            self._omit(kept[1, ~inside])
+            rows, kept = rows[inside], kept[:, inside]
+        self._absorb(rows, kept)
+
+    def _omit(self, time: FloatArray) -> None:
+        self.first = float(time[0]) if time.size and not self.omitted else self.first
+        self.omitted += time.size
 
     def _absorb(self, rows: FloatArray, kept: FloatArray) -> None:
         """Samples whose innovations are within the gate; of others, one half after the other."""
@@ -64,8 +87,8 @@ class Service:
             self._absorb(rows[half:], kept[:, half:])
             return
         elif self.row < LOST:
-            self.first = self.first if self.omitted else float(kept[1, 0])
-            self.omitted, self.row = self.omitted + 1, self.row + 1
+            self._omit(kept[1])
+            self.row += 1
             return
         self.known, self.row = known, 0
         self.recent = np.hstack([self.recent, np.vstack([kept[:-1], innovations])])[:, -KEPT:]
@@ -76,9 +99,12 @@ class Service:
 
     def result(self) -> Calibration:
         """The estimate so far, with what the last samples say against it."""
-        p, n = self.known.factor.shape[0], self.known.count
+        p = self.known.factor.shape[0]
+        if self.waiting and self.count > p + 2:
+            self._take()
+        n = self.known.count
         if n <= p or not self.history:
-            raise DataError(f"{n} samples are too few for {p} constants and their noise; record for longer")
+            raise DataError(f"{self.count} samples are too few for {p} constants and their noise; record for longer")
         z, time, turn, *angles = self.recent[:-1]
         rho = turn if self.turning else None
         gimbals = Gimbals(time, **dict(zip(ANGLES, angles, strict=True)), rho=rho, ring_heading=self.heading)

@@ -280,21 +280,22 @@ def test_a_harmonic_that_is_missing_is_named_and_no_limits_are_stated(angle, ord
     assert (whole.solution.complete, whole[angle].found(order)) == (True, True)
 
 
-def test_a_recursive_filter_gives_the_same_in_service():
+@rows("spike, step", [(200, 7), (5, 7), (30, 360), (359, 2)])
+def test_a_recursive_filter_gives_the_same_in_service(spike, step):
     """In steps of any size, with an outlier; against the filter of textbooks without it."""
     gimbals, sigma = hour(), 5e-6
     z = al.angle.simulate(gimbals, sensors(), sigma=sigma, rng=np.random.default_rng(4))
-    z[200] += 20 * sigma
+    z[spike] += 20 * sigma
     service = Service(sigma=sigma, prior=(1e-4, 1e-3))
-    for first in range(0, 360, 7):
-        which = np.arange(max(first - 1, 0), min(first + 7, 360))  # the last sample of those before, too
+    for first in range(0, 360, step):
+        which = np.arange(max(first - 1, 0), min(first + step, 360))  # the last sample of those before, too
         service.add(z[which], part_of(gimbals, which))
-    found, kept = service.result(), np.delete(np.arange(360), 200)
+    found, kept = service.result(), np.delete(np.arange(360), spike)
     names, matrix = design(gimbals, {"h": (128, 256), "q": (128, 256)}, USUAL)
     x, P, innovations = kalman(matrix[kept], z[kept], sigma, [1e-4] * 8 + [1e-3] * 5)
     solution = found.solution
     assert (solution.names, solution.innovations.size) == (names, 359)
-    assert "1 of 360 samples is omitted as an outlier (at 9200 s)" in solution.warnings[0]
+    assert f"1 of 360 samples is omitted as an outlier (at {gimbals.time[spike]:.0f} s)" in solution.warnings[0]
     np.testing.assert_allclose(solution.values, x, atol=1e-6 * solution.errors.max())
     np.testing.assert_allclose(solution.errors, np.sqrt(np.diag(P)), rtol=1e-6)
     np.testing.assert_allclose(solution.innovations, innovations, atol=1e-6)
