@@ -258,9 +258,8 @@ def test_the_motion_of_h_and_q_gives_the_latitude(latitude):
     assert "latitude" not in names
     wrong = read.moved(h_polar=np.full(HOUR.size, true + math.radians(1)))
     assert "latitude" in [f.name for f in al.angle.estimate(z, wrong).solution.findings]
-    refused(
-        al.UsageError, "give the latitude", lambda: demand_latitude(al.angle.gimbals(HOUR, latitude=1, q_law="linear"))
-    )
+    linear = al.angle.gimbals(HOUR, latitude=1.0, q_law="linear")
+    refused(al.UsageError, "gives only the latitude", lambda: demand_latitude(linear))
 
 
 MISSED = [("h", 512, 7200.0, (128, 256)), ("q", 512, 7200.0, (128, 256)), ("h", 256, 3600.0, (128,)),
