@@ -295,4 +295,4 @@ def _run(line: list[str], shared: dict[str, Any]) -> None:
                 raise
 
 
-ANGLE = ("calibrate", "estimate", "plan", "simulate")  # verbs of the group angle
+ANGLE = ("calibrate", "estimate", "plan", "simulate", "watch")  # verbs of the group angle

@@ -27,10 +27,11 @@ READ: dict[str, Callable[..., list[float]]] = {
     "mu": lambda *numbers: [round(2 * slope, 2) + 0.0 for slope in READ["slope"](*numbers)],
     "flatness": lambda late, tau, first: [(late / first) ** 2 * tau],
     "ramp": lambda allan, hadamard, tau: [math.sqrt(2 * (allan**2 - hadamard**2)) / tau],
+    "of 0.41": lambda *numbers: [0.41 * number for number in numbers],
     "percent": lambda *edf: [100 / math.sqrt(2 * each) for each in edf],
 }  # fmt: skip
 """What is made of the numbers of cells: slopes of pairs over a decade (`mu` of the variance), a ramp from two
-deviations, percent from edf, the variance times tau over that at 1 s."""
+deviations, percent from edf, the variance times tau over that at 1 s, sums relative to the best range, 0.41 in 002."""
 
 
 def number(path: Path, cell: str) -> float:

@@ -12,6 +12,8 @@ from allanite.extending import DataError, Finding, FloatArray, UsageError, Value
 
 from .geometry import Gimbals, column
 from .harmonics import USUAL, Harmonics, Orders, amplitude_names, design, harmonic_set
+from .latitude import contradiction
+from .missing import missing
 from .solve import Solution, System, correlation_of, solve
 from .squareroot import SquareRoot
 
@@ -232,8 +234,21 @@ def estimate(
     names, rows = design(gimbals, harmonics, nuisance)
     before = prior_of(prior, harmonics, len(names))
     solution = solve(System(names, rows, z, gimbals.time), sigma=sigma, prior=before, method=method)
-    known = caveats(gimbals, harmonics, names, solution.known, before)
-    solution = replace(solution, findings=(*known, *too_large(tuple(_parts(solution, harmonics)))))
+    return examined(solution, rows, z, gimbals, harmonics)
+
+
+def examined(
+    solution: Solution, rows: FloatArray, z: FloatArray, gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]
+) -> Calibration:
+    """The harmonics of a solution, with what the samples say against it."""
+    slopes = gimbals.partials
+    sensors = {angle: (getattr(gimbals, angle), slopes[angle]) for angle in harmonics}
+    findings = (
+        *missing(solution, rows, z, sensors, harmonics), *contradiction(gimbals), *solution.findings,
+        *caveats(gimbals, harmonics, solution.names, solution.known, solution.prior),
+        *too_large(tuple(_parts(solution, harmonics))),
+    )  # fmt: skip
+    solution = replace(solution, findings=findings)
     return Calibration(tuple(_parts(solution, harmonics)), solution, gimbals)
 
 

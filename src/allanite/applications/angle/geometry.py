@@ -142,6 +142,11 @@ class Gimbals(Value):
         """The polar vector's h and q as seen from the equatorial gyro's ring."""
         return self._seen(self.h_polar, self.q_polar, self.mu)
 
+    @property
+    def base(self) -> Pair:
+        """The equatorial vector's h and q as they would be with the outer ring at 0."""
+        return self._seen(self.h, self.q, -np.asarray(self.mu))
+
     def _seen(self, h: FloatArray, q: FloatArray, mu: FloatArray | float) -> Pair:
         if not np.any(mu):
             return h, q
@@ -162,8 +167,7 @@ class Gimbals(Value):
     @property
     def partials(self) -> dict[str, FloatArray]:
         """Partial derivative of the cosine by each of `ANGLES`, shape (n,) each."""
-        base = self._seen(self.h, self.q, -np.asarray(self.mu))
-        polar = self.h_polar, self.q_polar
+        base, polar = self.base, (self.h_polar, self.q_polar)
         across = np.cross(horizontal(self.ring_heading), vector(*base), axisb=0)
         slopes = (*_slopes((self.h, self.q), self._polar), *_slopes(polar, base),
                   (across * vector(*polar).T).sum(axis=1))  # fmt: skip

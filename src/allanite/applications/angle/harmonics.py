@@ -93,14 +93,17 @@ def amplitude_names(harmonics: Mapping[str, tuple[int, ...]]) -> tuple[str, ...]
 
 
 def design(
-    gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]], nuisance: Sequence[str]
+    gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]], nuisance: Sequence[str], *, still: bool = False
 ) -> tuple[tuple[str, ...], FloatArray]:
-    """Names of the constants, and the rows by which the measured cosine depends on them, shape (n, p)."""
+    """Names of the constants, and the rows by which the measured cosine depends on them, shape (n, p).
+
+    Refuses angles that do not move, unless they may be `still`.
+    """
     for name in nuisance:
         demand_name("nuisance", name, NUISANCES)
     if len(set(nuisance)) < len(nuisance):
         raise UsageError(f"a nuisance is given twice: {', '.join(nuisance)}")
-    for angle, orders in harmonics.items():
+    for angle, orders in () if still else harmonics.items():
         demand_motion(f"the angle {angle}", gimbals.span(angle), orders, REMEDIES.get(angle, EARTHLY))
     f = gimbals.partials
     blocks = [f[a][:, None] * waves(getattr(gimbals, a), orders) for a, orders in harmonics.items()]
@@ -258,7 +261,8 @@ class Harmonics(Correction):
         """Whether it is "identified", "absent", or "weak": significant, but the noise is not as assumed."""
         if not self.found(order):
             return "absent"
-        sound = self.solution is None or all(check.passed for check in self.solution.checks)
+        solution = self.solution
+        sound = solution is None or (solution.complete and all(check.passed for check in solution.checks))
         return "identified" if sound else "weak"
 
     def upper(self, order: int) -> float:
@@ -277,6 +281,10 @@ class Harmonics(Correction):
         half = quantile(level, self.freedom) * float(self.amplitude_error[i])
         return max(0.0, float(self.amplitude[i]) - half), float(self.amplitude[i]) + half
 
+    def limits(self, order: int, level: float = 0.95) -> tuple[float | None, float | None]:
+        """The interval of an amplitude, rad; None where the model is not complete, so that it would not hold."""
+        return self.interval(order, level) if self.solution is None or self.solution.complete else (None, None)
+
     def _index(self, order: int) -> int:
         if order not in self.orders:
             raise UsageError(f"order {order!r} was not estimated; orders: {', '.join(map(str, self.orders))}")
@@ -288,7 +296,7 @@ class Harmonics(Correction):
         errors = np.sqrt(np.diag(self.covariance))
         columns = (self.sine, errors[::2], self.cosine, errors[1::2], self.amplitude)
         rows = [
-            [self.name, k, *numbers, *self.interval(k, level), phase, self.status(k)]
+            [self.name, k, *numbers, *self.limits(k, level), phase, self.status(k)]
             for k, phase, *numbers in zip(
                 self.orders, self.phase.tolist(), *(column.tolist() for column in columns), strict=True
             )
@@ -301,7 +309,8 @@ class Harmonics(Correction):
         keys = [heading.replace(" ", "_") for heading in headings]
         terms = [dict(zip(keys, row, strict=True)) for row in rows]
         for term in terms:
-            term["upper"] = self.upper(term["order"]) if term["status"] == "absent" else None
+            limited = term["status"] == "absent" and term["low"] is not None
+            term["upper"] = self.upper(term["order"]) if limited else None
         data: dict[str, Any] = {"allanite": 1, "type": "Harmonics", "name": self.name, "unit": "rad", "level": level,
                                 "terms": terms, "covariance": self.covariance.tolist(),
                                 "freedom": None if math.isinf(self.freedom) else self.freedom}  # fmt: skip

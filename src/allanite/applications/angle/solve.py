@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from allanite.extending import (
+    BoolArray,
     DataError,
     Finding,
     FloatArray,
@@ -20,11 +21,16 @@ from allanite.extending import (
     demand_name,
     join,
     say,
+    say_count,
 )
 
 from .squareroot import SquareRoot, batch
 
 PASSED = 0.01  # p-value below which a test has failed
+FALSE_ALARM = 1e-3  # probability, for a whole record of white noise, that a sample is omitted or a harmonic is named
+BROKEN = 1e-5  # p-value of a test below which limits would not hold
+MISSING = "order"  # name of a finding about a harmonic that the model lacks
+MOST_OMITTED = 0.1  # part of the samples beyond which what deviates is no outlier, but the noise
 
 
 @dataclass(frozen=True, repr=False)
@@ -75,33 +81,16 @@ def steady(left: FloatArray) -> tuple[float, float, str]:
     return a, float(min(p, 1.0)), words
 
 
-def outlying(left: FloatArray) -> tuple[float, float, str]:
-    """The largest residual, against as many normal ones: an early innovation is small, for nothing is expected yet."""
-    from scipy.special import log_ndtr
-
-    at = int(np.abs(left).argmax())
-    worst = float(abs(left[at]))
-    tail = math.exp(math.log(2.0) + float(log_ndtr(-worst)))
-    p = -math.expm1(left.size * math.log1p(-min(tail, 1 - 1e-16)))
-    words = say("sample {sample} deviates by {deviation:.3g} standard deviations; inspect it, or omit it", sample=at,
-                deviation=worst)  # fmt: skip
-    return worst, p, words
-
-
-TESTS: dict[str, tuple[str, bool, Callable[[FloatArray], tuple[float, float, str]]]] = {
-    "white": (say("the innovations are uncorrelated"), True, white),
-    "steady": (say("the constants do not change"), True, steady),
-    "outlying": (say("no sample is an outlier"), False, outlying),
+TESTS: dict[str, tuple[str, Callable[[FloatArray], tuple[float, float, str]]]] = {
+    "white": (say("the innovations are uncorrelated"), white),
+    "steady": (say("the constants do not change"), steady),
 }
-"""Name: title, whether of innovations or of residuals, and these -> (statistic, p, words if it fails)."""
+"""Name: title, and innovations of unit variance -> (statistic, p, words if it fails)."""
 
 
-def checks(innovations: FloatArray, residuals: FloatArray) -> tuple[InnovationTest, ...]:
-    """Every test of `TESTS`; innovations and residuals of shape (n,), with unit variance."""
-    return tuple(
-        InnovationTest(name, title, *test(innovations if innovating else residuals))
-        for name, (title, innovating, test) in TESTS.items()
-    )
+def checks(innovations: FloatArray) -> tuple[InnovationTest, ...]:
+    """Every test of `TESTS`."""
+    return tuple(InnovationTest(name, title, *test(innovations)) for name, (title, test) in TESTS.items())
 
 
 def level_check(squares: float, freedom: int) -> InnovationTest:
@@ -147,6 +136,8 @@ class Solution(Value):
         noise; what must be known beside the numbers.
     known : SquareRoot
         What further samples (divided by sigma) can be added to.
+    omitted : array of int
+        Samples that were omitted as outliers.
     """
 
     _keys: ClassVar[dict[str, str]] = {"given": "sigma_given"}
@@ -164,6 +155,16 @@ class Solution(Value):
     checks: tuple[InnovationTest, ...]
     known: SquareRoot
     findings: tuple[Finding, ...] = ()
+    omitted: IntArray = field(default_factory=lambda: np.empty(0, np.int64))
+
+    @property
+    def complete(self) -> bool:
+        """Whether limits can be stated: no harmonic is missing, and no test fails beyond doubt."""
+        return all(f.name != MISSING for f in self.findings) and all(c.p >= BROKEN for c in self.checks)
+
+    def limits(self, name: str, level: float = 0.95) -> tuple[float | None, float | None]:
+        """The interval of a constant; None where the model is not complete, so that it would not hold."""
+        return self.interval(name, level) if self.complete else (None, None)
 
     @property
     def errors(self) -> FloatArray:
@@ -201,9 +202,9 @@ class Solution(Value):
     def shown(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data of the result alone, SI: the constants with limits at `level`, without the way to them."""
         keys = ("name", "value", "standard_error", "low", "high")
-        rows = ((name, self[name], self.error(name), *self.interval(name, level)) for name in self.names)
+        rows = ((name, self[name], self.error(name), *self.limits(name, level)) for name in self.names)
         return {"sigma": self.sigma, "sigma_given": self.given, "readings": self.innovations.size,
-                "condition": self.condition, "level": level,
+                "condition": self.condition, "level": level, "omitted": self.omitted.tolist(),
                 "constants": [dict(zip(keys, row, strict=True)) for row in rows],
                 "correlation": self.correlation.tolist(), "checks": [check.to_dict() for check in self.checks],
                 "findings": [finding.to_dict() for finding in self.findings]}  # fmt: skip
@@ -233,6 +234,8 @@ def quantile(level: float, freedom: float) -> float:
 
 VAGUE = 1e7  # a prior deviation, in units of what one reading tells of a constant, that no result notices
 SINGULAR = 1e-12  # singular value over the largest, below which a combination of constants is not seen at all
+ROBUST = 1.4826  # standard deviation of normal noise over its median size
+ROUNDS = 20  # times that the gate is applied again to what it has left
 CHECKPOINTS = 200  # instants of the history that are kept
 
 
@@ -248,8 +251,12 @@ class System(NamedTuple):
 def solve(
     system: System, *, sigma: float | None = None, prior: FloatArray | None = None, method: str = "recursive"
 ) -> Solution:
-    """Constants from samples."""
-    alone, spread, freedom = _alone(system, sigma, prior)
+    """Constants from samples without outliers."""
+    whole, (alone, spread, freedom) = system, _alone(system, sigma, prior)
+    kept = within_gate(system, alone, sigma)
+    if not kept.all():
+        system = System(system.names, *(part[kept] for part in system[1:]))
+        alone, spread, freedom = _alone(system, sigma, prior)
     vague = prior if prior is not None else VAGUE * spread / np.sqrt((system.rows**2).mean(axis=0))
     rows, values = system.rows / spread, system.values / spread
     demand_name("method", method, METHODS)
@@ -258,8 +265,51 @@ def solve(
     return Solution(
         names=system.names, values=end.values, covariance=end.covariance, sigma=spread, given=sigma is not None,
         freedom=math.inf if sigma is not None else freedom, condition=alone.condition, prior=prior, history=history,
-        innovations=innovations, checks=(*level, *checks(innovations, values - rows @ end.values)), known=end,
+        innovations=innovations, checks=(*level, *checks(innovations)), known=end, omitted=np.flatnonzero(~kept),
+        findings=omission(whole.time[~kept], kept.size, gate(kept.size)),
     )  # fmt: skip
+
+
+def within_gate(system: System, known: SquareRoot, sigma: float | None) -> BoolArray:
+    """Which samples are within the gate: the innovation of each, given all others that are."""
+    n, p = system.rows.shape
+    kept, limit = np.ones(n, dtype=bool), gate(n)
+    for _ in range(ROUNDS):
+        scale, direction = known.singular
+        length = np.linalg.norm(known.factor[:, :-1], axis=0)
+        used = scale > SINGULAR * scale[0]
+        basis = system.rows @ ((direction[used] / scale[used, None]) / np.where(length > 0, length, 1.0)).T
+        weight = (basis**2).sum(axis=1)
+        rest = system.values - basis @ (basis.T @ np.where(kept, system.values, 0.0))
+        rest /= np.sqrt(np.maximum(1 + np.where(kept, -weight, weight), 1e-6))
+        inside = np.abs(rest) <= limit * max(sigma or 0.0, ROBUST * float(np.median(np.abs(rest[kept]))))
+        if (inside == kept).all():
+            return kept
+        if inside.sum() <= max(p + 2, (1 - MOST_OMITTED) * n):
+            break
+        kept = inside
+        known = batch(system.rows[kept], system.values[kept])
+    return np.ones(n, dtype=bool)
+
+
+def gate(count: int) -> float:
+    """Standard deviations that white noise exceeds once in a thousand records of so many samples."""
+    from scipy.special import ndtri
+
+    return float(-ndtri(FALSE_ALARM / (2 * count)))
+
+
+def omission(at: FloatArray, count: int, threshold: float) -> tuple[Finding, ...]:
+    """A finding about outliers at these times, of a record of so many samples."""
+    if not at.size:
+        return ()
+    what = say_count(
+        at.size, "{count} of {all} samples is omitted as an outlier (at {when:.6g} s)",
+        "{count} of {all} samples are omitted as outliers (the first at {when:.6g} s)", all=count, when=float(at[0]),
+    )  # fmt: skip
+    effect = say("their innovations exceed {threshold:.2g} standard deviations, as noise does in one of 1000 records",
+                 threshold=threshold)  # fmt: skip
+    return (Finding("outliers", what, effect),)
 
 
 def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tuple[SquareRoot, float, int]:

@@ -69,7 +69,8 @@ def lookup(columns: tuple[FileColumn, ...], key: str, choice: str = "channels") 
     exact = [column for column in columns if wanted in (column.name, column.header)]
     alike = [column for column in columns if wanted.lower() in (column.name.lower(), column.header.lower())]
     placed = [column for column in columns if wanted == str(column.position)]
-    for column in (*exact, *alike, *placed):
+    bare = [c for c in columns if wanted.lower() == headers.without_number(c.name).lower()]
+    for column in (*exact, *alike, *placed, *bare[: len(bare) == 1]):
         return column
     names = [f"{column.position}: {column.header or column.name}" for column in columns]
     meant = nearest(wanted, [column.name for column in columns])

@@ -46,10 +46,11 @@ def plot_errors(new_figure: style.NewFigure, result: Result, level: float = 0.95
         angle = np.linspace(0, period, max(400, 16 * max(harmonics.orders) // common))
         error, half = _error(harmonics, angle, level)
         style.grid(ax)
-        ax.fill_between(
-            np.degrees(angle), error - half, error + half, color=style.DATA, alpha=0.2, lw=0,
-            label=say("{share} band", share=percent(level)),
-        )  # fmt: skip
+        if half.any():
+            band = say("{share} band", share=percent(level))
+            ax.fill_between(
+                np.degrees(angle), error - half, error + half, color=style.DATA, alpha=0.2, lw=0, label=band
+            )
         ax.plot(np.degrees(angle), error, color=style.DATA, lw=1.4, label=say("error"))
         ax.axhline(0, color=style.INK, lw=0.8)
         style.title(ax, harmonics.name or say("angle"))
@@ -89,10 +90,11 @@ def plot_error_in_time(
 
 
 def _error(sensor: Harmonics, angle: FloatArray, level: float) -> tuple[FloatArray, FloatArray]:
-    """The error at angles and the half width of its band, arcsec."""
+    """The error at angles and the half width of its band, arcsec; 0 where its limits would not hold."""
+    complete = sensor.solution is None or sensor.solution.complete
     rows = waves(angle, sensor.orders)
     spread = np.sqrt(np.einsum("ij,jk,ik->i", rows, sensor.covariance, rows))
-    return sensor.at(angle) / ARCSEC, quantile(level, sensor.freedom) * spread / ARCSEC
+    return sensor.at(angle) / ARCSEC, complete * quantile(level, sensor.freedom) * spread / ARCSEC
 
 
 def _parts(gimbals: Gimbals, found: Harmonics) -> list[NDArray[np.int64]]:
@@ -110,7 +112,7 @@ def _parts(gimbals: Gimbals, found: Harmonics) -> list[NDArray[np.int64]]:
 def plot_history(new_figure: style.NewFigure, result: Result, solution: Solution, level: float = 0.95) -> Figure:
     """Convergence of every amplitude, with its confidence band."""
     sensors = parts_of(result)
-    half = quantile(level, math.inf)
+    half = quantile(level, math.inf) * solution.complete
     figure = new_figure(7.2, 2.1 + 1.5 * len(sensors))
     axes = figure.subplots(len(sensors), 1, sharex=True, squeeze=False)[:, 0]
     first = 0
