@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .compiling import inner, kernel, swift_shared
+from .compiling import inner, kernel, swift
 
 FEW = 6
 """Undecided samples of a box at which its cells are counted out, one by one."""
@@ -20,7 +20,7 @@ DEEPEST = 200
 """Levels of boxes: two for each halving of both sides, from any size to the finest."""
 
 
-@swift_shared
+@swift
 def misfit(e, x, right, corner):  # type: ignore[no-untyped-def]
     """Sum over i of (e - floor(x + p (1 - right) + q right))^2 at corner = (p, q)."""
     total = 0.0
@@ -29,28 +29,6 @@ def misfit(e, x, right, corner):  # type: ignore[no-untyped-def]
         difference = e[i] - np.floor(x[i] + p + slope * right[i])
         total += difference * difference
     return total
-
-
-@kernel
-def compass(samples, step, finest):  # type: ignore[no-untyped-def]
-    """A good point to begin with: the best of eight neighbours as long as there is a better one, at ever finer steps.
-
-    Returns (p, q, misfit).
-    """
-    e, x, right = samples
-    p, q = 0.0, 0.0
-    best = misfit(e, x, right, (p, q))
-    while step >= finest:
-        old = best
-        here_p, here_q = p, q
-        for k in range(9):
-            corner = (here_p + (k // 3 - 1) * step, here_q + (k % 3 - 1) * step)
-            found = misfit(e, x, right, corner)
-            if found < best:
-                best, p, q = found, corner[0], corner[1]
-        if best == old:
-            step *= 0.7
-    return p, q, best
 
 
 @inner

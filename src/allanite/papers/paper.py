@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from importlib.resources import files
 from pathlib import Path
+from statistics import fmean, stdev
 from typing import Any
 
 from allanite.core.names import demand_name
@@ -19,7 +20,8 @@ from allanite.phrases.phrase import say
 READ: dict[str, Callable[..., list[float]]] = {
     "": lambda *numbers: list(numbers), "ratio": lambda one, other: [one / other],
     "ratios": lambda *numbers: [number / numbers[-1] for number in numbers[:-1]],
-    "difference": lambda one, other: [one - other], "reduction": lambda after, before: [100 * (1 - after / before)],
+    "difference": lambda *numbers: [one - other for one, other in zip(numbers[::2], numbers[1::2], strict=True)],
+    "reduction": lambda after, before: [100 * (1 - after / before)],
     "slope": lambda *numbers: [math.log10(b / a) for a, b in zip(numbers[::2], numbers[1::2], strict=True)],
     "ramp": lambda allan, hadamard, tau: [math.sqrt(2 * (allan**2 - hadamard**2)) / tau],
     "percent": lambda *edf: [100 / math.sqrt(2 * each) for each in edf],
@@ -37,6 +39,9 @@ def number(path: Path, cell: str) -> float:
         return float(value)
     rows = list(csv.DictReader(io.StringIO(text)))
     column, _, where = cell.partition(" @ ")
+    if " of " in column:
+        share, size, m, column = (word.strip() for word in column.split(" of "))
+        return _scatter([float(row[column]) for row in rows], int(m), int(size), float(share))
     if where == "last":
         return float(rows[-1][column])
     wanted = dict(pair.split("=") for pair in where.split(" & ")) if where else {}
@@ -44,6 +49,13 @@ def number(path: Path, cell: str) -> float:
         if all(_alike(row[key], value) for key, value in wanted.items()):
             return float(row[column])
     raise LookupError(f"{path.name} has no row {where}")
+
+
+def _scatter(numbers: Sequence[float], m: int, size: int, share: float) -> float:
+    """A quantile of the standard deviations of `size` means over `m` numbers each."""
+    means = [fmean(numbers[at : at + m]) for at in range(0, len(numbers), m)]
+    scatters = sorted(stdev(means[at : at + size]) for at in range(0, len(means), size))
+    return scatters[round(share * (len(scatters) - 1))]
 
 
 def _alike(shown: str, wanted: str) -> bool:
@@ -74,6 +86,7 @@ class Item:
     numbers: tuple[float, ...] = ()  # what the paper prints, or else the source, as numbers that are compared
     # where ours stand: "file: cell", one a number. A cell is a column of a CSV file and the row it is read in
     # (``value @ term=N``, ``tau_s @ last``), or from ``/`` a path into a JSON file. Of a figure, its file alone.
+    # ``0.5 of 24 of 5 of rate`` is the median of the standard deviations of 24 means of 5 rows each.
     here: tuple[str, ...] = ()
     tolerance: float = 0.0  # relative; of a number that is zero, absolute
     # numbers that replace those of the paper, within 1 %, or that are computed where it has none

@@ -44,9 +44,16 @@ class EstimatorSettings(EstimatorChoices, Value):
         standard deviation of the slopes if omitted (the paper gives no value).
     quantum : float, optional
         For "staircase": size of a step of the angle, in the record's unit (for a rate: times s); counts need none.
+    descent : int, optional
+        For "staircase": most steps of the descent of Enin and Saneev, from the interval's own count, which replaces
+        the search.
     """
 
     allowed: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.descent is not None and (self.descent < 0 or self.certified):
+            raise UsageError("a descent has a number of steps, 0 or more, and proves no optimum: omit certified")
 
 
 @dataclass(frozen=True, eq=False)

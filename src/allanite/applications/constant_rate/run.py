@@ -33,7 +33,7 @@ from allanite.extending import (
 
 from .estimates import RateEstimate
 from .experiments import Experiment
-from .linear import recognized, regression_lines
+from .linear import converging, recognized, regression_lines
 from .predict import RATE_ESTIMATORS, estimator_named, ranking, standard_error
 from .row import (
     EstimatorSettings,
@@ -306,6 +306,8 @@ class Closeup(Value):
         The angle in quanta at every sample, from 0; empty without a quantum.
     line : array, shape (n + 1,)
         The straight line whose floor is the staircase nearest to the counts; empty without a quantum.
+    descent : array, shape (steps + 1,)
+        The rates at which a descent begins and after each of its steps, SI; empty if none was chosen.
     """
 
     name: str
@@ -317,6 +319,7 @@ class Closeup(Value):
     kept: BoolArray
     counts: FloatArray
     line: FloatArray
+    descent: FloatArray
 
     @property
     def misfit(self) -> FloatArray:
@@ -363,11 +366,12 @@ def closeup(record: Record, settings: ExperimentSettings | None = None, *, start
     task = task_of(part, None, settings.target, dither=settings.dither, options=settings.options)
     interval = interval_of(part, task)
     slopes, kept = regression_lines(interval, task)
-    counts, line = np.empty(0), np.empty(0)
+    counts = line = descent = np.empty(0)
     if math.isfinite(interval.pulse):
-        counts, line = recognized(interval, certified=settings.options.certified)
-    rates = (slopes + interval.offset) * interval.size - settings.bias
+        counts, line = recognized(interval, settings.options)
+        descent = descent if settings.options.descent is None else converging(interval, settings.options)
+    rates, descent = ((each + interval.offset) * interval.size - settings.bias for each in (slopes, descent))
     return Closeup(
         record.name, record.signal, first / record.rate, size / record.rate, record.rate, rates, kept,
-        counts, line,
+        counts, line, descent,
     )  # fmt: skip
