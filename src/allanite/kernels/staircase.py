@@ -165,15 +165,6 @@ def _half(box, upper):  # type: ignore[no-untyped-def]
     return (p0, p1, cut, q1) if upper else (p0, p1, q0, cut)
 
 
-@inner
-def _nearer_half(box, p, q):  # type: ignore[no-untyped-def]
-    """1 if a point lies on the side of the upper half, else 0."""
-    p0, p1, q0, q1 = box
-    if p1 - p0 >= q1 - q0:
-        return 1 if p >= 0.5 * (p0 + p1) else 0
-    return 1 if q >= 0.5 * (q0 + q1) else 0
-
-
 @kernel
 def nearest_staircase(samples, known, half, work):  # type: ignore[no-untyped-def]
     """Least misfit over the box |p|, |q| < half.
@@ -199,7 +190,8 @@ def nearest_staircase(samples, known, half, work):  # type: ignore[no-untyped-de
             continue
         whole = (boxes[depth, 0], boxes[depth, 1], boxes[depth, 2], boxes[depth, 3])
         if turn[depth] == 0:
-            near[depth] = _nearer_half(whole, p, q)
+            upper = _half(whole, 1)
+            near[depth] = p >= upper[0] and q >= upper[2]
         box = _half(whole, near[depth] ^ turn[depth])
         turn[depth] += 1
         size = last[depth] - first[depth]

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from allanite.extending import BoolArray, Covariance, FloatArray, UsageError, say, spelled
+from allanite.extending import BoolArray, Covariance, FloatArray, UsageError, say
 
 from .row import EstimatorSettings, Interval, RateEstimator, RateMeasurement, Task, linear
 
@@ -13,16 +13,13 @@ MAX_AWAY = 2 * 1.4826
 
 
 def _window(task: Task) -> FloatArray:
-    n, name = task.size, task.options.window
-    if name == "hamming":
-        weights = np.hamming(n)
-    else:
-        from scipy.signal import get_window
+    from scipy.signal import get_window
 
-        try:
-            weights = get_window(name, n, fftbins=False)
-        except ValueError as error:
-            raise UsageError(f"unknown window {name!r}: {error}; for example hamming, hann, blackman") from None
+    n, name = task.size, task.options.window
+    try:
+        weights = get_window(name, n, fftbins=False)
+    except ValueError as error:
+        raise UsageError(f"unknown window {name!r}: {error}; for example hamming, hann, blackman") from None
     total = float(weights.sum())
     if not total > 0:
         raise UsageError(f"the window {name!r} of {n} samples has no positive sum")
@@ -126,10 +123,7 @@ def white_and_angle(n: int, kappa: float) -> FloatArray:
 
 
 def _optimal(task: Task) -> FloatArray:
-    model = task.needed_model
-    if not task.settled and not task.wandering:
-        return np.full(task.size, 1 / task.size)
-    sizes = {t.row.alpha: t.value for t in model if t.value != 0}
+    sizes = {t.row.alpha: t.value for t in task.model or () if t.value != 0}
     if set(sizes) <= {0, 2} and not task.dither:  # white noise of the rate and of the angle
         ratio = sizes.get(0, 0.0) / math.sqrt(task.rate) / sizes[2] if 2 in sizes else math.inf
         return white_and_angle(task.size, 2 * math.asinh(ratio / 2))
@@ -216,18 +210,13 @@ def _ideal(rest: FloatArray) -> tuple[float, float] | None:
     return (ends[0], ends[1]) if gap(sum(ends) / 2)[0] < -TOUCHING else None
 
 
-def recognized(interval: Interval, options: EstimatorSettings) -> tuple[FloatArray, FloatArray]:
-    """The angle in quanta, and the line whose floor is the staircase nearest to it."""
+def recognized(interval: Interval, options: EstimatorSettings) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The angle in quanta, the line whose floor is the staircase nearest to it, the rates of a descent in samples."""
     y, line = _steps_and_line(interval)
     p, q, *_ = _search(y, line, options)
-    return y, line + p + (q - p) * np.linspace(0.0, 1.0, y.size)
-
-
-def converging(interval: Interval, options: EstimatorSettings) -> FloatArray:
-    """The rates at which the descent begins and after each of its steps, in samples."""
-    y, line = _steps_and_line(interval)
-    rises = line[-1] - line[0] + _descent(y, line, options.descent or 0)[:, 0]
-    return np.asarray(rises / (y.size - 1) * interval.pulse - interval.offset)
+    path = np.empty(0) if options.descent is None else _descent(y, line, options.descent)[:, 0]
+    rates = (path + line[-1] - line[0]) / (y.size - 1) * interval.pulse - interval.offset
+    return y, line + p + (q - p) * np.linspace(0.0, 1.0, y.size), rates
 
 
 def _descent(y: FloatArray, line: FloatArray, most: int) -> FloatArray:
@@ -291,12 +280,6 @@ def _about(y: FloatArray, line: FloatArray, right: FloatArray) -> tuple[FloatArr
 
 def _steps_and_line(interval: Interval) -> tuple[FloatArray, FloatArray]:
     """The angle in quanta, and the line through the middles of its steps."""
-    if not math.isfinite(interval.pulse):
-        raise UsageError(
-            "the staircase needs counts, or samples and the step of their angle: pass "
-            + spelled("--quantum", "quantum=...")
-            + (" in the record's unit (for a rate: times s)")
-        )
     angle = np.concatenate(([0.0], np.cumsum((interval.steps + interval.offset) / interval.pulse)))
     # whole quanta, except for the rounding of samples that are multiples of one
     near = np.rint(angle)

@@ -93,15 +93,6 @@ class Task:
         """Measuring time, s."""
         return self.size / self.rate
 
-    @property
-    def needed_model(self) -> Model:
-        """The model, or the words that it is needed."""
-        if self.model is None:
-            raise UsageError(
-                "this needs a noise model: pass model=allanite.identify(record), or that of the data sheet"
-            )
-        return self.model
-
     @cached_property
     def wandering(self) -> tuple[Term, ...]:
         """Terms whose rate has no mean that more data would give: flicker, random walk, ramp."""
@@ -224,13 +215,14 @@ def interval_of(record: Record, task: Task) -> Interval:
     return Interval(without_dither(steps, task), offset, reading_size(record), pulse_of(record, task.options))
 
 
-def without_dither(steps: FloatArray, task: Task) -> FloatArray:
-    """The samples less the sinusoids that fit them best, beside a constant."""
+def without_dither(values: FloatArray, task: Task, *, weights: bool = False) -> FloatArray:
+    """Samples less the sinusoids that fit them beside a constant; or, of weights on those, the ones on raw samples."""
     X = task.sinusoids
     if not X.shape[1]:
-        return steps
+        return values
     centred = X - X.mean(axis=0)
-    return np.asarray(steps - X @ np.linalg.solve(centred.T @ centred, centred.T @ steps))
+    taken, fitted = (centred, X) if weights else (X, centred)
+    return np.asarray(values - taken @ np.linalg.solve(centred.T @ centred, fitted.T @ values))
 
 
 def findings_of(record: Record) -> tuple[Finding, ...]:

@@ -33,7 +33,7 @@ from allanite.extending import (
 
 from .estimates import RateEstimate
 from .experiments import Experiment
-from .linear import converging, recognized, regression_lines
+from .linear import recognized, regression_lines
 from .predict import RATE_ESTIMATORS, estimator_named, ranking, standard_error
 from .row import (
     EstimatorSettings,
@@ -97,6 +97,8 @@ def estimate(
     record = as_record(record, "constant_rate.estimate", sampling)
     demand_whole(record)
     row, task = estimator_named(method), task_of(record, model, target, dither=dither, options=options)
+    if lacking := row.lacks(task):
+        raise UsageError(f"{method}: {lacking}")
     weights, interval = row.weights(task), interval_of(record, task)
     measurement = in_si(row.measure(interval, weights, task), interval)
     return RateEstimate(
@@ -225,7 +227,7 @@ def experiment(
         reference=float(rates[-1].mean()) if settings.reference is None else settings.reference,
         known=settings.reference is not None,
         predicted=np.array([standard_error(row, weights[m], task) if known else math.nan for m, row in rows.items()]),
-        ranking=ranking(task) if known else None, left_out=left_out, notes=notes,
+        ranking=None if task.model is None else ranking(task, task.model), left_out=left_out, notes=notes,
         findings=() if settings.gaps == "split" else findings_of(record),
     )  # fmt: skip
 
@@ -368,8 +370,7 @@ def closeup(record: Record, settings: ExperimentSettings | None = None, *, start
     slopes, kept = regression_lines(interval, task)
     counts = line = descent = np.empty(0)
     if math.isfinite(interval.pulse):
-        counts, line = recognized(interval, settings.options)
-        descent = descent if settings.options.descent is None else converging(interval, settings.options)
+        counts, line, descent = recognized(interval, settings.options)
     rates, descent = ((each + interval.offset) * interval.size - settings.bias for each in (slopes, descent))
     return Closeup(
         record.name, record.signal, first / record.rate, size / record.rate, record.rate, rates, kept,

@@ -216,8 +216,7 @@ def _draw_slopes(ax: Axes, found: Closeup) -> None:
 
 
 def _draw_descent(ax: Axes, found: Closeup) -> None:
-    unit = found.signal.sheet[0]
-    color = RATE_ESTIMATORS["staircase"].color
+    unit, color = found.signal.sheet[0], RATE_ESTIMATORS["staircase"].color
     ax.plot(found.descent / unit_of(unit).factor, "o-", ms=3.5, lw=1.1, color=color)
     ax.set(xlabel=say("step of the descent"), ylabel=with_unit(say("rate"), unit))
     ax.ticklabel_format(axis="y", useOffset=False)

@@ -113,8 +113,8 @@ def _draw_record(ax: Axes, record: Record, size: float) -> None:
     if record.kind == "count":
         unit = record.signal.sheet[0]
         pulse = record.factor * record.rate / unit_of(unit).factor
-        both: Any = (lambda count: count * pulse, lambda rate: rate / pulse)
-        ax.secondary_yaxis("right", functions=both).set_ylabel(printed_unit(unit))
+        conversions: Any = (lambda count: count * pulse, lambda rate: rate / pulse)
+        ax.secondary_yaxis("right", functions=conversions).set_ylabel(printed_unit(unit))
     style.title(ax, record.name)
 
 
