@@ -20,8 +20,7 @@ from allanite.phrases.phrase import say
 READ: dict[str, Callable[..., list[float]]] = {
     "": lambda *numbers: list(numbers), "ratio": lambda one, other: [one / other],
     "ratios": lambda *numbers: [number / numbers[-1] for number in numbers[:-1]],
-    "difference": lambda *numbers: [one - other for one, other in zip(numbers[::2], numbers[1::2], strict=True)],
-    "reduction": lambda after, before: [100 * (1 - after / before)],
+    "difference": lambda one, other: [one - other], "reduction": lambda after, before: [100 * (1 - after / before)],
     "slope": lambda *numbers: [math.log10(b / a) for a, b in zip(numbers[::2], numbers[1::2], strict=True)],
     "ramp": lambda allan, hadamard, tau: [math.sqrt(2 * (allan**2 - hadamard**2)) / tau],
     "percent": lambda *edf: [100 / math.sqrt(2 * each) for each in edf],
