@@ -285,6 +285,7 @@ ROWS = [
 CELLS = [
     ("docs/rate_paper.md", "Comparison", "rate.md", "The paper's experiment"),
     ("docs/rate_paper.md", "Why the staircase", "rate.md", "Noise that fits"),
+    ("docs/rate_paper.md", "The paper's descent", "rate.md", "The paper's descent"),
     ("docs/theoh_paper.md", "The joint", "theoh_paper.md", "TheoH at its joint"),
     ("docs/theoh_paper.md", "The paper's own fit", "theoh_paper.md", "Unweighted fit"),
     ("docs/angle_paper.md", "Table of accuracy", "angle.md", ""),
