@@ -7,6 +7,7 @@ replaces its own.
 import re
 import shlex
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from tests.conformance.papers import laser, sensors, stabilizer, theoh, torque, vertical
@@ -16,6 +17,7 @@ from tests.rows import rows
 
 from allanite.cli import main
 from allanite.papers.paper import AGREES, DRAWN, MISSING, PAPERS, SHOWN, VERDICTS, Item, compared, paper, verdict_on
+from allanite.papers.paper import number as cell_of
 
 MODULES = {"000": stabilizer, "vertical": vertical, "001": theoh, "002": sensors, "003": laser, "004": torque}
 
@@ -137,6 +139,14 @@ def test_a_verdict_fails_where_the_files_hold_other_numbers(tmp_path):
         assert found.expected is verdict, more
     with pytest.raises(LookupError, match=r"a\.csv has no row value=9"):
         compared(Item("eq. 1", "a claim", "7", here=("a.csv: value @ value=9",)), tmp_path)
+
+
+def test_a_cell_is_a_quantile_of_the_scatter_of_groups(tmp_path):
+    rates = np.random.default_rng(1).standard_normal(60)
+    (tmp_path / "a.csv").write_text("rate\n" + "\n".join(map(repr, rates.tolist())), "utf-8")
+    scatters = np.sort(rates.reshape(5, 4, 3).mean(axis=2).std(axis=1, ddof=1))
+    for share, at in ((0, 0), (0.5, 2), (1, 4)):
+        assert cell_of(tmp_path / "a.csv", f"{share} of 4 of 3 of rate") == pytest.approx(scatters[at])
 
 
 def test_a_line_of_the_first_screen_is_not_too_wide():

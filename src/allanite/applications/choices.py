@@ -78,6 +78,7 @@ class EstimatorChoices:
     lines: int | None = choice("N", "Number of regression lines of the conditional estimator.")
     quantum: float | None = choice("", "Quantization step of the angle in --unit, if the samples are not counts.")
     certified: bool = choice("", "Search the staircase for the proven optimum.", default=False)
+    descent: int | None = choice("N", "Search the staircase by at most N steps of steepest descent from the mean.")
 
 
 @dataclass(frozen=True, repr=False)

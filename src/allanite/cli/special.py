@@ -223,7 +223,7 @@ def _design(choices: dict[str, Any]) -> "VerticalDesign":
     "dither", "window", "lines",
     click.option("--allowed", metavar="RATE",
         help="Largest deviation of a regression line that the conditional estimator keeps."),
-    "quantum", "certified", "split_gaps", "most", "durations",
+    "quantum", "certified", "descent", "split_gaps", "most", "durations",
     click.option("--no-times", is_flag=True, help="Do not compare measuring times."),
     *IDENTIFYING,
     click.option(

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from statistics import fmean, stdev
 from typing import Any
 
 from allanite.core.names import row_alike
@@ -44,6 +45,9 @@ def number(path: Path, cell: str) -> float:
         return float(value)
     rows = list(csv.DictReader(io.StringIO(text)))
     column, _, where = cell.removeprefix("rms ").partition(" @ ")
+    if " of " in column:
+        share, size, m, column = (word.strip() for word in column.split(" of "))
+        return _scatter([float(row[column]) for row in rows], int(m), int(size), float(share))
     wanted = dict(pair.split("=") for pair in where.split(" & ")) if where not in ("", "last") else {}
     cells = [row[column] for row in rows if all(_alike(row[key], value) for key, value in wanted.items())]
     if not cells:
@@ -51,6 +55,13 @@ def number(path: Path, cell: str) -> float:
     if cell.startswith("rms "):
         return math.hypot(*map(float, cells)) / math.sqrt(len(cells))
     return float(cells[-1 if where == "last" else 0])
+
+
+def _scatter(numbers: Sequence[float], m: int, size: int, share: float) -> float:
+    """A quantile of the standard deviations of `size` means over `m` numbers each."""
+    means = [fmean(numbers[at : at + m]) for at in range(0, len(numbers), m)]
+    scatters = sorted(stdev(means[at : at + size]) for at in range(0, len(means), size))
+    return scatters[round(share * (len(scatters) - 1))]
 
 
 def _alike(shown: str, wanted: str) -> bool:
@@ -81,7 +92,8 @@ class Item:
     numbers: tuple[float, ...] = ()  # what the paper prints, or else the source, as numbers that are compared
     # where ours stand: "file: cell", one a number. A cell is a column of a CSV file and the row it is read in
     # (``value @ term=N``, ``tau_s @ last``; of all such rows ``rms deviation @ m=1``), or from ``/`` a path into a
-    # JSON file. Of a figure, its file alone.
+    # JSON file. ``0.5 of 24 of 5 of rate`` is the median of the standard deviations of 24 means of 5 rows each. Of a
+    # figure, its file alone.
     here: tuple[str, ...] = ()
     tolerance: float = 0.0  # relative; of a number that is zero, absolute
     # numbers that replace those of the paper, within 1 %, or that are computed where it has none

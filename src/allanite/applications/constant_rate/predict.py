@@ -4,8 +4,6 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-
 from allanite.extending import (
     Covariance,
     FloatArray,
@@ -22,7 +20,7 @@ from allanite.extending import (
 )
 
 from .linear import CONDITIONAL, HAMMING, MEAN, OPTIMAL, REGRESSION, STAIRCASE
-from .row import EstimatorSettings, RateEstimator, Task
+from .row import EstimatorSettings, RateEstimator, Task, without_dither
 
 RATE_ESTIMATORS: dict[str, RateEstimator] = {
     row.name: row for row in (MEAN, HAMMING, REGRESSION, CONDITIONAL, STAIRCASE, OPTIMAL)
@@ -54,19 +52,9 @@ def variance(weights: FloatArray, task: Task) -> float:
     return max(total, 0.0)
 
 
-def through_dither(weights: FloatArray, task: Task) -> FloatArray:
-    """The weights on the raw rates of an estimator that is given rates without their dither sinusoids."""
-    X = task.sinusoids
-    if not X.shape[1]:
-        return weights
-    centred = X - X.mean(axis=0)
-    back = np.linalg.solve(centred.T @ centred, X.T @ weights)
-    return np.asarray(weights - centred @ back)
-
-
 def standard_error(row: RateEstimator, weights: FloatArray, task: Task) -> float:
     """Standard error of an estimator with these weights, SI; NaN if it cannot be predicted."""
-    return math.sqrt(variance(through_dither(weights, task), task) + row.excess(task))
+    return math.sqrt(variance(without_dither(weights, task, weights=True), task) + row.excess(task))
 
 
 @public
@@ -175,9 +163,8 @@ class Ranking(Value):
         return ["method", f"standard error, {unit}", "over the bound"], rows
 
 
-def ranking(task: Task) -> Ranking:
+def ranking(task: Task, model: Model) -> Ranking:
     """Predicted standard errors of all methods under a task with a model."""
-    model = task.needed_model
     errors = {name: standard_error(row, row.weights(task), task) for name, row in RATE_ESTIMATORS.items()}
     return Ranking(model.signal, task.duration, model, errors)
 
@@ -195,7 +182,8 @@ def rank(
     >>> rank(N(0.003, "deg/sqrt(h)"), size=48000, rate=400.0).verdict
     'for this gyro averaging is already within 0.1 % of the optimum'
     """
-    return ranking(_expected(model, size_and_rate(size, rate, duration), target=target, options=options))
+    model = usable_model(model)
+    return ranking(_expected(model, size_and_rate(size, rate, duration), target=target, options=options), model)
 
 
 def _expected(

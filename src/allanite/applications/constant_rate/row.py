@@ -44,9 +44,16 @@ class EstimatorSettings(EstimatorChoices, Value):
         standard deviation of the slopes if omitted (the paper gives no value).
     quantum : float, optional
         For "staircase": size of a step of the angle, in the record's unit (for a rate: times s); counts need none.
+    descent : int, optional
+        For "staircase": most steps of the descent of Enin and Saneev, from the interval's own count, which replaces
+        the search.
     """
 
     allowed: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.descent is not None and (self.descent < 0 or self.certified):
+            raise UsageError("a descent has a number of steps, 0 or more, and proves no optimum: omit certified")
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,15 +92,6 @@ class Task:
     def duration(self) -> float:
         """Measuring time, s."""
         return self.size / self.rate
-
-    @property
-    def needed_model(self) -> Model:
-        """The model, or the words that it is needed."""
-        if self.model is None:
-            raise UsageError(
-                "this needs a noise model: pass model=allanite.identify(record), or that of the data sheet"
-            )
-        return self.model
 
     @cached_property
     def wandering(self) -> tuple[Term, ...]:
@@ -218,13 +216,14 @@ def interval_of(record: Record, task: Task) -> Interval:
     return Interval(without_dither(steps, task), offset, reading_size(record), pulse_of(record, task.options))
 
 
-def without_dither(steps: FloatArray, task: Task) -> FloatArray:
-    """The samples less the sinusoids that fit them best, beside a constant."""
+def without_dither(values: FloatArray, task: Task, *, weights: bool = False) -> FloatArray:
+    """Samples less the sinusoids that fit them beside a constant; or, of weights on those, the ones on raw samples."""
     X = task.sinusoids
     if not X.shape[1]:
-        return steps
+        return values
     centred = X - X.mean(axis=0)
-    return np.asarray(steps - X @ np.linalg.solve(centred.T @ centred, centred.T @ steps))
+    taken, fitted = (centred, X) if weights else (X, centred)
+    return np.asarray(values - taken @ np.linalg.solve(centred.T @ centred, fitted.T @ values))
 
 
 def findings_of(record: Record) -> tuple[Finding, ...]:

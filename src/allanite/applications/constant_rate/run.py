@@ -97,6 +97,8 @@ def estimate(
     record = as_record(record, "constant_rate.estimate", sampling)
     demand_whole(record)
     row, task = estimator_named(method), task_of(record, model, target, dither=dither, options=options)
+    if lacking := row.lacks(task):
+        raise UsageError(f"{method}: {lacking}")
     weights, interval = row.weights(task), interval_of(record, task)
     measurement = in_si(row.measure(interval, weights, task), interval)
     return RateEstimate(
@@ -225,7 +227,7 @@ def experiment(
         reference=float(rates[-1].mean()) if settings.reference is None else settings.reference,
         known=settings.reference is not None,
         predicted=np.array([standard_error(row, weights[m], task) if known else math.nan for m, row in rows.items()]),
-        ranking=ranking(task) if known else None, left_out=left_out, notes=notes,
+        ranking=None if task.model is None else ranking(task, task.model), left_out=left_out, notes=notes,
         findings=() if settings.gaps == "split" else findings_of(record),
     )  # fmt: skip
 
@@ -306,6 +308,8 @@ class Closeup(Value):
         The angle in quanta at every sample, from 0; empty without a quantum.
     line : array, shape (n + 1,)
         The straight line whose floor is the staircase nearest to the counts; empty without a quantum.
+    descent : array, shape (steps + 1,)
+        The rates at which a descent begins and after each of its steps, SI; empty if none was chosen.
     """
 
     name: str
@@ -317,6 +321,7 @@ class Closeup(Value):
     kept: BoolArray
     counts: FloatArray
     line: FloatArray
+    descent: FloatArray
 
     @property
     def misfit(self) -> FloatArray:
@@ -363,11 +368,11 @@ def closeup(record: Record, settings: ExperimentSettings | None = None, *, start
     task = task_of(part, None, settings.target, dither=settings.dither, options=settings.options)
     interval = interval_of(part, task)
     slopes, kept = regression_lines(interval, task)
-    counts, line = np.empty(0), np.empty(0)
+    counts = line = descent = np.empty(0)
     if math.isfinite(interval.pulse):
-        counts, line = recognized(interval, certified=settings.options.certified)
-    rates = (slopes + interval.offset) * interval.size - settings.bias
+        counts, line, descent = recognized(interval, settings.options)
+    rates, descent = ((each + interval.offset) * interval.size - settings.bias for each in (slopes, descent))
     return Closeup(
         record.name, record.signal, first / record.rate, size / record.rate, record.rate, rates, kept,
-        counts, line,
+        counts, line, descent,
     )  # fmt: skip

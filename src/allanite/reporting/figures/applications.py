@@ -173,7 +173,7 @@ MAX_COUNTS = 6000  # counts whose residuals are drawn
 
 @style.plotted
 def plot_closeups(new_figure: style.NewFigure, closeups: Sequence[Closeup]) -> Figure:
-    """A column for each interval: slopes; below, if there are counts, their first steps and all that is left over."""
+    """A column for each interval: slopes, or a descent; below, of counts, their first steps and what is left over."""
     rows = 3 if any(closeup.counts.size for closeup in closeups) else 1
     width = 7.2 if len(closeups) == 1 else 5.4 * len(closeups)
     figure = new_figure(width, 3.2 if rows == 1 else 7.8)
@@ -181,7 +181,7 @@ def plot_closeups(new_figure: style.NewFigure, closeups: Sequence[Closeup]) -> F
     for column, closeup in zip(grid.T, closeups, strict=True):
         for ax in column:
             style.grid(ax)
-        _draw_slopes(column[0], closeup)
+        (_draw_descent if closeup.descent.size else _draw_slopes)(column[0], closeup)
         if closeup.counts.size:
             _draw_stairs(column[1], closeup)
             kept = np.linspace(0, closeup.misfit.size - 1, min(closeup.misfit.size, MAX_COUNTS)).astype(np.int64)
@@ -213,6 +213,15 @@ def _draw_slopes(ax: Axes, found: Closeup) -> None:
     title = join("   ", [part for part in (printable(found.name), when) if part])
     ax.set_title(title, loc="left", fontsize=9.5, pad=22, parse_math=False)
     ax.legend(ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+
+
+def _draw_descent(ax: Axes, found: Closeup) -> None:
+    unit, color = found.signal.sheet[0], RATE_ESTIMATORS["staircase"].color
+    ax.plot(found.descent / unit_of(unit).factor, "o-", ms=3.5, lw=1.1, color=color)
+    ax.set(xlabel=say("step of the descent"), ylabel=with_unit(say("rate"), unit))
+    ax.ticklabel_format(axis="y", useOffset=False)
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+    style.title(ax, found.name)
 
 
 def _draw_stairs(ax: Axes, found: Closeup) -> None:

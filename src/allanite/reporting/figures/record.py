@@ -19,6 +19,7 @@ from allanite.core.errors import UsageError
 from allanite.core.fit import Goodness, chance
 from allanite.core.record import Record
 from allanite.core.residuals import Residuals
+from allanite.core.units import unit_of
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
 from allanite.phrases.phrase import Phrase, join, say
 from allanite.reporting import style, words
@@ -109,6 +110,11 @@ def _draw_record(ax: Axes, record: Record, size: float) -> None:
         ax.plot(gaps, np.full(gaps.size, 0.03), "|", color=style.ALARM, ms=6, label=say("missing samples"),
                 transform=ax.get_xaxis_transform())  # fmt: skip
     ax.set_ylabel(quantity_of(record))
+    if record.kind == "count":
+        unit = record.signal.sheet[0]
+        pulse = record.factor * record.rate / unit_of(unit).factor
+        conversions: Any = (lambda count: count * pulse, lambda rate: rate / pulse)
+        ax.secondary_yaxis("right", functions=conversions).set_ylabel(printed_unit(unit))
     style.title(ax, record.name)
 
 

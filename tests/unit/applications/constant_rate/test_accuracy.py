@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.reference import rate as referee
 from tests.rows import rows
 
 import allanite as al
@@ -182,3 +183,18 @@ def test_accuracy_against_measuring_time():
     assert [e.duration for e in series] == [1.0, 10.0]
     assert series[0].predicted[0] / series[1].predicted[0] == pytest.approx(10.0, rel=0.1)
     assert series[0].start.size == 100
+
+
+def test_swings_of_a_random_phase_are_a_damped_oscillation_without_damping():
+    """Three swings that give three rows of the paper's table 3, and leave a bound below its fourth."""
+    amplitudes, periods, walk, n = (0.52, 0.14, 0.25), (30, 46, 84), 1.67e-4, 1200
+    rates = [f"GM2 {a * math.pi * 2**0.5 / p} deg/h {1 / p} Hz 1e-6" for a, p in zip(amplitudes, periods, strict=True)]
+    model = al.Model(f"N {walk} deg/sqrt(h), {', '.join(rates)}")
+    C = referee.swings(amplitudes, periods, 60 * walk, n, 120.0)
+    j = np.arange(1, n + 1)
+    weights = {"mean": np.ones(n), "hamming": np.hamming(n), "regression": j * (n + 1 - j)}
+    direct = {m: math.sqrt(w @ C @ w) / w.sum() for m, w in weights.items()}
+    direct["optimal"] = 1 / math.sqrt(np.linalg.solve(C, np.ones(n)).sum())
+    found = {m: predicted_standard_error(m, model, size=n, rate=n / 120) / ARCSEC for m in direct}
+    assert found == pytest.approx(direct, rel=0.005)
+    assert list(found.values()) == pytest.approx([0.0034, 0.0022, 0.0018, 0.00097], rel=0.01)

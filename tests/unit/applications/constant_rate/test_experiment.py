@@ -218,7 +218,7 @@ def test_the_bias_of_a_ring_laser_warms_up_and_wanders_as_told():
     t = np.arange(10_001) / 200
     np.testing.assert_allclose(angle, 100 * t - 50 * (1 - np.exp(-t / 10)), atol=0.002)
     walk = al.Model((al.K(100.0, "deg/h/sqrt(h)"),))
-    gyro = RingLaser(pulse=0.001, lock_in=0.0, wander=walk)
+    gyro = RingLaser(pulse=0.001, lock_in=0.0, swing=walk)
     assert [t.symbol for t in gyro.model] == ["Q", "K"]
     record = al.simulation.simulate_ring_laser(gyro, 0.0, 20_000, 200.0, rng=np.random.default_rng(1))
     fit = al.identify(record, terms="QNK")
