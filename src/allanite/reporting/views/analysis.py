@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from allanite.core.display_units import readable_unit
+from allanite.core.encoding import finite
 from allanite.core.errors import DataError, UndrawnError
 from allanite.core.estimate import STATUSES
 from allanite.core.fit import Fit
@@ -293,6 +294,10 @@ def _coefficients(study: Study, level: float) -> Rows:
             shown, title = e.to_dict(level)["shown"].values(), words.title(e.symbol, e.signal)
             remark = ", ".join([*words.shapes(e, level), *(["without sign"] if words.symbol(e) != e.symbol else [])])
             rows.append([name, e.symbol, title, *shown, e.status, "", e.value, e.unit, remark])
+            rows += [
+                [name, f"{e.symbol}.{p.name}", p.title, *map(finite, size), p.unit, e.status, "", size[0], p.unit, ""]
+                for p, *size in e.shaped(level) if e.value is not None
+            ]
         for title, tau, *size, si, si_unit, remark in channel.readings.rows(level)[1] if channel.readings else ():
             term = MINIMUM if title == minimum_title(channel.record.signal) else ""
             rows.append([name, term, title, *size, "reading", tau, si, si_unit, remark])

@@ -16,7 +16,7 @@ from allanite.core.units import Signal
 from allanite.core.validity import APPROXIMATE, ROUGHLY, UNEXPLAINED
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import words
-from allanite.reporting.digits import rounded
+from allanite.reporting.digits import digits, rounded
 from allanite.reporting.first import FIGURES, PLUS_MINUS, Answer, ChannelRow, Channels, First, plus_minus
 from allanite.study.job import Job
 from allanite.study.results import Channel, Noise, Study
@@ -115,6 +115,7 @@ def _quantities(channels: Sequence[Channel], signal: Signal, level: float) -> It
             marks = [fit[symbol].status.replace(" ", "-") if symbol in fit else "" for fit in fits]
             unit = estimates[0].sheet_unit
             yield ChannelRow(words.title(symbol, signal), symbol, unit, cells, rank, marks=marks)
+            yield from _shapes(symbol, [fit.get(symbol) for fit in fits], level)
     unit = next((c.readings.shown_unit(0) for c in channels if c.readings is not None), signal.sheet[0])
     least = [lowest_cell(channel, level) for channel in channels]
     if any(least):
@@ -123,6 +124,16 @@ def _quantities(channels: Sequence[Channel], signal: Signal, level: float) -> It
     words_of = [fit_words(channel.noise, channel.refusal) for channel in channels]
     grades = ["alert" if c.refusal else LEVELS.get(c.noise.validity, "") if c.noise else "" for c in channels]
     yield ChannelRow(say("model fit"), "", "", words_of, short=say("model"), marks=grades)
+
+
+def _shapes(symbol: str, estimates: Sequence[Estimate | None], level: float) -> Iterator[ChannelRow]:
+    """The parameters of a term beside its values: a time constant, or a frequency and a damping ratio."""
+    sizes = [[size for _, *size in e.shaped(level)] if e is not None and e.valued else [] for e in estimates]
+    for i, row in enumerate(TERMS[symbol].parameters):
+        cells = [digits(*size[i]).words() if i < len(size) else "" for size in sizes]
+        if any(cells):
+            narrow = [cell.split(" (")[0] for cell in cells]
+            yield ChannelRow(row.title, row.letter, row.unit, cells, narrow=narrow)
 
 
 def names_in_order(symbols: Iterable[str]) -> list[str]:
