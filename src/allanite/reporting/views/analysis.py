@@ -29,7 +29,7 @@ from allanite.study.results import Channel, Study
 from . import Rows, view
 from .channels import first_of
 from .datasheet import DATA_SHEET, alternative, data_sheet_table
-from .expectation import causes, meaning_notes, meaning_of, meanings
+from .expectation import beside_allan, causes, meaning_notes, meaning_of, meanings
 from .export import filter_parts
 from .fit import coefficients, definitions, goodness_parts
 from .jobs import channel_sheet, job_face, mean_and_spread, remark_notes, source_of
@@ -231,6 +231,7 @@ def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None", m
         caption = say("{sentence}.", sentence=words.capital(supposed)) if supposed else ""
         label = alternative(channel, channel.curve, level)
         yield Drawing(lambda: figures.plot_panels([panel], level=level, titled=False), label, caption)
+    yield from beside_allan(channel, meant, level)
     yield from meaning_notes(meant, say("what it means"), "page")
     yield replace(data_sheet_table(channel, level), where="" if channel.explained else "page")
     if channel.readings is not None:

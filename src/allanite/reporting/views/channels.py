@@ -14,6 +14,7 @@ from allanite.core.readings import FALLING_SIGN, IN_RUN
 from allanite.core.record import Record
 from allanite.core.units import Signal
 from allanite.core.validity import APPROXIMATE, ROUGHLY, UNEXPLAINED
+from allanite.interpretation.devices import DEVICES
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import words
 from allanite.reporting.digits import digits, rounded
@@ -47,8 +48,16 @@ def first_of(study: Study, level: float) -> First:
         title_of(study), _verdict(channels), answer,
         without_repeats(doubts(channels), [*reservations(channels), *weighed(alerts(study))]),
         list(_legend(level).items()), how_read(study),
-        [FIGURES, MEANING, *([EXPORT] if inertial else []), *([LONGER] if lost else [])],
+        [FIGURES, meaning_in(study.recipe.device), *([EXPORT] if inertial else []), *([LONGER] if lost else [])],
     )  # fmt: skip
+
+
+def meaning_in(device: str | None) -> tuple[str, str]:
+    """Where intervals and meaning are told, and the causes in a device that is named."""
+    if device is None:
+        return MEANING
+    named = say("intervals, densities, meaning, causes in a {device}", device=DEVICES[device].title)
+    return MEANING[0], named
 
 
 def title_of(study: Job[Any]) -> Phrase:
