@@ -22,6 +22,8 @@ READ: dict[str, Callable[..., list[float]]] = {
     "difference": lambda one, other: [one - other], "reduction": lambda after, before: [100 * (1 - after / before)],
     "slope": lambda *numbers: [math.log10(b / a) for a, b in zip(numbers[::2], numbers[1::2], strict=True)],
     "ramp": lambda allan, hadamard, tau: [math.sqrt(2 * (allan**2 - hadamard**2)) / tau],
+    "white": lambda allan, tau: [allan * math.sqrt(tau)], "trend": lambda allan, tau: [allan * math.sqrt(2) / tau],
+    "walk": lambda hadamard, tau: [hadamard * math.sqrt(6 / tau)],
     "percent": lambda *edf: [100 / math.sqrt(2 * each) for each in edf],
 }  # fmt: skip
 """What is made of the numbers of cells: slopes of pairs over a decade, a ramp from two deviations, percent from edf."""
