@@ -70,11 +70,10 @@ def _cause(name: str, sources: list[str], remedies: list[str], reference: str) -
     return Cause(say(name), tuple(map(say, sources)), tuple(map(say, remedies)), say(reference))
 
 
-def _device(
-    name: str, title: str, signals: list[str], terms: dict[str, Any], note: str = "", statistic: str = ""
-) -> Device:
+def _device(name: str, title: str, signals: list[str], terms: dict[str, Any], **more: str) -> Device:
     causes = {symbol: _cause(**row) for symbol, row in terms.items()}
-    return Device(name, say(title), tuple(map(say, signals)), causes, say(note) if note else "", statistic)
+    texts = {key: say(text) if key == "note" else text for key, text in more.items()}
+    return Device(name, say(title), tuple(map(say, signals)), causes, **texts)
 
 
 DEVICES: dict[str, Device] = {name: _device(name, **row) for name, row in _TEXTS["devices"].items()}  # by name
