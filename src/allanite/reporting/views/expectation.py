@@ -159,7 +159,6 @@ def meaning_notes(found: Meaning | None, head: str, where: Where = "") -> Iterat
         yield Note(head, "strong", where, found.sentences)
 
 
-LOOPS_SHOW_IN = "ohdev"  # the deviation in which a loop stands out from a ramp
 LESS_RAMP = say(
     "The Hadamard deviation is blind to a ramp: what else there is at long averaging times, the hump of a loop or a "
     "random walk, stands out in it."
@@ -167,13 +166,12 @@ LESS_RAMP = say(
 
 
 def beside_allan(channel: Channel, meant: Meaning | None, level: float) -> Iterator[Part]:
-    """The Allan deviation and another one, which the device calls for, or a loop beside a ramp."""
+    """The Allan deviation and that of Hadamard, which the device calls for, or a loop beside a ramp."""
     found = [e for e in channel.fit or () if e.claimed]
     loop = any(e.symbol == "R" for e in found) and any(e.shape and lasting(e) for e in found)
-    name = DEVICES[meant.device].statistic if meant is not None and meant.symbols else ""
-    name = name or LOOPS_SHOW_IN * loop
-    record, curve = channel.record, channel.curve
-    if not name or curve is None or not isinstance(record, Record):
+    named = meant is not None and bool(meant.symbols) and DEVICES[meant.device].hadamard
+    record, curve, name = channel.record, channel.curve, "ohdev"
+    if not (named or loop) or curve is None or not isinstance(record, Record):
         return
 
     def drawn() -> Plot:
