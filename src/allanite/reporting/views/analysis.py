@@ -297,7 +297,8 @@ def _coefficients(study: Study, level: float) -> Rows:
             rows.append([name, e.symbol, title, *shown, e.status, "", e.value, e.unit, remark])
             rows += [
                 [name, f"{e.symbol}.{p.name}", p.title, *map(finite, size), p.unit, e.status, "", size[0], p.unit, ""]
-                for p, *size in e.shaped(level) if e.value is not None
+                for p, *size in e.shaped(level)
+                if e.value is not None
             ]
         for title, tau, *size, si, si_unit, remark in channel.readings.rows(level)[1] if channel.readings else ():
             term = MINIMUM if title == minimum_title(channel.record.signal) else ""

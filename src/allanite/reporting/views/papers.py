@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from allanite.papers.paper import AGREES, DIFFERS, DRAWN, VERDICTS, Compared, Reproduction
+from allanite.papers.paper import AGREES, DIFFERS, DRAWN, MISSING, SHOWN, VERDICTS, Compared, Reproduction
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting.first import DETAILS, First
 from allanite.reporting.matplotlib_svg import stored
@@ -18,6 +18,7 @@ BRAND = say("a paper beside what is found here")
 MARKS: dict[str, Mark] = {AGREES: "good", DIFFERS: "weak"}  # marks of verdicts; the others have none
 HEADS = (say("in the paper"), "", say("paper"), say("other source"), say("here"), say("verdict"), say("why"))
 COUNTED = (say("{agree} of {count} printed numbers agree"), say("{agree} of {count} of other sources"))
+FEWER_WORDS = {SHOWN: 1, MISSING: 1, AGREES: 2, DRAWN: 2}  # how late an item is told of, by its verdict
 MAX_ITEMS = 13  # items on the first screen
 
 
@@ -30,7 +31,7 @@ def first_of_paper(value: Reproduction, _: float) -> First:
     if drawn := sum(item.verdict == DRAWN for item in value.items):
         parts.append(say_count(drawn, "{count} figure drawn", "{count} figures drawn"))
     verdict = join("; ", parts)
-    told = sorted(value.items, key=lambda item: (item.expected, item.verdict in (AGREES, DRAWN)))
+    told = sorted(value.items, key=lambda item: (item.expected, FEWER_WORDS.get(item.verdict, 0)))
     after = ((f"{Path(value.folder, 'page.html')}", say("all of them, with the figures")), DETAILS)
     return First(value.title, verdict, [_brief(told[:MAX_ITEMS])], after=after)
 
