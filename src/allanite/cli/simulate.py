@@ -11,6 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.core.aliases import size_and_rate
+from allanite.core.errors import DataError, UsageError
+from allanite.core.syntax import split_quantities
+from allanite.core.units import convert
 from allanite.study.settings import LengthChoices, NoiseChoices
 
 from .deliver import Extra, deliver, demand_recording, outputs, progress
@@ -32,9 +36,6 @@ if TYPE_CHECKING:
 
 def _quantities(text: str, option: str, example: str, *, defaults: tuple[float, ...] = ()) -> list[tuple[float, str]]:
     """As many numbers with units as `example` has; trailing ones that are omitted take `defaults`."""
-    from allanite.core.errors import UsageError
-    from allanite.core.syntax import split_quantities
-
     quantities = split_quantities(text.split())
     missing = len(split_quantities(example.split())) - len(quantities)
     if not 0 <= missing <= len(defaults):
@@ -45,8 +46,6 @@ def _quantities(text: str, option: str, example: str, *, defaults: tuple[float, 
 
 def turning_rate(text: str | None) -> float:
     """The constant rate in deg/h; 0 if none is given."""
-    from allanite.core.units import convert
-
     if text is None:
         return 0.0
     ((value, unit),) = _quantities(text, "constant", "10 deg/h")
@@ -54,7 +53,6 @@ def turning_rate(text: str | None) -> float:
 
 
 def _low_pass(record: "Record", cutoff: tuple[float, str], order: tuple[float, str]) -> "Record":
-    from allanite.core.errors import UsageError
     from allanite.simulation import faults
 
     if not order[0].is_integer():
@@ -64,9 +62,7 @@ def _low_pass(record: "Record", cutoff: tuple[float, str], order: tuple[float, s
 
 def _noise_profile(record: "Record", text: str, _: Any, __: Any) -> "Record":
     # times and factors, from 'TIME:FACTOR, ...' or a file of two columns with or without a heading
-    from pathlib import Path
 
-    from allanite.core.errors import DataError, UsageError
     from allanite.simulation import faults
 
     form = "'0:1, 600:3, 1200:1' (seconds and factors) or a file of two such columns"
@@ -105,8 +101,6 @@ def _quantize(record: "Record", text: str, rng: "np.random.Generator", choices: 
 
 
 def _quantizer(text: str) -> tuple[str, float, str]:
-    from allanite.core.errors import UsageError
-    from allanite.core.syntax import split_quantities
 
     what, *rest = text.split() or [""]
     quantities = split_quantities(rest) if what in ("rate", "angle") else []
@@ -122,7 +116,6 @@ def quantizer_unit(text: str | None) -> str | None:
 
 
 def _gaps(record: "Record", rng: Any, share: tuple[float, str], length: tuple[float, str]) -> "Record":
-    from allanite.core.units import convert
     from allanite.simulation import faults
 
     return faults.gaps(record, share[0], convert(length[0], length[1] or "s", "s"), rng=rng)
@@ -187,8 +180,6 @@ def simulate(**choices: Any) -> None:
     path = choices["out"]
     out = outputs(choices, [], also=["out"])
     demand_recording(path)
-    from allanite.core.aliases import size_and_rate
-    from allanite.core.errors import UsageError
     from allanite.simulation.record import RING_LASERS, Simulation
     from allanite.study.modelled import NoiseSettings, ways
 
@@ -208,8 +199,6 @@ def channel_names(wanted: Sequence[str], named: Callable[[int, int], str]) -> li
     if len(wanted) > 1 or not re.fullmatch(r"-?\d+", wanted[0]):
         return list(wanted)
     if (count := int(wanted[0])) < 1:
-        from allanite.core.errors import UsageError
-
         raise UsageError(f"--channels must be at least 1, not {count}")
     return [named(i, count) for i in range(count)]
 
@@ -217,7 +206,6 @@ def channel_names(wanted: Sequence[str], named: Callable[[int, int], str]) -> li
 def _recording(model: "Model", n: int, choices: dict[str, Any], tell: Callable[[str, float], None]) -> "Recording":
     import numpy as np
 
-    from allanite.core.errors import UsageError
     from allanite.core.record import Recording
     from allanite.simulation.record import simulate as simulated
 
@@ -246,7 +234,6 @@ def _counts(laser: "RingLaser", n: int, choices: dict[str, Any]) -> "Recording":
     """The counts of a ring laser gyro that turns at a constant rate."""
     import numpy as np
 
-    from allanite.core.errors import UsageError
     from allanite.core.record import Recording
     from allanite.simulation.record import simulate_ring_laser
 

@@ -40,9 +40,7 @@ def test_every_item_of_a_paper_has_the_verdict_that_is_expected(name, tmp_path, 
     folder = tmp_path / "made"
     done = run("example", name, folder)
     assert done.exit_code == 0, done.stderr
-    assert re.search(r"^ +paper +here +verdict$", done.stdout, re.MULTILINE), (
-        "no room for all columns"
-    )
+    assert re.search(r"^ +paper +here +verdict$", done.stdout, re.MULTILINE), "no room for all columns"
     named = set(re.findall(SHOWN, " ".join(paper(name).commands))) | {"page.html", "paper.json"}
     assert named == {path.name for path in folder.iterdir()}
     found = json.loads((folder / "paper.json").read_text("utf-8"))["items"]

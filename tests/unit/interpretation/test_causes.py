@@ -202,7 +202,8 @@ def recorded(tmp_path_factory):
 def test_a_loop_has_its_time_constant_and_is_drawn_without_the_ramp():
     model = al.Model("N 0.3 arcsec*sqrt(s), GM 1.2 arcsec 2 s, R 0.5 arcsec/s")
     study = al.analyze(al.simulate(model, 24_000, 40.0, rng=np.random.default_rng(2), name="azimuth"))
-    assert re.search(r"^T +time constant +s +[12]\.\d+ \([12]\.\d+ \.\. [23]\.\d+\)$", first_screen(study), re.MULTILINE)
+    row = r"(?m)^T +time constant +s +[12]\.\d+ \([12]\.\d+ \.\. [23]\.\d+\)$"
+    assert re.search(row, first_screen(study))
     assert re.search(r"GM arcsec: 1\.\d+ ± [\d.]+ %  T s: [12]\.\d+ \(", first_screen(study, brief=True))
     told = replace(study, recipe=replace(study.recipe, device="stabilizer"))
     assert "causes in a gyro stabilizer" in first_screen(told)

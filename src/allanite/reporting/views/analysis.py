@@ -40,10 +40,6 @@ def _records(value: Record | Recording) -> Sequence[Record]:
     return value.records if isinstance(value, Recording) else (value,)
 
 
-def _plot_records(values: Sequence[Record | Recording], _: Fit | None, __: float) -> Plot:
-    return figures.plot_records([record for value in values for record in _records(value)])
-
-
 def _samples(value: Record | Recording, _: float) -> Rows:
     """Time and samples."""
     records = _records(value)
@@ -52,7 +48,7 @@ def _samples(value: Record | Recording, _: float) -> Rows:
     return heads, [list(row) for row in zip(*columns, strict=False)]
 
 
-@view(_plot_records, _samples)
+@view(lambda values, _, __: figures.plot_records([r for value in values for r in _records(value)]), _samples)
 def record_view(value: Record | Recording, _: float) -> Face:
     """What each record is, and its samples."""
     sheets = [

@@ -12,7 +12,6 @@ from allanite.core.model import coefficient_factor
 from allanite.core.plain import Header
 from allanite.core.readings import FALLING_SIGN, IN_RUN
 from allanite.core.record import Record
-from allanite.core.units import Signal
 from allanite.core.validity import APPROXIMATE, ROUGHLY, UNEXPLAINED
 from allanite.interpretation.devices import DEVICES
 from allanite.phrases.phrase import Phrase, join, say, say_count
@@ -42,22 +41,20 @@ def first_of(study: Study, level: float) -> First:
     if not fitted:
         return _seen(study)
     lost = any(e.status == "absent" and e.symbol in MAIN for channel in fitted for e in channel.fit or ())
-    answer: list[Answer] = [*_channels(channels, level), *filter_line(study)]
+    answer: list[Answer] = [
+        *(Channels(names_of(alike), list(_quantities(alike, level)), alike[0].record.signal.sensor)
+          for alike in by_sensor(channels)), *filter_line(study),
+    ]  # fmt: skip
     inertial = any(channel.record.signal.inertial for channel in fitted)
+    device, meaning = study.recipe.device, MEANING[1]
+    if device is not None:
+        meaning = say("intervals, densities, meaning, causes in a {device}", device=DEVICES[device].title)
     return First(
         title_of(study), _verdict(channels), answer,
         without_repeats(doubts(channels), [*reservations(channels), *weighed(alerts(study))]),
         list(_legend(level).items()), how_read(study),
-        [FIGURES, meaning_in(study.recipe.device), *([EXPORT] if inertial else []), *([LONGER] if lost else [])],
+        [FIGURES, (MEANING[0], meaning), *([EXPORT] if inertial else []), *([LONGER] if lost else [])],
     )  # fmt: skip
-
-
-def meaning_in(device: str | None) -> tuple[str, str]:
-    """Where intervals and meaning are told, and the causes in a device that is named."""
-    if device is None:
-        return MEANING
-    named = say("intervals, densities, meaning, causes in a {device}", device=DEVICES[device].title)
-    return MEANING[0], named
 
 
 def title_of(study: Job[Any]) -> Phrase:
@@ -107,14 +104,9 @@ def names_of(channels: Iterable[Any]) -> list[str]:
     return [channel.record.name or say("channel") for channel in channels]
 
 
-def _channels(channels: Sequence[Channel], level: float) -> Iterator[Channels]:
-    """A table for each kind of sensor."""
-    for alike in by_sensor(channels):
-        signal = alike[0].record.signal
-        yield Channels(names_of(alike), list(_quantities(alike, signal, level)), signal.sensor)
-
-
-def _quantities(channels: Sequence[Channel], signal: Signal, level: float) -> Iterator[ChannelRow]:
+def _quantities(channels: Sequence[Channel], level: float) -> Iterator[ChannelRow]:
+    """The coefficients of channels of one kind of sensor, with the minimum of their curves and how well models fit."""
+    signal = channels[0].record.signal
     fits = [{e.symbol: e for e in channel.fit or ()} if channel.explained else {} for channel in channels]
     for symbol in names_in_order(symbol for fit in fits for symbol in fit):
         estimates = [fit[symbol] for fit in fits if symbol in fit]

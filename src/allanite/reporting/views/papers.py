@@ -9,7 +9,7 @@ from allanite.papers.paper import AGREES, DIFFERS, DRAWN, MISSING, SHOWN, VERDIC
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting.first import DETAILS, First
 from allanite.reporting.matplotlib_svg import stored
-from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Picture, Table, one_sheet
+from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Table, one_sheet
 
 from . import Rows, view
 
@@ -40,7 +40,7 @@ def first_of_paper(value: Reproduction, _: float) -> First:
 def paper_view(value: Reproduction, _: float) -> Face:
     """Every item of a paper beside what was found, its figures, and the commands."""
     figures = [
-        Drawing(partial(_figure, Path(value.folder, name)), caption, caption) for name, caption in value.figures.items()
+        Drawing(partial(stored, Path(value.folder, name)), caption, caption) for name, caption in value.figures.items()
     ]
     parts: list[Part] = [
         Note(value.data), _table(value.items), *figures, Code("\n".join(value.commands), say("commands")),
@@ -58,10 +58,6 @@ def brief(item: Compared) -> list[str]:
     clause = "" if isinstance(item.why, Phrase) else re.split("[:;] ", item.why)[0]
     told = join(": ", filter(None, (VERDICTS[item.verdict], clause)))
     return [": ".join((item.item, item.claim)), item.paper or item.source, item.here, told]
-
-
-def _figure(path: Path) -> Picture:
-    return stored(path.read_text("utf-8"))
 
 
 def _table(items: Sequence[Compared]) -> Table:
