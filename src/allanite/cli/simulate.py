@@ -115,12 +115,6 @@ def quantizer_unit(text: str | None) -> str | None:
     return unit if what == "rate" else None
 
 
-def _gaps(record: "Record", rng: Any, share: tuple[float, str], length: tuple[float, str]) -> "Record":
-    from allanite.simulation import faults
-
-    return faults.gaps(record, share[0], convert(length[0], length[1] or "s", "s"), rng=rng)
-
-
 def _simple(name: str, example: str, defaults: tuple[float, ...], make: "Callable[..., Record]") -> "Fault":
     """A fault that is given by quantities as in the `example`, of which the last ones have `defaults`."""
 
@@ -143,7 +137,9 @@ FAULTS: "dict[str, Fault]" = {
         lambda faults, record, rng, share, size: faults.outliers(record, share[0], *size, rng=rng)),
     "clip": _simple("clip", "300 deg/s", (), lambda faults, record, _, value: faults.clip(record, *value)),
     "quantize": _quantize,
-    "gaps": _simple("gaps", "1% 5 s", (), lambda _, record, rng, *values: _gaps(record, rng, *values)),
+    "gaps": _simple(
+        "gaps", "1% 5 s", (), lambda faults, record, rng, share, length: faults.gaps(
+            record, share[0], convert(length[0], length[1] or "s", "s"), rng=rng)),
 }  # fmt: skip
 """The function of each option, in the order in which the faults occur in a sensor and its logger."""
 
