@@ -18,7 +18,7 @@ BRAND = say("a paper beside what is found here")
 MARKS: dict[str, Mark] = {AGREES: "good", DIFFERS: "weak"}  # marks of verdicts; the others have none
 HEADS = (say("in the paper"), "", say("paper"), say("other source"), say("here"), say("verdict"), say("why"))
 COUNTED = (say("{agree} of {count} printed numbers agree"), say("{agree} of {count} of other sources"))
-FEWER_WORDS = {SHOWN: 1, MISSING: 1, AGREES: 2, DRAWN: 2}  # how late an item is told of, by its verdict
+FEWER_WORDS = {SHOWN: 1, MISSING: 1, AGREES: 2, DRAWN: 2}  # place of an item among those shown, by its verdict
 MAX_ITEMS = 13  # items on the first screen
 
 
