@@ -122,13 +122,18 @@ def test_every_verdict_turns_with_each_of_its_numbers():
 
 
 def test_a_verdict_fails_where_the_files_hold_other_numbers(tmp_path):
-    (tmp_path / "a.csv").write_text("value\n7\n", "utf-8")
+    (tmp_path / "a.csv").write_text("value,kind\n7,a\n3,b\n4,b\n", "utf-8")
     for more, verdict in (
         ({"numbers": (7.0,)}, True), ({"numbers": (8.0,)}, False), ({"ours": (7.0,), "verdict": "computed"}, True),
         ({"ours": (8.0,), "verdict": "computed"}, False), ({"numbers": (7.0,), "verdict": "misprint"}, False),
         ({"numbers": (8.0,), "verdict": "misprint", "ours": (9.0,)}, False),
+        ({"numbers": (3.5355,), "here": ("a.csv: rms value @ kind=b",)}, True),
+        *(({"numbers": numbers, "here": [f"a.csv: value @ value={v}" for v in values], "read": read}, True)
+          for read, values, numbers in (
+              ("ratio", (7, 7, 3, 4), (1, 3 / 4)), ("mu", (7, 3), (-0.74,)), ("flatness", (3, 4, 7), (4 * 9 / 49,)))),
     ):  # fmt: skip
-        found = compared(Item("eq. 1", "a claim", "7", here=("a.csv: value",), tolerance=0.01, **more), tmp_path)
+        given = {"here": ("a.csv: value",), "tolerance": 0.01} | more
+        found = compared(Item("eq. 1", "a claim", "7", **given), tmp_path)
         assert found.expected is verdict, more
     with pytest.raises(LookupError, match=r"a\.csv has no row value=9"):
         compared(Item("eq. 1", "a claim", "7", here=("a.csv: value @ value=9",)), tmp_path)

@@ -327,6 +327,14 @@ def test_wrong_grids_say_what_is_possible():
     refused(al.UsageError, "unknown statistic 'nadev'; did you mean adev", lambda: al.deviation(record, "nadev"))
 
 
+def test_upper_case_in_the_name_of_a_statistic_does_not_matter():
+    record = al.Record(np.random.default_rng(1).standard_normal(1000), rate=1.0, unit="deg/h", name="gx")
+    assert [al.deviation(record, name).statistic for name in ("OADEV", "TheoH")] == ["oadev", "theoh"]
+    assert al.Recipe(statistic="MDEV").statistic == "mdev"
+    assert al.Accumulator(1.0, "deg/h", statistic="TDEV").row.name == "tdev"
+    assert al.identify(record, "gls", statistic="OADEV")["N"].value == al.identify(record, "gls")["N"].value
+
+
 @pytest.mark.slow("seconds of analyses")
 @rows("m", [12, 100, 1000])
 def test_theo1_of_a_long_random_walk_keeps_its_digits(m):

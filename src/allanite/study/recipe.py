@@ -44,6 +44,12 @@ def _outliers(choice: str) -> str:
     return demand_choice(choice)
 
 
+def _statistic(name: str) -> str:
+    from allanite.statistics import statistic_named
+
+    return statistic_named(name).name
+
+
 def _motion(word: str) -> str:
     from allanite.prepare.transform import demand_motion
 
@@ -167,7 +173,7 @@ class Recipe:
         "SIZE", "Memory that a record may take, e.g. 1GB; a larger one is read in parts.",
         told="half of what is available", group="selecting", demand=_memory)
     statistic: str = choice("NAME", "Statistic of the curve.", default="oadev", group="curve",
-        synonyms=("stat", "type"))
+        synonyms=("stat", "type"), demand=_statistic)
     taus: str | tuple[float, ...] = grid("log")
     terms: str = choice("QNBKR", "Noise terms to look for.", kind=SYMBOLS, default="auto", group="identifying",
         synonyms=("noise",))

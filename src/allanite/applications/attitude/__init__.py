@@ -7,7 +7,6 @@ from .filters import rotation_vectors as rotation_vectors
 from .inertial import Inertial as Inertial
 from .loop import Loop as Loop
 from .loop import kalman as kalman
-from .loop import kalman_error as kalman_error
 from .optimum import Optimum as Optimum
 from .optimum import optimal_time_constant as optimal_time_constant
 from .prediction import Prediction as Prediction

@@ -242,19 +242,8 @@ def kalman(N: float, tilt: float, K: float = 0.0) -> Loop:
     >>> round(kalman(8.7266e-5, 1e-4).time_constant, 3)
     1.146
     """
-    _demand_noise(N, tilt, K)
-    return Loop(math.sqrt(N**2 + 2 * K * tilt) / tilt, K / tilt)
-
-
-@public
-def kalman_error(N: float, tilt: float, K: float = 0.0) -> float:
-    """Standard deviation of the angle of the steady `kalman` filter, rad: sqrt(tilt sqrt(N^2 + 2 K tilt))."""
-    _demand_noise(N, tilt, K)
-    return math.sqrt(tilt * math.sqrt(N**2 + 2 * K * tilt))
-
-
-def _demand_noise(N: float, tilt: float, K: float) -> None:
     if not tilt > 0:
         raise UsageError(f"the white noise of the tilt must be above 0, not {given(tilt)}")
     if not (N >= 0 and K >= 0):
         raise UsageError(f"N and K of the gyro must not be negative, unlike {given(N)}, {given(K)}")
+    return Loop(math.sqrt(N**2 + 2 * K * tilt) / tilt, K / tilt)

@@ -47,8 +47,6 @@ class VerticalSettings(VerticalChoices, Value):
         A key of `FILTERS`.
     bias_time : float, optional
         1 / sqrt(k2), s, of a filter that estimates the gyro bias; by default five time constants where one is given.
-    samples : int
-        Samples of the coning correction, 1 (none) or 2.
     axes : str, optional
         Axes of the file that are forward, sideways and vertical, such as "y,-x,z"; by default "x,y,z", and a recording
         with gravity along another axis than z is refused.

@@ -83,7 +83,7 @@ def vertical(
     if settings.row.looped:
         loop.demand_sampled(data.interval)
     gate = None if settings.gate is None else math.radians(settings.gate)
-    setting = Setting(loop, gate=gate, samples=settings.samples)
+    setting = Setting(loop, gate=gate)
     values, held = settings.row.run(replace(data, gyro=data.gyro - bias), setting)
     predictions = [predict(noise, loop) for noise in noises] if settings.row.looped else []
     angles = tuple(_angle(i, values[:, i], channels, noises, predictions) for i in range(2))

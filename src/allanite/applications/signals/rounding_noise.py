@@ -167,7 +167,8 @@ def budget(
     record : Record
         A rate (angle, increments, counts), or a current, a voltage or codes with what makes a rate of them.
     stages : sequence of Stage
-        Stages in the order of the signal path; the first one defines the size of codes.
+        Stages in the order of the signal path; the first one defines the size of codes. A current or a voltage becomes
+        a rate without them, too.
     scale : TorqueScale or float, optional
         Scale of the torquer, or rad/s per A; required for currents.
     sense : float, optional
@@ -200,7 +201,7 @@ def budget(
     >>> [round(found.stages[0].to(found.stages[0].coefficient), 3), found.stages[0].matters]
     [0.134, False]
     """
-    if not stages:
+    if not stages and record.signal.inertial:
         raise UsageError(
             "name at least one stage, for example " + spelled("--stage 'ADC 12 5V'", "Stage('ADC', 12, 5.0, 'V')")
         )
@@ -212,7 +213,8 @@ def budget(
                 f"{record.name!r} is in {record.unit!r}: give its relation to a rate, by the torquer's constants or "
                 f"scale factor ({needs})"
             )
-        rate = converted(record, factor_of(scale), ampere_of(record, sense, stages[0]), counts[0])
+        ampere = ampere_of(record, sense, next(iter(stages), None))
+        rate = converted(record, factor_of(scale), ampere, next(iter(counts), 0))
     noise = noise_of(rate, recipe or Recipe())
     rows = []
     for stage, count in zip(stages, counts, strict=True):

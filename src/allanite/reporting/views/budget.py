@@ -27,6 +27,7 @@ HOW = (
         "no grid of this step, because they were filtered, averaged or rounded again behind it."
     ),
 )
+WITHOUT = say("no stage is named: --rates writes the rate, --stage 'NAME BITS SCALE' computes what a converter adds")
 CAPTION = say(
     "What each stage adds, by its bits; below the dashed line its share of the variance of the measured noise is less "
     "than 1 %."
@@ -79,8 +80,9 @@ def _sheet(channel: BudgetChannel) -> Sheet:
     if budget is None:
         refused = say("{channel}: no result: {reason}", channel=name, reason=channel.refusal)
         return channel_sheet(channel, (), (refused,), "alert")
-    named = tuple(join(": ", (name or say("channel"), sentence(s))) for s in budget.stages)
-    sentences = (Note(sentence(s), where="text") for s in budget.stages)
+    told = [sentence(s) for s in budget.stages] or [WITHOUT]
+    named = tuple(join(": ", (name or say("channel"), each)) for each in told)
+    sentences = (Note(each, where="text") for each in told)
     drawing = Drawing(lambda: figures.plot_budgets([budget]), say("noise of rounding by bits"), CAPTION)
     rows = []
     for s in budget.stages:
@@ -90,7 +92,7 @@ def _sheet(channel: BudgetChannel) -> Sheet:
         rows.append([stage, bits, f"+-{s.stage.reach:g} {unit}", f"{step:.4g} {unit}", symbol, size, measured, *rest])
     table = Table(COLUMNS, rows)
     table = table.only([i for i in range(len(COLUMNS)) if any(row[i] for row in table.rows)])  # not those without cells
-    parts: tuple[Part, ...] = (*sentences, table, drawing)
+    parts: tuple[Part, ...] = (*sentences, *((table, drawing) if rows else ()))
     return channel_sheet(channel, parts, named, LEVELS.get(budget.noise.validity, ""))
 
 

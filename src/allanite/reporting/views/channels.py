@@ -85,6 +85,8 @@ def _verdict(channels: Sequence[Channel]) -> Phrase:
     fits = [channel.noise for channel in channels if channel.noise is not None and channel.explained]
     part = sum(any(_part(n)) or any(e.status == "not valid" for e in n.fit) for n in fits)
     good, every = len(fits) - part, len(channels)
+    if fits and not any(fit.validity for fit in fits):
+        return say("model not tested")
     if good == every:
         return say_count(good, "model fits", "model fits all {count} channels")
     partial = say("model fits {good} of {count} channels", good=good, count=every)
@@ -210,11 +212,8 @@ def _seen(study: Study) -> First:
         ]
         tables.append(Channels(names_of(alike), rows, alike[0].record.signal.sensor))
     count = len(study.channels)
-    verdict = (
-        say("fit for analysis")
-        if good == count
-        else say("{good} of {count} channels are fit for analysis", good=good, count=count)
-    )
+    some = say("{good} of {count} channels are fit for analysis", good=good, count=count)
+    verdict = say("fit for analysis") if good == count else some
     after = [
         ("allanite analyze FILE", say("the noise")), ("--plot raw.png", say("figure")),
         ("--details", say("all that was found")),

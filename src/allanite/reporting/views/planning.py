@@ -27,6 +27,7 @@ from allanite.terms import TERMS
 
 from . import Rows, View, view
 from .jobs import job_face, source_of, warnings
+from .papers import about
 
 
 class ModelledForm(NamedTuple):
@@ -252,7 +253,7 @@ def first_of_properties(value: Properties, _: float) -> First:
     word = named_words().get(value.statistic)
     sample = say("{what}, {n} samples, by tau in sampling intervals:", what=FREEDOM, n=value.size)
     answer: list[Answer] = [*([word.meaning, word.formula] if word else ()), sample, table, span]
-    return First(statistic_named(value.statistic).title, "", answer, after=[DETAILS])
+    return First(statistic_named(value.statistic).title, "", answer, after=[*about(value.statistic), DETAILS])
 
 
 def _ratio(value: Properties) -> str:

@@ -9,7 +9,6 @@ from .channel import constant as constant
 from .channel import gaps as gaps
 from .channel import low_pass as low_pass
 from .channel import noise_profile as noise_profile
-from .channel import noise_step as noise_step
 from .channel import outliers as outliers
 from .channel import quantize_angle as quantize_angle
 from .channel import quantize_rate as quantize_rate

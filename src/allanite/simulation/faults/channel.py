@@ -212,25 +212,6 @@ def low_pass(record: Record, cutoff: float, *, order: int = 1) -> Record:
 
 
 @public
-def noise_step(record: Record, *, factor: float = 2.0, at: float = 0.5) -> Record:
-    """Multiply the deviation from the mean by `factor` from the share `at` of the record on: a changing noise level.
-
-    Examples
-    --------
-    >>> noise_step(Record([1.0, -1.0, 1.0, -1.0], rate=10.0, unit="deg/s")).values.tolist()
-    [1.0, -1.0, 2.0, -2.0]
-    """
-    if not 0 < at < 1 or not factor >= 0:
-        raise UsageError(f"a noise step needs a factor >= 0 and a place between 0 and 1, not {factor!r}, {at!r}")
-    values = _floats(record)
-    first = round(at * values.size)
-    later = values[first:]
-    mean = np.nanmean(later)
-    values[first:] = mean + factor * (later - mean)
-    return _changed(record, values, f"noise multiplied by {factor:g} from sample {first} on")
-
-
-@public
 def noise_profile(record: Record, times: Sequence[float] | FloatArray, factors: Sequence[float] | FloatArray) -> Record:
     """Multiply the deviation from the mean by a factor that changes with time: any variance over time.
 

@@ -154,6 +154,8 @@ def test_a_path_of_several_stages_from_the_current_on():
     assert [s["symbol"] for s in found.to_dict()["stages"]] == ["N", "N"]
     refused(al.UsageError, "give its relation to a rate", lambda: al.signals.budget(recorded, stages))
     refused(al.UsageError, "at least one stage", lambda: al.signals.budget(rates(), []))
+    rate = al.signals.budget(recorded, [], scale=SCALE, sense=5.0).record
+    np.testing.assert_allclose(rate.values, found.record.values, rtol=1e-12)
 
 
 def test_codes_are_read_by_the_first_stage():
