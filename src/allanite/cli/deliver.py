@@ -18,6 +18,7 @@ from allanite.core.files import demand_writable, encoded, write
 from allanite.reporting.digits import WRITTEN
 from allanite.reporting.fonts import FontWarning
 from allanite.reporting.language import ENGLISH, catalogue, speaking
+from allanite.study.recipe import Recipe
 
 from .front import DATA, LINE
 from .options import FLAGS
@@ -26,7 +27,6 @@ from .streams import complain, hand_over, show, while_read
 if TYPE_CHECKING:
     from allanite.core.record import Recording
     from allanite.reporting.first import First
-    from allanite.study.recipe import Recipe
 
 DEFAULT_COLUMNS = 120  # width of text where no terminal limits it
 
@@ -136,10 +136,8 @@ def demand_recording(path: str | None) -> None:
         writer_for(os.path.splitext(path)[1].lower())
 
 
-def recipe_of(choices: dict[str, Any], **usual: Any) -> "Recipe":
+def recipe_of(choices: dict[str, Any], **usual: Any) -> Recipe:
     """Take the keys of a recipe out of `choices`; `usual` holds defaults that differ from the recipe's."""
-    from allanite.study.recipe import Recipe
-
     choices.pop("recipe", None)
     known = {key: choices.pop(key) for key in [f.name for f in fields(Recipe)] if key in choices}
     return Recipe.from_dict(usual | given(known))

@@ -14,7 +14,7 @@ from allanite.core.errors import COLUMN, MEANINGS, RATE, SCALE, UNIT, UsageError
 from allanite.core.names import demand_name
 from allanite.reporting.language import ENGLISH, LANGUAGES
 from allanite.study.recipe import IDENTIFYING as IDENTIFIES
-from allanite.study.recipe import READING, SELECTING, Recipe
+from allanite.study.recipe import READING, SELECTING, Recipe, load_toml
 
 if TYPE_CHECKING:
     ParamType = click.ParamType[Any]
@@ -97,11 +97,9 @@ def _load_recipe(ctx: click.Context, param: click.Parameter, path: str | None) -
     """Take the keys of a TOML file as defaults, which the command line overrides."""
     if path is None:
         return None
-    from allanite.study.recipe import load_toml
-
     options = {p.name: p for p in ctx.command.params if isinstance(p, click.Option) and p.name}
     inside = {name: p for name, p in options.items() if name not in ("recipe", *OUTPUTS, "coefficients", *FLAGS)}
-    spelled = {_key(word): name for name, p in inside.items() for word in p.opts}
+    spelled = {word.lstrip("-").replace("-", "_"): name for name, p in inside.items() for word in p.opts}
     choices = {}
     for typed, value in load_toml(path).items():
         key = spelled.get(typed, typed)
@@ -114,10 +112,6 @@ def _load_recipe(ctx: click.Context, param: click.Parameter, path: str | None) -
             raise error.within(f"{path}: {typed}") from None
     ctx.default_map = {**(ctx.default_map or {}), **choices}
     return path
-
-
-def _key(option: str) -> str:
-    return option.lstrip("-").replace("-", "_")
 
 
 def _kept(option: click.Option, value: Any) -> Any:
@@ -237,8 +231,8 @@ OPTIONS: dict[str, Decorator] = {
     "simulated rate": click.option("--rate", "--fs", "rate", type=float, required=True, metavar="HZ",
         help="Sampling rate."),
     "simulated unit": click.option("--unit", help="Unit of the samples.  [default: deg/h, ug]"),
-    "simulated channels": click.option("--channels", type=int, default=1, metavar="N",
-        help="Number of independent channels."),
+    "simulated channels": click.option("--channels", type=NAMES, default="1", show_default=True, metavar="N",
+        help="Number of independent channels, or their names, e.g. azimuth,tilt."),
     "simulated outliers": click.option("--outliers", metavar="SHARE SIZE",
         help="Outliers: '0.01% 20' (sigma) or '0.01% 50 deg/h'."),
     "simulated dither": click.option("--dither", metavar="HOW",

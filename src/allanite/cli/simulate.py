@@ -5,7 +5,7 @@ import os
 import re
 import shlex
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -189,23 +189,30 @@ def simulate(**choices: Any) -> None:
     deliver(truth, out, Extra(recordings={"out": lambda _: recording}))
 
 
+def channel_names(wanted: Sequence[str], named: Callable[[int, int], str]) -> list[str]:
+    """The names of the channels that are wanted, or of their number those by place and number."""
+    if len(wanted) > 1 or not re.fullmatch(r"-?\d+", wanted[0]):
+        return list(wanted)
+    if (count := int(wanted[0])) < 1:
+        raise UsageError(f"--channels must be at least 1, not {count}")
+    return [named(i, count) for i in range(count)]
+
+
 def _recording(model: "Model", n: int, choices: dict[str, Any], tell: Callable[[str, float], None]) -> "Recording":
     import numpy as np
 
     from allanite.core.record import Recording
     from allanite.simulation.record import simulate as simulated
 
-    count = choices["channels"]
-    if not count >= 1:
-        raise UsageError(f"--channels must be at least 1, not {count}")
     if choices["dither"] is not None and choices["quantize"] is None:
         raise UsageError("--dither needs a quantizer: give --quantize too")
     rng = np.random.default_rng(choices["seed"])
     unit = choices["unit"] or quantizer_unit(choices["quantize"]) or model.signal.sheet[0]
     records = []
-    for i in range(count):
-        name = CHANNEL_NAMES.get(model.signal.name, f"{model.signal.name} ") + ("xyz"[i] if count <= 3 else str(i + 1))
-        tell(f"simulating {name}", 0.8 * i / count)
+    letter = CHANNEL_NAMES.get(model.signal.name, f"{model.signal.name} ")
+    names = channel_names(choices["channels"], lambda i, count: letter + ("xyz"[i] if count <= 3 else str(i + 1)))
+    for i, name in enumerate(names):
+        tell(f"simulating {name}", 0.8 * i / len(names))
         record = simulated(model, n, choices["rate"], rng=rng, name=name, unit=unit, rounding=choices["rounding"])
         causes = [_effect(record, text) for text in choices["effect"]]
         for cause, effect in causes:
@@ -234,7 +241,7 @@ def _counts(laser: "RingLaser", n: int, choices: dict[str, Any]) -> "Recording":
         raise UsageError(f"--{name} does not apply to {choices['sensor']}, which delivers counts; omit it")
     turning = turning_rate(choices["constant"])
     rng = np.random.default_rng(choices["seed"])
-    names = [f"gyro{i + 1}" if choices["channels"] > 1 else "gyro" for i in range(choices["channels"])]
+    names = channel_names(choices["channels"], lambda i, count: f"gyro{i + 1}" if count > 1 else "gyro")
     return Recording(
         tuple(simulate_ring_laser(laser, turning, n, choices["rate"], rng=rng, name=each) for each in names)
     )

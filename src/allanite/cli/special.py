@@ -60,7 +60,6 @@ def quantization(file: str, **choices: Any) -> None:
     demand_recording(out.paths.get("rates"))
     from allanite.applications.signals import Stage, TorqueScale
     from allanite.applications.signals.budgeting import PathSettings, budget_file
-    from allanite.core.errors import UsageError
 
     torquer, factor = choices["torquer"], choices["scale_factor"]
     if torquer is not None and factor is not None:

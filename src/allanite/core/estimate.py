@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal, NamedTuple
 import numpy as np
 
 from allanite.phrases.phrase import say
-from allanite.terms import TERMS
+from allanite.terms import TERMS, Parameter
 
 from .arrays import FloatArray
 from .digits import Digits, digits, upper_limit
@@ -286,17 +286,23 @@ class Estimate(Value):
             None if self.upper is None else upper_limit(self.upper / coefficient_factor(self.symbol, unit, self.signal))
         )
 
+    def shaped(self, level: float = 0.95) -> Iterator[tuple[Parameter, float, float, float]]:
+        """Each parameter of the term's shape with its value and interval, which is NaN where the method has none."""
+        limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
+        for parameter, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False):
+            yield parameter, value, low, high
+
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data, SI, with the data-sheet form under "shown"."""
+        """Plain data, SI; in the data-sheet form under "shown", `high` of an absent term is `upper`."""
         low, high = map(finite, self.interval(level))
         scale = 1 / coefficient_factor(self.symbol, self.sheet_unit, self.signal)
-        known = {"value": self.value, "low": low, "high": high}
+        limited = self.status == "absent" and self.upper is not None
+        known = {"value": self.value, "low": 0.0 if limited else low, "high": self.upper if limited else high}
         shown = {key: None if v is None else finite(v * scale) for key, v in known.items()}
         extra = {"low": low, "high": high, "unit": self.unit, "level": level}
-        limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
         shape = {
             p.name: {"value": finite(value), "low": finite(low), "high": finite(high), "unit": p.unit}
-            for p, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False)
+            for p, value, low, high in self.shaped(level)
         }
         return super().to_dict(level) | extra | {"shown": {**shown, "unit": self.sheet_unit}} | shape
 

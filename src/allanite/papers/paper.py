@@ -29,6 +29,8 @@ READ: dict[str, Callable[..., list[float]]] = {
     "flatness": lambda late, tau, first: [(late / first) ** 2 * tau],
     "ramp": lambda allan, hadamard, tau: [math.sqrt(2 * (allan**2 - hadamard**2)) / tau],
     "of 0.41": lambda *numbers: [0.41 * number for number in numbers],
+    "white": lambda allan, tau: [allan * math.sqrt(tau)], "trend": lambda allan, tau: [allan * math.sqrt(2) / tau],
+    "walk": lambda hadamard, tau: [hadamard * math.sqrt(6 / tau)],
     "percent": lambda *edf: [100 / math.sqrt(2 * each) for each in edf],
 }  # fmt: skip
 """What is made of the numbers of cells: slopes of pairs over a decade (`mu` of the variance), a ramp from two

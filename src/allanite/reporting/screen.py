@@ -103,11 +103,6 @@ def _main(table: Table) -> Table:
     return table.only([i for i, column in enumerate(table.columns) if not column.aside])
 
 
-def _found(channels: Channels) -> Channels:
-    """Without the rows of little weight."""
-    return replace(channels, rows=[row for row in channels.rows if row.rank < 1])
-
-
 class _Screen:
     """Lays out for a width, in lines with their styles."""
 
@@ -231,7 +226,10 @@ class _Screen:
             made = [line for part in parts for line in self.part(part, rank)]
             if len(made) <= room:
                 return made
-        tables = (self.listed(_found(part)) if isinstance(part, Channels) else part for part in parts)
+        tables = (  # without the rows of little weight
+            self.listed(replace(part, rows=[row for row in part.rows if row.rank < 1]))
+            if isinstance(part, Channels) else part for part in parts
+        )  # fmt: skip
         made = [line for part in tables for line in self.part(part, 1)]
         return made if len(made) <= room else self.counted(made[: max(room - 1, 0)], len(made), 0)
 

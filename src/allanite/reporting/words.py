@@ -92,12 +92,8 @@ def named(estimate: Estimate, level: float) -> str:
 
 def shapes(estimate: Estimate, level: float) -> list[str]:
     """The shape parameters of an estimate: ``T = 20 (15 .. 28) s``."""
-    limits = estimate.shape_limits(level) if estimate.shape_limits else ((math.nan, math.nan),) * len(estimate.shape)
-    parts = list[str]()
-    for parameter, value, (low, high) in zip(TERMS[estimate.symbol].parameters, estimate.shape, limits, strict=False):
-        shown = f"{digits(value, low, high).words()} {parameter.unit}".rstrip()
-        parts.append(join(" = ", (parameter.letter or parameter.title, shown)))
-    return parts
+    sizes = ((p, f"{digits(*size).words()} {p.unit}".rstrip()) for p, *size in estimate.shaped(level))
+    return [join(" = ", (parameter.letter or parameter.title, shown)) for parameter, shown in sizes]
 
 
 def brief(estimate: Estimate, level: float) -> str:

@@ -13,6 +13,8 @@ ERRORS = "--error h:128=3,-1.5 --error h:256=1,2 --error q:128=-2,1 --error q:25
 COMMANDS = (
     f"simulate run1.csv --model '{ANGLE}' --unit arcmin --rate 10 --duration '60 min'",
     f"simulate run2.csv --model '{ANGLE}' --unit arcmin --rate 10 --duration '30 min' --seed 3",
+    "simulate drift.npz --channels azimuth --model 'N 0.3 arcsec*sqrt(s), K 0.3 arcsec/sqrt(s), R -0.5 arcsec/s' "
+    "--unit arcsec --rate 10 --duration '60 min'",
     "simulate white.npz --model 'N 1 deg/sqrt(h)' --rate 1 --samples 7200",
     "simulate biased.npz --model 'N 1 deg/sqrt(h)' --rate 1 --samples 7200 --constant '1000 deg/h'",
     "simulate walk.npz --model 'K 1 deg/h/sqrt(h)' --rate 1 --samples 7200",

@@ -111,6 +111,8 @@ def test_names_units_and_progress_of_channels(tmp_path, monkeypatch):
     recording = al.read(tmp_path / "out.npz")
     assert recording.channels == ("a1", "a2", "a3", "a4")
     assert recording[0].unit == "ug"
+    run(tmp_path / "named.npz", "--sensor", "fog", "--rate", 50, "--samples", 500, "--channels", "azimuth,tilt")
+    assert al.read(tmp_path / "named.npz").channels == ("azimuth", "tilt")
     # progress is the share of the channels that are made
     told = []
     bar = contextlib.nullcontext(lambda _, share: told.append(share))

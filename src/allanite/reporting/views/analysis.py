@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from allanite.core.display_units import readable_unit
+from allanite.core.encoding import finite
 from allanite.core.errors import DataError, UndrawnError
 from allanite.core.estimate import STATUSES
 from allanite.core.fit import Fit
@@ -28,7 +29,7 @@ from allanite.study.results import Channel, Study
 from . import Rows, view
 from .channels import first_of
 from .datasheet import DATA_SHEET, alternative, data_sheet_table
-from .expectation import causes, meaning_notes, meaning_of, meanings
+from .expectation import beside_allan, causes, meaning_notes, meaning_of, meanings
 from .export import filter_parts
 from .fit import coefficients, definitions, goodness_parts
 from .jobs import channel_sheet, job_face, mean_and_spread, remark_notes, source_of
@@ -39,10 +40,6 @@ def _records(value: Record | Recording) -> Sequence[Record]:
     return value.records if isinstance(value, Recording) else (value,)
 
 
-def _plot_records(values: Sequence[Record | Recording], _: Fit | None, __: float) -> Plot:
-    return figures.plot_records([record for value in values for record in _records(value)])
-
-
 def _samples(value: Record | Recording, _: float) -> Rows:
     """Time and samples."""
     records = _records(value)
@@ -51,7 +48,7 @@ def _samples(value: Record | Recording, _: float) -> Rows:
     return heads, [list(row) for row in zip(*columns, strict=False)]
 
 
-@view(_plot_records, _samples)
+@view(lambda values, _, __: figures.plot_records([r for value in values for r in _records(value)]), _samples)
 def record_view(value: Record | Recording, _: float) -> Face:
     """What each record is, and its samples."""
     sheets = [
@@ -230,6 +227,7 @@ def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None", m
         caption = say("{sentence}.", sentence=words.capital(supposed)) if supposed else ""
         label = alternative(channel, channel.curve, level)
         yield Drawing(lambda: figures.plot_panels([panel], level=level, titled=False), label, caption)
+    yield from beside_allan(channel, meant, level)
     yield from meaning_notes(meant, say("what it means"), "page")
     yield replace(data_sheet_table(channel, level), where="" if channel.explained else "page")
     if channel.readings is not None:
@@ -293,6 +291,11 @@ def _coefficients(study: Study, level: float) -> Rows:
             shown, title = e.to_dict(level)["shown"].values(), words.title(e.symbol, e.signal)
             remark = ", ".join([*words.shapes(e, level), *(["without sign"] if words.symbol(e) != e.symbol else [])])
             rows.append([name, e.symbol, title, *shown, e.status, "", e.value, e.unit, remark])
+            rows += [
+                [name, f"{e.symbol}.{p.name}", p.title, *map(finite, size), p.unit, e.status, "", size[0], p.unit, ""]
+                for p, *size in e.shaped(level)
+                if e.value is not None
+            ]
         for title, tau, *size, si, si_unit, remark in channel.readings.rows(level)[1] if channel.readings else ():
             term = MINIMUM if title == minimum_title(channel.record.signal) else ""
             rows.append([name, term, title, *size, "reading", tau, si, si_unit, remark])

@@ -160,17 +160,8 @@ def _parts(batch: Batch, level: float) -> Iterator[Part]:
 
 
 def _judged(batch: Batch) -> Iterator[Part]:
-    """What the limits say."""
-    if batch.specification is not None:
-        yield from _limits_table(batch)
-        yield Note(RULE, "quiet", where="page")
-
-
-def _limits_table(batch: Batch) -> Iterator[Part]:
-    """What fails or is not decided."""
+    """What fails or is not decided by the limits, and the rule."""
     judged = [(unit, j) for unit in batch for j in unit.judgements if j.outcome in (FAIL, NOT_DECIDED)]
-    if not judged:
-        return
     judged.sort(key=lambda pair: OUTCOMES.index(pair[1].outcome))
     heads = (
         Column(say("file"), "name"), Column(say("channel"), "name"), Column(say("term"), "symbol"),
@@ -181,7 +172,10 @@ def _limits_table(batch: Batch) -> Iterator[Part]:
         for u, j in judged
     ]
     marks = [MARKS.get(j.outcome, "") for _, j in judged]
-    yield Table(heads, rows, say("limits that are exceeded or not decided"), marks, most=ALL_ROWS)
+    if judged:
+        yield Table(heads, rows, say("limits that are exceeded or not decided"), marks, most=ALL_ROWS)
+    if batch.specification is not None:
+        yield Note(RULE, "quiet", where="page")
 
 
 def _main(batch: Batch, signal: Signal, level: float) -> Table:

@@ -5,11 +5,22 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from allanite.papers.paper import AGREES, DIFFERS, DRAWN, PAPERS, VERDICTS, Compared, Reproduction, paper
+from allanite.papers.paper import (
+    AGREES,
+    DIFFERS,
+    DRAWN,
+    MISSING,
+    PAPERS,
+    SHOWN,
+    VERDICTS,
+    Compared,
+    Reproduction,
+    paper,
+)
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting.first import DETAILS, First
 from allanite.reporting.matplotlib_svg import stored
-from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Picture, Table, one_sheet
+from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Table, one_sheet
 
 from . import Rows, view
 
@@ -20,6 +31,7 @@ OWN, PAGE = say("your recording"), say("its page")
 MARKS: dict[str, Mark] = {AGREES: "good", DIFFERS: "weak"}  # marks of verdicts; the others have none
 HEADS = (say("in the paper"), "", say("paper"), say("other source"), say("here"), say("verdict"), say("why"))
 COUNTED = (say("{agree} of {count} printed numbers agree"), say("{agree} of {count} numbers of other sources agree"))
+PLACES = {SHOWN: 1, MISSING: 1, AGREES: 2, DRAWN: 2}  # place of an item among those shown, by its verdict
 MAX_ITEMS = 13  # items on the first screen
 
 
@@ -39,7 +51,7 @@ def first_of_paper(value: Reproduction, _: float) -> First:
     if drawn := sum(item.verdict == DRAWN for item in value.items):
         parts.append(say_count(drawn, "{count} figure drawn", "{count} figures drawn"))
     verdict = join("; ", parts)
-    told = sorted(value.items, key=lambda item: (item.expected, item.verdict in (AGREES, DRAWN)))
+    told = sorted(value.items, key=lambda item: (item.expected, PLACES.get(item.verdict, 0)))
     own = ((command, OWN) for command in value.own[:1])
     after = ((f"{Path(value.folder, 'page.html')}", say("all of them, with the figures")), DETAILS, *own)
     return First(value.title, verdict, [_brief(told[:MAX_ITEMS])], after=after)
@@ -49,7 +61,7 @@ def first_of_paper(value: Reproduction, _: float) -> First:
 def paper_view(value: Reproduction, _: float) -> Face:
     """Every item of a paper beside what was found, its figures, and the commands."""
     figures = [
-        Drawing(partial(_figure, Path(value.folder, name)), caption, caption) for name, caption in value.figures.items()
+        Drawing(partial(stored, Path(value.folder, name)), caption, caption) for name, caption in value.figures.items()
     ]
     parts: list[Part] = [
         Note(value.data), _table(value.items), *figures, Code("\n".join(value.commands), say("commands")),
@@ -67,10 +79,6 @@ def brief(item: Compared) -> list[str]:
     clause = "" if isinstance(item.why, Phrase) else re.split("[:;] ", item.why)[0]
     where = ": ".join((item.item, item.claim))
     return [where, item.paper or item.source, item.here, VERDICTS[item.verdict], clause]
-
-
-def _figure(path: Path) -> Picture:
-    return stored(path.read_text("utf-8"))
 
 
 def _table(items: Sequence[Compared]) -> Table:
