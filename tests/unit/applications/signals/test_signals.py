@@ -195,8 +195,9 @@ def test_no_dither_is_said():
     values = stage.step * np.round(np.degrees(rates(7).values) / stage.step + 0.45)
     found = al.signals.budget(al.Record(values, 1000.0, "deg/s", name="x"), [stage])
     assert "no dither" in {f.name for f in found.findings}
-    fine = al.signals.budget(rates(7), [al.signals.Stage("output", 16, 500.0, "deg/s")])
-    assert not fine.findings
+    stage = al.signals.Stage("output", 24, 500.0, "deg/s")  # so fine that hardly a code occurs twice
+    values = stage.step * np.round(np.degrees(rates(7).values) / stage.step)
+    assert not al.signals.budget(al.Record(values, 1000.0, "deg/s", name="x"), [stage]).findings
 
 
 def test_missing_codes_are_counted():
