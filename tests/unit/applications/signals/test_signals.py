@@ -102,17 +102,6 @@ def test_twelve_bits_were_not_the_limit(scale, wanted):
     assert found.matters is False
 
 
-@pytest.mark.slow("takes more than half a second")
-def test_bits_enough_are_the_fewest_below_one_percent():
-    for bits in (4, 8, 12, 16):
-        found = al.signals.budget(rates(), [al.signals.Stage("ADC", bits, 500.0, "deg/s")]).stages[0]
-        shares = [
-            (coefficient(al.signals.Stage("ADC", b, 500.0, "deg/s")) / found.to(found.measured)) ** 2
-            for b in range(1, 30)
-        ]
-        assert found.enough == 1 + next(i for i, share in enumerate(shares) if share < 0.01)
-
-
 def test_rounding_a_rate_adds_to_n_what_the_budget_says_and_nothing_to_q():
     """The square of N rises by a quarter, where its precision from 50000 readings is about 1 %."""
     stage = al.signals.Stage("ADC", 6, 16 * math.sqrt(12) * N / 60 / math.sqrt(INTERVAL), "deg/s")
