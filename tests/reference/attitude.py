@@ -3,9 +3,8 @@
 import math
 
 import numpy as np
+from scipy.linalg import solve_discrete_lyapunov
 from scipy.spatial.transform import Rotation
-
-from tests.reference.noise import autocovariance
 
 
 def tilt(up):
@@ -31,17 +30,10 @@ def recursion(gyro, force, gains, interval):
     return np.array(found)
 
 
-def variance(gains, interval, sizes, n=4000):
-    """Of one angle, once it has settled; sizes of the gyro's noise and of the tilt's, as in `noise`, per interval."""
-    total = 0.0
-    for sensor, size in enumerate(sizes):
-        angle, bias, impulse = 0.0, 0.0, []
-        for k in range(n):
-            unit = np.eye(2)[sensor] * (k == 0)
-            ahead = angle + unit[0] - bias * interval
-            angle, bias = (ahead + (1 - math.exp(-gains[0] * interval)) * (unit[1] - ahead),
-                           bias - gains[1] * interval * (unit[1] - ahead))  # fmt: skip
-            impulse.append(angle)
-        lags = np.correlate(impulse, impulse, "full")[n - 1 :]
-        total += lags[0] * autocovariance(size, 1)[0] + 2 * lags[1:] @ autocovariance(size, n)[1:]
-    return total
+def variance(gains, gyro, tilt):
+    """Of the settled angle, by Lyapunov's equation of (angle, bias); white noises and gains per sample interval."""
+    keep, slow = math.exp(-gains[0]), gains[1]
+    order = 2 if slow else 1
+    A = np.array([[keep, -keep], [slow, 1 - slow]])[:order, :order]
+    B = np.array([[keep * gyro, (1 - keep) * tilt], [slow * gyro, -slow * tilt]])[:order]
+    return solve_discrete_lyapunov(A, B @ B.T)[0, 0]

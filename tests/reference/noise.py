@@ -5,22 +5,16 @@ Sizes are {"Q": ..., "N": ..., "B": ..., "K": ...} of one sample interval as the
 
 import numpy as np
 
-
-def _log(t):
-    return np.log(np.where(t > 0, t, 1.0))
-
-
-STRUCTURE = {"Q": lambda t: 2.0 * (t > 0), "N": lambda t: t, "B": lambda t: -(t**2) * _log(t) / np.pi,
-             "K": lambda t: -(t**3) / 6}  # fmt: skip
+STRUCTURE = {"Q": lambda t: 2.0 * (t > 0), "N": lambda t: t,
+             "B": lambda t: -(t**2) * np.log(np.where(t > 0, t, 1.0)) / np.pi, "K": lambda t: -(t**3) / 6}  # fmt: skip
 """IEEE Std 952: D(t) = E (x(s + t) - x(s))^2 of a coefficient of 1; of B and K less a polynomial."""
 
 
 def autocovariance(sizes, n):
     """Of the mean rates at the lags 0 .. n - 1: [D(l + 1) + D(|l - 1|) - 2 D(l)] / 2; of B and K up to a constant."""
     lag = np.arange(float(n))
-    parts = (size**2 * (D(lag + 1) + D(abs(lag - 1)) - 2 * D(lag)) / 2
-             for D, size in ((STRUCTURE[symbol], size) for symbol, size in sizes.items()))  # fmt: skip
-    return sum(parts, np.zeros(n))
+    parts = ((STRUCTURE[symbol], size) for symbol, size in sizes.items())
+    return sum((v**2 * (D(lag + 1) + D(abs(lag - 1)) - 2 * D(lag)) / 2 for D, v in parts), np.zeros(n))
 
 
 def covariance(sizes, n):
