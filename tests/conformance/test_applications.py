@@ -203,12 +203,13 @@ def test_rounding_by_a_converter(seed):
     found = al.signals.budget(al.Record(volts, rate, "V", name="u"), [stage], scale=scale, sense=2.0,
                               recipe=al.Recipe(terms="N"))  # fmt: skip
     (part,) = found.stages
-    assert part.coefficient == pytest.approx(step * scale / 2 / math.sqrt(12 * rate), rel=1e-9)
+    assert (part.symbol, part.coefficient) == ("N", pytest.approx(step * scale / 2 / math.sqrt(12 * rate), rel=1e-9))
     assert part.measured == pytest.approx(volts.std() * scale / 2 / math.sqrt(rate), rel=3e-3)
     codes = np.rint(volts / step)
     assert (part.codes.distinct, part.codes.span) == (np.unique(codes).size, np.ptp(codes) + 1)
     shares = [(part.coefficient * 2.0 ** (bits - b) / part.measured) ** 2 for b in range(1, 60)]
     assert part.enough == 1 + next(i for i, share in enumerate(shares) if share < 0.01)
+    assert part.matters is (shares[bits - 1] >= 0.01)
     assert not found.findings
 
 

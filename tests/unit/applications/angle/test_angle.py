@@ -58,14 +58,6 @@ def test_partials_are_the_slopes_of_the_cosine(law, ring):
         np.testing.assert_allclose(gimbals.partials[name], (moved[1] - moved[0]) / 2e-5, atol=1e-9)
 
 
-def test_partials_of_the_exact_law_in_closed_form():
-    gimbals = al.angle.gimbals(np.arange(0, 21500, 10.0), latitude=LATITUDE)
-    f = gimbals.partials
-    np.testing.assert_allclose(f["h"], math.sin(LATITUDE) / np.cos(gimbals.h), rtol=1e-12)
-    np.testing.assert_allclose(f["q"], -math.cos(LATITUDE) * np.cos(EARTH_RATE * gimbals.time), atol=1e-12)
-    np.testing.assert_allclose(f["h"] ** 2 + gimbals.g**2, 1.0, rtol=1e-12)
-
-
 def test_a_turn_of_the_base_is_a_rotation():
     sway = al.angle.Sway(0.3, 0.2, 60.0)
     time = np.linspace(0, 60, 50)

@@ -120,14 +120,6 @@ def test_efficiency_against_rho(which):
         assert errors["optimal"] == pytest.approx(WHITE.value / math.sqrt(T - lost), rel=1e-4)
 
 
-@rows("method", ["mean", "hamming", "regression"])
-def test_white_noise_factors(method):
-    """1, 1.3628 and 1.2 times N^2 / T."""
-    wanted = {"mean": 1.0, "hamming": 1.3628, "regression": 1.2}[method]
-    found = predicted_standard_error(method, WHITE, size=48_000, rate=400.0)
-    assert (found / WHITE.value) ** 2 * 120.0 == pytest.approx(wanted, rel=1e-4)
-
-
 def test_a_ramp_is_no_error_of_the_mean_but_one_of_the_start():
     model = WHITE + al.R(10.0, "deg/h^2")
     mean, start = (predicted_standard_error("mean", model, size=1000, rate=10.0, target=t) for t in ("mean", "start"))

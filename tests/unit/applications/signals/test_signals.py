@@ -102,20 +102,6 @@ def test_twelve_bits_were_not_the_limit(scale, wanted):
     assert found.matters is False
 
 
-def test_rounding_a_rate_adds_to_n_what_the_budget_says_and_nothing_to_q():
-    """The square of N rises by a quarter, where its precision from 50000 readings is about 1 %."""
-    stage = al.signals.Stage("ADC", 6, 16 * math.sqrt(12) * N / 60 / math.sqrt(INTERVAL), "deg/s")
-    clean = rates(2)
-    step = math.radians(stage.step)
-    rounded = al.Record(np.round(clean.values / step) * step, clean.rate, "rad/s", name="x")
-    found = al.signals.budget(rounded, [stage])
-    assert found.stages[0].to(found.stages[0].coefficient) == pytest.approx(N / 2, rel=1e-9)
-    assert found.stages[0].to(found.stages[0].measured) == pytest.approx(math.sqrt(1.25) * N, rel=0.03)
-    assert found.fit["Q"].value is None
-    assert found.stages[0].matters is True
-    assert found.stages[0].codes.missing == 0
-
-
 def test_rounding_an_angle_is_quantization():
     stage = al.signals.Stage("counter", 16, 32768.0, "arcsec")
     clean = rates(3, model=al.Model((al.N(0.5, "deg/sqrt(h)"),)))
