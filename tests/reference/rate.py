@@ -25,12 +25,18 @@ def lines(angles, rate, count):
     return [regression(angles[k : k + length], rate) for k in range(count)]
 
 
-def best_linear(C, aim=None, settled=None):
-    """Dense: weights of sum 1 with the least w'Cw, or the least error against an aim (universal kriging)."""
+def best_linear(C, aim=None, settled=None, waves=()):
+    """Dense: weights of sum 1 with the least w'Cw, or the least error against an aim, which sees waves as they do."""
     n = len(C)
-    M = np.block([[C, np.ones((n, 1))], [np.ones((1, n)), np.zeros((1, 1))]])
-    right = np.zeros(n) if aim is None else (C - settled) @ aim
-    return np.linalg.solve(M, np.append(right, 1.0))[:n]
+    X = np.column_stack([np.ones(n), *waves])
+    M = np.block([[C, X], [X.T, np.zeros((X.shape[1],) * 2)]])
+    right = np.append(np.zeros(n), 1.0) if aim is None else np.append((C - settled) @ aim, X.T @ aim)
+    return np.linalg.solve(M, right)[:n]
+
+
+def weights(estimator, n):
+    """Of a linear estimator: what it makes of a rate of 1 in one sample."""
+    return np.array([estimator(rates) for rates in np.eye(n)])
 
 
 def misfit(y, slope, phase):

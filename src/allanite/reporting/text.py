@@ -107,7 +107,7 @@ def _parts(parts: Iterable[Part], width: int) -> Iterator[RenderableType]:
             yield from prose(part.text, width, first=first, indent=4, style=NOTES[part.level])
             for point in part.points:
                 yield from prose(point, width, first="    - ", indent=6)
-        elif isinstance(part, Table):
+        elif isinstance(part, Table) and part.rows:
             yield from _table(part, width)
         elif isinstance(part, Code):
             yield from (

@@ -67,14 +67,6 @@ def test_partials_are_the_slopes_of_the_cosine(law, ring):
         np.testing.assert_allclose(gimbals.partials[name], (moved[1] - moved[0]) / 2e-5, atol=1e-9)
 
 
-def test_partials_of_the_exact_law_in_closed_form():
-    gimbals = al.angle.gimbals(np.arange(0, 21500, 10.0), latitude=LATITUDE)
-    f = gimbals.partials
-    np.testing.assert_allclose(f["h"], math.sin(LATITUDE) / np.cos(gimbals.h), rtol=1e-12)
-    np.testing.assert_allclose(f["q"], -math.cos(LATITUDE) * np.cos(EARTH_RATE * gimbals.time), atol=1e-12)
-    np.testing.assert_allclose(f["h"] ** 2 + gimbals.g**2, 1.0, rtol=1e-12)
-
-
 def test_a_turn_of_the_base_is_a_rotation():
     sway = al.angle.Sway(0.3, 0.2, 60.0)
     time = np.linspace(0, 60, 50)
@@ -448,34 +440,6 @@ def encoder(n=4000, seed=1, turns=2.0, offset=0.0, noise=2.0):
     return known.read(true + offset) + noise * ARCSEC * rng.standard_normal(n), true, known
 
 
-@pytest.fixture(scope="module")
-def calibrations():
-    """200 runs, seeds 1 to 200: what was found, and what is true."""
-    runs = [encoder(600, seed) for seed in range(1, 201)]
-    return [(al.angle.calibrate(measured, reference), known) for measured, reference, known in runs]
-
-
-@pytest.mark.slow("ensemble")
-def test_intervals_of_an_encoder_hold_the_truth(calibrations):
-    """Four constants a run: 92 to 98 % (four standard errors are 3.1 %)."""
-    inside = []
-    for found, known in calibrations:
-        truth = np.array([known.sine, known.cosine]).T.ravel()
-        limits = np.array([found.solution.interval(name) for name in found.solution.names[:4]])
-        inside.append((limits[:, 0] <= truth) & (truth <= limits[:, 1]))
-    assert 0.919 <= np.mean(inside) <= 0.981
-
-
-@pytest.mark.slow("ensemble")
-def test_limits_of_amplitudes_hold(calibrations):
-    """95 % of 200 within 88 to 99.5 %: error probability 1e-4 each."""
-    limits = np.array([found.interval(128) for found, _ in calibrations])
-    true = calibrations[0][1].amplitude
-    assert 0.88 <= ((limits[:, 0] <= true[0]) & (true[0] <= limits[:, 1])).mean() <= 0.995
-    assert 0.88 <= np.mean([found.upper(256) >= true[1] for found, _ in calibrations]) <= 0.995
-    assert all(found.found(128) for found, _ in calibrations)
-
-
 @pytest.mark.slow("ensemble")
 def test_a_harmonic_that_is_not_there_is_seldom_found():
     """300 runs, seeds 1 to 300, at 1 %: more than 12 has a probability below 1e-4."""
@@ -485,16 +449,6 @@ def test_a_harmonic_that_is_not_there_is_seldom_found():
         z = ARCSEC * np.random.default_rng(seed).standard_normal(500)
         found += al.angle.calibrate(angle + z, angle, orders=[128]).found(128)
     assert found <= 12
-
-
-@rows("offset", [0.0, 0.5, 3.1, math.pi, -2.9])
-def test_both_angles_may_wrap_anywhere(offset):
-    measured, reference, _ = encoder(offset=offset)
-    plain = al.angle.calibrate(measured, reference)
-    wrapped = al.angle.calibrate(np.mod(measured, 2 * math.pi), np.mod(reference + 1.0, 2 * math.pi) - 1.0)
-    np.testing.assert_allclose(wrapped.sine, plain.sine, atol=1e-12)
-    np.testing.assert_allclose(wrapped.amplitude[0], np.hypot(20, 7) * ARCSEC, rtol=0.02)
-    assert abs(math.remainder(wrapped.solution["offset"] - offset, 2 * math.pi)) < 1e-6
 
 
 def test_units_and_records_are_one():

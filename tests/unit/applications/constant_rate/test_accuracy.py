@@ -14,7 +14,6 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.applications.constant_rate import (
-    RATE_ESTIMATORS,
     EstimatorSettings,
     ExperimentSettings,
     by_duration,
@@ -22,67 +21,11 @@ from allanite.applications.constant_rate import (
     predicted_standard_error,
 )
 from allanite.applications.constant_rate.experiments import ratio_of
-from allanite.applications.constant_rate.row import interval_of
-from allanite.applications.constant_rate.run import in_si, task_of
-from allanite.core.model import term
 from allanite.simulation.record import GL1
 
 ARCSEC = math.pi / 180 / 3600
 RUNS, N, RATE, PULSE = 400, 4800, 40.0, 0.33
 TURNING = 12.3
-MODELS = {"N": (("N", 0.001, "deg/sqrt(h)"),), "Q": (("Q", 0.25, "arcsec"),),
-          "QN": (("N", 3e-4, "deg/sqrt(h)"), ("Q", 0.25, "arcsec")),
-          "NB": (("N", 3e-4, "deg/sqrt(h)"), ("B", 0.01, "deg/h")),
-          "QNBK": (("N", 3e-4, "deg/sqrt(h)"), ("Q", 0.2, "arcsec"), ("B", 0.005, "deg/h"),
-                   ("K", 0.05, "deg/h/sqrt(h)"))}  # fmt: skip
-
-
-def simulated(model, rng):
-    """(rates, their slow part), rad/s: a constant, N and Q as they are defined, B and K by the simulator."""
-    slow = np.full(N, TURNING * ARCSEC)
-    rates = np.zeros(N)
-    for t in model:
-        if t.symbol == "N":
-            rates += t.value * math.sqrt(RATE) * rng.standard_normal(N)
-        elif t.symbol == "Q":
-            rates += t.value * RATE * np.diff(rng.standard_normal(N + 1))
-        else:
-            slow += al.simulate(t, N, RATE, rng=rng).values
-    return rates + slow, slow
-
-
-@pytest.fixture(scope="module", params=MODELS)
-def runs(request):
-    """Errors of the linear methods over 400 runs, against the mean of the slow rate; and the model."""
-    model = al.Model(tuple(term(*t) for t in MODELS[request.param]))
-    methods = [m for m in RATE_ESTIMATORS if m != "staircase"]
-    errors = {m: [] for m in methods}
-    weights, setting = None, None
-    for seed in range(1, RUNS + 1):
-        rates, slow = simulated(model, np.random.default_rng(seed))
-        record = al.Record(rates, rate=RATE, unit="rad/s")
-        setting = setting or task_of(record, model, "mean")
-        weights = weights or {m: RATE_ESTIMATORS[m].weights(setting) for m in methods}
-        interval = interval_of(record, setting)
-        for m in methods:
-            found = in_si(RATE_ESTIMATORS[m].measure(interval, weights[m], setting), interval).value
-            errors[m].append(found - slow.mean())
-    return model, {m: np.array(e) for m, e in errors.items()}
-
-
-@rows("method", [m for m in RATE_ESTIMATORS if m != "staircase"])
-def test_predicted_errors_are_those_of_400_runs(runs, method):
-    model, errors = runs
-    predicted = predicted_standard_error(method, model, size=N, rate=RATE)
-    assert np.sqrt(np.square(errors[method]).mean()) == pytest.approx(predicted, rel=0.11)
-
-
-@rows("method", [m for m in RATE_ESTIMATORS if m != "staircase"])
-def test_intervals_cover(runs, method):
-    """95 % intervals hold the truth in 92 to 98 of 100 runs: 2.7 standard errors."""
-    model, errors = runs
-    predicted = predicted_standard_error(method, model, size=N, rate=RATE)
-    assert 0.92 <= (np.abs(errors[method]) < 1.959964 * predicted).mean() <= 0.98
 
 
 @pytest.mark.slow("ensemble of simulated gyros")
