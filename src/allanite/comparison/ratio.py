@@ -210,44 +210,6 @@ class RampContrast:
         return float(brentq(off, best - step, best + step, rtol=1e-6))
 
 
-@dataclass(frozen=True, eq=False)
-class CommonRamp:
-    """What the ramps of several records have in common: their mean, weighted by their variances."""
-
-    laws: Sequence[NormalMixture]
-
-    @property
-    def values(self) -> FloatArray:
-        """The ramp of each record."""
-        return np.array([law.value for law in self.laws])
-
-    @property
-    def errors(self) -> FloatArray:
-        """Standard deviations."""
-        return np.array([law.error for law in self.laws])
-
-    @property
-    def value(self) -> float:
-        """The mean."""
-        return float(np.average(self.values, weights=self.errors**-2))
-
-    @property
-    def chi_square(self) -> float:
-        """Chi-square of one ramp in all records."""
-        return float((((self.values - self.value) / self.errors) ** 2).sum())
-
-    @property
-    def dof(self) -> int:
-        """Degrees of freedom of chi-square."""
-        return len(self.laws) - 1
-
-    def limits(self, level: float) -> tuple[float, float]:
-        """Limits of the common ramp, wider where the ramps scatter more than they should (R. T. Birge, 1932)."""
-        wider = max(1.0, self.chi_square / self.dof)
-        half = quantile((1 + level) / 2) * math.sqrt(wider / float((self.errors**-2).sum()))
-        return self.value - half, self.value + half
-
-
 WIDTH = 1.5  # bins of the shorter record within which two frequencies are one
 AROUND = (4, 40)  # bins on either side of a frequency from which the noise there is known
 SEEN = 4.0  # standard errors from which on an amplitude that was looked for at a known frequency is one

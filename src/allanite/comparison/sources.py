@@ -1,7 +1,7 @@
 """Several sources: opened, named, their channels paired and prepared for a joint likelihood."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, TypeVar
@@ -9,12 +9,13 @@ from typing import Any, TypeVar
 import numpy as np
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.fit import Fit
+from allanite.core.fit import Component, Fit
 from allanite.core.names import told_apart
 from allanite.core.plain import Value
 from allanite.core.record import Record, Recording
 from allanite.core.validity import Finding, graded
 from allanite.identification.methods import symbols_of
+from allanite.identification.search.identify import MOST_ASKED
 from allanite.phrases.phrase import join, say, spelled
 from allanite.prepare.outliers import marked, outliers
 from allanite.study.channels import Inspected, Progress, Source, open_recording, run_together
@@ -27,6 +28,8 @@ from allanite.terms import TERMS
 from .common_likelihood import Joint, Shape, common_band, demand_one_kind, joint
 
 Result = TypeVar("Result")
+
+BROAD = 0.1  # width of a resonance over its frequency above which it may be a control loop, and is compared as a term
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,12 +216,22 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
         for i, fit in enumerate(fits, 1)
         if fit.lines
     ]  # fmt: skip
+    notes += [note for i, fit in enumerate(fits, 1) for note in _left_out(i, fit)]
     both = joint(quiet, shown, asked_band(recipe), shapes=shapes, scopes=[fit.scope for fit in fits])
     notes += [
-        say("{term} is compared with a common shape: {shape}", term=symbol, shape=both.term(symbol, 1.0).shape_words)
+        say("{term} has one shape in the common model: {shape}", term=symbol, shape=both.term(symbol, 1.0).shape_words)
         for symbol in shapes
     ]
     return Joined(both, noises, tuple(notes), tuple(records))
+
+
+def _left_out(number: int, fit: Fit) -> Iterator[str]:
+    """The resonances of a record, which are masked, and how they are compared as a term."""
+    terms = ",".join([*(e.symbol for e in fit if e.claimed), "GM2"])
+    for part in _resonances(fit):
+        yield say("record {number}: {resonance} is left out of the comparison; it is compared as a damped oscillation "
+                  "on request ({option})", number=number, resonance=part.words,
+                  option=spelled(f"--terms {terms}", f"terms={terms!r}"))  # fmt: skip
 
 
 def _common_shapes(fits: Sequence[Fit]) -> dict[str, Shape]:
@@ -252,6 +265,23 @@ def _identify_alike(records: Sequence[Record], recipe: Recipe) -> tuple[tuple[No
     symbols = [s for s in symbols_of(recipe.terms) if TERMS[s].scatters]
     noises = tuple(noise_of(record, recipe, band=band) for record in records)
     shown = tuple(dict.fromkeys((*symbols, *(e.symbol for noise in noises for e in noise.fit))))
+    shaped = [s for s in shown if TERMS[s].parameters]
+    if recipe.terms == "auto" and len(shaped) < MOST_ASKED and _one_is_broad([noise.fit for noise in noises]):
+        asked = (*shown, "GM2")
+        alike = tuple(noise_of(record, recipe, terms=",".join(asked), band=band) for record in records)
+        if all(noise.explained for noise in alike):
+            return alike, asked
     if len(shown) > len(symbols):
         noises = tuple(noise_of(record, recipe, terms=",".join(shown), band=band) for record in records)
     return noises, shown
+
+
+def _one_is_broad(fits: Sequence[Fit]) -> bool:
+    """Whether the only resonance of a record is as broad as that of a control loop, and no record has several."""
+    each = [_resonances(fit) for fit in fits]
+    widths = [(part.high - part.low) / part.high for parts in each for part in parts]
+    return max(map(len, each)) == 1 and max(widths) > BROAD
+
+
+def _resonances(fit: Fit) -> list[Component]:
+    return [part for part in fit.components if part.name == "resonance" and part.claimed]

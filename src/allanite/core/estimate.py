@@ -10,6 +10,7 @@ import numpy as np
 
 from allanite.phrases.phrase import say
 from allanite.terms import TERMS
+from allanite.terms.row import Parameter
 
 from .arrays import FloatArray
 from .digits import Digits, digits, upper_limit
@@ -252,6 +253,12 @@ class Estimate(Value):
         """The value in `unit`; NaN if there is none."""
         return float(self) / coefficient_factor(self.symbol, unit, self.signal)
 
+    def shaped(self, level: float = 0.95) -> Iterator[tuple[Parameter, float, float, float]]:
+        """Each parameter of the shape with its value and its limits, NaN where there are none."""
+        limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
+        for parameter, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False):
+            yield parameter, value, low, high
+
     def words(self, unit: str | None = None, level: float = 0.95) -> str:
         """The estimate as text: ``0.31 (0.30 .. 0.32) deg/sqrt(h)`` or ``not identified, below 2.1 deg/h``.
 
@@ -293,10 +300,9 @@ class Estimate(Value):
         known = {"value": self.value, "low": low, "high": high}
         shown = {key: None if v is None else finite(v * scale) for key, v in known.items()}
         extra = {"low": low, "high": high, "unit": self.unit, "level": level}
-        limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
         shape = {
             p.name: {"value": finite(value), "low": finite(low), "high": finite(high), "unit": p.unit}
-            for p, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False)
+            for p, value, low, high in self.shaped(level)
         }
         return super().to_dict(level) | extra | {"shown": {**shown, "unit": self.sheet_unit}} | shape
 

@@ -92,16 +92,17 @@ def named(estimate: Estimate, level: float) -> str:
 
 def shapes(estimate: Estimate, level: float) -> list[str]:
     """The shape parameters of an estimate: ``T = 20 (15 .. 28) s``."""
-    limits = estimate.shape_limits(level) if estimate.shape_limits else ((math.nan, math.nan),) * len(estimate.shape)
     parts = list[str]()
-    for parameter, value, (low, high) in zip(TERMS[estimate.symbol].parameters, estimate.shape, limits, strict=False):
+    for parameter, value, low, high in estimate.shaped(level):
         shown = f"{digits(value, low, high).words()} {parameter.unit}".rstrip()
         parts.append(join(" = ", (parameter.letter or parameter.title, shown)))
     return parts
 
 
-def brief(estimate: Estimate, level: float) -> str:
-    """A coefficient to its significant digits, in brackets if it is not valid, or its upper limit."""
+def brief(estimate: Estimate, level: float, parameter: str = "") -> str:
+    """A coefficient to its significant digits, in brackets if not valid, or its limit; or a parameter of its shape."""
+    if parameter:
+        return next((digits(*numbers).plain()[0] for p, *numbers in estimate.shaped(level) if p.name == parameter), "-")
     unit = estimate.sheet_unit
     number, most = estimate.rounded(unit, level, signed=signed(estimate)), estimate.rounded_limit(unit)
     if number is not None:

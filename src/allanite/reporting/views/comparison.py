@@ -7,14 +7,14 @@ from typing import Any
 
 from allanite.comparison.change import OUTCOMES, Change
 from allanite.comparison.comparison import Comparison, Pair, Ratios
-from allanite.comparison.pooled import Pool, PooledChannel
+from allanite.comparison.pooled import Pool, PooledChannel, PooledTerm
 from allanite.core.display_units import readable_unit
 from allanite.core.fit import chance
 from allanite.core.units import convert
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, upper_limit
-from allanite.reporting.first import DETAILS, FIGURES, ChannelRow, Channels, First, Remark, merged
+from allanite.reporting.first import DETAILS, FIGURES, ChannelRow, Channels, First, Remark, merged, plus_minus
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of, known
 from allanite.statistics import statistic_named
 from allanite.terms import TERMS
@@ -36,14 +36,7 @@ def first_of_comparison(value: Comparison, level: float) -> First:
     verdicts = [say("changed: {names}", names=", ".join(changed))] if changed else []
     verdicts += [say("no change detected: {names}", names=", ".join(same))] if same else []
     remarks = [Remark.of(pair.name, pair.refusal, grave=True) for pair in value.pairs if pair.refusal]
-    remarks += [
-        Remark.of(pair.name, say("{record} ({grade})", record=name, grade=grade), grave=True)
-        for pair in value.pairs
-        for name, grade, fits in zip(value.names, pair.grades, pair.explained, strict=False)
-        if not fits
-    ]
-    remarks += [Remark.about_finding("", finding) for finding in value.findings]
-    remarks += merged(Remark.of(pair.name, alert) for pair in value.pairs for alert in pair.alerts)
+    remarks += _reservations(value)
     title = say("{first} compared with {second}", first=value.names[0], second=value.names[1])
     needed = any(c.outcome == "not resolvable" for pair in value.pairs for c in pair.changes)
     legend = [("", say("unknown: a change by a factor of 2 is not excluded."))] if needed else []
@@ -51,18 +44,36 @@ def first_of_comparison(value: Comparison, level: float) -> First:
     return First(title, join("; ", verdicts), answer, remarks, legend, list(value.notes), [FIGURES, DETAILS])
 
 
+def _reservations(value: Comparison | Pool) -> list[Remark]:
+    """Models that do not fit, what was found in the files, and what must stand beside the numbers."""
+    grades = [
+        Remark.of(channel.name, say("{record} ({grade})", record=name, grade=grade), grave=True)
+        for channel in value
+        for name, grade, fits in zip(value.names, channel.grades, channel.explained, strict=False)
+        if not fits
+    ]
+    alerts = merged(Remark.of(channel.name, alert) for channel in value for alert in channel.alerts)
+    return [*grades, *(Remark.about_finding("", finding) for finding in value.findings), *alerts]
+
+
 def _channels(pairs: Sequence[Pair], level: float) -> Channels:
     changes = [c for pair in pairs for c in pair.changes]
     rows = [ChannelRow(say("noise as a whole"), "", "", [_whole(pair) for pair in pairs])]
-    for symbol in names_in_order(c.symbol for c in changes):
-        own = [next((c for c in pair.changes if c.symbol == symbol), None) for pair in pairs]
+    order = names_in_order(c.symbol for c in changes)
+    for label in dict.fromkeys(c.label for c in sorted(changes, key=lambda c: order.index(c.symbol))):
+        own = [next((c for c in pair.changes if c.label == label), None) for pair in pairs]
         known = next(c for c in own if c is not None)
         cells = ["" if c is None else _cell(c, level, values=len(pairs) <= MAX_WITH_VALUES) for c in own]
         claimed = any(c is not None and c.outcome != "not resolvable" for c in own)
-        title = words.title(symbol, known.signal)
-        rows.append(ChannelRow(title, symbol, known.before.sheet_unit, cells, 0 if claimed else 1))
+        symbol = "" if known.parameter else known.symbol
+        rows.append(ChannelRow(_title(known), symbol, known.unit, cells, 0 if claimed else 1, label))
     sensors = [record.signal.sensor for pair in pairs for record in pair.records or ()]
     return Channels([pair.name or say("channel") for pair in pairs], rows, next(iter(sensors), ""))
+
+
+def _title(change: Change) -> str:
+    """The parameter, or the term, with the frequency of a sinusoid."""
+    return change.shape.title if change.parameter else change.named(words.title(change.symbol, change.signal))
 
 
 def _whole(pair: Pair) -> str:
@@ -77,7 +88,7 @@ def _cell(change: Change, level: float, *, values: bool) -> str:
     outcome: str = say("unknown")
     if change.outcome != "not resolvable":
         outcome = join(" ", (OUTCOME_WORDS[change.outcome], join("", ("(", size if size != "-" else interval, ")"))))
-    both = f"{words.brief(change.before, level)} -> {words.brief(change.after, level)}"
+    both = " -> ".join(words.brief(e, level, change.parameter) for e in (change.before, change.after))
     return join("  ", (both, outcome)) if values else outcome
 
 
@@ -94,6 +105,39 @@ def change_of(change: Change, level: float) -> tuple[str, str]:
     if math.isfinite(high):
         return size, say("below {limit}", limit=f"{high:+.3g} %")
     return "-", say("above {limit}", limit=f"{low:+.3g} %") if low > least else say("any")
+
+
+def first_of_pool(value: Pool, level: float) -> First:
+    """The common coefficients of every channel."""
+    channels = [channel for channel in value if not channel.refusal]
+    alike = [c.name or say("the noise") for c in channels if c.alike]
+    differ = [c.name or say("the noise") for c in channels if not c.alike]
+    verdicts = [say("differ in {names}", names=", ".join(differ))] if differ else []
+    verdicts += [say("no difference detected in {names}", names=", ".join(alike))] if alike else []
+    remarks = [Remark.of(c.name, c.refusal, grave=True) for c in value if c.refusal]
+    remarks += [Remark.of(c.name, c.verdict, grave=bool(c.apart)) for c in channels if not c.alike or c.apart]
+    remarks += _reservations(value)
+    rows = [ChannelRow(say("noise as a whole"), "", "", [chance(c.test.p) if c.test else "" for c in channels])]
+    terms = [term for c in channels for term in c.terms]
+    for symbol in names_in_order(term.symbol for term in terms):
+        own = [next((t for t in c.terms if t.symbol == symbol), None) for c in channels]
+        known = next(t for t in own if t is not None)
+        title = words.title(symbol, known.signal)
+        cells = ["" if t is None else _common_cell(t, level, c.alpha) for t, c in zip(own, channels, strict=True)]
+        limits = all(not cell or cell.startswith("<") for cell in cells)
+        rows.append(ChannelRow(title, symbol, known.sheet_unit, cells, 1 if limits else 0))
+    sensors = [record.signal.sensor for c in channels for record in c.records]
+    answer = [Channels([c.name or say("channel") for c in channels], rows, next(iter(sensors), ""))]
+    return First(_counted(value), join("; ", verdicts), answer, remarks, [], list(value.notes), [FIGURES, DETAILS])
+
+
+def _common_cell(term: PooledTerm, level: float, alpha: float) -> str:
+    """The common coefficient with its limits, and the scatter of records that differ in it."""
+    _, _, value, low, high, *_ = term.row(level)
+    number = f"< {upper_limit(max(-low, high)).plain()[0]}" if low <= 0 <= high else plus_minus(value, low, high)
+    if term.adjusted > alpha or not math.isfinite(term.between):
+        return number
+    return join("  ", (number, say("scatter {share:.2g} %", share=100 * term.between)))
 
 
 Value = Comparison | Pool
@@ -143,12 +187,16 @@ def face_of(value: Value, drawn: bool, level: float, **own: Any) -> Face:
     )
     label = say("curves with bands, and the ratio of their variances")
     drawing = Drawing(lambda: figures.plot_comparison([value], level), label, caption)
-    count = say_count(len(value.names), "Comparison of {count} run", "Comparison of {count} runs")
-    if any(isinstance(channel, PooledChannel) and channel.of_axes for channel in value):
-        count = say_count(len(value.names), "Comparison of {count} axis", "Comparison of {count} axes")
-    names = count, say("what has changed")
+    names = _counted(value), say("what has changed")
     header.append(header_of(value.provenance, ())[-1])
     return replace(job_face(value, names, (), [drawing] if drawn else [], header=header), **own)
+
+
+def _counted(value: Value) -> Phrase:
+    """What is compared: runs, or axes."""
+    if any(isinstance(channel, PooledChannel) and channel.of_axes for channel in value):
+        return say_count(len(value.names), "Comparison of {count} axis", "Comparison of {count} axes")
+    return say_count(len(value.names), "Comparison of {count} run", "Comparison of {count} runs")
 
 
 def sheet_of(result: Pair | PooledChannel, names: Sequence[str], doubt: bool, tables: Sequence[Table]) -> Sheet:
@@ -180,11 +228,10 @@ def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
     )  # fmt: skip
     rows = []
     for c in pair.changes:
-        values = [words.brief(c.before, level), words.brief(c.after, level)]
-        if pair.whole is not None:
-            values.append("-" if c.frequency is not None else words.brief(pair.whole[c.symbol], level))
+        each = [c.before, c.after, *([pair.whole[c.symbol]] if pair.whole is not None and c.frequency is None else [])]
+        values = [words.brief(e, level, c.parameter) for e in each]
         rows.append([
-            c.symbol, c.named(words.title(c.symbol, c.signal)), *values, c.before.sheet_unit,
+            c.symbol, _title(c), *values, *["-"] * (len(whole.names) + (pair.whole is not None) - len(each)), c.unit,
             *change_of(c, level), c.p, c.adjusted, OUTCOME_WORDS[c.outcome],
         ])  # fmt: skip
     return Table(heads, rows, say("coefficients"), marks=[MARKS.get(c.outcome, "") for c in pair.changes])
@@ -219,10 +266,8 @@ def _compared_rows(value: Comparison, level: float) -> Rows:
     rows: list[list[Any]] = []
     for pair in value:
         for c in pair.changes:
-            unit = c.before.sheet_unit
-            values = [None if e.value is None else e.to(unit) for e in (c.before, c.after)]
             tests = [c.percent, *c.interval(level), c.p, c.adjusted, c.outcome]
-            rows.append([pair.name, c.label, None, *values, unit, *tests, None, None])
+            rows.append([pair.name, c.label, None, *c.sizes, c.unit, *tests, None, None])
     for name, ratios in ((pair.name, pair.ratios) for pair in value if pair.ratios is not None):
         unit = readable_unit(ratios.before.unit)
         for tau, before, after, nu, mu, *limits, p in _ratio_rows(ratios, level):
@@ -259,7 +304,10 @@ POOLED = (
         "The runs are assumed to be independent. One noise model for all is tested by its likelihood ratio against a "
         "separate model for each run, with the distribution simulated from the common model. The common coefficient is "
         "the one that all runs together make most likely; its limits are averaged over the sets of terms that may be "
-        "there."
+        "there. Where the runs scatter more than their errors, it is their mean, with weights that include the "
+        "variance between runs (Paule and Mandel). The limits are those of Student's t with the degrees of freedom of "
+        "the runs (Hartung and Knapp), and never narrower than those of runs that are alike; two runs have the latter "
+        "unless they differ."
     ),
     say(
         "Between runs: standard deviation of the runs' coefficients, in percent of the common one. Within runs: the "
@@ -355,7 +403,7 @@ def _pooled_rows(value: Pool, level: float) -> Rows:
     return (*RUNS, *value.names), rows
 
 
-@view(lambda values, fit, level: figures.plot_comparison(values, level), _pooled_rows)
+@view(lambda values, fit, level: figures.plot_comparison(values, level), _pooled_rows, first=first_of_pool)
 def pool_view(value: Pool, level: float) -> Face:
     """What the runs of each channel have in common."""
     sheets = []
