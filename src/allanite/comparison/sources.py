@@ -29,8 +29,6 @@ from .common_likelihood import Joint, Shape, common_band, demand_one_kind, joint
 
 Result = TypeVar("Result")
 
-BROAD = 0.1  # width of a resonance over its frequency above which it may be a control loop, and is compared as a term
-
 
 @dataclass(frozen=True, eq=False)
 class SourceSet:
@@ -227,11 +225,10 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
 
 def _left_out(number: int, fit: Fit) -> Iterator[str]:
     """The resonances of a record, which are masked, and how they are compared as a term."""
-    terms = ",".join([*(e.symbol for e in fit if e.claimed), "GM2"])
     for part in _resonances(fit):
         yield say("record {number}: {resonance} is left out of the comparison; it is compared as a damped oscillation "
                   "on request ({option})", number=number, resonance=part.words,
-                  option=spelled(f"--terms {terms}", f"terms={terms!r}"))  # fmt: skip
+                  option=spelled(f"--terms {fit.with_loop}", f"terms={fit.with_loop!r}"))  # fmt: skip
 
 
 def _common_shapes(fits: Sequence[Fit]) -> dict[str, Shape]:
@@ -266,7 +263,7 @@ def _identify_alike(records: Sequence[Record], recipe: Recipe) -> tuple[tuple[No
     noises = tuple(noise_of(record, recipe, band=band) for record in records)
     shown = tuple(dict.fromkeys((*symbols, *(e.symbol for noise in noises for e in noise.fit))))
     shaped = [s for s in shown if TERMS[s].parameters]
-    if recipe.terms == "auto" and len(shaped) < MOST_ASKED and _one_is_broad([noise.fit for noise in noises]):
+    if recipe.terms == "auto" and len(shaped) < MOST_ASKED and _loop([noise.fit for noise in noises]):
         asked = (*shown, "GM2")
         alike = tuple(noise_of(record, recipe, terms=",".join(asked), band=band) for record in records)
         if all(noise.explained for noise in alike):
@@ -276,11 +273,10 @@ def _identify_alike(records: Sequence[Record], recipe: Recipe) -> tuple[tuple[No
     return noises, shown
 
 
-def _one_is_broad(fits: Sequence[Fit]) -> bool:
+def _loop(fits: Sequence[Fit]) -> bool:
     """Whether the only resonance of a record is as broad as that of a control loop, and no record has several."""
     each = [_resonances(fit) for fit in fits]
-    widths = [(part.high - part.low) / part.high for parts in each for part in parts]
-    return max(map(len, each)) == 1 and max(widths) > BROAD
+    return max(map(len, each)) == 1 and any(part.loop for parts in each for part in parts)
 
 
 def _resonances(fit: Fit) -> list[Component]:

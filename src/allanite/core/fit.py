@@ -45,6 +45,11 @@ class Component(Value):
         """Whether it is not claimed, but as likely as not."""
         return EVEN <= self.weight < SURE
 
+    @property
+    def loop(self) -> bool:
+        """Whether it is a claimed resonance as broad as that of a control loop: more than a tenth of its frequency."""
+        return self.name == "resonance" and self.claimed and self.high - self.low > 0.1 * self.high
+
     def _summary(self) -> str:
         return f"{self.words or self.name}, weight {self.weight:.2f}"
 
@@ -276,6 +281,11 @@ class Fit(Value):
         wrong = [e.status == "not valid" for e in self]
         coefficients = UNEXPLAINED if wrong and all(wrong) else APPROXIMATE if any(wrong) else ""
         return worst(self.scope.grade if self.scope else "", self.goodness.grade, coefficients, self.checked, *slow)
+
+    @property
+    def with_loop(self) -> str:
+        """The terms that were detected, and a damped oscillation, as a choice of terms."""
+        return ",".join([*(e.symbol for e in self if e.claimed and e.symbol not in ("GML", "GM2")), "GM2"])
 
     @property
     def valid(self) -> Model | None:

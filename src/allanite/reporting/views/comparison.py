@@ -1,13 +1,14 @@
 """How comparisons and pools are shown."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from allanite.comparison.change import OUTCOMES, Change
 from allanite.comparison.comparison import Comparison, Pair, Ratios
-from allanite.comparison.pooled import Pool, PooledChannel, PooledTerm
+from allanite.comparison.pooled import Pool, PooledChannel
 from allanite.core.display_units import readable_unit
 from allanite.core.fit import chance
 from allanite.core.units import convert
@@ -29,57 +30,87 @@ _OUTCOMES = say("smaller"), say("larger"), say("no change"), say("not resolvable
 OUTCOME_WORDS: dict[str, Phrase] = {word: word for word in _OUTCOMES}
 
 
+Row = tuple[str, ChannelRow]  # of one channel, with the symbol of the term
+
+
 def first_of_comparison(value: Comparison, level: float) -> First:
     """The change of every coefficient of every channel."""
-    changed = [pair.name or say("the noise") for pair in value.pairs if pair.changed and not pair.refusal]
-    same = [pair.name or say("the noise") for pair in value.pairs if not pair.changed and not pair.refusal]
-    verdicts = [say("changed: {names}", names=", ".join(changed))] if changed else []
-    verdicts += [say("no change detected: {names}", names=", ".join(same))] if same else []
-    remarks = [Remark.of(pair.name, pair.refusal, grave=True) for pair in value.pairs if pair.refusal]
-    remarks += _reservations(value)
     title = say("{first} compared with {second}", first=value.names[0], second=value.names[1])
-    needed = any(c.outcome == "not resolvable" for pair in value.pairs for c in pair.changes)
+    changed, same = ([pair for pair in value if pair.changed is is_ and not pair.refusal] for is_ in (True, False))
+    verdicts = [say("changed: {names}", names=_names(changed))] if changed else []
+    verdicts += [say("no change detected: {names}", names=_names(same))] if same else []
+    needed = any(c.outcome == "not resolvable" for c in value.terms)
     legend = [("", say("unknown: a change by a factor of 2 is not excluded."))] if needed else []
-    answer = [_channels([pair for pair in value.pairs if not pair.refusal], level)]
-    return First(title, join("; ", verdicts), answer, remarks, legend, list(value.notes), [FIGURES, DETAILS])
+    rows = partial(_change_rows, level=level, values=len(value.pairs) <= MAX_WITH_VALUES)
+    return replace(_first(value, title, verdicts, rows), legend=legend)
 
 
-def _reservations(value: Comparison | Pool) -> list[Remark]:
-    """Models that do not fit, what was found in the files, and what must stand beside the numbers."""
-    grades = [
+def first_of_pool(value: Pool, level: float) -> First:
+    """The common coefficients of every channel."""
+    differ, alike = ([c for c in value if c.alike is is_ and not c.refusal] for is_ in (False, True))
+    verdicts = [say("differ in {names}", names=_names(differ))] if differ else []
+    verdicts += [say("no difference detected in {names}", names=_names(alike))] if alike else []
+    first = _first(value, _counted(value), verdicts, partial(_common_rows, level=level))
+    apart = [Remark.of(c.name, c.verdict, grave=bool(c.apart)) for c in value if c.apart or c in differ]
+    return replace(first, remarks=[*apart, *first.remarks])
+
+
+def _names(channels: Sequence[Pair | PooledChannel]) -> str:
+    return ", ".join(channel.name or say("the noise") for channel in channels)
+
+
+def _first(
+    value: Comparison | Pool, title: str, verdicts: Sequence[str], rows_of: Callable[[Any], Iterator[Row]]
+) -> First:
+    """What both have: the quantities of the channels side by side, and what limits them."""
+    kept = [channel for channel in value if not channel.refusal]
+    each = [{row.short or row.label: (symbol, row) for symbol, row in rows_of(channel)} for channel in kept]
+    known = {label: pair for own in each for label, pair in own.items()}
+    order = ["", *names_in_order(symbol for symbol, _ in known.values())]
+    rows = []
+    for label, (_, row) in sorted(known.items(), key=lambda item: order.index(item[1][0])):
+        own = [of_channel[label][1] if label in of_channel else None for of_channel in each]
+        cells = ["" if cell is None else cell.cells[0] for cell in own]
+        rows.append(replace(row, cells=cells, rank=min(cell.rank for cell in own if cell is not None)))
+    sensors = [record.signal.sensor for channel in kept for record in channel.records or ()]
+    answer = [Channels([channel.name or say("channel") for channel in kept], rows, next(iter(sensors), ""))]
+    remarks = [Remark.of(channel.name, channel.refusal, grave=True) for channel in value if channel.refusal]
+    remarks += [
         Remark.of(channel.name, say("{record} ({grade})", record=name, grade=grade), grave=True)
         for channel in value
         for name, grade, fits in zip(value.names, channel.grades, channel.explained, strict=False)
         if not fits
     ]
-    alerts = merged(Remark.of(channel.name, alert) for channel in value for alert in channel.alerts)
-    return [*grades, *(Remark.about_finding("", finding) for finding in value.findings), *alerts]
+    remarks += [Remark.about_finding("", finding) for finding in value.findings]
+    remarks += merged(Remark.of(channel.name, alert) for channel in value for alert in channel.alerts)
+    return First(title, join("; ", verdicts), answer, remarks, read=list(value.notes), after=[FIGURES, DETAILS])
 
 
-def _channels(pairs: Sequence[Pair], level: float) -> Channels:
-    changes = [c for pair in pairs for c in pair.changes]
-    rows = [ChannelRow(say("noise as a whole"), "", "", [_whole(pair) for pair in pairs])]
-    order = names_in_order(c.symbol for c in changes)
-    for label in dict.fromkeys(c.label for c in sorted(changes, key=lambda c: order.index(c.symbol))):
-        own = [next((c for c in pair.changes if c.label == label), None) for pair in pairs]
-        known = next(c for c in own if c is not None)
-        cells = ["" if c is None else _cell(c, level, values=len(pairs) <= MAX_WITH_VALUES) for c in own]
-        claimed = any(c is not None and c.outcome != "not resolvable" for c in own)
-        symbol = "" if known.parameter else known.symbol
-        rows.append(ChannelRow(_title(known), symbol, known.unit, cells, 0 if claimed else 1, label))
-    sensors = [record.signal.sensor for pair in pairs for record in pair.records or ()]
-    return Channels([pair.name or say("channel") for pair in pairs], rows, next(iter(sensors), ""))
+def _change_rows(pair: Pair, level: float, *, values: bool) -> Iterator[Row]:
+    """Rows of one channel, with the symbols of their terms."""
+    whole = say("changed, {p}", p=chance(pair.p)) if pair.p <= pair.alpha else say("no change, {p}", p=chance(pair.p))
+    yield "", ChannelRow(say("noise as a whole"), "", "", [whole])
+    for c in pair.changes:
+        symbol, rank = "" if c.parameter else c.symbol, int(c.outcome == "not resolvable")
+        yield c.symbol, ChannelRow(_title(c), symbol, c.unit, [_cell(c, level, values=values)], rank, c.label)
+
+
+def _common_rows(channel: PooledChannel, level: float) -> Iterator[Row]:
+    """Rows of one channel: the common coefficients with limits, and the scatter of records that differ in one."""
+    yield "", ChannelRow(say("noise as a whole"), "", "", [chance(channel.test.p) if channel.test else ""])
+    for term in channel.terms:
+        _, _, value, low, high, *_ = term.row(level)
+        absent = low <= 0 <= high
+        cell = f"< {upper_limit(max(-low, high)).plain()[0]}" if absent else plus_minus(value, low, high)
+        if term.adjusted <= channel.alpha and math.isfinite(term.between):
+            cell = join("  ", (cell, say("scatter {share:.2g} %", share=100 * term.between)))
+        title = words.title(term.symbol, term.signal)
+        yield term.symbol, ChannelRow(title, term.symbol, term.sheet_unit, [cell], int(absent))
 
 
 def _title(change: Change) -> str:
     """The parameter, or the term, with the frequency of a sinusoid."""
     return change.shape.title if change.parameter else change.named(words.title(change.symbol, change.signal))
-
-
-def _whole(pair: Pair) -> str:
-    if pair.p <= pair.alpha:
-        return say("changed, {p}", p=chance(pair.p))
-    return say("no change, {p}", p=chance(pair.p))
 
 
 def _cell(change: Change, level: float, *, values: bool) -> str:
@@ -105,39 +136,6 @@ def change_of(change: Change, level: float) -> tuple[str, str]:
     if math.isfinite(high):
         return size, say("below {limit}", limit=f"{high:+.3g} %")
     return "-", say("above {limit}", limit=f"{low:+.3g} %") if low > least else say("any")
-
-
-def first_of_pool(value: Pool, level: float) -> First:
-    """The common coefficients of every channel."""
-    channels = [channel for channel in value if not channel.refusal]
-    alike = [c.name or say("the noise") for c in channels if c.alike]
-    differ = [c.name or say("the noise") for c in channels if not c.alike]
-    verdicts = [say("differ in {names}", names=", ".join(differ))] if differ else []
-    verdicts += [say("no difference detected in {names}", names=", ".join(alike))] if alike else []
-    remarks = [Remark.of(c.name, c.refusal, grave=True) for c in value if c.refusal]
-    remarks += [Remark.of(c.name, c.verdict, grave=bool(c.apart)) for c in channels if not c.alike or c.apart]
-    remarks += _reservations(value)
-    rows = [ChannelRow(say("noise as a whole"), "", "", [chance(c.test.p) if c.test else "" for c in channels])]
-    terms = [term for c in channels for term in c.terms]
-    for symbol in names_in_order(term.symbol for term in terms):
-        own = [next((t for t in c.terms if t.symbol == symbol), None) for c in channels]
-        known = next(t for t in own if t is not None)
-        title = words.title(symbol, known.signal)
-        cells = ["" if t is None else _common_cell(t, level, c.alpha) for t, c in zip(own, channels, strict=True)]
-        limits = all(not cell or cell.startswith("<") for cell in cells)
-        rows.append(ChannelRow(title, symbol, known.sheet_unit, cells, 1 if limits else 0))
-    sensors = [record.signal.sensor for c in channels for record in c.records]
-    answer = [Channels([c.name or say("channel") for c in channels], rows, next(iter(sensors), ""))]
-    return First(_counted(value), join("; ", verdicts), answer, remarks, [], list(value.notes), [FIGURES, DETAILS])
-
-
-def _common_cell(term: PooledTerm, level: float, alpha: float) -> str:
-    """The common coefficient with its limits, and the scatter of records that differ in it."""
-    _, _, value, low, high, *_ = term.row(level)
-    number = f"< {upper_limit(max(-low, high)).plain()[0]}" if low <= 0 <= high else plus_minus(value, low, high)
-    if term.adjusted > alpha or not math.isfinite(term.between):
-        return number
-    return join("  ", (number, say("scatter {share:.2g} %", share=100 * term.between)))
 
 
 Value = Comparison | Pool
