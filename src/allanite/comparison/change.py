@@ -3,29 +3,22 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar, Self, TypeVar
 
 from allanite.core.encoding import finite, plain
+from allanite.core.errors import UsageError
 from allanite.core.estimate import TERM, Estimate
 from allanite.core.fit import Fit, chance
 from allanite.core.kinds import title_of
 from allanite.core.limits import Remembered, demand_level
-from allanite.core.plain import Value
+from allanite.core.plain import Header, Value
+from allanite.core.record import Record
 from allanite.core.units import Signal
 from allanite.phrases.phrase import join, say
-from allanite.terms import TERMS
-from allanite.terms.row import Parameter
-
-if TYPE_CHECKING:
-    from .ratio import LineContrast
-
-from typing import Self, TypeVar
-
-from allanite.core.errors import UsageError
-from allanite.core.plain import Header
-from allanite.core.record import Record
 from allanite.study.channels import Inspected
 from allanite.study.job import Job
+from allanite.terms import TERMS
+from allanite.terms.row import Parameter
 
 Limits = Callable[[float], tuple[float, float]]
 
@@ -169,22 +162,20 @@ def holm(p: list[float]) -> list[float]:
 
 
 def changes_of(
-    contrasts: Mapping[tuple[str, str], Any], fits: tuple[Fit, Fit], level: float, lines: Sequence["LineContrast"] = ()
-) -> tuple[Change, ...]:
+    contrasts: Mapping[tuple[str, str], Any], fits: tuple[Fit, Fit], level: float,
+    lines: Sequence[tuple[float, Any]] = (),
+) -> tuple[Change, ...]:  # fmt: skip
     """The change of each coefficient, by symbol and parameter, and of each sinusoid, from what contrasts it."""
-    signal, alpha = fits[0].signal, alpha_of(level)
-    p_of = [contrast.p for contrast in (*contrasts.values(), *lines)]
-    adjusted = iter(holm(p_of))
-    changes = [
-        Change(s, signal, fits[0][s], fits[1][s], c.ratio, p, next(adjusted), Remembered(c.limits), alpha,
-               parameter=parameter)
-        for ((s, parameter), c), p in zip(contrasts.items(), p_of, strict=False)
-    ]  # fmt: skip
-    for c in lines:
-        first, second = (amplitude.estimate(c.frequency, signal) for amplitude in (c.first, c.second))
-        p = next(adjusted)
-        changes.append(Change("Sine", signal, first, second, c.ratio, c.p, p, Remembered(c.limits), alpha, c.frequency))
-    return tuple(changes)
+    each: list[tuple[Any, ...]] = []
+    each += [(c, s, fits[0][s], fits[1][s], parameter, None) for (s, parameter), c in contrasts.items()]
+    each += [(c, "Sine", c.first, c.second, "", frequency) for frequency, c in lines]
+    chances = [contrast.p for contrast, *_ in each]
+    return tuple(
+        Change(symbol, fits[0].signal, before, after, c.ratio, p, adjusted, Remembered(c.limits), alpha_of(level),
+               frequency, parameter)
+        for (c, symbol, before, after, parameter, frequency), p, adjusted
+        in zip(each, chances, holm(chances), strict=True)
+    )  # fmt: skip
 
 
 def told(change: Change) -> str:

@@ -12,9 +12,11 @@ from tests.rows import refused, rows
 
 import allanite as al
 from allanite.comparison.change import told
-from allanite.comparison.ratio import Amplitude, LineContrast
+from allanite.comparison.contrast import IntervalContrast
+from allanite.comparison.ratio import sine
 from allanite.comparison.runs import CommonValue, bartlett
 from allanite.comparison.two_records import paired_homogeneity, paired_law, resemblance
+from allanite.core.units import SIGNALS
 from allanite.reporting import table
 from allanite.reporting.views.comparison import change_of
 
@@ -80,16 +82,18 @@ def test_curves_that_differ_are_never_under_no_change():
     assert not some.changed  # 0.01 is nothing among fourteen
 
 
-def test_limits_of_a_ratio_of_amplitudes_are_fiellers():
-    contrast = LineContrast(12.0, Amplitude(2.0, 0.1, True), Amplitude(3.0, 0.1, True))
+def test_limits_of_a_ratio_of_amplitudes():
+    def against(first, second):
+        return IntervalContrast(*(sine(v, 0.1, SIGNALS[0], 12.0, seen=v > 0.4) for v in (first, second)))
+
+    contrast = against(2.0, 3.0)
     rng = np.random.default_rng(1)
     ratios = (3 + 0.1 * rng.standard_normal(100_000)) / (2 + 0.1 * rng.standard_normal(100_000))
     assert contrast.limits(0.95) == pytest.approx(np.quantile(ratios, [0.025, 0.975]), rel=0.01)
     # one that has gone: its change of -100 % belongs to the interval
-    gone = LineContrast(12.0, Amplitude(2.0, 0.1, True), Amplitude(0.3, 0.1, False))
+    gone = against(2.0, 0.3)
     assert gone.limits(0.95) == (gone.ratio, pytest.approx(0.25, rel=0.1))
-    weak = LineContrast(12.0, Amplitude(0.1, 0.1, False), Amplitude(3.0, 0.1, True))
-    low, high = weak.limits(0.95)
+    low, high = against(0.1, 3.0).limits(0.95)
     assert 5 < low < 30
     assert high == np.inf
 

@@ -158,7 +158,8 @@ COMPARED = (
     say(
         "The change of a coefficient is the ratio of the two, with profile limits: the ratios that both records "
         "together are consistent with, whatever their other coefficients are. Its p is adjusted for the number of "
-        "coefficients by Holm's method. Ramps keep their sign; their limits are Fieller's."
+        "coefficients by Holm's method. Ramps keep their sign; their limits are Fieller's. Sinusoids, and terms with a "
+        "time constant or a frequency that both records have, are compared by the intervals of both (Donner and Zou)."
     ),
     say(
         "The ratio of the variances is distributed as a ratio of two weighted sums of chi-squares, which is Fisher's F "
@@ -264,8 +265,8 @@ def _compared_rows(value: Comparison, level: float) -> Rows:
     rows: list[list[Any]] = []
     for pair in value:
         for c in pair.changes:
-            tests = [c.percent, *c.interval(level), c.p, c.adjusted, c.outcome]
-            rows.append([pair.name, c.label, None, *c.sizes, c.unit, *tests, None, None])
+            label, _, *rest = c.row(level)
+            rows.append([pair.name, label, None, *rest, None, None])
     for name, ratios in ((pair.name, pair.ratios) for pair in value if pair.ratios is not None):
         unit = readable_unit(ratios.before.unit)
         for tau, before, after, nu, mu, *limits, p in _ratio_rows(ratios, level):
