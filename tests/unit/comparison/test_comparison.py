@@ -246,6 +246,8 @@ def test_a_damped_oscillation_is_pooled_and_held_against_its_beginning():
     pooled = al.comparison.pool(runs, terms="N,GM,GM2").channels[0]
     low, high = next(term for term in pooled.terms if term.symbol == "GM2").limits(0.95)
     assert low < model["GM2"].value < high
+    labels = [change.label for change in al.compare(*runs[:2]).terms]
+    assert {"GM2", "GM2 natural frequency", "GM2 damping ratio"} <= set(labels)  # although it was not asked for
     part = al.comparison.truncation(runs[0], 40.0, al.Recipe(terms="N,GM2")).pairs[0]
     assert part["GM2"].limits(0.99)[0] < 1 < part["GM2"].limits(0.99)[1]
 
