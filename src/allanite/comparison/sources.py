@@ -1,7 +1,7 @@
 """Several sources: opened, named, their channels paired and prepared for a joint likelihood."""
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, TypeVar
@@ -214,21 +214,18 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
         for i, fit in enumerate(fits, 1)
         if fit.lines
     ]  # fmt: skip
-    notes += [note for i, fit in enumerate(fits, 1) for note in _left_out(i, fit)]
+    notes += [
+        say("record {number}: left out of the comparison: {resonances}", number=i,
+            resonances=join(", ", [part.words for part in _resonances(fit)]))
+        for i, fit in enumerate(fits, 1)
+        if _resonances(fit)
+    ]  # fmt: skip
     both = joint(quiet, shown, asked_band(recipe), shapes=shapes, scopes=[fit.scope for fit in fits])
     notes += [
         say("{term} has one shape in the common model: {shape}", term=symbol, shape=both.term(symbol, 1.0).shape_words)
         for symbol in shapes
     ]
     return Joined(both, noises, tuple(notes), tuple(records))
-
-
-def _left_out(number: int, fit: Fit) -> Iterator[str]:
-    """The resonances of a record, which are masked, and how they are compared as a term."""
-    for part in _resonances(fit):
-        yield say("record {number}: {resonance} is left out of the comparison; it is compared as a damped oscillation "
-                  "on request ({option})", number=number, resonance=part.words,
-                  option=spelled(f"--terms {fit.with_loop}", f"terms={fit.with_loop!r}"))  # fmt: skip
 
 
 def _common_shapes(fits: Sequence[Fit]) -> dict[str, Shape]:

@@ -283,11 +283,6 @@ class Fit(Value):
         return worst(self.scope.grade if self.scope else "", self.goodness.grade, coefficients, self.checked, *slow)
 
     @property
-    def with_loop(self) -> str:
-        """The terms that were detected, and a damped oscillation, as a choice of terms."""
-        return ",".join([*(e.symbol for e in self if e.claimed and e.symbol not in ("GML", "GM2")), "GM2"])
-
-    @property
     def valid(self) -> Model | None:
         """The model to use: every coefficient as estimated, without terms that are not valid or not observable.
 

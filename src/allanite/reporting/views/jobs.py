@@ -178,11 +178,12 @@ def reservations(channels: Sequence[Channel]) -> Iterator[Remark]:
     every = [(name, (*n.fit.findings, *(n.residuals.findings if n.residuals else ()))) for name, n in noises]
     yield from told_of([(name, finding) for name, findings in every for finding in findings], len(channels))
     fits = [(c.record.name, c.fit) for c in channels if c.explained and c.fit and not c.record.signal.inertial]
-    loops = [(name, part.words, fit.with_loop) for name, fit in fits for part in fit.components if part.loop]
+    claimed = {name: ",".join([*(e.symbol for e in fit if e.claimed), "GM2"]) for name, fit in fits}
+    loops = [(name, part.words) for name, fit in fits for part in fit.components if part.loop]
     yield from merged(
         Remark.of(name, say("{resonance}, as broad as that of a control loop, is a term on request ({option})",
-                            resonance=part, option=f"--terms {terms}"))
-        for name, part, terms in loops
+                            resonance=part, option=f"--terms {claimed[name]}"))
+        for name, part in loops
     )  # fmt: skip
 
 
