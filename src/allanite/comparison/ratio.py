@@ -222,10 +222,10 @@ def _upper(value: float, error: float, level: float) -> float:
     return value + quantile(level) * error
 
 
-def sine(value: float, error: float, signal: Signal, frequency: float, *, seen: bool = True) -> Estimate:
-    """The amplitude of a sinusoid in one record, SI, as the estimate of a term; `seen` where it is significant."""
+def sine(value: float, error: float, signal: Signal, frequency: float, *, significant: bool = True) -> Estimate:
+    """The amplitude of a sinusoid in one record, SI, as the estimate of a term, or its limit."""
     upper = partial(_upper, value, error)
-    if not seen:
+    if not significant:
         return Estimate("Sine", signal, None, None, "absent", upper(0.95), "whittle", Below(upper))
     return Estimate("Sine", signal, value, error, "identified", upper(0.95), "whittle", Normal(value, error),
                     shape=(frequency, 0.0))  # fmt: skip
@@ -259,4 +259,4 @@ def _amplitude(record: Record, fit: Fit, frequency: float, width: float) -> Esti
     # the highest of the bins that the frequency may lie in; the mean of the rate over a sample interval is smaller
     size = 2 / float(window.sum()) / float(np.sinc(frequency / record.rate))
     value, error = (size * math.sqrt(v) for v in (float(power[max(at - 1, 1) : at + 2].max()), noise / 2))
-    return sine(value, error, fit.signal, frequency, seen=value > SEEN * error)
+    return sine(value, error, fit.signal, frequency, significant=value > SEEN * error)

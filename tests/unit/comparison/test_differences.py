@@ -84,7 +84,7 @@ def test_curves_that_differ_are_never_under_no_change():
 
 def test_limits_of_a_ratio_of_amplitudes():
     def against(first, second):
-        return IntervalContrast(*(sine(v, 0.1, SIGNALS[0], 12.0, seen=v > 0.4) for v in (first, second)))
+        return IntervalContrast(*(sine(v, 0.1, SIGNALS[0], 12.0, significant=v > 0.4) for v in (first, second)))
 
     contrast = against(2.0, 3.0)
     rng = np.random.default_rng(1)
