@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from string import Formatter
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit, chance
@@ -19,6 +19,9 @@ from allanite.phrases.phrase import duration as duration  # noqa: PLC0414
 from allanite.terms import TERMS
 
 from .digits import digits, printed_unit
+
+if TYPE_CHECKING:
+    from allanite.comparison.change import Change
 
 title = title_of
 
@@ -108,6 +111,21 @@ def brief(estimate: Estimate, level: float, parameter: str = "") -> str:
     if number is not None:
         return number.plain()[0] if estimate.status != "not valid" else f"({number.plain()[0]})"
     return f"< {most.plain()[0]}" if most else "-"
+
+
+def change_of(change: "Change", level: float) -> tuple[str, str]:
+    """The change and its interval in percent."""
+    low, high = change.interval(level)
+    least = -100.0 if TERMS[change.symbol].waveform is None else -math.inf
+    # beside a limit there is no number to compare, but a sinusoid that has gone
+    known = math.isfinite(change.ratio) and (None not in (change.before.value, change.after.value) or not change.ratio)
+    if low > least and math.isfinite(high):
+        size, interval = digits(change.percent if known else high, low, high, signed=True).plain()
+        return f"{size} %" if known else "-", f"{interval} %"
+    size = f"{change.percent:+.3g} %" if known and math.isfinite(high) else "-"
+    if math.isfinite(high):
+        return size, say("below {limit}", limit=f"{high:+.3g} %")
+    return "-", say("above {limit}", limit=f"{low:+.3g} %") if low > least else say("any")
 
 
 def below(estimate: Estimate, most: str) -> Phrase:

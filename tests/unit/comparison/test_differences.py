@@ -18,7 +18,7 @@ from allanite.comparison.runs import CommonValue, bartlett
 from allanite.comparison.two_records import paired_homogeneity, paired_law, resemblance
 from allanite.core.units import SIGNALS
 from allanite.reporting import table
-from allanite.reporting.views.comparison import change_of
+from allanite.reporting.words import change_of
 
 RATE = 100.0
 WHITE = al.N(1, "deg/sqrt(h)")

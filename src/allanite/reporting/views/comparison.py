@@ -18,7 +18,6 @@ from allanite.reporting.digits import digits, upper_limit
 from allanite.reporting.first import DETAILS, FIGURES, ChannelRow, Channels, First, Remark, merged, plus_minus
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of, known
 from allanite.statistics import statistic_named
-from allanite.terms import TERMS
 
 from . import Rows, view
 from .channels import names_in_order
@@ -115,27 +114,12 @@ def _title(change: Change) -> str:
 
 def _cell(change: Change, level: float, *, values: bool) -> str:
     """The coefficient before and after, and its change."""
-    size, interval = change_of(change, level)
+    size, interval = words.change_of(change, level)
     outcome: str = say("unknown")
     if change.outcome != "not resolvable":
         outcome = join(" ", (OUTCOME_WORDS[change.outcome], join("", ("(", size if size != "-" else interval, ")"))))
     both = " -> ".join(words.brief(e, level, change.parameter) for e in (change.before, change.after))
     return join("  ", (both, outcome)) if values else outcome
-
-
-def change_of(change: Change, level: float) -> tuple[str, str]:
-    """The change and its interval in percent."""
-    low, high = change.interval(level)
-    least = -100.0 if TERMS[change.symbol].waveform is None else -math.inf
-    # beside a limit there is no number to compare, but a sinusoid that has gone
-    known = math.isfinite(change.ratio) and (None not in (change.before.value, change.after.value) or not change.ratio)
-    if low > least and math.isfinite(high):
-        size, interval = digits(change.percent if known else high, low, high, signed=True).plain()
-        return f"{size} %" if known else "-", f"{interval} %"
-    size = f"{change.percent:+.3g} %" if known and math.isfinite(high) else "-"
-    if math.isfinite(high):
-        return size, say("below {limit}", limit=f"{high:+.3g} %")
-    return "-", say("above {limit}", limit=f"{low:+.3g} %") if low > least else say("any")
 
 
 Value = Comparison | Pool
@@ -231,7 +215,7 @@ def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
         values = [words.brief(e, level, c.parameter) for e in each]
         rows.append([
             c.symbol, _title(c), *values, *["-"] * (len(whole.names) + (pair.whole is not None) - len(each)), c.unit,
-            *change_of(c, level), c.p, c.adjusted, OUTCOME_WORDS[c.outcome],
+            *words.change_of(c, level), c.p, c.adjusted, OUTCOME_WORDS[c.outcome],
         ])  # fmt: skip
     return Table(heads, rows, say("coefficients"), marks=[MARKS.get(c.outcome, "") for c in pair.changes])
 
