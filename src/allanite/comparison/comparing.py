@@ -198,7 +198,7 @@ def truncation(
 
     def with_whole(pair: Pair) -> Pair:
         """The pair and the fit of the whole, of the terms that were compared."""
-        terms = ",".join(change.symbol for change in pair.changes if change.frequency is None)
+        terms = ",".join(change.symbol for change in pair.changes if change.frequency is None and not change.parameter)
         whole = noise_of(recording[pair.name], recipe, terms=terms)
         doubts = (say("the whole: {doubt}", doubt=doubt) for doubt in whole.doubts)
         return replace(pair, whole=whole.fit, alerts=(*pair.alerts, *doubts))

@@ -105,9 +105,9 @@ class Pair(ComparedChannel):
 
     @property
     def changed(self) -> bool:
-        """Whether the records differ significantly: in their noise, a sinusoid, or their curves at some time."""
-        lines = any(change.significant for change in self.changes if change.frequency is not None)
-        return self.p <= self.alpha or lines or bool(self._curves)
+        """Whether the records differ significantly: in their noise, its shape, a sinusoid, or a curve at some time."""
+        more = any(c.significant for c in self.changes if c.frequency is not None or c.parameter)
+        return self.p <= self.alpha or more or bool(self._curves)
 
     @property
     def verdict(self) -> str:

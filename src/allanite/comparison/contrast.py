@@ -1,9 +1,9 @@
 """Tests between records: of one noise, and how far apart a coefficient of two can be, with records or without."""
 
 import math
-from collections.abc import Collection
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.phrases.phrase import say
 from allanite.study.job import provenance_of
 from allanite.study.recipe import Recipe
+from allanite.terms import TERMS
 
 from .change import Homogeneity, alpha_of, changes_of
 from .common_likelihood import Joint, drawn, least, tied
@@ -234,6 +235,27 @@ class IntervalContrast:
         return _over(l2, u1), math.inf
 
 
+def shape_contrasts(before: Fit, after: Fit) -> dict[tuple[str, str], IntervalContrast]:
+    """Contrasts of terms with a shape that both fits have: by symbol, and by the parameters of the shape."""
+    contrasts = {}
+    both = [(e, other) for e in before for other in after if e.symbol == other.symbol]
+    for e, other in ((e, o) for e, o in both if e.claimed and o.claimed and e.shape_limits and o.shape_limits):
+        contrasts[e.symbol, ""] = IntervalContrast(e, other)
+        for i, parameter in enumerate(TERMS[e.symbol].parameters):
+            contrasts[e.symbol, parameter.name] = IntervalContrast(_parameter(e, i), _parameter(other, i))
+    return contrasts
+
+
+def _parameter(estimate: Estimate, i: int) -> Estimate:
+    """A parameter of the shape in the place of the coefficient."""
+    assert estimate.shape_limits is not None  # noqa: S101 - the caller has looked
+    return replace(estimate, value=estimate.shape[i], limits=partial(_limits_of, estimate.shape_limits, i))
+
+
+def _limits_of(limits: Callable[[float], tuple[tuple[float, float], ...]], i: int, level: float) -> tuple[float, float]:
+    return limits(level)[i]
+
+
 def _sizes(estimate: Estimate, level: float) -> tuple[float, float, float]:
     """Size of a coefficient between its limits; 0 where it was not found."""
     low, high = estimate.interval(level)
@@ -261,9 +283,10 @@ def compare_fits(before: object, after: object, recipe: Recipe) -> Comparison:
         raise DataError(
             f"only sensors of one kind can be compared, not {before.signal.name} and {after.signal.name} signals"
         )
-    common = [e.symbol for e in before if e.symbol in [other.symbol for other in after]]
-    contrasts = {s: IntervalContrast(before[s], after[s]) for s in common}
-    changes = changes_of(contrasts, (before, after), recipe.level)
+    contrasts = {
+        (e.symbol, ""): IntervalContrast(e, other) for e in before for other in after if e.symbol == other.symbol
+    }  # fmt: skip
+    changes = changes_of(contrasts | shape_contrasts(before, after), (before, after), recipe.level)
     pair = Pair(name_both(before, after), changes=changes, fits=(before, after), alpha=alpha_of(recipe.level))
     notes = (say("compared by the intervals of the coefficients only; a comparison of the records is more sensitive"),)
     used = Recipe(level=recipe.level)  # nothing else of it counts

@@ -9,12 +9,13 @@ from typing import Any, TypeVar
 import numpy as np
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.fit import Fit
+from allanite.core.fit import Component, Fit
 from allanite.core.names import told_apart
 from allanite.core.plain import Value
 from allanite.core.record import Record, Recording
 from allanite.core.validity import Finding, graded
 from allanite.identification.methods import symbols_of
+from allanite.identification.search.identify import MOST_ASKED
 from allanite.phrases.phrase import join, say, spelled
 from allanite.prepare.outliers import marked, outliers
 from allanite.study.channels import Inspected, Progress, Source, open_recording, run_together
@@ -213,9 +214,15 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
         for i, fit in enumerate(fits, 1)
         if fit.lines
     ]  # fmt: skip
+    notes += [
+        say("record {number}: left out of the comparison: {resonances}", number=i,
+            resonances=join(", ", [part.words for part in _resonances(fit)]))
+        for i, fit in enumerate(fits, 1)
+        if _resonances(fit)
+    ]  # fmt: skip
     both = joint(quiet, shown, asked_band(recipe), shapes=shapes, scopes=[fit.scope for fit in fits])
     notes += [
-        say("{term} is compared with a common shape: {shape}", term=symbol, shape=both.term(symbol, 1.0).shape_words)
+        say("{term} has one shape in the common model: {shape}", term=symbol, shape=both.term(symbol, 1.0).shape_words)
         for symbol in shapes
     ]
     return Joined(both, noises, tuple(notes), tuple(records))
@@ -252,6 +259,22 @@ def _identify_alike(records: Sequence[Record], recipe: Recipe) -> tuple[tuple[No
     symbols = [s for s in symbols_of(recipe.terms) if TERMS[s].scatters]
     noises = tuple(noise_of(record, recipe, band=band) for record in records)
     shown = tuple(dict.fromkeys((*symbols, *(e.symbol for noise in noises for e in noise.fit))))
+    shaped = [s for s in shown if TERMS[s].parameters]
+    if recipe.terms == "auto" and len(shaped) < MOST_ASKED and _loop([noise.fit for noise in noises]):
+        asked = (*shown, "GM2")
+        alike = tuple(noise_of(record, recipe, terms=",".join(asked), band=band) for record in records)
+        if all(noise.explained for noise in alike):
+            return alike, asked
     if len(shown) > len(symbols):
         noises = tuple(noise_of(record, recipe, terms=",".join(shown), band=band) for record in records)
     return noises, shown
+
+
+def _loop(fits: Sequence[Fit]) -> bool:
+    """Whether the only resonance of a record is as broad as that of a control loop, and no record has several."""
+    each = [_resonances(fit) for fit in fits]
+    return max(map(len, each)) == 1 and any(part.loop for parts in each for part in parts)
+
+
+def _resonances(fit: Fit) -> list[Component]:
+    return [part for part in fit.components if part.name == "resonance" and part.claimed]

@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from allanite.terms import TERMS
 from .change import RESOLVED, Change, Homogeneity, alpha_of, changes_of
 from .common_likelihood import Joint
 from .comparison import Pair, Ratios
-from .contrast import Contrast, chi_square, homogeneity, partly_common
+from .contrast import Contrast, chi_square, homogeneity, partly_common, shape_contrasts
 from .ratio import RampContrast, line_contrasts, ramp_law, ratio_law, shared_curves
 from .sources import join_records
 
@@ -141,12 +141,16 @@ def compare_records(channel: Inspected, recipe: Recipe, rng: "np.random.Generato
     records = cast(tuple[Record, Record], channel.records)
     joined = join_records(records, recipe)
     both, (first, second), alerts = joined.joint, joined.fits, (*joined.alerts, *channel.alerts)
-    contrasts: dict[str, Contrast | RampContrast] = {s: Contrast(both, i) for i, s in enumerate(both.symbols)}
+    contrasts: dict[str, Any] = {s: Contrast(both, i) for i, s in enumerate(both.symbols)}
     ramps = ramp_law(both, 0), ramp_law(both, 1)
+    drift = [e.symbol for e in first if TERMS[e.symbol].waveform is not None]
     if ramps[0] is not None and ramps[1] is not None:
-        drift = [e.symbol for e in first if TERMS[e.symbol].waveform is not None]
         contrasts |= dict.fromkeys(drift, RampContrast(ramps[0], ramps[1]))
-    kept = {e.symbol: contrasts[e.symbol] for e in first if e.symbol in contrasts}
+    elif drift:
+        alerts = (*alerts, say("the frequencies that all records have leave nothing of the ramp: it is not compared"))
+    kept = {(e.symbol, ""): contrasts[e.symbol] for e in first if e.symbol in contrasts} | shape_contrasts(
+        first, second
+    )
     changes = changes_of(kept, (first, second), recipe.level, tuple(line_contrasts(records, (first, second))))
     each = partly_common(both, both.symbols)
     largest = {symbol: max(sizes[symbol] for sizes in each) for symbol in both.symbols}
@@ -209,7 +213,7 @@ def with_needed(changes: Sequence[Change], noise: Sequence[Term], rate: float, s
 def _needed(change: Change, noise: Sequence[Term], rate: float, size: int) -> float | None:
     """Length of each record, s; None where these would do or no practical length does, or no limit is known."""
     estimates = [e for e in (change.before, change.after) if e.upper]
-    if not estimates or change.frequency is not None:
+    if not estimates or change.frequency is not None or change.parameter:
         return None
     largest = max(estimates, key=lambda e: e.upper or 0.0)
     shape = next((t.shape for t in noise if t.symbol == change.symbol), largest.shape)

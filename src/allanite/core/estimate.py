@@ -252,6 +252,12 @@ class Estimate(Value):
         """The value in `unit`; NaN if there is none."""
         return float(self) / coefficient_factor(self.symbol, unit, self.signal)
 
+    def shaped(self, level: float = 0.95) -> Iterator[tuple[Parameter, float, float, float]]:
+        """Each parameter of the shape with its value and its limits, NaN where there are none."""
+        limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
+        for parameter, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False):
+            yield parameter, value, low, high
+
     def words(self, unit: str | None = None, level: float = 0.95) -> str:
         """The estimate as text: ``0.31 (0.30 .. 0.32) deg/sqrt(h)`` or ``not identified, below 2.1 deg/h``.
 
@@ -285,12 +291,6 @@ class Estimate(Value):
         return (
             None if self.upper is None else upper_limit(self.upper / coefficient_factor(self.symbol, unit, self.signal))
         )
-
-    def shaped(self, level: float = 0.95) -> Iterator[tuple[Parameter, float, float, float]]:
-        """Each parameter of the term's shape with its value and interval, which is NaN where the method has none."""
-        limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
-        for parameter, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False):
-            yield parameter, value, low, high
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI; in the data-sheet form under "shown", `high` of an absent term is `upper`."""

@@ -45,6 +45,11 @@ class Component(Value):
         """Whether it is not claimed, but as likely as not."""
         return EVEN <= self.weight < SURE
 
+    @property
+    def loop(self) -> bool:
+        """Whether it is a claimed resonance as broad as that of a control loop: more than a tenth of its frequency."""
+        return self.name == "resonance" and self.claimed and self.high - self.low > 0.1 * self.high
+
     def _summary(self) -> str:
         return f"{self.words or self.name}, weight {self.weight:.2f}"
 

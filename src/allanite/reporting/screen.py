@@ -315,7 +315,8 @@ class _Screen:
         self.omitted += [row.label for row in channels.rows if row not in rows and row.label not in self.omitted]
         longest = max((cell_len(self.text(row.title)) for row in rows), default=0)
         excess = max(self.wide(replace(channels, rows=rows).table()) - self.width, 0)
-        if not excess or (longest - excess >= MIN_TITLE_COLUMNS and not channels.whole):
+        least = max(MIN_TITLE_COLUMNS, cell_len(self.text(channels.sensor)))  # the heading of the titles is not cut
+        if not excess or (longest - excess >= least and not channels.whole):
             cut = [replace(row, title=self.cut(row.title, longest - excess)) for row in rows]
             return self.table(replace(channels, rows=cut).table())
         channels = replace(channels, rows=rows)

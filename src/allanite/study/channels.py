@@ -234,7 +234,7 @@ def run_together(  # noqa: PLR0913 - each has a default but those that make the 
     results = each_channel(
         channels, work, refused, findings=told, look=look, begin=begin, doing=doing, demand=demand, progress=progress
     )
-    assumed = dict.fromkeys((*(note for recording in recordings for note in recording.notes), *notes))
+    assumed = dict.fromkeys((*notes, *(note for recording in recordings for note in recording.notes)))
     return kind(results, recipe, told, tuple(assumed), provenance_of(*recordings))
 
 

@@ -1,8 +1,9 @@
 """How comparisons and pools are shown."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from allanite.comparison.change import OUTCOMES, Change
@@ -14,10 +15,9 @@ from allanite.core.units import convert
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, upper_limit
-from allanite.reporting.first import DETAILS, FIGURES, ChannelRow, Channels, First, Remark, merged
+from allanite.reporting.first import DETAILS, FIGURES, ChannelRow, Channels, First, Remark, merged, plus_minus
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of, known
 from allanite.statistics import statistic_named
-from allanite.terms import TERMS
 
 from . import Rows, view
 from .channels import names_in_order
@@ -29,71 +29,97 @@ _OUTCOMES = say("smaller"), say("larger"), say("no change"), say("not resolvable
 OUTCOME_WORDS: dict[str, Phrase] = {word: word for word in _OUTCOMES}
 
 
+Row = tuple[str, ChannelRow]  # of one channel, with the symbol of the term
+
+
 def first_of_comparison(value: Comparison, level: float) -> First:
     """The change of every coefficient of every channel."""
-    changed = [pair.name or say("the noise") for pair in value.pairs if pair.changed and not pair.refusal]
-    same = [pair.name or say("the noise") for pair in value.pairs if not pair.changed and not pair.refusal]
-    verdicts = [say("changed: {names}", names=", ".join(changed))] if changed else []
-    verdicts += [say("no change detected: {names}", names=", ".join(same))] if same else []
-    remarks = [Remark.of(pair.name, pair.refusal, grave=True) for pair in value.pairs if pair.refusal]
+    title = say("{first} compared with {second}", first=value.names[0], second=value.names[1])
+    changed, same = ([pair for pair in value if pair.changed is is_ and not pair.refusal] for is_ in (True, False))
+    verdicts = [say("changed: {names}", names=_names(changed))] if changed else []
+    verdicts += [say("no change detected: {names}", names=_names(same))] if same else []
+    needed = any(c.outcome == "not resolvable" for c in value.terms)
+    legend = [("", say("unknown: a change by a factor of 2 is not excluded."))] if needed else []
+    rows = partial(_change_rows, level=level, values=len(value.pairs) <= MAX_WITH_VALUES)
+    return replace(_first(value, title, verdicts, rows), legend=legend)
+
+
+def first_of_pool(value: Pool, level: float) -> First:
+    """The common coefficients of every channel."""
+    differ, alike = ([c for c in value if c.alike is is_ and not c.refusal] for is_ in (False, True))
+    verdicts = [say("differ in {names}", names=_names(differ))] if differ else []
+    verdicts += [say("no difference detected in {names}", names=_names(alike))] if alike else []
+    first = _first(value, _counted(value), verdicts, partial(_common_rows, level=level))
+    apart = [Remark.of(c.name, c.verdict, grave=bool(c.apart)) for c in value if c.apart or c in differ]
+    return replace(first, remarks=[*apart, *first.remarks])
+
+
+def _names(channels: Sequence[Pair | PooledChannel]) -> str:
+    return ", ".join(channel.name or say("the noise") for channel in channels)
+
+
+def _first(
+    value: Comparison | Pool, title: str, verdicts: Sequence[str], rows_of: Callable[[Any], Iterator[Row]]
+) -> First:
+    """What both have: the quantities of the channels side by side, and what limits them."""
+    kept = [channel for channel in value if not channel.refusal]
+    each = [{row.short or row.label: (symbol, row) for symbol, row in rows_of(channel)} for channel in kept]
+    known = {label: pair for own in each for label, pair in own.items()}
+    order = ["", *names_in_order(symbol for symbol, _ in known.values())]
+    rows = []
+    for label, (_, row) in sorted(known.items(), key=lambda item: order.index(item[1][0])):
+        own = [of_channel[label][1] if label in of_channel else None for of_channel in each]
+        cells = ["" if cell is None else cell.cells[0] for cell in own]
+        rows.append(replace(row, cells=cells, rank=min(cell.rank for cell in own if cell is not None)))
+    sensors = [record.signal.sensor for channel in kept for record in channel.records or ()]
+    answer = [Channels([channel.name or say("channel") for channel in kept], rows, next(iter(sensors), ""))]
+    remarks = [Remark.of(channel.name, channel.refusal, grave=True) for channel in value if channel.refusal]
     remarks += [
-        Remark.of(pair.name, say("{record} ({grade})", record=name, grade=grade), grave=True)
-        for pair in value.pairs
-        for name, grade, fits in zip(value.names, pair.grades, pair.explained, strict=False)
+        Remark.of(channel.name, say("{record} ({grade})", record=name, grade=grade), grave=True)
+        for channel in value
+        for name, grade, fits in zip(value.names, channel.grades, channel.explained, strict=False)
         if not fits
     ]
     remarks += [Remark.about_finding("", finding) for finding in value.findings]
-    remarks += merged(Remark.of(pair.name, alert) for pair in value.pairs for alert in pair.alerts)
-    title = say("{first} compared with {second}", first=value.names[0], second=value.names[1])
-    needed = any(c.outcome == "not resolvable" for pair in value.pairs for c in pair.changes)
-    legend = [("", say("unknown: a change by a factor of 2 is not excluded."))] if needed else []
-    answer = [_channels([pair for pair in value.pairs if not pair.refusal], level)]
-    return First(title, join("; ", verdicts), answer, remarks, legend, list(value.notes), [FIGURES, DETAILS])
+    remarks += merged(Remark.of(channel.name, alert) for channel in value for alert in channel.alerts)
+    return First(title, join("; ", verdicts), answer, remarks, read=list(value.notes), after=[FIGURES, DETAILS])
 
 
-def _channels(pairs: Sequence[Pair], level: float) -> Channels:
-    changes = [c for pair in pairs for c in pair.changes]
-    rows = [ChannelRow(say("noise as a whole"), "", "", [_whole(pair) for pair in pairs])]
-    for symbol in names_in_order(c.symbol for c in changes):
-        own = [next((c for c in pair.changes if c.symbol == symbol), None) for pair in pairs]
-        known = next(c for c in own if c is not None)
-        cells = ["" if c is None else _cell(c, level, values=len(pairs) <= MAX_WITH_VALUES) for c in own]
-        claimed = any(c is not None and c.outcome != "not resolvable" for c in own)
-        title = words.title(symbol, known.signal)
-        rows.append(ChannelRow(title, symbol, known.before.sheet_unit, cells, 0 if claimed else 1))
-    sensors = [record.signal.sensor for pair in pairs for record in pair.records or ()]
-    return Channels([pair.name or say("channel") for pair in pairs], rows, next(iter(sensors), ""))
+def _change_rows(pair: Pair, level: float, *, values: bool) -> Iterator[Row]:
+    """Rows of one channel, with the symbols of their terms."""
+    whole = say("changed, {p}", p=chance(pair.p)) if pair.p <= pair.alpha else say("no change, {p}", p=chance(pair.p))
+    yield "", ChannelRow(say("noise as a whole"), "", "", [whole])
+    for c in pair.changes:
+        symbol, rank = "" if c.parameter else c.symbol, int(c.outcome == "not resolvable")
+        yield c.symbol, ChannelRow(_title(c), symbol, c.unit, [_cell(c, level, values=values)], rank, c.label)
 
 
-def _whole(pair: Pair) -> str:
-    if pair.p <= pair.alpha:
-        return say("changed, {p}", p=chance(pair.p))
-    return say("no change, {p}", p=chance(pair.p))
+def _common_rows(channel: PooledChannel, level: float) -> Iterator[Row]:
+    """Rows of one channel: the common coefficients with limits, and the scatter of records that differ in one."""
+    yield "", ChannelRow(say("noise as a whole"), "", "", [chance(channel.test.p) if channel.test else ""])
+    for term in channel.terms:
+        _, _, value, low, high, *_ = term.row(level)
+        absent = low <= 0 <= high
+        cell = f"< {upper_limit(max(-low, high)).plain()[0]}" if absent else plus_minus(value, low, high)
+        if term.adjusted <= channel.alpha and math.isfinite(term.between):
+            cell = join("  ", (cell, say("scatter {share:.2g} %", share=100 * term.between)))
+        title = words.title(term.symbol, term.signal)
+        yield term.symbol, ChannelRow(title, term.symbol, term.sheet_unit, [cell], int(absent))
+
+
+def _title(change: Change) -> str:
+    """The parameter, or the term, with the frequency of a sinusoid."""
+    return change.shape.title if change.parameter else change.named(words.title(change.symbol, change.signal))
 
 
 def _cell(change: Change, level: float, *, values: bool) -> str:
     """The coefficient before and after, and its change."""
-    size, interval = change_of(change, level)
+    size, interval = words.change_of(change, level)
     outcome: str = say("unknown")
     if change.outcome != "not resolvable":
         outcome = join(" ", (OUTCOME_WORDS[change.outcome], join("", ("(", size if size != "-" else interval, ")"))))
-    both = f"{words.brief(change.before, level)} -> {words.brief(change.after, level)}"
+    both = " -> ".join(words.brief(e, level, change.parameter) for e in (change.before, change.after))
     return join("  ", (both, outcome)) if values else outcome
-
-
-def change_of(change: Change, level: float) -> tuple[str, str]:
-    """The change and its interval in percent."""
-    low, high = change.interval(level)
-    least = -100.0 if TERMS[change.symbol].waveform is None else -math.inf
-    # beside a limit there is no number to compare, but a sinusoid that has gone
-    known = math.isfinite(change.ratio) and (None not in (change.before.value, change.after.value) or not change.ratio)
-    if low > least and math.isfinite(high):
-        size, interval = digits(change.percent if known else high, low, high, signed=True).plain()
-        return f"{size} %" if known else "-", f"{interval} %"
-    size = f"{change.percent:+.3g} %" if known and math.isfinite(high) else "-"
-    if math.isfinite(high):
-        return size, say("below {limit}", limit=f"{high:+.3g} %")
-    return "-", say("above {limit}", limit=f"{low:+.3g} %") if low > least else say("any")
 
 
 Value = Comparison | Pool
@@ -116,7 +142,8 @@ COMPARED = (
     say(
         "The change of a coefficient is the ratio of the two, with profile limits: the ratios that both records "
         "together are consistent with, whatever their other coefficients are. Its p is adjusted for the number of "
-        "coefficients by Holm's method. Ramps keep their sign; their limits are Fieller's."
+        "coefficients by Holm's method. Ramps keep their sign; their limits are Fieller's. Sinusoids, and terms with a "
+        "time constant or a frequency that both records have, are compared by the intervals of both (Donner and Zou)."
     ),
     say(
         "The ratio of the variances is distributed as a ratio of two weighted sums of chi-squares, which is Fisher's F "
@@ -143,12 +170,16 @@ def face_of(value: Value, drawn: bool, level: float, **own: Any) -> Face:
     )
     label = say("curves with bands, and the ratio of their variances")
     drawing = Drawing(lambda: figures.plot_comparison([value], level), label, caption)
-    count = say_count(len(value.names), "Comparison of {count} run", "Comparison of {count} runs")
-    if any(isinstance(channel, PooledChannel) and channel.of_axes for channel in value):
-        count = say_count(len(value.names), "Comparison of {count} axis", "Comparison of {count} axes")
-    names = count, say("what has changed")
+    names = _counted(value), say("what has changed")
     header.append(header_of(value.provenance, ())[-1])
     return replace(job_face(value, names, (), [drawing] if drawn else [], header=header), **own)
+
+
+def _counted(value: Value) -> Phrase:
+    """What is compared: runs, or axes."""
+    if any(isinstance(channel, PooledChannel) and channel.of_axes for channel in value):
+        return say_count(len(value.names), "Comparison of {count} axis", "Comparison of {count} axes")
+    return say_count(len(value.names), "Comparison of {count} run", "Comparison of {count} runs")
 
 
 def sheet_of(result: Pair | PooledChannel, names: Sequence[str], doubt: bool, tables: Sequence[Table]) -> Sheet:
@@ -180,12 +211,11 @@ def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
     )  # fmt: skip
     rows = []
     for c in pair.changes:
-        values = [words.brief(c.before, level), words.brief(c.after, level)]
-        if pair.whole is not None:
-            values.append("-" if c.frequency is not None else words.brief(pair.whole[c.symbol], level))
+        each = [c.before, c.after, *([pair.whole[c.symbol]] if pair.whole is not None and c.frequency is None else [])]
+        values = [words.brief(e, level, c.parameter) for e in each]
         rows.append([
-            c.symbol, c.named(words.title(c.symbol, c.signal)), *values, c.before.sheet_unit,
-            *change_of(c, level), c.p, c.adjusted, OUTCOME_WORDS[c.outcome],
+            c.symbol, _title(c), *values, *["-"] * (len(whole.names) + (pair.whole is not None) - len(each)), c.unit,
+            *words.change_of(c, level), c.p, c.adjusted, OUTCOME_WORDS[c.outcome],
         ])  # fmt: skip
     return Table(heads, rows, say("coefficients"), marks=[MARKS.get(c.outcome, "") for c in pair.changes])
 
@@ -219,10 +249,8 @@ def _compared_rows(value: Comparison, level: float) -> Rows:
     rows: list[list[Any]] = []
     for pair in value:
         for c in pair.changes:
-            unit = c.before.sheet_unit
-            values = [None if e.value is None else e.to(unit) for e in (c.before, c.after)]
-            tests = [c.percent, *c.interval(level), c.p, c.adjusted, c.outcome]
-            rows.append([pair.name, c.label, None, *values, unit, *tests, None, None])
+            label, _, *rest = c.row(level)
+            rows.append([pair.name, label, None, *rest, None, None])
     for name, ratios in ((pair.name, pair.ratios) for pair in value if pair.ratios is not None):
         unit = readable_unit(ratios.before.unit)
         for tau, before, after, nu, mu, *limits, p in _ratio_rows(ratios, level):
@@ -259,7 +287,10 @@ POOLED = (
         "The runs are assumed to be independent. One noise model for all is tested by its likelihood ratio against a "
         "separate model for each run, with the distribution simulated from the common model. The common coefficient is "
         "the one that all runs together make most likely; its limits are averaged over the sets of terms that may be "
-        "there."
+        "there. Where the runs scatter more than their errors, it is their mean, with weights that include the "
+        "variance between runs (Paule and Mandel). The limits are those of Student's t with the degrees of freedom of "
+        "the runs (Hartung and Knapp), and never narrower than those of runs that are alike; two runs have the latter "
+        "unless they differ."
     ),
     say(
         "Between runs: standard deviation of the runs' coefficients, in percent of the common one. Within runs: the "
@@ -355,7 +386,7 @@ def _pooled_rows(value: Pool, level: float) -> Rows:
     return (*RUNS, *value.names), rows
 
 
-@view(lambda values, fit, level: figures.plot_comparison(values, level), _pooled_rows)
+@view(lambda values, fit, level: figures.plot_comparison(values, level), _pooled_rows, first=first_of_pool)
 def pool_view(value: Pool, level: float) -> Face:
     """What the runs of each channel have in common."""
     sheets = []
