@@ -5,15 +5,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from allanite.core.errors import UsageError
-from allanite.study.settings import (
-    CheckChoices,
-    ClaimChoices,
-    ComparisonChoices,
-    DriftChoices,
-    NoiseChoices,
-    PlanChoices,
-    StateSpaceChoices,
-)
+
+from allanite.study.settings import (  # isort: skip
+    CheckChoices, ClaimChoices, ComparisonChoices, DriftChoices, NoiseChoices, PlanChoices, StateSpaceChoices
+)  # fmt: skip
 
 from .deliver import carry_out, outputs, recipe_of, settings_of
 from .front import EXCEEDED

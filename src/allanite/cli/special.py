@@ -5,14 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from allanite.applications.choices import (
-    CompensationChoices,
-    EstimatorChoices,
-    FitChoices,
-    IntervalChoices,
-    RateChoices,
-    VerticalChoices,
-)
+from allanite.applications.choices import (  # isort: skip
+    CompensationChoices, EstimatorChoices, FitChoices, IntervalChoices, RateChoices, VerticalChoices
+)  # fmt: skip
 from allanite.core.errors import UnitError, UsageError
 
 from .deliver import Extra, Outputs, carry_out, demand_recording, given, outputs, recipe_of, rendered, settings_of

@@ -4,20 +4,10 @@ from allanite.core.names import row_alike
 from allanite.plugins import Registry
 
 from .target import Target
-from .targets.navigation import (
-    GNSS_INS_SIM,
-    GTSAM,
-    KALIBR,
-    KF_GINS,
-    LIO_SAM,
-    MATLAB,
-    NAVEGO,
-    OPENVINS,
-    ORB_SLAM3,
-    PSINS,
-    VINS_FUSION,
-    VINS_MONO,
-)
+
+from .targets.navigation import (  # isort: skip
+    GNSS_INS_SIM, GTSAM, KALIBR, KF_GINS, LIO_SAM, MATLAB, NAVEGO, OPENVINS, ORB_SLAM3, PSINS, VINS_FUSION, VINS_MONO
+)  # fmt: skip
 from .targets.robots import (
     ARDUPILOT,
     ARDUPILOT_TCAL,

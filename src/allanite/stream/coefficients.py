@@ -23,14 +23,10 @@ from allanite.core.model import ModelLike, model_of
 from allanite.core.ranges import demand_band
 from allanite.core.record import SHORTEST
 from allanite.core.validity import Band
-from allanite.identification.likelihood.spectrum import (
-    ROUNDING_SHARE,
-    SINGLE,
-    BinnedSpectrum,
-    edges_of,
-    less_slope,
-    transformed,
-)
+
+from allanite.identification.likelihood.spectrum import (  # isort: skip
+    ROUNDING_SHARE, SINGLE, BinnedSpectrum, edges_of, less_slope, transformed
+)  # fmt: skip
 from allanite.identification.methods import symbols_of
 from allanite.identification.search.identify import Pending, deterministic, pending_of
 from allanite.phrases.phrase import say

@@ -7,23 +7,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from allanite.core.choices import (
-    BAND,
-    HERTZ,
-    INSTANT,
-    LINES,
-    RANGES,
-    SYMBOLS,
-    WORD,
-    WORTH,
-    ChoiceKind,
-    choice,
-    choices_of,
-    demand_choices,
-    described,
-    named,
-    pieces,
-)
+from allanite.core.choices import (  # isort: skip
+    BAND, HERTZ, INSTANT, LINES, RANGES, SYMBOLS, WORD, WORTH, ChoiceKind, choice, choices_of, demand_choices,
+    described, named, pieces
+)  # fmt: skip
 from allanite.core.errors import UsageError, unfit
 from allanite.core.files import reason
 from allanite.core.names import demand_name

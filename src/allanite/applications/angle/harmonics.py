@@ -8,19 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from allanite.extending import (
-    Correction,
-    FloatArray,
-    Record,
-    Recording,
-    UsageError,
-    demand_name,
-    public,
-    read_key,
-    readout_noise,
-    say,
-    spelled,
-)
+from allanite.extending import (  # isort: skip
+    Correction, FloatArray, Record, Recording, UsageError, demand_name, public, read_key, readout_noise, say, spelled
+)  # fmt: skip
 
 from .geometry import ANGLES, EARTH_RATE, Gimbals, demand_angles, demand_motion
 from .solve import Solution, quantile

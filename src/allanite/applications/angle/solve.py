@@ -8,21 +8,10 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from allanite.extending import (
-    BoolArray,
-    DataError,
-    Finding,
-    FloatArray,
-    IntArray,
-    UsageError,
-    Value,
-    chance,
-    demand_level,
-    demand_name,
-    join,
-    say,
-    say_count,
-)
+from allanite.extending import (  # isort: skip
+    BoolArray, DataError, Finding, FloatArray, IntArray, UsageError, Value, chance, demand_level, demand_name, join,
+    say, say_count
+)  # fmt: skip
 
 from .squareroot import SquareRoot, batch
 

@@ -6,19 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.extending import (
-    FloatArray,
-    Model,
-    ModelLike,
-    Term,
-    UnitError,
-    UsageError,
-    Value,
-    public,
-    say,
-    split_quantities,
-    unit_of,
-)
+from allanite.extending import (  # isort: skip
+    FloatArray, Model, ModelLike, Term, UnitError, UsageError, Value, public, say, split_quantities, unit_of
+)  # fmt: skip
 
 from .loop import SENSORS, Loop, SensorNoise, density, scale
 

@@ -8,23 +8,11 @@ from typing import Any, ClassVar
 import numpy as np
 
 from allanite.applications.choices import VerticalChoices
-from allanite.extending import (
-    ChannelResult,
-    DataError,
-    Estimate,
-    FloatArray,
-    Header,
-    Job,
-    Model,
-    Record,
-    UsageError,
-    Value,
-    chosen,
-    described,
-    given,
-    say,
-    spelled,
-)
+
+from allanite.extending import (  # isort: skip
+    ChannelResult, DataError, Estimate, FloatArray, Header, Job, Model, Record, UsageError, Value, chosen, described,
+    given, say, spelled
+)  # fmt: skip
 
 from .filters import FILTERS, AttitudeFilter, filter_named
 from .inertial import Axes

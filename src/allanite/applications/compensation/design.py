@@ -8,19 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.extending import (
-    DataError,
-    FloatArray,
-    Likelihood,
-    Record,
-    Recording,
-    UsageError,
-    join,
-    say,
-    say_count,
-    spelled,
-    stretches,
-)
+from allanite.extending import (  # isort: skip
+    DataError, FloatArray, Likelihood, Record, Recording, UsageError, join, say, say_count, spelled, stretches
+)  # fmt: skip
 
 from .mixture import Stretch, restricted
 from .regressor import TREND, Columns, Regressor, readings

@@ -9,17 +9,9 @@ from typing import Any, Self
 
 import numpy as np
 
-from allanite.extending import (
-    TERMS,
-    DataError,
-    FloatArray,
-    Likelihood,
-    NormalMixture,
-    Record,
-    Value,
-    likelihood,
-    spectrum,
-)
+from allanite.extending import (  # isort: skip
+    TERMS, DataError, FloatArray, Likelihood, NormalMixture, Record, Value, likelihood, spectrum
+)  # fmt: skip
 
 Stretch = tuple[int, int]
 

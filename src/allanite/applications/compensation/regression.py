@@ -9,22 +9,10 @@ from typing import Any, Self
 
 import numpy as np
 
-from allanite.extending import (
-    AllaniteError,
-    Correction,
-    Covariance,
-    DataError,
-    FloatArray,
-    Model,
-    Record,
-    Recording,
-    Signal,
-    UsageError,
-    join,
-    public,
-    say,
-    write,
-)
+from allanite.extending import (  # isort: skip
+    AllaniteError, Correction, Covariance, DataError, FloatArray, Model, Record, Recording, Signal, UsageError, join,
+    public, say, write
+)  # fmt: skip
 
 from .design import BEYOND_DOUBT, TRENDING
 from .mixture import Gain, Mixture, about_line

@@ -5,20 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from allanite.extending import (
-    DataError,
-    FloatArray,
-    Record,
-    Recording,
-    UnitError,
-    UsageError,
-    Value,
-    convert,
-    public,
-    say,
-    say_count,
-    spelled,
-)
+from allanite.extending import (  # isort: skip
+    DataError, FloatArray, Record, Recording, UnitError, UsageError, Value, convert, public, say, say_count, spelled
+)  # fmt: skip
 
 MIN_WINDOW = 60.0  # seconds of a window; in a shorter one the steps of a digital thermometer are what changes
 

@@ -4,20 +4,9 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from allanite.extending import (
-    Covariance,
-    FloatArray,
-    Model,
-    ModelLike,
-    Signal,
-    Value,
-    public,
-    row_of,
-    say,
-    size_and_rate,
-    unit_of,
-    usable_model,
-)
+from allanite.extending import (  # isort: skip
+    Covariance, FloatArray, Model, ModelLike, Signal, Value, public, row_of, say, size_and_rate, unit_of, usable_model
+)  # fmt: skip
 
 from .linear import CONDITIONAL, HAMMING, MEAN, OPTIMAL, REGRESSION, STAIRCASE
 from .row import EstimatorSettings, RateEstimator, Task, without_dither

@@ -9,22 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from allanite.applications.choices import EstimatorChoices
-from allanite.extending import (
-    DataError,
-    Finding,
-    FloatArray,
-    Model,
-    Record,
-    Term,
-    UsageError,
-    Value,
-    demand_name,
-    described,
-    say,
-    say_count,
-    spelled,
-    windowing,
-)
+
+from allanite.extending import (  # isort: skip
+    DataError, Finding, FloatArray, Model, Record, Term, UsageError, Value, demand_name, described, say, say_count,
+    spelled, windowing
+)  # fmt: skip
 
 
 @described

@@ -7,45 +7,20 @@ from typing import Unpack
 import numpy as np
 
 from allanite.applications.choices import IntervalChoices
-from allanite.extending import (
-    KINDS,
-    BoolArray,
-    DataError,
-    FloatArray,
-    IntArray,
-    ModelLike,
-    Record,
-    Samples,
-    Sampling,
-    Signal,
-    UnitError,
-    UsageError,
-    Value,
-    as_record,
-    described,
-    given,
-    join,
-    public,
-    say,
-    say_count,
-    usable_model,
-)
+
+from allanite.extending import (  # isort: skip
+    KINDS, BoolArray, DataError, FloatArray, IntArray, ModelLike, Record, Samples, Sampling, Signal, UnitError,
+    UsageError, Value, as_record, described, given, join, public, say, say_count, usable_model
+)  # fmt: skip
 
 from .estimates import RateEstimate
 from .experiments import Experiment
 from .linear import recognized, regression_lines
 from .predict import RATE_ESTIMATORS, estimator_named, ranking, standard_error
-from .row import (
-    EstimatorSettings,
-    Interval,
-    RateMeasurement,
-    Task,
-    demand_whole,
-    findings_of,
-    interval_of,
-    pulse_of,
-    reading_size,
-)
+
+from .row import (  # isort: skip
+    EstimatorSettings, Interval, RateMeasurement, Task, demand_whole, findings_of, interval_of, pulse_of, reading_size
+)  # fmt: skip
 
 
 @public

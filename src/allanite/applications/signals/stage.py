@@ -6,22 +6,10 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.extending import (
-    DataError,
-    Record,
-    UnitError,
-    UsageError,
-    Value,
-    convert,
-    join,
-    public,
-    say,
-    say_count,
-    signal_with,
-    spelled,
-    unit_of,
-    windowing,
-)
+from allanite.extending import (  # isort: skip
+    DataError, Record, UnitError, UsageError, Value, convert, join, public, say, say_count, signal_with, spelled,
+    unit_of, windowing
+)  # fmt: skip
 
 FloatArray = NDArray[np.float64]
 

@@ -4,18 +4,10 @@ from dataclasses import replace
 
 from allanite.core.syntax import PARAMETERS, XML
 from allanite.exporting.content import JSON_COMMENT, Content, JsonLayout, LineLayout, number, spread, told
-from allanite.exporting.target import (
-    ACCELEROMETER,
-    DENSITY,
-    GYRO,
-    TIME,
-    WALK,
-    Target,
-    TargetField,
-    ThermalTarget,
-    pair,
-    sectioned,
-)
+
+from allanite.exporting.target import (  # isort: skip
+    ACCELEROMETER, DENSITY, GYRO, TIME, WALK, Target, TargetField, ThermalTarget, pair, sectioned
+)  # fmt: skip
 from allanite.phrases.phrase import say
 
 

@@ -9,21 +9,10 @@ from allanite.core.arrays import FloatArray
 from allanite.identification.likelihood.filters import FILTERS
 from allanite.identification.likelihood.whittle import Pair, step_coefficients, warm_up_direction
 
-from .components import (
-    AT_BOUND,
-    BROAD,
-    COMPONENTS,
-    HIDING,
-    INSIDE,
-    LEAST_MARKOV,
-    LONGEST_MARKOV,
-    LONGEST_WARM_UP,
-    PERIODS,
-    QUICKEST_MARKOV,
-    SHORTEST_WARM_UP,
-    Part,
-    cost_of,
-)
+from .components import (  # isort: skip
+    AT_BOUND, BROAD, COMPONENTS, HIDING, INSIDE, LEAST_MARKOV, LONGEST_MARKOV, LONGEST_WARM_UP, PERIODS,
+    QUICKEST_MARKOV, SHORTEST_WARM_UP, Part, cost_of
+)  # fmt: skip
 from .fitting import Fitted, fitted
 from .frame import LOW, Frame
 from .refining import CANDIDATES, FAR, Local, Move

@@ -12,19 +12,9 @@ from allanite.core.units import unit_of
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import say, say_count
 
-from .findings import (
-    Places,
-    SampleGrid,
-    Stamps,
-    bursty,
-    drift,
-    duplicates,
-    duration,
-    finding,
-    lost_samples,
-    pace,
-    unsteady,
-)
+from .findings import (  # isort: skip
+    Places, SampleGrid, Stamps, bursty, drift, duplicates, duration, finding, lost_samples, pace, unsteady
+)  # fmt: skip
 
 FAR = 3.0
 """Distance of a stamp from the middle of its neighbours, in intervals, above which it is damaged: no logger is so late

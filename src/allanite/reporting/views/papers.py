@@ -5,18 +5,9 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from allanite.papers.paper import (
-    AGREES,
-    DIFFERS,
-    DRAWN,
-    MISSING,
-    PAPERS,
-    SHOWN,
-    VERDICTS,
-    Compared,
-    Reproduction,
-    paper,
-)
+from allanite.papers.paper import (  # isort: skip
+    AGREES, DIFFERS, DRAWN, MISSING, PAPERS, SHOWN, VERDICTS, Compared, Reproduction, paper
+)  # fmt: skip
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting.first import DETAILS, First
 from allanite.reporting.matplotlib_svg import stored
