@@ -8,9 +8,7 @@ import math
 import numpy as np
 import pytest
 from scipy.stats import f as fisher
-from tests.reference import allan, attitude, theo
-from tests.reference import angle as encoder
-from tests.reference import rate as referee
+from tests.reference import allan, angle as encoder, attitude, rate as referee, theo
 from tests.reference.noise import covariance, draw
 from tests.rows import rows
 from tests.shares import binomial_tail

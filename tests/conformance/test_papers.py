@@ -16,8 +16,19 @@ from tests.conformance.papers.rows import number
 from tests.rows import rows
 
 from allanite.cli import main
-from allanite.papers.paper import AGREES, DRAWN, MISSING, PAPERS, SHOWN, VERDICTS, Item, compared, paper, verdict_on
-from allanite.papers.paper import number as cell_of
+from allanite.papers.paper import (
+    AGREES,
+    DRAWN,
+    MISSING,
+    PAPERS,
+    SHOWN,
+    VERDICTS,
+    Item,
+    compared,
+    number as cell_of,
+    paper,
+    verdict_on,
+)
 
 MODULES = {"000": stabilizer, "vertical": vertical, "001": theoh, "002": sensors, "003": laser, "004": torque}
 

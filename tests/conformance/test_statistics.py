@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from tests import examples, model_of
 from tests.reference import REFEREES, largest
 from tests.reference.dense import moments, quadratic_form

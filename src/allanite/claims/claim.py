@@ -10,8 +10,7 @@ from typing import Any
 
 from allanite.batch.specification import Limit, Specification
 from allanite.core.aliases import public
-from allanite.core.errors import AllaniteError, DataError, UsageError
-from allanite.core.errors import given as shown
+from allanite.core.errors import AllaniteError, DataError, UsageError, given as shown
 from allanite.core.files import reason
 from allanite.core.model import Model, Term
 from allanite.core.plain import Value

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from allanite.core.errors import UsageError
-from allanite.study.recipe import IDENTIFYING as IDENTIFIES
-from allanite.study.recipe import READING, SELECTING
+from allanite.study.recipe import IDENTIFYING as IDENTIFIES, READING, SELECTING
 
 from allanite.study.settings import (  # isort: skip
     DensityChoices, DeviationChoices, LengthChoices, NoiseChoices, WatchChoices, WindowChoices

@@ -127,8 +127,7 @@ EXPERIMENT = (
 def plan(**choices: Any) -> None:
     """Predict how accurately errors can be known."""
     out = outputs(choices, [choices["recipe"]])
-    from allanite.applications.angle import plan as run
-    from allanite.applications.angle import scan
+    from allanite.applications.angle import plan as run, scan
 
     starts = choices["starts"] or ()
     if len(starts) == 1 and "plot" in out.paths:
@@ -159,8 +158,7 @@ def simulate(out: str, **choices: Any) -> None:
     where = outputs(choices | {"csv": out}, [])
     import numpy as np
 
-    from allanite.applications.angle import readings
-    from allanite.applications.angle import simulate as run
+    from allanite.applications.angle import readings, simulate as run
     from allanite.applications.angle.geometry import ANGLES as SENSORS
 
     known = harmonics_of(choices["errors"])

@@ -13,8 +13,7 @@ from allanite.core.choices import DURATION, FLAG, LINES, ChoiceKind, ChoiceRow, 
 from allanite.core.errors import COLUMN, MEANINGS, RATE, SCALE, UNIT, UsageError
 from allanite.core.names import demand_name
 from allanite.reporting.language import ENGLISH, LANGUAGES
-from allanite.study.recipe import IDENTIFYING as IDENTIFIES
-from allanite.study.recipe import READING, SELECTING, Recipe, load_toml
+from allanite.study.recipe import IDENTIFYING as IDENTIFIES, READING, SELECTING, Recipe, load_toml
 
 if TYPE_CHECKING:
     ParamType = click.ParamType[Any]

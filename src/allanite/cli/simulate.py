@@ -264,8 +264,7 @@ def example(paper: str | None, folder: str | None, commands: bool, **shared: Any
     default one of the short name, by commands that are printed and that can be repeated one by one, and prints what the
     paper says beside what was found. Without PAPER, lists the papers.
     """
-    from allanite.papers.paper import PAPERS, compare
-    from allanite.papers.paper import paper as paper_of
+    from allanite.papers.paper import PAPERS, compare, paper as paper_of
 
     if paper is None:
         for row in map(paper_of, PAPERS):

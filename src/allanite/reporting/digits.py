@@ -2,10 +2,12 @@
 
 import re
 
-from allanite.core.digits import Digits as Digits  # noqa: PLC0414 - of this module too
-from allanite.core.digits import digits as digits  # noqa: PLC0414
-from allanite.core.digits import rounded as rounded  # noqa: PLC0414
-from allanite.core.digits import upper_limit as upper_limit  # noqa: PLC0414
+from allanite.core.digits import (
+    Digits as Digits,  # noqa: PLC0414 - of this module too
+    digits as digits,  # noqa: PLC0414
+    rounded as rounded,  # noqa: PLC0414
+    upper_limit as upper_limit,  # noqa: PLC0414
+)
 from allanite.core.units import ATOMS, RAISED, plain_letters
 
 _SIGN = re.compile(r"(?<![A-Za-z0-9\])])-(?=[\d.])")

@@ -13,9 +13,15 @@ from allanite.core.record import Record
 from allanite.core.units import unit_of
 from allanite.core.validity import UNEXPLAINED, graded
 from allanite.identification.methods import METHODS
-from allanite.phrases.phrase import Catalogue, Phrase, join, say, say_count
-from allanite.phrases.phrase import averaging as averaging  # noqa: PLC0414 - of this module too
-from allanite.phrases.phrase import duration as duration  # noqa: PLC0414
+from allanite.phrases.phrase import (
+    Catalogue,
+    Phrase,
+    averaging as averaging,  # noqa: PLC0414 - of this module too
+    duration as duration,  # noqa: PLC0414
+    join,
+    say,
+    say_count,
+)
 from allanite.terms import TERMS
 
 from .digits import digits, printed_unit

@@ -21,8 +21,7 @@ from allanite.core.syntax import split_quantities
 from allanite.core.units import convert
 from allanite.core.validity import Quality
 from allanite.phrases.phrase import join, say, spelled
-from allanite.planning.datasheets import claimed
-from allanite.planning.datasheets import sensor as typical
+from allanite.planning.datasheets import claimed, sensor as typical
 from allanite.planning.plan import DURATIONS, RecordingPlan, plan
 from allanite.planning.selfcheck import SelfCheck, selfcheck
 from allanite.statespace import StateSpace, state_space

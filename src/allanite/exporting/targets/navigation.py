@@ -2,8 +2,7 @@
 
 from dataclasses import replace
 
-from allanite.core.syntax import MATLAB as MATLAB_SYNTAX
-from allanite.core.syntax import PYTHON
+from allanite.core.syntax import MATLAB as MATLAB_SYNTAX, PYTHON
 from allanite.exporting.content import JSON_COMMENT, JsonLayout, LineLayout
 from allanite.exporting.target import ACCELEROMETER, DENSITY, GYRO, TIME, WALK, Target, TargetField, pair, sectioned
 from allanite.phrases.phrase import say

@@ -18,8 +18,7 @@ from allanite.core.record import Record, Recording
 from allanite.core.syntax import identifiers
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import join, say, spelled
-from allanite.readers.clock import clocks
-from allanite.readers.clock import sampling_rate as clock
+from allanite.readers.clock import clocks, sampling_rate as clock
 from allanite.readers.options import Options
 
 from . import channels, conventions, gravity, proposal, resolver, sensors, shapes, stated

@@ -15,8 +15,7 @@ from allanite.reporting.digits import digits, rounded
 from allanite.reporting.first import DETAILS, FIGURES, PLUS_MINUS, Answer, ChannelRow, Channels, First, Remark, merged
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Table, known, one_sheet
 
-from . import Rows, view
-from . import rate_experiment as experiments
+from . import Rows, rate_experiment as experiments, view
 from .channels import by_sensor, fit_words, how_read, names_of, title_of
 from .jobs import alerts, channel_sheet, doubts, job_face, source_of, warned
 

@@ -5,8 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from tests import examples
 from tests.reference.angle import PAPER, PAPER_SUMS, kalman, row
 from tests.rows import refused, rows
@@ -15,8 +14,7 @@ import allanite as al
 from allanite.applications.angle import AngleSettings, squareroot
 from allanite.applications.angle.geometry import ANGLES, EARTH_RATE, Q_LAWS
 from allanite.applications.angle.harmonics import NUISANCES, USUAL, design, harmonic_set
-from allanite.applications.angle.latitude import demand_latitude
-from allanite.applications.angle.latitude import latitude as latitude_of
+from allanite.applications.angle.latitude import demand_latitude, latitude as latitude_of
 from allanite.applications.angle.service import Service
 from allanite.applications.angle.solve import System, solve
 

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from scipy.linalg import toeplitz
 from tests.reference import rate as referee
 from tests.rows import paired, refused, rows
