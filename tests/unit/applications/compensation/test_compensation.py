@@ -268,6 +268,12 @@ def test_regressors_that_can_hardly_be_told_apart_are_named():
     found = compensate(gyro(13), al.Recording((TEMP, twin)), ["temp", "twin"])
     assert found.condition > 30
     assert any("variance inflation temp" in note for note in found.notes)
+    # over a window longer than the record the slope of the temperature is nearly the trend
+    i, rng = np.arange(563.0), np.random.default_rng(3)
+    bent = 0.13 * i - 1.6e-5 * i**2 + 0.2 * rng.standard_normal(563)
+    fast = [al.Record(v, 394.0, u) for v, u in ((1e-3 * rng.standard_normal(563), "rad/s"), (bent, "degC"))]
+    found = compensate(fast[0], al.Recording((fast[1],)), [fast[1].name], derivative_of=[fast[1].name])
+    assert found.condition > 1000
 
 
 FLAT = channel(np.full(3600, 21.0), name="flat")
