@@ -322,8 +322,10 @@ def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tup
             "one of them, let the angles move further, or give a prior"
         )
     # a column in the span of others leaves rounding noise on the diagonal; least squares proper ignores it
-    x, *_ = np.linalg.lstsq(alone.factor[:, :-1], alone.factor[:, -1], rcond=SINGULAR)
-    squares = alone.squares + float(((alone.factor[:, -1] - alone.factor[:, :-1] @ x) ** 2).sum())
+    columns, rest = alone.factor[:, :-1], alone.factor[:, -1]
+    columns = columns / np.where((length := np.linalg.norm(columns, axis=0)) > 0, length, 1.0)
+    x, *_ = np.linalg.lstsq(columns, rest, rcond=SINGULAR)
+    squares = alone.squares + float(((rest - columns @ x) ** 2).sum())
     spread = math.sqrt(squares / (n - rank)) if sigma is None else sigma
     if spread == 0:
         raise DataError("the constants explain every sample exactly, so that the noise cannot be estimated; give sigma")

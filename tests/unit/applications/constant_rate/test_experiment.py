@@ -144,6 +144,18 @@ def test_one_position_finds_north(heading, latitude):
     assert found.positions == 1
 
 
+def test_limits_of_north_hold_beside_the_largest_rate():
+    rng, error = np.random.default_rng(571), 0.002
+    H, model = earth_rate(50.0, "north"), estimate(white(), "mean", model=MODEL)
+    for heading in (0.0, 1.0, 3.0, 20.0, 179.0):
+        held = []
+        for z in error * rng.standard_normal(400):
+            value = min(math.cos(math.radians(heading)) + z, 1 + 1.9 * error)
+            limits = north(replace(model, value=H * value, standard_error=error * H), 50.0, near=heading)
+            held.append(any(limits.low <= psi <= limits.high for psi in (heading, heading + 360)))
+        assert np.mean(held) > 0.92, heading
+
+
 @rows("turned", [180.0, 90.0, -90.0, 150.0])
 @rows("heading", [75.0, 100.0, 200.0, 290.0])
 def test_two_positions_find_north_whatever_the_bias(heading, turned):
