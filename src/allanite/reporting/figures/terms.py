@@ -16,21 +16,9 @@ from allanite.reporting import style, words
 from allanite.reporting.digits import digits, printed_unit
 from allanite.terms import TERMS
 
-from .drawing import (
-    MODEL,
-    REDUCED,
-    LabelBox,
-    by_share,
-    color_of,
-    dashes,
-    draw_label,
-    fractions,
-    freedom,
-    label_of,
-    label_size,
-    pairs,
-    place,
-    together,
+from .drawing import (  # isort: skip
+    MODEL, REDUCED, LabelBox, by_share, color_of, dashes, draw_label, fractions, freedom, label_of, label_size, pairs,
+    place, together,
 )  # fmt: skip
 from .panels import CurvePanel, DrawnPoints
 
