@@ -20,7 +20,6 @@ MAX_NAMES_LENGTH = 32  # characters that the names of channels may take in a rem
 DETAILS, FIGURES = ("--details", say("all numbers")), ("--report page.html", say("figures"))
 """What next, after any result."""
 
-
 ABOVE = Note(say("no result: see above"), "alert")
 """Stands in the sheet of a channel whose refusal stands with those of the others."""
 

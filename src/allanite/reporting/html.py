@@ -23,9 +23,7 @@ from .words import capital
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MADE = {
-    "source": say("source"), "applied to": say("applied to"), "sha256 applied to": say("sha256 applied to"),
-}  # fmt: skip
+MADE = {"source": say("source"), "applied to": say("applied to"), "sha256 applied to": say("sha256 applied to")}
 """What keys of the provenance are called; the others are names."""
 
 _NOTEBOOK = count()  # numbers of the figures of a notebook, whose cells are one page
@@ -63,7 +61,6 @@ def pieces(face: Face) -> tuple[str, list[str]]:
 
 
 _STYLE = re.compile(r' style="color: var\([^,"]*, (#[0-9A-Fa-f]{6})\)"')
-
 
 _BREAK = re.compile(r"(?<!,) (?!\()")
 """Where a cell of the summary is not broken: anywhere but before an interval and after a comma."""

@@ -199,9 +199,7 @@ def _draw_curves(ax: Axes, tau: FloatArray, deviation: FloatArray, time: FloatAr
     style.plain_ticks(ax.xaxis, ax.yaxis)
     style.grid(ax)
     lines = [np.column_stack([tau, row]) for row in deviation]
-    look: dict[str, Any] = {
-        "cmap": TIME_COLORS, "norm": norm, "lw": 0.9, "alpha": 0.75, "zorder": 2, "rasterized": True,
-    }  # fmt: skip
+    look: Any = {"cmap": TIME_COLORS, "norm": norm, "lw": 0.9, "alpha": 0.75, "zorder": 2, "rasterized": True}
     ax.add_collection(LineCollection(lines, array=time, **look))
     ax.plot(tau, np.nanmedian(deviation, axis=0), color=style.ALARM, lw=1.8, zorder=3, label=say("median over time"))
 
@@ -211,10 +209,8 @@ def _draw_ratios(ax: Axes, tau: FloatArray, deviation: FloatArray, time: FloatAr
     extreme = np.nanpercentile(np.abs(np.log(ratio)), 98)
     end = next((r for r in RATIOS if np.log(r) >= extreme), RATIOS[-1])
     ax.set(yscale="log")
-    mesh = ax.pcolormesh(
-        _edges(time), np.exp(_edges(np.log(tau))), ratio.T, norm=LogNorm(1 / end, end), cmap=RATIO_COLORS,
-        rasterized=True,
-    )  # fmt: skip
+    x, y, norm = _edges(time), np.exp(_edges(np.log(tau))), LogNorm(1 / end, end)
+    mesh = ax.pcolormesh(x, y, ratio.T, norm=norm, cmap=RATIO_COLORS, rasterized=True)
     ax.set_facecolor("#BFC4CA")
     style.plain_ticks(ax.yaxis)
     return mesh
@@ -313,9 +309,8 @@ def _draw_tests(axes: Any, residuals: Residuals) -> None:
     ends = residuals.expected[[0, -1]]
     ax.plot(ends, ends, color=style.INK, lw=1.0)
     some = slice(None, None, max(residuals.expected.size // MAX_QUANTILES, 1))
-    ax.plot(
-        residuals.expected[some], residuals.observed[some], ".", color=_color(residuals, "kurtosis"), ms=3, zorder=3
-    )
+    expected, observed = residuals.expected[some], residuals.observed[some]
+    ax.plot(expected, observed, ".", color=_color(residuals, "kurtosis"), ms=3, zorder=3)
     ax.set(xlabel=say("normal quantile"), xticks=range(-4, 5, 2))
     ax.set_title(say("quantiles"), loc="left")
 
@@ -337,8 +332,6 @@ def _draw_series(ax: Axes, residuals: Residuals) -> None:
         ax.stairs(level, edges, baseline=None, color=color, lw=1.4)
         ax.errorbar((edges[:-1] + edges[1:]) / 2, level, error, fmt="none", ecolor=color, lw=1.0)
     reach = max(5.0, 1.1 * float(max(residuals.high.max(), -residuals.low.min())))
-    ax.set(
-        xlabel=say("time ({unit})", unit=unit), ylabel=say("standard deviations"), xlim=(0, length / size),
-        ylim=(-reach, reach),
-    )  # fmt: skip
+    ax.set(xlabel=say("time ({unit})", unit=unit), xlim=(0, length / size), ylim=(-reach, reach))
+    ax.set_ylabel(say("standard deviations"))
     ax.set_title(say("over time"), loc="left")

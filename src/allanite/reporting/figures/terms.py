@@ -84,9 +84,8 @@ def _lines(ax: Axes, panel: CurvePanel, model: Model) -> ModelLines:
     parts = {symbol: panel.expected(part, tau) for symbol, part in terms.items()}
     whole = panel.whole(tau)
     for line in (whole, *parts.values()):
-        for start, end in (
-            np.flatnonzero(np.diff(np.isfinite(line), prepend=False, append=False)).reshape(-1, 2).tolist()
-        ):
+        runs = np.flatnonzero(np.diff(np.isfinite(line), prepend=False, append=False)).reshape(-1, 2)
+        for start, end in runs.tolist():
             if end - start < MIN_RUN:
                 line[start:end] = np.nan
     return ModelLines(tau, whole, parts)

@@ -81,13 +81,11 @@ class PanelFrame:
             free = self.box.width - key.width
             at = (free - IN_CORNER, IN_CORNER / LEADING) if corner else (free / 2, -key.height)
             legend = key.svg(self.box.left + at[0], self.box.top + at[1], self.panel.ink)
-        return "".join(
-            (
-                f'<clipPath id="c{number}"><rect{rectangle}/></clipPath>', *self._grid(),
-                f'<g clip-path="url(#c{number})">', *(mark.draw(place) for mark in marks), "</g>", *self._ticks(),
-                f"<rect{rectangle} {ink.stroke(self.edge, EDGE_WIDTH)}/>", *self._names(), legend,
-            )
-        )  # fmt: skip
+        return "".join((
+            f'<clipPath id="c{number}"><rect{rectangle}/></clipPath>', *self._grid(),
+            f'<g clip-path="url(#c{number})">', *(mark.draw(place) for mark in marks), "</g>", *self._ticks(),
+            f"<rect{rectangle} {ink.stroke(self.edge, EDGE_WIDTH)}/>", *self._names(), legend,
+        ))  # fmt: skip
 
     def _at(self, places: list[float], *, across: bool) -> list[float]:
         side = self.panel.xaxis if across else self.panel.yaxis
