@@ -141,17 +141,10 @@ def table(value: Any, *, level: float | None = None, lang: str = "en", **form: A
 
 
 def first_screen(  # noqa: PLR0913 - each has a default, and is a choice of its own
-    value: Any,
-    *,
-    level: float | None = None,
-    width: int = 100,
-    color: bool = False,
-    lang: str = "en",
+    value: Any, *, level: float | None = None, width: int = 100, color: bool = False, lang: str = "en",
     ascii: bool = False,  # noqa: A002 - as in repr
-    brief: bool = False,
-    first: "First | None" = None,
-    written: Collection[str] = (),
-) -> str:
+    brief: bool = False, first: "First | None" = None, written: Collection[str] = (),
+) -> str:  # fmt: skip
     """The answer, or a `brief` one; `first` replaces that of the view, options in `written` do not come next."""
     from .first import condensed
     from .screen import render, render_brief

@@ -5,6 +5,9 @@ from collections.abc import Mapping
 from string import Formatter
 from typing import TYPE_CHECKING, Any, Self
 
+from allanite.phrases.phrase import (  # isort: skip
+    Catalogue, Phrase, averaging as averaging, duration as duration, join, say, say_count,  # noqa: PLC0414
+)  # fmt: skip
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit, chance
 from allanite.core.kinds import KIND_WORDS, title_of
@@ -13,15 +16,6 @@ from allanite.core.record import Record
 from allanite.core.units import unit_of
 from allanite.core.validity import UNEXPLAINED, graded
 from allanite.identification.methods import METHODS
-from allanite.phrases.phrase import (
-    Catalogue,
-    Phrase,
-    averaging as averaging,  # noqa: PLC0414 - of this module too
-    duration as duration,  # noqa: PLC0414
-    join,
-    say,
-    say_count,
-)
 from allanite.terms import TERMS
 
 from .digits import digits, printed_unit

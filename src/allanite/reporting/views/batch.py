@@ -45,13 +45,10 @@ def first_of_batch(batch: Batch, level: float) -> First:
     told: Note = summary(batch)
     remarks = [Remark.of(batch.label(unit), unit.error, grave=True) for unit in batch if unit.error]
     for outcome in (FAIL, NOT_DECIDED):
-        remarks += [
-            Remark.of(
-                join(" ", (batch.label(unit), j.channel, symbol_of(j.limit.symbol), OUTCOME_WORDS[outcome])),
-                j.reason, say("limit {limit}", limit=j.limit.words()), grave=outcome == FAIL,
-            )
-            for unit in batch for j in unit.judgements if j.outcome == outcome
-        ]  # fmt: skip
+        for file, j in ((batch.label(unit), j) for unit in batch for j in unit.judgements if j.outcome == outcome):
+            what = join(" ", (file, j.channel, symbol_of(j.limit.symbol), OUTCOME_WORDS[outcome]))
+            limit = say("limit {limit}", limit=j.limit.words())
+            remarks.append(Remark.of(what, j.reason, limit, grave=outcome == FAIL))
     if len(batch) == 1 and batch[0].study is not None:
         own = first_of(batch[0].study, level)
         limits = say("limits: {outcome}", outcome=OUTCOME_WORDS[batch[0].outcome]) if batch[0].outcome else ""

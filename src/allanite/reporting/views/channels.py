@@ -72,9 +72,8 @@ def _contents(records: Sequence[Record | Header]) -> Iterator[str]:
 
 def how_read(study: Job[Any]) -> list[str]:
     """How the file was read, the assumptions first that numbers depend on."""
-    kinds = dict.fromkeys(
-        say("{kind} in {unit}", kind=KIND_WORDS[r.kind], unit=r.unit) for r in (c.record for c in study.channels)
-    )
+    records = (channel.record for channel in study.channels)
+    kinds = dict.fromkeys(say("{kind} in {unit}", kind=KIND_WORDS[r.kind], unit=r.unit) for r in records)
     digest = study.provenance.get("sha256", "")
     first = say("read as {kinds}", kinds=join(", ", kinds))
     return [first, *study.notes[:1], *([f"sha256 {digest[:8]}…"] if digest else []), *study.notes[1:]]

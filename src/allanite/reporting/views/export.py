@@ -224,10 +224,7 @@ def first_of_explanation(value: Explanation, level: float) -> First:
         notes = [Remark.of("", note) for note in row_of_file(value.target).notes]
         return replace(condensed(explanation_view.face(value, level)), remarks=notes)
     lines = [say("{table}: {names}", table=title, names=", ".join(rows)) for title, rows in _tables().items()]
-    after = (
-        ("allanite explain NAME", say("what one of them means; abbreviations too")),
-        DETAILS,
-    )
+    after = ("allanite explain NAME", say("what one of them means; abbreviations too")), DETAILS
     title, papers = say("targets, statistics, noise terms and data sheets"), say("papers: allanite example")
     return First(title, papers, lines, after=after)
 

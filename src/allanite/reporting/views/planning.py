@@ -205,13 +205,7 @@ CHECK, CHECKS = ModelledForm(
 ).views()  # fmt: skip
 
 
-@view(
-    None,
-    lambda bound, _: (
-        ["parameter", "relative_error"],
-        [*map(list, zip(bound.names, bound.errors.tolist(), strict=True))],
-    ),
-)
+@view(rows=lambda bound, _: (["parameter", "relative_error"], [[name, bound[name]] for name in bound.names]))
 def bound_view(bound: Bound, _: float) -> Face:
     """Least standard errors of the parameters of a model."""
     values = expected_values(bound.model)
@@ -237,7 +231,6 @@ RATIO = say("Allan variance over the expected variance of the statistic")
 HADAMARD = say("Hadamard variance over the expected variance of the statistic")
 FREEDOM = say("equivalent degrees of freedom")
 EXACT = say("exact for each noise alone; the relative standard deviation of the variance is sqrt(2 / edf)")
-
 
 MAX_TIMES = 8  # averaging times of a first screen
 
@@ -299,12 +292,10 @@ def _space_parts(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
     yield from (Note(note) for note in space.notes)
     scope = channel.fit.scope if channel is not None and channel.fit is not None else None
     if scope is not None and scope.filter is not None:
-        yield Note(
-            say(
-                "the low-pass filter is not among the states: samples closer together than {time:.2g} s are correlated",
-                time=1 / scope.filter.cutoff,
-            )
-        )
+        yield Note(say(
+            "the low-pass filter is not among the states: samples closer together than {time:.2g} s are correlated",
+            time=1 / scope.filter.cutoff,
+        ))  # fmt: skip
     headings, rows = space.rows()
     numbers = (Column(heading, form=".6g") for heading in headings[2:])
     heads = (Column(""), Column(say("state"), "name"), Column(say("unit"), "unit"), *numbers)
