@@ -126,70 +126,43 @@ def _refined(elapsed: FloatArray, rows: Places, interval: float, slack: float) -
     return Pace(interval, *followed(elapsed / interval, rows, STAMPS_AHEAD[-1], slack))
 
 
-_CLOCK = ("--time COLUMN", "time=...")
+def _without_stamps(_: str) -> str:
+    option = spelled(say("--time none --rate HZ"), say("time='none', rate=..."))
+    return say("choose a window without them, or ignore the time stamps: {option}", option=option)
 
 
 def _use_sensor(option: str) -> str:
     return say("use the clock of the sensor ({option}) if the file has it", option=option)
 
 
-FAULTS: dict[str, tuple[str, Callable[[str], str], tuple[str, str]]] = {
-    say("missing samples"): (
-        say("they are marked as gaps, nothing is put in their place"),
-        lambda option: say("choose a window without them, or ignore the time stamps: {option}", option=option),
-        (say("--time none --rate HZ"), say("time='none', rate=...")),
-    ),
+FAULTS: dict[str, tuple[str, Callable[[str], str]]] = {
+    say("missing samples"): (say("they are marked as gaps, nothing is put in their place"), _without_stamps),
     "jitter": (
-        say(
-            "if the sensor itself was sampled so unevenly, the deviations at the shortest averaging times are "
-            "wrong; if only the time stamps were late, the results are right"
-        ),
-        _use_sensor,
-        _CLOCK,
-    ),
+        say("if the sensor itself was sampled so unevenly, the deviations at the shortest averaging times are "
+            "wrong; if only the time stamps were late, the results are right"), _use_sensor),
     say("bursty time stamps"): (
-        say(
-            "they tell when samples arrived, not when they were taken: only their mean rate is used, and "
-            "missing samples remain undetected"
-        ),
-        _use_sensor,
-        _CLOCK,
-    ),
+        say("they tell when samples arrived, not when they were taken: only their mean rate is used, and "
+            "missing samples remain undetected"), _use_sensor),
     say("coarse time stamps"): (
-        say(
-            "the rate is counted from the first change of the time stamp to the last, and single missing "
-            "samples remain undetected"
-        ),
-        lambda _: say("log finer time stamps, or the counter of the sensor"),
-        _CLOCK,
-    ),
+        say("the rate is counted from the first change of the time stamp to the last, and single missing "
+            "samples remain undetected"), lambda _: say("log finer time stamps, or the counter of the sensor")),
     say("duplicate time stamps"): (
         say("the rows are used one after the other, in the order of the file"),
-        lambda _: say("check the logger: samples that are written twice make the noise look smaller"),
-        _CLOCK,
-    ),
+        lambda _: say("check the logger: samples that are written twice make the noise look smaller")),
     say("reversed time stamps"): (
         say("the rows are used in the order of the file"),
-        lambda _: say("check the logger; if the rows are out of order, sort the file by time stamp"),
-        _CLOCK,
-    ),
+        lambda _: say("check the logger; if the rows are out of order, sort the file by time stamp")),
     say("damaged time stamps"): (
         say("each is set by its neighbours"),
-        lambda _: say("check the logger, and the cable or card that it writes to"),
-        _CLOCK,
-    ),
+        lambda _: say("check the logger, and the cable or card that it writes to")),
     say("constant time stamps"): (
         say("the clock gives no information, and missing samples remain undetected"),
-        lambda option: say("use another clock ({option})", option=option),
-        _CLOCK,
-    ),
+        lambda option: say("use another clock ({option})", option=option)),
     say("clock drift"): (
         say("averaging times are accurate only to that part"),
-        lambda option: say("let the sensor and the logger warm up, or use another clock ({option})", option=option),
-        _CLOCK,
-    ),
-}
-"""Name, consequence and remedy of each finding about time stamps; the option and the argument that the remedy names."""
+        lambda option: say("let the sensor and the logger warm up, or use another clock ({option})", option=option)),
+}  # fmt: skip
+"""Name, consequence and remedy of each finding about time stamps; a remedy may name the option of another clock."""
 
 UNSTEADY = 0.1  # RMS deviation of time stamps from an even grid, in intervals, above which they are called jittered
 DRIFT = 1e-4  # relative change of rate within a record that is reported; noise coefficients are less sensitive
@@ -234,8 +207,8 @@ def finding(
     name: str, what: str, place: tuple[float, float] | None = None, *, consequence: str = "", remedy: str = ""
 ) -> Finding:
     """A finding of the table; texts given here replace those of the table."""
-    usual, advice, choice = FAULTS[name]
-    return Finding(name, what, consequence or usual, remedy or advice(spelled(*choice)), place)
+    usual, advice = FAULTS[name]
+    return Finding(name, what, consequence or usual, remedy or advice(spelled("--time COLUMN", "time=...")), place)
 
 
 def lost_samples(places: Places, interval: float, source: str) -> Finding:
@@ -345,11 +318,13 @@ def drift(stamps: Stamps, departure: FloatArray) -> tuple[Finding, ...]:
     bend = float(np.ptp(means - np.linspace(means[0], means[-1], PARTS)))
     if change < DRIFT + 10 * noise or bend < 0.75:
         return ()
-    what = say(
-        "the clock of {column} changes its rate by {change:.2g} ppm within the record",
-        column=stamps.label, change=change * 1e6,
-    )  # fmt: skip
-    return (finding("clock drift", what),)
+    return (drifting(stamps.label, change),)
+
+
+def drifting(label: str, change: float) -> Finding:
+    """A rate that changes by this part of itself."""
+    return finding("clock drift", say("the clock of {column} changes its rate by {change:.2g} ppm within the record",
+                                      column=label, change=change * 1e6))  # fmt: skip
 
 
 def duration(seconds: float) -> str:
