@@ -255,8 +255,6 @@ class Inspector:
         if not (power > UNEQUAL * (1 + 6 * error) * np.median(power)).any():
             return []
         at = int(power.argmax())
-        what = say(
-            "the noise level changes by a factor of {ratio:.3g} between blocks; it is highest from {start:.4g} s on",
-            ratio=math.sqrt(power.max() / power.min()), start=self.levels[at][0],
-        )  # fmt: skip
+        what = say("the noise level changes by a factor of {ratio:.3g} between blocks; it is highest from {start:.4g} "
+                   "s on", ratio=math.sqrt(power.max() / power.min()), start=self.levels[at][0])  # fmt: skip
         return [Finding("level", what, NEITHER, say("analyze the parts separately ({choice})", choice=windowing()))]

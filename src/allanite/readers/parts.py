@@ -228,13 +228,11 @@ def demand_memory(path: Any, memory: str | None, choices: Mapping[str, Any]) -> 
 
 def _refused(name: str, need: int, limit: int, what: str) -> str:
     more = f"{ceil(need / 10**6)}MB"
-    return say(
-        "{file}: the record may take {need} of memory, of which {limit} may be used, and {what} not read in parts "
-        "(analyze, deviation and spectrum of text, .npy, raw binary, Parquet, HDF5 and ROS bags are); write the file "
-        "as one of these, or allow more with {option}",
-        file=name, need=size_in_words(need), limit=size_in_words(limit), what=what,
-        option=spelled(f"--memory {more}", f"memory={more!r}"),
-    )  # fmt: skip
+    return say("{file}: the record may take {need} of memory, of which {limit} may be used, and {what} not read in "
+               "parts (analyze, deviation and spectrum of text, .npy, raw binary, Parquet, HDF5 and ROS bags are); "
+               "write the file as one of these, or allow more with {option}",
+               file=name, need=size_in_words(need), limit=size_in_words(limit), what=what,
+               option=spelled(f"--memory {more}", f"memory={more!r}"))  # fmt: skip
 
 
 def _most(size: int) -> int:

@@ -119,10 +119,8 @@ MATLAB = Target(
         say(
             "NoiseType must be single-sided: with the default, double-sided, imuSensor makes N and K smaller by sqrt(2)"
         ),
-        say(
-            "BiasInstability is flicker only with BiasInstabilityCoefficients = fractalcoef(n, 1), n at least f times "
-            "the longest averaging time"
-        ),
+        say("BiasInstability is flicker only with BiasInstabilityCoefficients = fractalcoef(n, 1), n at least f times "
+            "the longest averaging time"),
     ),
     each=True, comments=JSON_COMMENT,
 )  # fmt: skip

@@ -241,11 +241,9 @@ class Holes:
         """The finding about them."""
         first, longest = (Hole(size, at * interval) for size, at in (self.first, self.longest))
         samples = say_count(self.lost, "{count} sample", "{count} samples")
-        missing = say(
-            "{samples} ({share}) missing in {gaps}, {source}",
-            samples=samples, share=percent(self.lost / self.size), source=source,
-            gaps=say_count(self.count, "{count} gap", "{count} gaps"),
-        )  # fmt: skip
+        missing = say("{samples} ({share}) missing in {gaps}, {source}",
+                      samples=samples, share=percent(self.lost / self.size), source=source,
+                      gaps=say_count(self.count, "{count} gap", "{count} gaps"))  # fmt: skip
         what = [missing, say("the first at {time:.6g} s", time=first.at)]
         if first.size > 1:
             what[1] = say("the first of {length:.4g} s at {time:.6g} s", length=first.size * interval, time=first.at)
@@ -260,26 +258,21 @@ def duplicates(stamps: Stamps) -> tuple[Finding, ...]:
     equal = stamps.steps == 0
     if not equal.any():
         return ()
-    what = say_count(
-        int(equal.sum()),
-        "{count} stamp of {column} is equal to the previous one, although the samples differ; the first is in row "
-        "{row} of the data",
-        "{count} stamps of {column} are equal to the previous one, although the samples differ; the first is in row "
-        "{row} of the data",
-        column=stamps.label, row=int(np.argmax(equal)) + 2,
-    )  # fmt: skip
+    what = say_count(int(equal.sum()),
+                     "{count} stamp of {column} is equal to the previous one, although the samples differ; the first "
+                     "is in row {row} of the data",
+                     "{count} stamps of {column} are equal to the previous one, although the samples differ; the "
+                     "first is in row {row} of the data",
+                     column=stamps.label, row=int(np.argmax(equal)) + 2)  # fmt: skip
     return (finding("duplicate time stamps", what),)
 
 
 def bursty(stamps: Stamps, mean: float) -> Finding:
     """Steps whose median gives another rate than their mean."""
     steps = stamps.steps
-    what = say(
-        "bursty time stamps in {column}: {median:.4g} Hz from the median step, {mean:.6g} Hz from the mean; steps from "
-        "{shortest} to {longest}",
-        column=stamps.label, median=1 / float(np.median(steps)), mean=1 / mean,
-        shortest=duration(float(steps.min())), longest=duration(float(steps.max())),
-    )  # fmt: skip
+    what = say("bursty time stamps in {column}: {median:.4g} Hz from the median step, {mean:.6g} Hz from the mean; "
+               "steps from {shortest} to {longest}", column=stamps.label, median=1 / float(np.median(steps)),
+               mean=1 / mean, shortest=duration(float(steps.min())), longest=duration(float(steps.max())))  # fmt: skip
     return finding("bursty time stamps", what)
 
 
@@ -298,11 +291,9 @@ def jitter(stamps: Stamps, departure: FloatArray, interval: float) -> tuple[Find
     if rms < UNSTEADY:
         return ()
     low, high = (duration(float(step)) for step in (stamps.steps.min(), stamps.steps.max()))
-    what = say(
-        "the time stamps of {column} scatter by {scatter:.2g} intervals RMS; steps from {low} to {high} instead of "
-        "{interval}",
-        column=stamps.label, scatter=rms, low=low, high=high, interval=duration(interval),
-    )  # fmt: skip
+    what = say("the time stamps of {column} scatter by {scatter:.2g} intervals RMS; steps from {low} to {high} "
+               "instead of {interval}",
+               column=stamps.label, scatter=rms, low=low, high=high, interval=duration(interval))  # fmt: skip
     return (finding("jitter", what),)
 
 

@@ -114,10 +114,8 @@ def settled(seen: Stamped, grid: SampleGrid, lost: int) -> Beat:
     """The beat of time stamps by their grid, on which so many samples are missing."""
     given, label = seen.given, seen.column.label
     if grid.trouble and not given:
-        raise DataError(say(
-            "{trouble}; {advice}, or {option} for another column",
-            trouble=grid.trouble, advice=_rows(), option=spelled("--time COLUMN", "time=..."),
-        ))  # fmt: skip
+        raise DataError(say("{trouble}; {advice}, or {option} for another column", trouble=grid.trouble, advice=_rows(),
+                            option=spelled("--time COLUMN", "time=...")))  # fmt: skip
     if grid.trouble:
         return Beat(
             float(given or 0),
@@ -161,10 +159,8 @@ def _contradiction(rate: float, other: float, source: str, told: Sequence[str] =
     apart = say("{share} apart", share=percent(high / low - 1))
     if high >= 2 * low:
         apart = say("a factor of {factor:.4g} apart", factor=high / low)
-    used = say(
-        "rate {rate} Hz is used, but {source} gives {other} Hz, {apart}",
-        rate=_shown(rate), source=source, other=_shown(other), apart=apart,
-    )  # fmt: skip
+    used = say("rate {rate} Hz is used, but {source} gives {other} Hz, {apart}",
+               rate=_shown(rate), source=source, other=_shown(other), apart=apart)  # fmt: skip
     return Finding(
         say("given rate"), join(", ", (used, *told)),
         say("if the other is right, averaging times are wrong by that ratio, and coefficients by a power of it"),
@@ -239,12 +235,9 @@ def _listed(readings: list[tuple[str, float]]) -> str:
 def _ask_unit(column: FileColumn) -> str:
     rates = readings(column.values)
     if not rates:
-        return say(
-            "the last time stamp of {column} is not later than the first: {advice}", column=column.label, advice=_ask()
-        )
+        return say("the last time stamp of {column} is not later than the first: {advice}",
+                   column=column.label, advice=_ask())  # fmt: skip
     address = addressed(column)
-    return say(
-        "the unit of the integer time stamps of {column} is unknown ({readings}): pass {option}",
-        column=column.label, readings=_listed(rates),
-        option=spelled(f"--time '{address}', or --rate {RATE}", f"time='{address}', or rate=100"),
-    )  # fmt: skip
+    return say("the unit of the integer time stamps of {column} is unknown ({readings}): pass {option}",
+               column=column.label, readings=_listed(rates),
+               option=spelled(f"--time '{address}', or --rate {RATE}", f"time='{address}', or rate=100"))  # fmt: skip

@@ -70,14 +70,12 @@ class Damage:
 
     def findings(self, label: str) -> tuple[Finding, ...]:
         """The finding about them, if there are any."""
-        what = say_count(
-            self.count,
-            "{count} time stamp of {column} is damaged, {value} in row {row} of the data: its neighbours are evenly "
-            "spaced without it",
-            "{count} time stamps of {column} are damaged, the first, {value}, in row {row} of the data: their "
-            "neighbours are evenly spaced without them",
-            column=label, row=self.row + 1, value=self.value,
-        )  # fmt: skip
+        what = say_count(self.count,
+                         "{count} time stamp of {column} is damaged, {value} in row {row} of the data: its neighbours "
+                         "are evenly spaced without it",
+                         "{count} time stamps of {column} are damaged, the first, {value}, in row {row} of the data: "
+                         "their neighbours are evenly spaced without them",
+                         column=label, row=self.row + 1, value=self.value)  # fmt: skip
         return (finding("damaged time stamps", what),) if self.count else ()
 
 
@@ -226,11 +224,9 @@ def _with_losses(stamps: Stamps, interval: float, places: Places, found: tuple[F
         return SampleGrid(findings=(*found, finding("duplicate time stamps", what)), trouble=what)
     lost, row = int(places[-1]) + 1 - places.size, int(np.argmax(gaps))
     if lost > MOST_LOST * places[-1]:
-        what = say(
-            "the time stamps of {column} jump by {step:.6g} s before row {row} of the data, and {share:.4g} % "
-            "of all samples would be missing: the clock was set, or the logger was stopped",
-            column=stamps.label, step=stamps.steps[row], row=row + 2, share=100 * lost / int(places[-1]),
-        )  # fmt: skip
+        what = say("the time stamps of {column} jump by {step:.6g} s before row {row} of the data, and {share:.4g} % "
+                   "of all samples would be missing: the clock was set, or the logger was stopped", column=stamps.label,
+                   step=stamps.steps[row], row=row + 2, share=100 * lost / int(places[-1]))  # fmt: skip
         ignored = say("the rows are assumed to be evenly spaced, the jump is ignored")
         return SampleGrid(findings=(*found, finding("missing samples", what, consequence=ignored)), trouble=what)
     if not lost:

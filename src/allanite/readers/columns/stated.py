@@ -89,10 +89,8 @@ def against_headers(used: Iterable[tuple[FileColumn, str]]) -> Iterator[Finding]
         if contradicts(column, unit):
             pairs.setdefault((unit, column.unit), []).append(repr(column.header or column.name))
     for (unit, theirs), names in pairs.items():
-        what = say(
-            "unit {unit} is used as requested, but according to the file it is {theirs} for {columns}",
-            unit=unit, columns=some(names, 12), theirs=theirs,
-        )  # fmt: skip
+        what = say("unit {unit} is used as requested, but according to the file it is {theirs} for {columns}",
+                   unit=unit, columns=some(names, 12), theirs=theirs)  # fmt: skip
         effect = say("if the file is right, the coefficients are wrong")
         remedy = say("omit {option} if the file is right", option=spelled(f"--unit {unit}", f"unit={unit!r}"))
         ours, other = unit_of(unit), unit_of(theirs)

@@ -174,10 +174,9 @@ def _record(signal: channels.SignalColumn, beat: clock.Beat, stated: float | Non
     start, history = stated if beat.start is None else beat.start, signal.column.history
     # a float this large becomes another integer without an error
     if signal.kind == "count" and values.dtype.kind == "f" and np.any(np.abs(values) >= 2.0**63):
-        raise DataError(say(
-            "{column} contains counts beyond the range of 64-bit integers; use {option}",
-            column=signal.column.label, option=spelled("--kind increment", "kind=increment"),
-        ))  # fmt: skip
+        raise DataError(say("{column} contains counts beyond the range of 64-bit integers; use {option}",
+                            column=signal.column.label,
+                            option=spelled("--kind increment", "kind=increment")))  # fmt: skip
     put, kind = beat.grid.put(values), signal.kind
     if kind == "count" and np.isnan(put).any():  # a gap is not an integer: the same numbers, as increments
         kind = "increment"
@@ -191,16 +190,12 @@ def _demand_rows(columns: list[FileColumn]) -> None:
         which = join(
             ", ", (say("{column} has {length}", column=label, length=length) for label, length in lengths.items())
         )
-        raise DataError(say(
-            "the columns have different lengths ({which}); select columns of one length with {option}",
-            which=which, option=spelled("--channels", "channels=..."),
-        ))  # fmt: skip
+        raise DataError(say("the columns have different lengths ({which}); select columns of one length with {option}",
+                            which=which, option=spelled("--channels", "channels=...")))  # fmt: skip
     for label, length in lengths.items():
         if length < 2:
-            raise DataError(say(
-                "{column} contains {length} numbers; a record needs thousands, one row per sample",
-                column=label, length=length,
-            ))  # fmt: skip
+            raise DataError(say("{column} contains {length} numbers; a record needs thousands, one row per sample",
+                                column=label, length=length))  # fmt: skip
 
 
 def described(recording: Recording, headers: Sequence[str]) -> str:
@@ -253,10 +248,8 @@ def restored(table: FileTable, text: str | bytes) -> FileTable:
             table, columns=tuple(columns), rate=_positive(description["rate"]), rate_source=SOURCE, start=start
         )
     except (AllaniteError, ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError):
-        note = say(
-            "{source} does not match its columns (were they changed since it was written?) and is ignored",
-            source=SOURCE,
-        )
+        note = say("{source} does not match its columns (were they changed since it was written?) and is ignored",
+                   source=SOURCE)  # fmt: skip
         return replace(table, notes=(*table.notes, note))
 
 
