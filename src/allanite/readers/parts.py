@@ -33,13 +33,10 @@ UNKNOWN = 1 << 60
 
 MACHINE, OWN = Path("/proc/meminfo"), Path("/proc/self/statm")
 
+_CGROUP = Path("/sys/fs/cgroup")
 GROUPS = (
-    (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory.current"), "inactive_file "),
-    (
-        Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
-        Path("/sys/fs/cgroup/memory/memory.usage_in_bytes"),
-        "total_inactive_file ",
-    ),
+    (_CGROUP / "memory.max", _CGROUP / "memory.current", "inactive_file "),
+    (_CGROUP / "memory/memory.limit_in_bytes", _CGROUP / "memory/memory.usage_in_bytes", "total_inactive_file "),
 )
 """Limit and use of a container, as its own control group is mounted in it, and the line of what can be given back."""
 

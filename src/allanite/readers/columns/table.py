@@ -47,9 +47,8 @@ class FileTable:
         """The channels as records with common sample times."""
         if options.sincos:
             plain = replace(options, sincos=None, unit="1", kind="value")
-            return resolver.with_angles(
-                self._unmarked(plain).recording(plain), len(options.sincos) // 2, options.kind or "value"
-            )
+            waves = self._unmarked(plain).recording(plain)
+            return resolver.with_angles(waves, len(options.sincos) // 2, options.kind or "value")
         if max((len(column.values) for column in self.columns), default=0) < 2:
             raise DataError(
                 say("the file contains fewer than 2 rows of numbers; a record needs thousands, one row per sample")
@@ -187,11 +186,9 @@ def _record(signal: channels.SignalColumn, beat: clock.Beat, stated: float | Non
 def _demand_rows(columns: list[FileColumn]) -> None:
     lengths = {column.label: len(column.values) for column in columns}
     if len(set(lengths.values())) > 1:
-        which = join(
-            ", ", (say("{column} has {length}", column=label, length=length) for label, length in lengths.items())
-        )
+        each = (say("{column} has {length}", column=label, length=length) for label, length in lengths.items())
         raise DataError(say("the columns have different lengths ({which}); select columns of one length with {option}",
-                            which=which, option=spelled("--channels", "channels=...")))  # fmt: skip
+                            which=join(", ", each), option=spelled("--channels", "channels=...")))  # fmt: skip
     for label, length in lengths.items():
         if length < 2:
             raise DataError(say("{column} contains {length} numbers; a record needs thousands, one row per sample",
@@ -230,9 +227,8 @@ def restored(table: FileTable, text: str | bytes) -> FileTable:
     try:
         description = json.loads(text)
         columns = list[FileColumn]()
-        for column, channel in zip(
-            _ordered(table.columns, description["channels"]), description["channels"], strict=True
-        ):
+        written = description["channels"]
+        for column, channel in zip(_ordered(table.columns, written), written, strict=True):
             kind, unit, scale = str(channel["kind"]), str(channel["unit"]), channel["scale"]
             if signal_of_kind(unit, kind) is None or column.text:
                 raise ValueError(unit)
@@ -244,9 +240,8 @@ def restored(table: FileTable, text: str | bytes) -> FileTable:
                 history=tuple(join("", [str(step)]) for step in history),
             ))  # fmt: skip
         start = None if description["start"] is None else float(description["start"])
-        return replace(
-            table, columns=tuple(columns), rate=_positive(description["rate"]), rate_source=SOURCE, start=start
-        )
+        rate = _positive(description["rate"])
+        return replace(table, columns=tuple(columns), rate=rate, rate_source=SOURCE, start=start)
     except (AllaniteError, ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError):
         note = say("{source} does not match its columns (were they changed since it was written?) and is ignored",
                    source=SOURCE)  # fmt: skip
