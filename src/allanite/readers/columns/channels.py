@@ -211,9 +211,7 @@ def _applies(column: FileColumn, options: Options) -> bool:
     if options.unit is None or not _said(column):
         return True
     theirs, mine = unit_of(column.unit).dimension, unit_of(options.unit).dimension
-    return [p for base, p in zip(BASES, theirs, strict=True) if base != "time"] == [
-        p for base, p in zip(BASES, mine, strict=True) if base != "time"
-    ]
+    return all(one == other or base == "time" for base, one, other in zip(BASES, theirs, mine, strict=True))
 
 
 def _resolved(column: FileColumn, options: Options, *, applies: bool) -> SignalColumn | Left:

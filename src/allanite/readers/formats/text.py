@@ -172,16 +172,8 @@ def _dated(values: list[parse.Parsed], names: list[str]) -> tuple[list[parse.Par
             label = " ".join(filter(None, (names[first], names[second])))
             values = [stamps if i == first else None if i == second else v for i, v in enumerate(values)]
             names = [label if i == first else name for i, name in enumerate(names)]
-            return (
-                values,
-                names,
-                (
-                    say(
-                        "columns {first} and {second} are used as date and time of day",
-                        first=first + 1, second=second + 1,
-                    ),
-                ),
-            )  # fmt: skip
+            return values, names, (say("columns {first} and {second} are used as date and time of day",
+                                       first=first + 1, second=second + 1),)  # fmt: skip
     return values, names, ()
 
 
