@@ -292,10 +292,9 @@ def omission(at: FloatArray, count: int, threshold: float) -> tuple[Finding, ...
     """A finding about outliers at these times, of a record of so many samples."""
     if not at.size:
         return ()
-    what = say_count(
-        at.size, "{count} of {all} samples is omitted as an outlier (at {when:.6g} s)",
-        "{count} of {all} samples are omitted as outliers (the first at {when:.6g} s)", all=count, when=float(at[0]),
-    )  # fmt: skip
+    what = say_count(at.size, "{count} of {all} samples is omitted as an outlier (at {when:.6g} s)",
+                     "{count} of {all} samples are omitted as outliers (the first at {when:.6g} s)", all=count,
+                     when=float(at[0]))  # fmt: skip
     effect = say("their innovations exceed {threshold:.2g} standard deviations, as noise does in one of 1000 records",
                  threshold=threshold)  # fmt: skip
     return (Finding("outliers", what, effect),)

@@ -82,10 +82,8 @@ def aligned(along: Recording, record: Record) -> Recording:
         way = say("means") if faster else say("linear interpolation")
         what = say("resampled from {rate:.9g} Hz to the times of {name!r} by {way}",
                    rate=other.rate, name=record.name, way=way)  # fmt: skip
-        records.append(Record(
-            values, record.rate, other.unit, scale=other.scale, name=other.name, start=record.start,
-            history=(*other.history, what),
-        ))  # fmt: skip
+        records.append(Record(values, record.rate, other.unit, scale=other.scale, name=other.name, start=record.start,
+                              history=(*other.history, what)))  # fmt: skip
     return replace(along, records=tuple(records))
 
 

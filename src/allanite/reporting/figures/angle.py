@@ -30,7 +30,6 @@ PALETTE = ("#0072B2", "#C1272D", "#008F6B", "#AA4499", "#B97700", "#555B63", "#5
 
 MAX_INNOVATIONS = 3000  # innovations that are drawn
 MAX_PERIODS = 60  # periods of an error that can be told apart in one panel
-
 LAGS = 40
 
 
@@ -45,14 +44,7 @@ def plot_errors(new_figure: style.NewFigure, result: Result, level: float = 0.95
         period = 2 * math.pi / common
         angle = np.linspace(0, period, max(400, 16 * max(harmonics.orders) // common))
         error, half = _error(harmonics, angle, level)
-        style.grid(ax)
-        if half.any():
-            band = say("{share} band", share=percent(level))
-            ax.fill_between(
-                np.degrees(angle), error - half, error + half, color=style.DATA, alpha=0.2, lw=0, label=band
-            )
-        ax.plot(np.degrees(angle), error, color=style.DATA, lw=1.4, label=say("error"))
-        ax.axhline(0, color=style.INK, lw=0.8)
+        _draw_error(ax, np.degrees(angle), error, half, level, lw=1.4, label=say("error"))
         style.title(ax, harmonics.name or say("angle"))
         ax.set(xlabel=say("angle (deg), one period"), ylabel=say("error (arcsec)"), xlim=(0, math.degrees(period)))
         ax.legend(loc="best")
@@ -71,14 +63,10 @@ def plot_error_in_time(
         keep = part[np.linspace(0, part.size - 1, min(part.size, MAX_INNOVATIONS)).astype(np.int64)]
         time, angle = gimbals.time[keep] / 60, np.asarray(getattr(gimbals, sensor.name))[keep]
         error, half = _error(sensor, angle, level)
-        style.grid(ax)
         crowded = part.size == gimbals.time.size and len(panels) > len(harmonics)
-        ax.plot(time, error, color=style.DATA, lw=0.5 if crowded else 1.1)
+        _draw_error(ax, time, error, half, level, lw=0.5 if crowded else 1.1)
         if half.any():
-            band = say("{share} band", share=percent(level))
-            ax.fill_between(time, error - half, error + half, color=style.DATA, alpha=0.2, lw=0, label=band)
             ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-        ax.axhline(0, color=style.INK, lw=0.8)
         ax.set(ylabel=say("error (arcsec)"), xlim=(time[0], time[-1]))
         low, high = (f"{v:.2f}".replace("-", "−") for v in np.degrees((angle.min(), angle.max())))
         orders = ", ".join(map(str, sensor.orders))
@@ -87,6 +75,15 @@ def plot_error_in_time(
         style.title(ax, sensor.name)
     axes[-1].set_xlabel(say("time (min)"))
     return figure
+
+
+def _draw_error(ax: Axes, x: FloatArray, error: FloatArray, half: FloatArray, level: float, **look: Any) -> None:
+    style.grid(ax)
+    if half.any():
+        band = say("{share} band", share=percent(level))
+        ax.fill_between(x, error - half, error + half, color=style.DATA, alpha=0.2, lw=0, label=band)
+    ax.plot(x, error, color=style.DATA, **look)
+    ax.axhline(0, color=style.INK, lw=0.8)
 
 
 def _error(sensor: Harmonics, angle: FloatArray, level: float) -> tuple[FloatArray, FloatArray]:
@@ -112,7 +109,7 @@ def _parts(gimbals: Gimbals, found: Harmonics) -> list[NDArray[np.int64]]:
 def plot_history(new_figure: style.NewFigure, result: Result, solution: Solution, level: float = 0.95) -> Figure:
     """Convergence of every amplitude, with its confidence band."""
     sensors = parts_of(result)
-    half = quantile(level, math.inf) * solution.complete
+    half, numbered = quantile(level, math.inf) * solution.complete, "offset" in solution.names
     figure = new_figure(7.2, 2.1 + 1.5 * len(sensors))
     axes = figure.subplots(len(sensors), 1, sharex=True, squeeze=False)[:, 0]
     first = 0
@@ -120,7 +117,7 @@ def plot_history(new_figure: style.NewFigure, result: Result, solution: Solution
         count = 2 * len(harmonics.orders)
         which = range(first, first + count)
         way = solution.history
-        x = way.time if _numbered(solution) else way.time / 60
+        x = way.time if numbered else way.time / 60
         style.grid(ax)
         # what is not known yet is anywhere: the scale is that of the last half, and nothing wider is drawn
         late = slice(len(x) // 2, None)
@@ -135,12 +132,8 @@ def plot_history(new_figure: style.NewFigure, result: Result, solution: Solution
         ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
         style.title(ax, harmonics.name or say("angle"))
         first += count
-    axes[-1].set_xlabel(say("samples") if _numbered(solution) else say("time (min)"))
+    axes[-1].set_xlabel(say("samples") if numbered else say("time (min)"))
     return figure
-
-
-def _numbered(solution: Solution) -> bool:
-    return "offset" in solution.names
 
 
 @style.plotted
