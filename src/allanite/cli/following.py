@@ -86,7 +86,6 @@ def _report(service: Service, level: float) -> str:
             at = h.orders.index(order)
             half = quantile(level, h.freedom) * h.amplitude_error[at] / ARCSEC
             value = f"{h.amplitude[at] / ARCSEC:.3g}" + (f" ± {half:.2g}" if result.solution.complete else "")
-            words.append(
-                say("harmonic {order} of {angle}: {amplitude} arcsec", order=order, angle=h.name, amplitude=value)
-            )
+            words.append(say("harmonic {order} of {angle}: {amplitude} arcsec", order=order, angle=h.name,
+                             amplitude=value))  # fmt: skip
     return join("; ", (count, *words, *(f.what for f in result.solution.findings)))

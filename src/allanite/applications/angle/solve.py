@@ -77,12 +77,13 @@ TESTS: dict[str, tuple[str, Callable[[FloatArray], tuple[float, float, str]]]] =
 """Name: title, and innovations of unit variance -> (statistic, p, words if it fails)."""
 
 
-def checks(innovations: FloatArray) -> tuple[InnovationTest, ...]:
-    """Every test of `TESTS`."""
-    return tuple(InnovationTest(name, title, *test(innovations)) for name, (title, test) in TESTS.items())
+def checks(innovations: FloatArray, squares: float, freedom: int, *, given: bool) -> tuple[InnovationTest, ...]:
+    """Every test of `TESTS`; of noise that was given, also whether `squares`, what is left, are as many."""
+    level = (_level(squares, freedom),) if given else ()
+    return (*level, *(InnovationTest(name, title, *test(innovations)) for name, (title, test) in TESTS.items()))
 
 
-def level_check(squares: float, freedom: int) -> InnovationTest:
+def _level(squares: float, freedom: int) -> InnovationTest:
     """Whether the noise is as large as was said: chi-square of what is left, both ways."""
     from scipy.special import gammainc, gammaincc
 
@@ -250,11 +251,11 @@ def solve(
     rows, values = system.rows / spread, system.values / spread
     demand_name("method", method, METHODS)
     end, history, innovations = METHODS[method](SquareRoot.before(vague), rows, values, system.time)
-    level = () if sigma is None else (level_check(alone.squares / spread**2, freedom),)
     return Solution(
         names=system.names, values=end.values, covariance=end.covariance, sigma=spread, given=sigma is not None,
         freedom=math.inf if sigma is not None else freedom, condition=alone.condition, prior=prior, history=history,
-        innovations=innovations, checks=(*level, *checks(innovations)), known=end, omitted=np.flatnonzero(~kept),
+        innovations=innovations, known=end, omitted=np.flatnonzero(~kept),
+        checks=checks(innovations, alone.squares / spread**2, freedom, given=sigma is not None),
         findings=omission(whole.time[~kept], kept.size, gate(kept.size)),
     )  # fmt: skip
 

@@ -108,9 +108,9 @@ def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
         label = say("convergence of the amplitudes")
         yield Drawing(lambda: figures.plot_history(result, solution, level), label, caption)
     if isinstance(result, Calibration):
-        calibrated = result
-        yield Drawing(lambda: figures.plot_error_in_time(calibrated.gimbals, calibrated.harmonics, level),
-                      say("error over time"), IN_TIME)  # fmt: skip
+        gimbals, sensors = result.gimbals, result.harmonics
+        label = say("error over time")
+        yield Drawing(lambda: figures.plot_error_in_time(gimbals, sensors, level), label, IN_TIME)
     label, title = say("innovations and their autocorrelation"), say("are the residuals white?")
     yield Drawing(lambda: figures.plot_innovations(solution), label, INNOVATIONS, title)
     rows = []
@@ -127,14 +127,12 @@ def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
 def _harmonics(result: Result, level: float) -> Table:
     """S, C and amplitude of every harmonic."""
     truth = _truth(result)
-    true = Column(say("true"))
-    heads = (
-        Column(say("harmonic"), "symbol"), Column("S [arcsec]", aside=True), Column(say("error"), aside=True),
-        *([replace(true, aside=True)] if truth else []), Column("C [arcsec]", aside=True),
-        Column(say("error"), aside=True), *([replace(true, aside=True)] if truth else []), Column(say("amplitude")),
-        Column(words.interval(level), "interval"), *([true] if truth else []), Column(say("phase [deg]")),
-        Column("", "name"),
-    )  # fmt: skip
+    true, error = [Column(say("true"))] * bool(truth), Column(say("error"), aside=True)
+    aside = [replace(column, aside=True) for column in true]
+    heads = (Column(say("harmonic"), "symbol"), Column("S [arcsec]", aside=True), error, *aside,
+             Column("C [arcsec]", aside=True), error, *aside, Column(say("amplitude")),
+             Column(words.interval(level), "interval"), *true, Column(say("phase [deg]")),
+             Column("", "name"))  # fmt: skip
     rows, marks = [], []
     for h in parts_of(result):
         for name, order, *constants, _, _, _, phase, status in h.rows(level)[1]:
