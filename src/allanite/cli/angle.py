@@ -284,10 +284,13 @@ def watch(target: str, **choices: Any) -> None:
     Ctrl-C, SIGTERM, --for or --idle end it, and the results of 'allanite angle estimate' are printed and written.
     """
     out = outputs(choices, [target, choices["recipe"]])
+    from allanite.applications.angle.service import Service
+
     from .following import follow
 
     settings = settings_of(WatchChoices, choices)
-    result, data = follow(target, choices, settings, quiet=out.quiet)
+    service = Service(**model_of(choices))
+    result, data = follow(target, choices, settings, service, gimbals_of, quiet=out.quiet)
     true = true_of(target) if Path(target).is_file() else ()
     deliver_study(replace(result, true=true), out, choices, data)
 

@@ -78,9 +78,9 @@ def demand_angles(names: Iterable[str]) -> None:
 Pair = tuple[FloatArray, FloatArray]
 
 
-def _slopes(one: Pair, other: Pair) -> Pair:
+def _slopes(first: Pair, second: Pair) -> Pair:
     """Partial derivatives of the cosine between two vectors by h and q of the first."""
-    (h, q), (p, r) = one, other
+    (h, q), (p, r) = first, second
     by_h = np.cos(h) * np.sin(p) - np.sin(h) * np.cos(p) * np.cos(q - r)
     return np.asarray(by_h), np.asarray(-np.cos(h) * np.cos(p) * np.sin(q - r))
 

@@ -43,12 +43,12 @@ class InnovationTest(Value):
         return join("", (self.title if self.passed else self.failed, f" ({chance(self.p)})"))
 
 
-def white(left: FloatArray) -> tuple[float, float, str]:
+def white(innovations: FloatArray) -> tuple[float, float, str]:
     """Ljung and Box: sum of squared autocorrelations at up to 20 lags."""
     from scipy.special import gammaincc
 
-    n, lags = left.size, max(1, min(20, left.size // 5))
-    centred = left - left.mean()
+    n, lags = innovations.size, max(1, min(20, innovations.size // 5))
+    centred = innovations - innovations.mean()
     r = np.array([centred[k:] @ centred[: n - k] for k in range(1, lags + 1)]) / (centred @ centred)
     q = float(n * (n + 2) * (r**2 / (n - np.arange(1, lags + 1))).sum())
     words = say("successive innovations are correlated ({correlation:+.2f}), so that the standard deviations are too "
@@ -57,16 +57,16 @@ def white(left: FloatArray) -> tuple[float, float, str]:
     return q, float(gammaincc(lags / 2, q / 2)), words
 
 
-def steady(left: FloatArray) -> tuple[float, float, str]:
+def steady(innovations: FloatArray) -> tuple[float, float, str]:
     """Brown, Durbin and Evans: the running sum of innovations against its two slanted limits."""
     from scipy.special import ndtr
 
-    r = np.arange(1, left.size + 1) / left.size
-    way = np.abs(np.cumsum(left)) / math.sqrt(left.size) / (1 + 2 * r)
+    r = np.arange(1, innovations.size + 1) / innovations.size
+    way = np.abs(np.cumsum(innovations)) / math.sqrt(innovations.size) / (1 + 2 * r)
     a = float(way.max())
     p = 2 * (ndtr(-3 * a) + math.exp(-4 * a * a) * ndtr(a))
     words = say("the running sum of the innovations exceeds its limits after {sample} of {samples} samples: the "
-                "constants changed, or the samples drift", sample=int(way.argmax()) + 1, samples=left.size)  # fmt: skip
+                "constants changed, or the samples drift", sample=int(way.argmax()) + 1, samples=r.size)  # fmt: skip
     return a, float(min(p, 1.0)), words
 
 

@@ -288,6 +288,6 @@ def choose(design: Design, folds: Sequence[HeldBlock]) -> list[int]:
             return sorted(kept)
 
 
-def _below(one: tuple[str, int], other: tuple[str, int]) -> bool:
+def _below(column: tuple[str, int], other: tuple[str, int]) -> bool:
     """Whether a column is a lower power of the same channel."""
-    return one[0] == other[0] and 1 < one[1] < other[1]
+    return column[0] == other[0] and 1 < column[1] < other[1]

@@ -94,10 +94,10 @@ def _error(sensor: Harmonics, angle: FloatArray, level: float) -> tuple[FloatArr
     return sensor.at(angle) / ARCSEC, complete * quantile(level, sensor.freedom) * spread / ARCSEC
 
 
-def _parts(gimbals: Gimbals, found: Harmonics) -> list[NDArray[np.int64]]:
+def _parts(gimbals: Gimbals, sensor: Harmonics) -> list[NDArray[np.int64]]:
     """Samples of the panels of an error: all, or of more than `MAX_PERIODS` periods the first and the last."""
-    whole, order = np.arange(gimbals.time.size), max(found.orders)
-    period, length = gimbals.mean_period(found.name, order), gimbals.time[-1] - gimbals.time[0]
+    whole, order = np.arange(gimbals.time.size), max(sensor.orders)
+    period, length = gimbals.mean_period(sensor.name, order), gimbals.time[-1] - gimbals.time[0]
     if length < MAX_PERIODS * period:
         return [whole]
     near = MAX_PERIODS / 5 * period
@@ -197,11 +197,11 @@ MAX_LINE_POINTS = 4000  # points of a line over time
 
 
 @style.plotted
-def plot_optima(new_figure: style.NewFigure, found: Sequence[tuple[str, Optimum]]) -> Figure:
+def plot_optima(new_figure: style.NewFigure, optima: Sequence[tuple[str, Optimum]]) -> Figure:
     """A column for each angle: both paths of the filter, the error by source, and the cost of detuning."""
-    figure = new_figure(6.8 if len(found) == 1 else 5.6 * len(found), 9.0)
-    grid = figure.subplots(3, len(found), squeeze=False)
-    for column, (name, optimum) in zip(grid.T, found, strict=True):
+    figure = new_figure(6.8 if len(optima) == 1 else 5.6 * len(optima), 9.0)
+    grid = figure.subplots(3, len(optima), squeeze=False)
+    for column, (name, optimum) in zip(grid.T, optima, strict=True):
         ax, f = column[0], _frequencies(optimum)
         predictions = [p for p in (optimum.first, optimum.second) if p is not None]
         for prediction, dash in zip(predictions, ("-", (0, (5, 3))), strict=False):
@@ -230,16 +230,16 @@ def plot_optima(new_figure: style.NewFigure, found: Sequence[tuple[str, Optimum]
     return figure
 
 
-def _frequencies(found: Optimum) -> np.ndarray:
-    corner = found.first.loop.k1 / (2 * math.pi)
-    top = corner * 1e3 if found.first.rate is None else found.first.rate / 2 * 0.999
-    low = corner * 1e-4 if found.first.duration is None else 1 / (2 * found.first.duration)
-    return np.geomspace(min(low, corner / 100), max(top, corner * 10) if found.first.rate is None else top, 400)
+def _frequencies(optimum: Optimum) -> np.ndarray:
+    corner = optimum.first.loop.k1 / (2 * math.pi)
+    top = corner * 1e3 if optimum.first.rate is None else optimum.first.rate / 2 * 0.999
+    low = corner * 1e-4 if optimum.first.duration is None else 1 / (2 * optimum.first.duration)
+    return np.geomspace(min(low, corner / 100), max(top, corner * 10) if optimum.first.rate is None else top, 400)
 
 
-def _draw_sources(ax: Axes, found: Optimum) -> None:
-    f = _frequencies(found)
-    lines = error_density(found.best, f)
+def _draw_sources(ax: Axes, optimum: Optimum) -> None:
+    f = _frequencies(optimum)
+    lines = error_density(optimum.best, f)
     dash: Any
     for label, density in lines.items():
         sensor, symbol = label.split()
@@ -287,16 +287,16 @@ def plot_angles(new_figure: style.NewFigure, angles: Sequence[Angle]) -> Figure:
 
 
 @style.plotted
-def plot_scenarios(new_figure: style.NewFigure, found: ScenarioErrors) -> Figure:
+def plot_scenarios(new_figure: style.NewFigure, errors: ScenarioErrors) -> Figure:
     """RMS error of every filter in every scenario."""
-    figure = new_figure(7.2, 0.32 * len(found.filters) + 1.4)
+    figure = new_figure(7.2, 0.32 * len(errors.filters) + 1.4)
     ax = figure.subplots()
-    places = np.arange(len(found.filters))[::-1]
-    for i, scenario in enumerate(found.scenarios):
-        ax.plot(np.degrees(found.rms[:, i]), places, style.MARKERS[i], color=style.SERIES[i], ms=6, label=scenario)
-    ax.set_yticks(places, found.filters)
+    places = np.arange(len(errors.filters))[::-1]
+    for i, scenario in enumerate(errors.scenarios):
+        ax.plot(np.degrees(errors.rms[:, i]), places, style.MARKERS[i], color=style.SERIES[i], ms=6, label=scenario)
+    ax.set_yticks(places, errors.filters)
     ax.set(xscale="log", xlabel=say("RMS error of roll and pitch (deg)"))
     style.grid(ax)
     style.plain_ticks(ax.xaxis)
-    figure.legend(loc="outside upper center", ncols=len(found.scenarios))
+    figure.legend(loc="outside upper center", ncols=len(errors.scenarios))
     return figure
