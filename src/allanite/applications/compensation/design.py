@@ -143,9 +143,8 @@ def _stretches(fine: BoolArray, n: int) -> tuple[tuple[Stretch, ...], tuple[str,
     kept = tuple((int(a), int(b)) for a, b in stretches(fine) if b - a >= MIN_STRETCH)
     count = sum(b - a for a, b in kept)
     if not kept:
-        raise DataError(
-            say("no stretch of {least} samples is complete in the record and its regressors", least=MIN_STRETCH)
-        )
+        raise DataError(say("no stretch of {least} samples is complete in the record and its regressors",
+                            least=MIN_STRETCH))  # fmt: skip
     if count == n:
         return kept, ()
     missing = say(
