@@ -46,8 +46,7 @@ ANGLES = click.option(
 HEADING = click.option("--ring-heading", type=float, default=0.0, show_default=True, metavar="DEG",
     help="Direction of the outer ring's axis, from north to east.")  # fmt: skip
 
-TRUE = "# simulated errors, arcsec: "
-"""What begins a simulated file."""
+TRUE = "# simulated errors, arcsec: "  # what begins a simulated file
 
 
 def harmonics_of(texts: Sequence[str]) -> dict[str, "Harmonics"]:
@@ -174,15 +173,13 @@ def simulate(out: str, **choices: Any) -> None:
     table |= {} if true.rho is None else {"rho [rad]": true.rho}
     put(out, f"{TRUE}{' '.join(choices['errors'])}\n{columns_of(table)}", force=where.force)
     if "plot" in where.paths:
-        from allanite.reporting import figures
+        from allanite.reporting import figures, style
         from allanite.reporting.fonts import drawn_in
         from allanite.reporting.language import speaking
-        from allanite.reporting.style import demand_figure_path, encode
 
-        path = where.paths["plot"]
         with speaking(where.lang), speaking(drawn_in(where.lang)):
             figure = figures.plot_error_in_time(true, list(known.values())).printed()
-            put(path, encode(figure, demand_figure_path(path, force=where.force)), force=where.force)
+            style.save(figure, where.paths["plot"], force=where.force)
     if out != STDOUT and not where.quiet:
         show("\n".join(f"{name}: {path}" for name, path in where.paths.items()))
 
@@ -190,12 +187,9 @@ def simulate(out: str, **choices: Any) -> None:
 def _experiment(choices: dict[str, Any], **more: Any) -> "AngleSettings":
     from allanite.applications.angle import AngleSettings, Ring
 
-    for name in ("latitude", "duration"):
+    for name, meaning in (("latitude", "the latitude of the site"), ("duration", "the length of the experiment")):
         if choices[name] is None:
-            raise UsageError(
-                f"--{name} is required: "
-                f"{'the latitude of the site' if name == 'latitude' else 'the length of the experiment'}"
-            )
+            raise UsageError(f"--{name} is required: {meaning}")
     sway = choices["sway"]
     same = {key: choices[key] for key in ("duration", "interval", "q_law", "turn_period")}
     turned = None if sway is None else (sway[0] * DEGREE, sway[1])
@@ -235,8 +229,8 @@ def calibrate(file: str, **choices: Any) -> None:
 
     data, columns = _rows(file, choices, ("measured", "reference"))
     a, b = columns.values()
-    sigma, name = _scaled(choices["sigma"], ARCSEC), choices["measured"]
-    harmonics = run(a, b, choices["orders"], sigma=sigma, trend=choices["trend"], name=name)
+    sigma = None if choices["sigma"] is None else choices["sigma"] * ARCSEC
+    harmonics = run(a, b, choices["orders"], sigma=sigma, trend=choices["trend"], name=choices["measured"])
     deliver_study(harmonics, out, choices, data, {"measured [rad]": a, "corrected [rad]": a - harmonics.at(a)})
 
 
@@ -290,10 +284,13 @@ def watch(target: str, **choices: Any) -> None:
     Ctrl-C, SIGTERM, --for or --idle end it, and the results of 'allanite angle estimate' are printed and written.
     """
     out = outputs(choices, [target, choices["recipe"]])
+    from allanite.applications.angle.service import Service
+
     from .following import follow
 
     settings = settings_of(WatchChoices, choices)
-    result, data = follow(target, choices, settings, quiet=out.quiet)
+    service = Service(**model_of(choices))
+    result, data = follow(target, choices, settings, service, gimbals_of, quiet=out.quiet)
     true = true_of(target) if Path(target).is_file() else ()
     deliver_study(replace(result, true=true), out, choices, data)
 
@@ -302,9 +299,9 @@ def model_of(choices: Mapping[str, Any]) -> dict[str, Any]:
     """What is estimated, in rad."""
     from allanite.applications.angle.harmonics import USUAL
 
-    prior = choices["prior"]
+    sigma, prior = choices["sigma"], choices["prior"]
     return {"orders": dict.fromkeys(choices["angles"], choices["orders"]), "nuisance": choices["nuisance"] or USUAL,
-            "sigma": _scaled(choices["sigma"], ARCSEC),
+            "sigma": None if sigma is None else sigma * ARCSEC,
             "prior": None if prior is None else (prior[0] * ARCSEC, prior[1] * ARCSEC)}  # fmt: skip
 
 
@@ -366,7 +363,3 @@ def gimbals_of(file: Any, choices: dict[str, Any]) -> "tuple[Recording, FloatArr
         gimbals = gimbals.moved(h_polar=implied.value)
         data = replace(data, notes=(say("{latitude} from the motion of h and q", latitude=str(implied)), *data.notes))
     return data, z, gimbals
-
-
-def _scaled(value: float | None, factor: float) -> float | None:
-    return None if value is None else value * factor

@@ -2,14 +2,15 @@
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import replace
 from typing import Any
 
-from allanite.applications.angle.calibration import Calibration
+from allanite.applications.angle import Calibration, Gimbals
 from allanite.applications.angle.service import Service
 from allanite.applications.angle.solve import quantile
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import join, say, say_count
@@ -18,23 +19,22 @@ from allanite.readers.sandbox.source import NamedPath, digest_of
 from allanite.reporting.words import ARCSEC
 from allanite.study.settings import WatchChoices
 
-from .angle import gimbals_of, model_of
 from .streams import complain, stopping
 
 EVERY = 1.0  # seconds after which the rows that came are taken in
 
 
 def follow(
-    target: str, choices: dict[str, Any], settings: WatchChoices, *, quiet: bool
-) -> tuple[Calibration, Recording]:
+    target: str, choices: dict[str, Any], settings: WatchChoices, service: Service,
+    read: Callable[[Any, dict[str, Any]], tuple[Recording, FloatArray, Gimbals]], *, quiet: bool,
+) -> tuple[Calibration, Recording]:  # fmt: skip
     """The estimate when the source ends, or is ended; and how its rows were read."""
-    service = Service(**model_of(choices))
     data, reported = None, -math.inf
     feed = Feed(tap := opened(target, settings.baud))
     with closing(feed), closing(Spool(target, sent=tap.live)) as spool:
         for rows in _rows_of(feed, spool, settings):
             try:
-                data, z, gimbals = gimbals_of(rows, choices)
+                data, z, gimbals = read(rows, choices)
                 service.add(z, gimbals)
             except DataError as error:
                 complain(str(error))
@@ -86,7 +86,6 @@ def _report(service: Service, level: float) -> str:
             at = h.orders.index(order)
             half = quantile(level, h.freedom) * h.amplitude_error[at] / ARCSEC
             value = f"{h.amplitude[at] / ARCSEC:.3g}" + (f" ± {half:.2g}" if result.solution.complete else "")
-            words.append(
-                say("harmonic {order} of {angle}: {amplitude} arcsec", order=order, angle=h.name, amplitude=value)
-            )
+            words.append(say("harmonic {order} of {angle}: {amplitude} arcsec", order=order, angle=h.name,
+                             amplitude=value))  # fmt: skip
     return join("; ", (count, *words, *(f.what for f in result.solution.findings)))

@@ -20,6 +20,9 @@ from .squareroot import SquareRoot
 ALIKE = 0.9  # correlation above which two amplitudes are hardly distinguished
 DISTURBED = 1.5  # growth of a standard error by the auto-compensating rotation above which it is reported
 UNTOLD = 0.8  # standard error over the prior's, above which the samples say little
+MAX_PHASE = 0.2  # phase shift of a harmonic by the error itself, rad, above which the linear model is doubtful
+
+Prior = tuple[float, float]
 
 
 def caveats(
@@ -78,13 +81,8 @@ def _alike(names: tuple[str, ...], correlation: FloatArray) -> Iterator[Finding]
     size = np.abs(np.triu(correlation[: len(names), : len(names)], 1))
     pairs = sorted(np.argwhere(size > ALIKE).tolist(), key=lambda ij: -size[ij[0], ij[1]])
     if pairs:
-        worst = [
-            say(
-                "{first} and {second} ({correlation:+.2f})", first=names[i], second=names[j],
-                correlation=float(correlation[i, j]),
-            )
-            for i, j in pairs[:3]
-        ]  # fmt: skip
+        worst = [say("{first} and {second} ({correlation:+.2f})", first=names[i], second=names[j],
+                     correlation=float(correlation[i, j])) for i, j in pairs[:3]]  # fmt: skip
         shown = say("hardly separable: {pairs}", pairs=join(", ", worst))
         more = say_count(len(pairs) - 3, "{shown} and {count} more pair", "{shown} and {count} more pairs", shown=shown)
         yield Finding("alike", more if len(pairs) > 3 else shown,
@@ -106,11 +104,6 @@ def _sparse(gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]) -> Itera
                           say("an error between the samples is not observed, and angle and cosine must be sampled at "
                               "the same instant"),
                           say("sample at least four times per period"))  # fmt: skip
-
-
-Prior = tuple[float, float]
-
-MAX_PHASE = 0.2  # phase shift of a harmonic by the error itself, rad, above which the linear model is doubtful
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -243,11 +236,9 @@ def examined(
     """The harmonics of a solution, with what the samples say against it."""
     slopes = gimbals.partials
     sensors = {angle: (getattr(gimbals, angle), slopes[angle]) for angle in harmonics}
-    findings = (
-        *missing(solution, rows, z, sensors, harmonics), *contradiction(gimbals), *solution.findings,
-        *caveats(gimbals, harmonics, solution.names, solution.known, solution.prior),
-        *too_large(tuple(_parts(solution, harmonics))),
-    )  # fmt: skip
+    findings = (*missing(solution, rows, z, sensors, harmonics), *contradiction(gimbals), *solution.findings,
+                *caveats(gimbals, harmonics, solution.names, solution.known, solution.prior),
+                *too_large(tuple(_parts(solution, harmonics))))  # fmt: skip
     solution = replace(solution, findings=findings)
     return Calibration(tuple(_parts(solution, harmonics)), solution, gimbals)
 

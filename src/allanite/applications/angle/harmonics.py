@@ -18,6 +18,8 @@ from .solve import Solution, quantile
 Orders = Sequence[int] | Mapping[str, Sequence[int]]
 
 EQUATORIAL = ("h", "q")  # the sensors that are estimated unless others are named
+MAX_P = 0.01  # p-value below which an amplitude is called identified
+COLUMNS = {"orders": "order", "sine": "S", "cosine": "C"}  # keys of a stored term, by the attribute
 
 
 class Nuisance(NamedTuple):
@@ -54,10 +56,8 @@ The rows of ax and az, ``f1 cos(rho) + g sin(rho)`` and ``-f1 sin(rho) + g cos(r
 fixed in the turning frame, seen along the measured direction. The literature names the two constants only.
 """
 
-POLAR = (
-    "The polar gyro's gimbals do not move on a fixed base (they stay at the latitude and 0): its sensors can be "
-    "estimated under sway only"
-)
+POLAR = ("The polar gyro's gimbals do not move on a fixed base (they stay at the latitude and 0): its sensors can be "
+         "estimated under sway only")  # fmt: skip
 EARTHLY = "Choose a longer interval, another part of the day, a latitude off the pole, or sway the base"
 REMEDIES = {"h_polar": POLAR, "q_polar": POLAR, "mu": "Turn the outer ring"}
 """What makes an angle move: of the equatorial gyro, and of those that do not move with the earth."""
@@ -101,9 +101,6 @@ def design(
     return (*amplitude_names(harmonics), *nuisance), np.column_stack([*blocks, *columns])
 
 
-MAX_P = 0.01  # p-value below which an amplitude is called identified
-
-
 def waves(angle: FloatArray, orders: tuple[int, ...]) -> FloatArray:
     """``sin k a, cos k a`` for each order k, shape (n, 2 len(orders))."""
     return np.column_stack([wave(k * angle) for k in orders for wave in (np.sin, np.cos)])
@@ -119,9 +116,6 @@ def orders_of(orders: Any, what: str = "orders") -> tuple[int, ...]:
     if not fine or not whole or len(set(whole)) < len(whole):
         raise UsageError(f"{what} must be different positive whole numbers such as [128, 256], not {orders!r}")
     return whole
-
-
-COLUMNS = {"orders": "order", "sine": "S", "cosine": "C"}  # keys of a stored term, by the attribute
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -206,10 +200,8 @@ class Harmonics(Correction):
             The record does not contain angles: rates and increments do not determine the position of the sensor.
         """
         if record.kind != "angle" or record.signal.name != "gyro":
-            raise UsageError(
-                f"harmonics of an angle correct a record of kind 'angle' in rad or deg, but {record.name!r} is of kind "
-                f"{record.kind!r} in {record.unit}"
-            )
+            raise UsageError(f"harmonics of an angle correct a record of kind 'angle' in rad or deg, but "
+                             f"{record.name!r} is of kind {record.kind!r} in {record.unit}")  # fmt: skip
         return self.at(record.values * record.factor)
 
     @property

@@ -32,11 +32,6 @@ class Residuals(NamedTuple):
     known: FloatArray  # orthonormal columns of the constants
     rest: FloatArray
 
-    @property
-    def variance(self) -> float:
-        """Variance of a sample's noise."""
-        return float((self.rest**2).sum() / max(1, self.rest.size - self.known.shape[1]))
-
     def explained(self, orders: IntArray) -> Pair:
         """Squares that a harmonic of each order explains, and its amplitude; 0 where the constants explain it."""
         squares, sizes = np.zeros((2, orders.size))
@@ -110,7 +105,8 @@ def _peak(name: str, residuals: Residuals, asked: tuple[int, ...]) -> Peak | Non
         most = min(most, int(math.pi / max(step, 1e-12)))
     gap = max(1, int(resolved / FINENESS))
     orders = np.arange(max(1, math.ceil(resolved)), most + 1, gap)
-    variance, freedom = residuals.variance, residuals.rest.size - residuals.known.shape[1] - 2
+    freedom = residuals.rest.size - residuals.known.shape[1] - 2
+    variance = float((residuals.rest**2).sum()) / max(1, freedom + 2)
     if orders.size < 2 or freedom < 1 or not variance > 0:
         return None
     squares, _ = residuals.explained(orders)
@@ -135,10 +131,9 @@ def _finding(likely: list[Peak]) -> Finding:
     first = likely[0]
     which = [say("harmonic {order} of {angle}", order=peak.order, angle=peak.name or say("the angle"))
              for peak in likely if peak.squares > first.squares - ALIKE]  # fmt: skip
-    what = say(
-        "{harmonics} is also present, with an amplitude of about {amplitude:.3g} arcsec ({chance})",
-        harmonics=join(say(" or "), which), amplitude=math.degrees(first.amplitude) * 3600, chance=chance(first.p),
-    )  # fmt: skip
+    what = say("{harmonics} is also present, with an amplitude of about {amplitude:.3g} arcsec ({chance})",
+               harmonics=join(say(" or "), which), amplitude=math.degrees(first.amplitude) * 3600,
+               chance=chance(first.p))  # fmt: skip
     if first.high > first.low:
         what = say("{harmonic}; orders from {low} to {high} explain the samples as well", harmonic=what, low=first.low,
                    high=first.high)  # fmt: skip

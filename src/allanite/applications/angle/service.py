@@ -10,7 +10,7 @@ from allanite.extending import DataError, FloatArray
 from .calibration import Calibration, Prior, examined, prior_of
 from .geometry import ANGLES, Gimbals
 from .harmonics import USUAL, Orders, design, harmonic_set
-from .solve import CHECKPOINTS, ROBUST, History, Solution, System, checks, gate, level_check, omission, within_gate
+from .solve import CHECKPOINTS, ROBUST, History, Solution, System, checks, gate, omission, within_gate
 from .squareroot import SquareRoot, batch
 
 KEPT = 1 << 16  # last samples that are tested for what the model lacks
@@ -113,12 +113,12 @@ class Service:
         known = SquareRoot(self.known.factor / ratio, self.known.squares / ratio**2, n)
         counts, times, values, errors = (np.array(part) for part in zip(*self.history, strict=True))
         innovations = self.recent[-1] / ratio
-        level = () if self.sigma is None else (level_check(known.squares, n - p),)
         solution = Solution(
             names=names, values=known.values, covariance=known.covariance, sigma=ratio * self.unit,
             given=self.sigma is not None, freedom=math.inf if self.sigma is not None else n - p,
             condition=known.condition, prior=self.prior, history=History(counts, times, values, ratio * errors),
-            innovations=innovations, checks=(*level, *checks(innovations)), known=known,
+            innovations=innovations, known=known,
+            checks=checks(innovations, known.squares, n - p, given=self.sigma is not None),
             findings=omission(np.full(self.omitted, self.first), n + self.omitted, gate(max(LATEST, n))),
         )  # fmt: skip
         return examined(solution, rows, z, gimbals, self.harmonics)

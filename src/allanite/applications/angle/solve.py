@@ -43,12 +43,12 @@ class InnovationTest(Value):
         return join("", (self.title if self.passed else self.failed, f" ({chance(self.p)})"))
 
 
-def white(left: FloatArray) -> tuple[float, float, str]:
+def white(innovations: FloatArray) -> tuple[float, float, str]:
     """Ljung and Box: sum of squared autocorrelations at up to 20 lags."""
     from scipy.special import gammaincc
 
-    n, lags = left.size, max(1, min(20, left.size // 5))
-    centred = left - left.mean()
+    n, lags = innovations.size, max(1, min(20, innovations.size // 5))
+    centred = innovations - innovations.mean()
     r = np.array([centred[k:] @ centred[: n - k] for k in range(1, lags + 1)]) / (centred @ centred)
     q = float(n * (n + 2) * (r**2 / (n - np.arange(1, lags + 1))).sum())
     words = say("successive innovations are correlated ({correlation:+.2f}), so that the standard deviations are too "
@@ -57,16 +57,16 @@ def white(left: FloatArray) -> tuple[float, float, str]:
     return q, float(gammaincc(lags / 2, q / 2)), words
 
 
-def steady(left: FloatArray) -> tuple[float, float, str]:
+def steady(innovations: FloatArray) -> tuple[float, float, str]:
     """Brown, Durbin and Evans: the running sum of innovations against its two slanted limits."""
     from scipy.special import ndtr
 
-    r = np.arange(1, left.size + 1) / left.size
-    way = np.abs(np.cumsum(left)) / math.sqrt(left.size) / (1 + 2 * r)
+    r = np.arange(1, innovations.size + 1) / innovations.size
+    way = np.abs(np.cumsum(innovations)) / math.sqrt(innovations.size) / (1 + 2 * r)
     a = float(way.max())
     p = 2 * (ndtr(-3 * a) + math.exp(-4 * a * a) * ndtr(a))
     words = say("the running sum of the innovations exceeds its limits after {sample} of {samples} samples: the "
-                "constants changed, or the samples drift", sample=int(way.argmax()) + 1, samples=left.size)  # fmt: skip
+                "constants changed, or the samples drift", sample=int(way.argmax()) + 1, samples=r.size)  # fmt: skip
     return a, float(min(p, 1.0)), words
 
 
@@ -77,12 +77,13 @@ TESTS: dict[str, tuple[str, Callable[[FloatArray], tuple[float, float, str]]]] =
 """Name: title, and innovations of unit variance -> (statistic, p, words if it fails)."""
 
 
-def checks(innovations: FloatArray) -> tuple[InnovationTest, ...]:
-    """Every test of `TESTS`."""
-    return tuple(InnovationTest(name, title, *test(innovations)) for name, (title, test) in TESTS.items())
+def checks(innovations: FloatArray, squares: float, freedom: int, *, given: bool) -> tuple[InnovationTest, ...]:
+    """Every test of `TESTS`; of noise that was given, also whether `squares`, what is left, are as many."""
+    level = (_level(squares, freedom),) if given else ()
+    return (*level, *(InnovationTest(name, title, *test(innovations)) for name, (title, test) in TESTS.items()))
 
 
-def level_check(squares: float, freedom: int) -> InnovationTest:
+def _level(squares: float, freedom: int) -> InnovationTest:
     """Whether the noise is as large as was said: chi-square of what is left, both ways."""
     from scipy.special import gammainc, gammaincc
 
@@ -250,11 +251,11 @@ def solve(
     rows, values = system.rows / spread, system.values / spread
     demand_name("method", method, METHODS)
     end, history, innovations = METHODS[method](SquareRoot.before(vague), rows, values, system.time)
-    level = () if sigma is None else (level_check(alone.squares / spread**2, freedom),)
     return Solution(
         names=system.names, values=end.values, covariance=end.covariance, sigma=spread, given=sigma is not None,
         freedom=math.inf if sigma is not None else freedom, condition=alone.condition, prior=prior, history=history,
-        innovations=innovations, checks=(*level, *checks(innovations)), known=end, omitted=np.flatnonzero(~kept),
+        innovations=innovations, known=end, omitted=np.flatnonzero(~kept),
+        checks=checks(innovations, alone.squares / spread**2, freedom, given=sigma is not None),
         findings=omission(whole.time[~kept], kept.size, gate(kept.size)),
     )  # fmt: skip
 
@@ -292,10 +293,9 @@ def omission(at: FloatArray, count: int, threshold: float) -> tuple[Finding, ...
     """A finding about outliers at these times, of a record of so many samples."""
     if not at.size:
         return ()
-    what = say_count(
-        at.size, "{count} of {all} samples is omitted as an outlier (at {when:.6g} s)",
-        "{count} of {all} samples are omitted as outliers (the first at {when:.6g} s)", all=count, when=float(at[0]),
-    )  # fmt: skip
+    what = say_count(at.size, "{count} of {all} samples is omitted as an outlier (at {when:.6g} s)",
+                     "{count} of {all} samples are omitted as outliers (the first at {when:.6g} s)", all=count,
+                     when=float(at[0]))  # fmt: skip
     effect = say("their innovations exceed {threshold:.2g} standard deviations, as noise does in one of 1000 records",
                  threshold=threshold)  # fmt: skip
     return (Finding("outliers", what, effect),)

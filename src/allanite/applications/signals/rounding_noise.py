@@ -191,10 +191,8 @@ def budget(
     rate, needs = record, spelled("--torquer or --torque-scale", "scale=...")
     if not record.signal.inertial:
         if scale is None:
-            raise UsageError(
-                f"{record.name!r} is in {record.unit!r}: give its relation to a rate, by the torquer's constants or "
-                f"scale factor ({needs})"
-            )
+            raise UsageError(f"{record.name!r} is in {record.unit!r}: give its relation to a rate, by the torquer's "
+                             f"constants or scale factor ({needs})")  # fmt: skip
         ampere = ampere_of(record, sense, next(iter(stages), None))
         rate = converted(record, factor_of(scale), ampere, next(iter(counts), 0))
     noise = noise_of(rate, recipe or Recipe())

@@ -28,10 +28,8 @@ HOW = (
     ),
 )
 WITHOUT = say("no stage is named: --rates writes the rate, --stage 'NAME BITS SCALE' computes what a converter adds")
-CAPTION = say(
-    "What each stage adds, by its bits; below the dashed line its share of the variance of the measured noise is less "
-    "than 1 %."
-)
+CAPTION = say("What each stage adds, by its bits; below the dashed line its share of the variance of the measured "
+              "noise is less than 1 %.")  # fmt: skip
 COLUMNS = (
     Column(say("stage"), "name"), Column(say("bits")), Column(say("full scale"), aside=True),
     Column(say("step"), aside=True), Column(say("makes"), "symbol"), Column(say("adds"), form=known(".4g")),
@@ -50,10 +48,8 @@ HEADINGS = (
 def sentence(s: StageNoise) -> str:
     """What the budget says of a stage."""
     unit = s.sheet_unit
-    adds = say(
-        "{stage} adds {term} = {value} {unit}", stage=printable(s.stage.name), term=s.symbol,
-        value=_number(s.to(s.coefficient)), unit=unit,
-    )  # fmt: skip
+    adds = say("{stage} adds {term} = {value} {unit}", stage=printable(s.stage.name), term=s.symbol,
+               value=_number(s.to(s.coefficient)), unit=unit)  # fmt: skip
     if s.measured is None:
         if not s.limit:
             return join("", (adds, "."))
@@ -65,10 +61,8 @@ def sentence(s: StageNoise) -> str:
         fate = say_count(s.enough or 0, "{count} bit would bring it below 1 %", "{count} bits would bring it below 1 %")
     else:
         fate = say("more bits would change nothing")
-    return say(
-        "{adds}, {share} of the measured variance: {fate}.", adds=adds,
-        share="" if s.share is None else words.percent(s.share, 2), fate=fate,
-    )  # fmt: skip
+    return say("{adds}, {share} of the measured variance: {fate}.", adds=adds,
+               share="" if s.share is None else words.percent(s.share, 2), fate=fate)  # fmt: skip
 
 
 def _number(value: float | None) -> str:
@@ -107,11 +101,9 @@ def _rows(budgets: Sequence[Budget]) -> Rows:
 
 def _numbers(s: StageNoise) -> list[Any]:
     codes = (None, None) if s.codes is None else (s.codes.distinct, s.codes.missing)
-    return [
-        s.stage.name, s.stage.bits, s.stage.full_scale, s.stage.step, s.stage.unit, s.symbol,
-        s.to(s.coefficient), s.to(s.measured), s.sheet_unit, None if s.share is None else 100 * s.share, s.enough,
-        *codes, s.clipped,
-    ]  # fmt: skip
+    return [s.stage.name, s.stage.bits, s.stage.full_scale, s.stage.step, s.stage.unit, s.symbol, s.to(s.coefficient),
+            s.to(s.measured), s.sheet_unit, None if s.share is None else 100 * s.share, s.enough, *codes,
+            s.clipped]  # fmt: skip
 
 
 @view(lambda values, fit, level: figures.plot_budgets(_found(*values)), lambda study, level: _rows(_found(study)))
@@ -130,7 +122,5 @@ def study_view(study: BudgetStudy, level: float) -> Face:
 @view(lambda values, fit, level: figures.plot_budgets(values), lambda budget, level: _rows([budget]))
 def budget_view(budget: Budget, _: float) -> Face:
     """The stages of one channel."""
-    return Face(
-        say("Rounding in {source}", source=budget.record.name or say("a record")), BRAND,
-        (_sheet(BudgetChannel(budget.record, budget, budget.alerts)),),
-    )  # fmt: skip
+    return Face(say("Rounding in {source}", source=budget.record.name or say("a record")), BRAND,
+                (_sheet(BudgetChannel(budget.record, budget, budget.alerts)),))  # fmt: skip
