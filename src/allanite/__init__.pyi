@@ -1,24 +1,20 @@
-from . import (
-    batch as batch,
-    claims as claims,
-    comparison as comparison,
-    exporting as exporting,
-    identification as identification,
-    interpretation as interpretation,
-    planning as planning,
-    prepare as prepare,
-    simulation as simulation,
-    statistics as statistics,
-    terms as terms,
-    testing as testing,
-)
-from .applications import (
-    angle as angle,
-    attitude as attitude,
-    compensation as compensation,
-    constant_rate as constant_rate,
-    signals as signals,
-)
+from . import batch as batch
+from . import claims as claims
+from . import comparison as comparison
+from . import exporting as exporting
+from . import identification as identification
+from . import interpretation as interpretation
+from . import planning as planning
+from . import prepare as prepare
+from . import simulation as simulation
+from . import statistics as statistics
+from . import terms as terms
+from . import testing as testing
+from .applications import angle as angle
+from .applications import attitude as attitude
+from .applications import compensation as compensation
+from .applications import constant_rate as constant_rate
+from .applications import signals as signals
 from .applications.compensation import compensate as compensate
 from .claims.checking import check as check
 from .claims.drift import Drift as Drift
@@ -26,37 +22,52 @@ from .claims.drifting import drift as drift
 from .comparison.comparing import compare as compare
 from .comparison.comparison import Comparison as Comparison
 from .core.curve import Curve as Curve
-from .core.errors import (
-    AllaniteError as AllaniteError,
-    DataError as DataError,
-    UnitError as UnitError,
-    UsageError as UsageError,
-)
+from .core.errors import AllaniteError as AllaniteError
+from .core.errors import DataError as DataError
+from .core.errors import UnitError as UnitError
+from .core.errors import UsageError as UsageError
 from .core.estimate import Estimate as Estimate
 from .core.fit import Fit as Fit
-from .core.model import GM as GM, B as B, K as K, Model as Model, N as N, Q as Q, R as R, Term as Term
+from .core.model import GM as GM
+from .core.model import B as B
+from .core.model import K as K
+from .core.model import Model as Model
+from .core.model import N as N
+from .core.model import Q as Q
+from .core.model import R as R
+from .core.model import Term as Term
 from .core.plain import from_dict as from_dict
-from .core.record import Record as Record, Recording as Recording
+from .core.record import Record as Record
+from .core.record import Recording as Recording
 from .core.spectrum import Spectrum as Spectrum
 from .core.version import __version__ as __version__
-from .exporting.export import Export as Export, export as export
+from .exporting.export import Export as Export
+from .exporting.export import export as export
 from .exporting.imported import read_noise as read_noise
 from .identification import identify as identify
 from .identification.checks.residuals import residuals as residuals
-from .identification.checks.whitening import shared as shared, whitened as whitened
+from .identification.checks.whitening import shared as shared
+from .identification.checks.whitening import whitened as whitened
 from .planning.bound import bound as bound
 from .planning.datasheets import sensor as sensor
 from .planning.plan import plan as plan
 from .planning.selfcheck import selfcheck as selfcheck
-from .readers import read as read, write as write
-from .reporting import plot as plot, report as report
+from .readers import read as read
+from .readers import write as write
+from .reporting import plot as plot
+from .reporting import report as report
 from .simulation.record import simulate as simulate
-from .statespace import StateSpace as StateSpace, state_space as state_space
+from .statespace import StateSpace as StateSpace
+from .statespace import state_space as state_space
 from .statistics import expected as expected
 from .statistics.dynamic import dynamic as dynamic
-from .statistics.readings import averaging_stability as averaging_stability, minimum as minimum, readings as readings
-from .statistics.spectra.estimators import Multitaper as Multitaper, Welch as Welch
-from .statistics.spectra.spectrum import deviation_of_spectrum as deviation_of_spectrum, spectrum as spectrum
+from .statistics.readings import averaging_stability as averaging_stability
+from .statistics.readings import minimum as minimum
+from .statistics.readings import readings as readings
+from .statistics.spectra.estimators import Multitaper as Multitaper
+from .statistics.spectra.estimators import Welch as Welch
+from .statistics.spectra.spectrum import deviation_of_spectrum as deviation_of_spectrum
+from .statistics.spectra.spectrum import spectrum as spectrum
 from .stream.accumulator import Accumulator as Accumulator
 from .study.analysis import analyze as analyze
 from .study.curves import deviation as deviation
