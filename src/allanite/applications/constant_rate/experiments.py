@@ -8,7 +8,7 @@ import numpy as np
 
 from allanite.extending import Finding, FloatArray, Signal, Value, join, plain, say, spelled
 
-from .estimates import rate_factor
+from .estimates import rate_factor, sheet_unit
 from .predict import MAX_LOSS, Ranking
 
 DRIFT = 3.0
@@ -228,9 +228,8 @@ class Experiment(Value):
         ratio = float(np.square(np.diff(errors)).mean()) / (2 * variance) * (k - 1) / k
         if (1 - ratio) < DRIFT * math.sqrt((k - 2) / (k**2 - 1)):
             return ""
-        part = max(1, k // 10)
-        unit = self.signal.sheet[0]
-        change = float(errors[part:].mean() - errors[:part].mean()) / rate_factor(unit, self.signal)
+        part, (unit, factor) = max(1, k // 10), sheet_unit(self.signal)
+        change = float(errors[part:].mean() - errors[:part].mean()) / factor
         return say(
             "the rate drifts: adjacent intervals are more alike than independent ones (ratio {ratio:.2f}, not 1); "
             "the first {part} of {intervals} differ by {change:+.2g} {unit} from the rest",
