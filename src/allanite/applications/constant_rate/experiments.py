@@ -230,11 +230,9 @@ class Experiment(Value):
             return ""
         part, (unit, factor) = max(1, k // 10), sheet_unit(self.signal)
         change = float(errors[part:].mean() - errors[:part].mean()) / factor
-        return say(
-            "the rate drifts: adjacent intervals are more alike than independent ones (ratio {ratio:.2f}, not 1); "
-            "the first {part} of {intervals} differ by {change:+.2g} {unit} from the rest",
-            ratio=ratio, part=part, intervals=k, change=-change, unit=unit,
-        )  # fmt: skip
+        return say("the rate drifts: adjacent intervals are more alike than independent ones (ratio {ratio:.2f}, not "
+                   "1); the first {part} of {intervals} differ by {change:+.2g} {unit} from the rest", ratio=ratio,
+                   part=part, intervals=k, change=-change, unit=unit)  # fmt: skip
 
     def scatters(self, unit: str | None = None, level: float = 0.68) -> list[Scatter]:
         """How the rates of every method scatter, in `unit`."""
