@@ -162,16 +162,14 @@ class Experiment(Value):
 
         k, count, least = self.start.size, len(self.methods), int(self.rates.std(axis=1).argmin())
         t = float(stdtrit(k - 2, 1 - (1 - level) / max(count - 1, 2))) if k > 2 else math.nan
-        found = []
+        best, standings = self.rates[least], []
+        own = (1.0, 1.0, 1.0) if count > 1 and t > 0 and best.std() > 0 else (math.nan,) * 3
         for i, method in enumerate(self.methods):
-            one = (1.0, 1.0, 1.0) if count > 1 and t > 0 and self.rates[least].std() > 0 else (math.nan,) * 3
-            ratio, low, high = (
-                one if i == least or math.isnan(one[0]) else ratio_of(self.rates[i], self.rates[least], t)
-            )
+            ratio, low, high = own if i == least or math.isnan(own[0]) else ratio_of(self.rates[i], best, t)
             word = say("as good") if high <= 1 + MAX_LOSS else say("worse") if low > 1 else say("undecided")
             verdict = "" if math.isnan(ratio) else say("least scatter") if i == least else word
-            found.append(Standing(method, self.half_width(method, level, of=count), ratio, low, high, verdict))
-        return tuple(found)
+            standings.append(Standing(method, self.half_width(method, level, of=count), ratio, low, high, verdict))
+        return tuple(standings)
 
     @property
     def chosen(self) -> str:
@@ -237,8 +235,8 @@ class Experiment(Value):
     def scatters(self, unit: str | None = None, level: float = 0.68) -> list[Scatter]:
         """How the rates of every method scatter, in `unit`."""
         factor = rate_factor(unit or self.signal.sheet[0], self.signal)
-        found = (self.scatter(method, level) for method in self.methods)
-        return [Scatter(s.method, *(v / factor for v in s[1:])) for s in found]
+        in_si = (self.scatter(method, level) for method in self.methods)
+        return [Scatter(s.method, *(v / factor for v in s[1:])) for s in in_si]
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI."""
