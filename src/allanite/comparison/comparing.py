@@ -96,12 +96,10 @@ def compare_channels(
     recipe = _ready(recipe)
     recording = open_source(source, recipe, progress)
     if len(recording) == 1:
-        raise UsageError(
-            f"there is only one channel, {recording[0].name!r}; "
-            + spelled("give a second file, more channels, or --part to compare its beginning with the rest",
-                      "give a second recording, more channels, or use truncation to compare its beginning with the "
-                      "rest")
-        )  # fmt: skip
+        cure = spelled("give a second file, more channels, or --part to compare its beginning with the rest",
+                       "give a second recording, more channels, or use truncation to compare its beginning with the "
+                       "rest")  # fmt: skip
+        raise UsageError(f"there is only one channel, {recording[0].name!r}; {cure}")
     sources = SourceSet((recording,), recording.channels, [(name_both(*recording), tuple(recording))])
     if len(recording) == 2:
         return _compare(sources, recipe, rng=rng, progress=progress)

@@ -217,9 +217,9 @@ def _noise_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
     alone, _ = least(together.only(together.chosen.free))
     for i, symbol in enumerate(together.symbols):
         root, law = math.sqrt(together.chosen.theta[i]), partial(together.limits, i)
-        pooled = partial(PooledTerm, symbol, together.signal, runs=tuple(fit[symbol] for fit in fits))
         statistic, p = spread(together, i)
-        tested = partial(pooled, statistic=statistic, dof=len(fits) - 1, p=p, adjusted=p)
+        tested = partial(PooledTerm, symbol, together.signal, runs=tuple(fit[symbol] for fit in fits),
+                         statistic=statistic, dof=len(fits) - 1, p=p, adjusted=p)  # fmt: skip
         if not root:
             yield tested(value=0.0, limits=Remembered(law), between=math.nan, within=math.nan)
             continue
@@ -232,10 +232,8 @@ def _noise_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
 
 def _scatter(common: CommonValue, size: float) -> dict[str, Any]:
     """The common coefficient, its limits, and the scatter between and within runs over its size."""
-    return {
-        "value": common.value, "limits": Remembered(common.limits), "between": float(common.values.std(ddof=1)) / size,
-        "within": math.sqrt(np.mean(common.errors**2)) / size,
-    }  # fmt: skip
+    between, within = float(common.values.std(ddof=1)) / size, math.sqrt(np.mean(common.errors**2)) / size
+    return {"value": common.value, "limits": Remembered(common.limits), "between": between, "within": within}
 
 
 def _ramp_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
@@ -267,7 +265,6 @@ def _apart(together: Joint, names: Sequence[str], alpha: float) -> tuple[dict[st
         if p[worst] > alpha:
             break
         apart[names[runs.pop(worst)]] = p[worst]
-        rest = replace(
-            together, parts=tuple(together.parts[i] for i in runs), spectra=tuple(together.spectra[i] for i in runs)
-        )
+        parts, spectra = zip(*((together.parts[i], together.spectra[i]) for i in runs), strict=True)
+        rest = replace(together, parts=parts, spectra=spectra)
     return apart, rest

@@ -122,10 +122,9 @@ def paired_law(records: tuple[Record, Record], curves: tuple[Curve, Curve]) -> P
     first, second = (record.rate_values for record in records)
     before, after = curves
     both = []
+    signal = records[0].signal
     for values in (first + second, first - second):
-        record = replace(
-            records[0], values=values, unit=records[0].signal.unit, kind=records[0].signal.kind, scale=None
-        )
+        record = replace(records[0], values=values, unit=signal.unit, kind=signal.kind, scale=None)
         both.append(deviation(record, before.statistic, m=before.m.tolist(), noise=None).variance)
     correlation = (both[0] - both[1]) / 4 / np.sqrt(before.variance * after.variance)
     return PairedLaw(np.clip(correlation, -1, 1), np.minimum(before.edf, after.edf))
@@ -147,10 +146,9 @@ def compare_records(channel: Inspected, recipe: Recipe, rng: "np.random.Generato
     if ramps[0] is not None and ramps[1] is not None:
         contrasts |= dict.fromkeys(drift, RampContrast(ramps[0], ramps[1]))
     elif drift:
-        alerts = (*alerts, say("the frequencies that all records have leave nothing of the ramp: it is not compared"))
-    kept = {(e.symbol, ""): contrasts[e.symbol] for e in first if e.symbol in contrasts} | shape_contrasts(
-        first, second
-    )
+        alerts += (say("the frequencies that all records have leave nothing of the ramp: it is not compared"),)
+    kept = {(e.symbol, ""): contrasts[e.symbol] for e in first if e.symbol in contrasts}
+    kept |= shape_contrasts(first, second)
     changes = changes_of(kept, (first, second), recipe.level, tuple(line_contrasts(records, (first, second))))
     each = partly_common(both, both.symbols)
     largest = {symbol: max(sizes[symbol] for sizes in each) for symbol in both.symbols}
@@ -158,18 +156,15 @@ def compare_records(channel: Inspected, recipe: Recipe, rng: "np.random.Generato
     changes = with_needed(changes, noise, min(r.rate for r in records), min(r.size for r in records))
     alike = resemblance(records)
     if alike > ALIKE:
-        alerts = (
-            *alerts,
-            say("both records contain the same noise, like raw and corrected samples (their correlation is "
-                "{correlation:.3g}): they are compared as a pair; the intervals of the coefficients are those of "
-                "independent records, wider than necessary", correlation=alike),
-        )  # fmt: skip
+        alerts += (say("both records contain the same noise, like raw and corrected samples (their correlation is "
+                       "{correlation:.3g}): they are compared as a pair; the intervals of the coefficients are those "
+                       "of independent records, wider than necessary", correlation=alike),)  # fmt: skip
     ratios = None
     try:
         clean = cast(tuple[Record, Record], joined.records)
         ratios = ratios_of(clean, (first, second), law_models(both, (first, second), changes), recipe)
     except DataError as error:
-        alerts = (*alerts, str(error))
+        alerts += (str(error),)
     return Pair(
         channel.name,
         test=paired_homogeneity(records) if alike > ALIKE else homogeneity(both, rng), changes=changes, ratios=ratios,

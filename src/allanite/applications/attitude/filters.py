@@ -10,7 +10,7 @@ from allanite.extending import DataError, FloatArray, public, row_of, say, spell
 
 from .inertial import Inertial
 from .loop import Loop, SensorNoise
-from .optimum import best_first_order, best_kalman, best_second_order
+from .optimum import best_kalman, best_loop, best_second_order
 
 
 @public
@@ -104,7 +104,7 @@ class AttitudeFilter:
     run: Callable[[Inertial, Setting], Angles]
     looped: bool = False  # whether `predicted_error` holds for it: a linear filter with the gains of a `Loop`
     estimates: bool = False  # whether it estimates the gyro bias
-    best: Callable[[Sequence[SensorNoise]], Loop] = best_first_order  # its gains for the noise of roll and of pitch
+    best: Callable[[Sequence[SensorNoise]], Loop] = best_loop  # its gains for the noise of roll and of pitch
 
 
 def _complementary(data: Inertial, setting: Setting) -> Angles:

@@ -3,6 +3,7 @@
 # Derivation: docs/derivations.md.
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -77,10 +78,13 @@ class SensorNoise:
 
     @cached_property
     def noise(self) -> tuple[tuple[str, Term, FloatArray], ...]:
-        """Sensor, term and two-sided density at the nodes, of rate in rad^2/s and of tilt in rad^2 s."""
-        f, _ = self.nodes
+        """The densities at the nodes."""
+        return tuple(self.densities(self.nodes[0]))
+
+    def densities(self, f: FloatArray) -> Iterator[tuple[str, Term, FloatArray]]:
+        """Sensor, term and two-sided density at frequencies, of rate in rad^2/s and of tilt in rad^2 s."""
         terms = [(s, t) for s, m in zip(SENSORS, (self.gyro, self.accelerometer), strict=True) for t in m]
-        return tuple((s, t, scale(s) ** 2 * density(t, f, self.interval)) for s, t in terms if t.row.waveform is None)
+        return ((s, t, scale(s) ** 2 * density(t, f, self.interval)) for s, t in terms if t.row.waveform is None)
 
     def total(self, sensor: str, f: FloatArray) -> FloatArray:
         """Density of all noise of a sensor at other frequencies."""

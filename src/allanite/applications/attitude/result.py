@@ -79,10 +79,8 @@ class VerticalSettings(VerticalChoices, Value):
             return Loop(1 / self.time_constant, 0.0 if slow is None else slow**-2)
         if not noises:
             why = "; ".join(dict.fromkeys(filter(None, reasons))) or "the noise is not known"
-            raise DataError(
-                f"no time constant follows from the noise: {why}; give it with "
-                + spelled("--time-constant S, or the noise with --gyro and --accelerometer", "time_constant=...")
-            )
+            cure = spelled("--time-constant S, or the noise with --gyro and --accelerometer", "time_constant=...")
+            raise DataError(f"no time constant follows from the noise: {why}; give it with {cure}")
         first = self.row.best(noises)
         return first if self.bias_time is None else replace(first, k2=self.bias_time**-2)
 
@@ -122,10 +120,8 @@ class VerticalChannel(ChannelResult):
     @property
     def left_out(self) -> tuple[str, ...]:
         """`wrong` in sentences."""
-        return tuple(
-            say("{symbol} is left out of the prediction because its coefficient is not valid: {reason}",
-                symbol=e.symbol, reason=e.reason) for e in self.wrong
-        )  # fmt: skip
+        return tuple(say("{symbol} is left out of the prediction because its coefficient is not valid: {reason}",
+                         symbol=e.symbol, reason=e.reason) for e in self.wrong)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -27,7 +27,6 @@ used.
 
 MIN_RATIO = 1.2  # ratio of standard errors from which noise that was not identified is mentioned
 
-
 FAST = ("quantized", "resampled", "lines", "slope")
 """Findings about single samples: where the noise is that of blocks, its alert says so already."""
 
@@ -144,17 +143,14 @@ class RateSettings(RateChoices, Value):
     def experiment_on(self, record: Record) -> ExperimentSettings:
         """The settings of the experiment on a record, whose reference may be the earth's rate."""
         if self.signal is not None and self.signal is not record.signal:
-            raise DataError(
-                say("the given true rate or bias belongs to another type of sensor: {sensor}",
-                    sensor=self.signal.name)
-            )  # fmt: skip
+            raise DataError(say("the given true rate or bias belongs to another type of sensor: {sensor}",
+                                sensor=self.signal.name))  # fmt: skip
         interval = self.experiment.interval
         if interval > record.duration and interval != ExperimentSettings.interval:
             too_long = f"the interval of {interval:g} s is longer than the record of {record.duration:g} s"
-            option = spelled(f"--interval {record.duration / 10:.3g}", f"interval={record.duration / 10:.3g}")
-            raise UsageError(
-                f"{too_long}; give a shorter one, as {option}", cure=(f"{interval:g}", f"{record.duration / 10:.3g}")
-            )
+            shorter = f"{record.duration / 10:.3g}"
+            option = spelled(f"--interval {shorter}", f"interval={shorter}")
+            raise UsageError(f"{too_long}; give a shorter one, as {option}", cure=(f"{interval:g}", shorter))
         if self.latitude is None or self.horizontal or record.signal.name != "gyro":
             return self.experiment
         return replace(self.experiment, reference=earth_rate(self.latitude))
@@ -297,11 +293,8 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
         for f in quality.warnings
         if f.name not in settled
     )
-    unfit = (
-        say("{time:g} s is not measured: it needs three samples, and has to fit into {length:g} s",
-            time=d, length=record.duration)
-        for d in short
-    )  # fmt: skip
+    unfit = (say("{time:g} s is not measured: it needs three samples, and has to fit into {length:g} s",
+                 time=d, length=record.duration) for d in short)  # fmt: skip
     return RateChannel(
         record, seen.quality, noise, experiment=measured, by_duration=by_duration(record, durations, model, chosen),
         estimates=estimates, bias=bias, north=heading, by_reversal=turned,

@@ -136,11 +136,9 @@ def north(
     reach = (rate.interval(level)[1] - rate.value) * error / rate.standard_error if error > 0 else 0.0
     if abs(value) > abs(scale) + reach:
         unit = rate.signal.sheet[0]
-        raise DataError(
-            say("the rate {rate:.6g} {unit} is more than the earth turns about a horizontal axis at latitude "
-                "{latitude:g}; subtract the gyro's bias, or measure in two positions", rate=rate.to(unit), unit=unit,
-                latitude=latitude)
-        )  # fmt: skip
+        raise DataError(say("the rate {rate:.6g} {unit} is more than the earth turns about a horizontal axis at "
+                            "latitude {latitude:g}; subtract the gyro's bias, or measure in two positions",
+                            rate=rate.to(unit), unit=unit, latitude=latitude))  # fmt: skip
     # of the two solutions of sin(psi + half) = sine the one nearest to `near`, and its limits
     sine, reach = value / scale, reach / abs(scale)
     s = max(-1.0, min(1.0, sine))

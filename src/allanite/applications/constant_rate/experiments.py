@@ -8,7 +8,7 @@ import numpy as np
 
 from allanite.extending import Finding, FloatArray, Signal, Value, join, plain, say, spelled
 
-from .estimates import rate_factor
+from .estimates import rate_factor, sheet_unit
 from .predict import MAX_LOSS, Ranking
 
 DRIFT = 3.0
@@ -162,16 +162,14 @@ class Experiment(Value):
 
         k, count, least = self.start.size, len(self.methods), int(self.rates.std(axis=1).argmin())
         t = float(stdtrit(k - 2, 1 - (1 - level) / max(count - 1, 2))) if k > 2 else math.nan
-        found = []
+        best, standings = self.rates[least], []
+        own = (1.0, 1.0, 1.0) if count > 1 and t > 0 and best.std() > 0 else (math.nan,) * 3
         for i, method in enumerate(self.methods):
-            one = (1.0, 1.0, 1.0) if count > 1 and t > 0 and self.rates[least].std() > 0 else (math.nan,) * 3
-            ratio, low, high = (
-                one if i == least or math.isnan(one[0]) else ratio_of(self.rates[i], self.rates[least], t)
-            )
+            ratio, low, high = own if i == least or math.isnan(own[0]) else ratio_of(self.rates[i], best, t)
             word = say("as good") if high <= 1 + MAX_LOSS else say("worse") if low > 1 else say("undecided")
             verdict = "" if math.isnan(ratio) else say("least scatter") if i == least else word
-            found.append(Standing(method, self.half_width(method, level, of=count), ratio, low, high, verdict))
-        return tuple(found)
+            standings.append(Standing(method, self.half_width(method, level, of=count), ratio, low, high, verdict))
+        return tuple(standings)
 
     @property
     def chosen(self) -> str:
@@ -228,20 +226,17 @@ class Experiment(Value):
         ratio = float(np.square(np.diff(errors)).mean()) / (2 * variance) * (k - 1) / k
         if (1 - ratio) < DRIFT * math.sqrt((k - 2) / (k**2 - 1)):
             return ""
-        part = max(1, k // 10)
-        unit = self.signal.sheet[0]
-        change = float(errors[part:].mean() - errors[:part].mean()) / rate_factor(unit, self.signal)
-        return say(
-            "the rate drifts: adjacent intervals are more alike than independent ones (ratio {ratio:.2f}, not 1); "
-            "the first {part} of {intervals} differ by {change:+.2g} {unit} from the rest",
-            ratio=ratio, part=part, intervals=k, change=-change, unit=unit,
-        )  # fmt: skip
+        part, (unit, factor) = max(1, k // 10), sheet_unit(self.signal)
+        change = float(errors[part:].mean() - errors[:part].mean()) / factor
+        return say("the rate drifts: adjacent intervals are more alike than independent ones (ratio {ratio:.2f}, not "
+                   "1); the first {part} of {intervals} differ by {change:+.2g} {unit} from the rest", ratio=ratio,
+                   part=part, intervals=k, change=-change, unit=unit)  # fmt: skip
 
     def scatters(self, unit: str | None = None, level: float = 0.68) -> list[Scatter]:
         """How the rates of every method scatter, in `unit`."""
         factor = rate_factor(unit or self.signal.sheet[0], self.signal)
-        found = (self.scatter(method, level) for method in self.methods)
-        return [Scatter(s.method, *(v / factor for v in s[1:])) for s in found]
+        in_si = (self.scatter(method, level) for method in self.methods)
+        return [Scatter(s.method, *(v / factor for v in s[1:])) for s in in_si]
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI."""

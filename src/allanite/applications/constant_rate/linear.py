@@ -155,10 +155,8 @@ OPTIMAL = RateEstimator(
 
 MAX_WORK = 7e6  # samples that the search may look at before it gives its best so far: some 40 ms
 MAX_STEPS = 100  # of a descent, and of the search for an ideal staircase
-DIFFERENCES, STOP = (
-    (0.4, 0.01),
-    1e-3,
-)  # of the descent, pulses: differences in place of a gradient, first and last; its last step
+DIFFERENCES = 0.4, 0.01  # of the descent, pulses: in place of a gradient, first and last
+STOP = 1e-3  # last step of the descent, pulses
 SHARES = 2.0 ** np.arange(-4, 4.5, 0.5)  # of its gradient over the samples, tried as the next step
 NEIGHBOURHOOD = 0.1  # half the side of the box that is searched about the end of the descent, pulses
 DITHERED = 0.3  # angle noise, quanta, from which the staircase's error can be predicted

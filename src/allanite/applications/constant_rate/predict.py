@@ -137,10 +137,8 @@ class Ranking(Value):
             return say("for this gyro averaging is already within {percent:.2g} % of the optimum", percent=percent)
         gain = self.errors["mean"] / self.errors[use]
         if use == "optimal" and self.ratio("regression") < self.ratio("mean"):
-            return say(
-                "use {method}: {gain:.3g} times better than averaging, and {percent:.2g} % better than regression",
-                method=use, gain=gain, percent=100 * (self.ratio("regression") - 1),
-            )  # fmt: skip
+            return say("use {method}: {gain:.3g} times better than averaging, and {percent:.2g} % better than "
+                       "regression", method=use, gain=gain, percent=100 * (self.ratio("regression") - 1))  # fmt: skip
         return say("use {method}: {gain:.3g} times better than averaging", method=use, gain=gain)
 
     def rows(self, unit: str | None = None) -> tuple[list[str], list[list[Any]]]:

@@ -219,10 +219,8 @@ def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[In
         for start in range(int(omitted), int(right) - extra - size + 1, size)
     ])  # fmt: skip
     if not starts.size:
-        raise DataError(
-            say("no interval of {interval:g} s fits between the {missing} missing samples of {name!r}",
-                interval=size / record.rate, missing=lost.size, name=record.name)
-        )  # fmt: skip
+        raise DataError(say("no interval of {interval:g} s fits between the {missing} missing samples of {name!r}",
+                            interval=size / record.rate, missing=lost.size, name=record.name))  # fmt: skip
     notes = []
     if rest := record.size - starts.size * size:
         omitted = say("{rest:.6g} s of {length:.6g} s do not fill an interval and are omitted",
@@ -231,10 +229,8 @@ def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[In
         notes.append(join("; ", (omitted, missing)) if lost.size else omitted)
     if settings.most is not None and starts.size > settings.most:
         starts = starts[np.linspace(0, starts.size - 1, settings.most).astype(np.int64)]
-        notes.append(
-            say_count(settings.most, "{count} interval, spread over the record, was measured",
-                      "{count} intervals, spread over the record, were measured")
-        )  # fmt: skip
+        notes.append(say_count(settings.most, "{count} interval, spread over the record, was measured",
+                               "{count} intervals, spread over the record, were measured"))  # fmt: skip
     return starts, tuple(notes)
 
 
@@ -347,7 +343,5 @@ def closeup(record: Record, settings: ExperimentSettings | None = None, *, start
     if math.isfinite(interval.pulse):
         counts, line, descent = recognized(interval, settings.options)
     rates, descent = ((each + interval.offset) * interval.size - settings.bias for each in (slopes, descent))
-    return Closeup(
-        record.name, record.signal, first / record.rate, size / record.rate, record.rate, rates, kept,
-        counts, line, descent,
-    )  # fmt: skip
+    span = first / record.rate, size / record.rate
+    return Closeup(record.name, record.signal, *span, record.rate, rates, kept, counts, line, descent)

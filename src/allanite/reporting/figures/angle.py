@@ -206,11 +206,10 @@ def plot_optima(new_figure: style.NewFigure, optima: Sequence[tuple[str, Optimum
         predictions = [p for p in (optimum.first, optimum.second) if p is not None]
         for prediction, dash in zip(predictions, ("-", (0, (5, 3))), strict=False):
             _, tilt = prediction.loop.responses(f, None if prediction.rate is None else 1 / prediction.rate)
-            order = prediction.loop.order
-            ax.plot(f, np.abs(1 - tilt), color=style.SERIES[0], ls=dash, lw=1.3,
-                    label=say("gyro path, order {order}", order=order))  # fmt: skip
-            ax.plot(f, np.abs(tilt), color=style.SERIES[1], ls=dash, lw=1.3,
-                    label=say("accelerometer path, order {order}", order=order))  # fmt: skip
+            gyro = say("gyro path, order {order}", order=prediction.loop.order)
+            accelerometer = say("accelerometer path, order {order}", order=prediction.loop.order)
+            ax.plot(f, np.abs(1 - tilt), color=style.SERIES[0], ls=dash, lw=1.3, label=gyro)
+            ax.plot(f, np.abs(tilt), color=style.SERIES[1], ls=dash, lw=1.3, label=accelerometer)
         ax.set(xscale="log", yscale="log", xlabel=say("frequency (Hz)"), ylabel=say("gain"), ylim=(1e-3, 3))
         _finish(ax)
         _draw_sources(column[1], optimum)

@@ -9,6 +9,7 @@ from typing import Any
 from allanite.comparison.change import OUTCOMES, Change
 from allanite.comparison.comparison import Comparison, Pair, Ratios
 from allanite.comparison.pooled import Pool, PooledChannel
+from allanite.core.curve import Curve
 from allanite.core.display_units import readable_unit
 from allanite.core.fit import chance
 from allanite.core.units import convert
@@ -25,10 +26,9 @@ from .jobs import job_face
 
 MAX_WITH_VALUES = 2  # channels side by side with the coefficients before and after
 
-_OUTCOMES = say("smaller"), say("larger"), say("no change"), say("not resolvable")
-OUTCOME_WORDS: dict[str, Phrase] = {word: word for word in _OUTCOMES}
-
-
+OUTCOME_WORDS: dict[str, Phrase] = {
+    word: word for word in (say("smaller"), say("larger"), say("no change"), say("not resolvable"))
+}
 Row = tuple[str, ChannelRow]  # of one channel, with the symbol of the term
 
 
@@ -74,15 +74,18 @@ def _first(
     sensors = [record.signal.sensor for channel in kept for record in channel.records or ()]
     answer = [Channels([channel.name or say("channel") for channel in kept], rows, next(iter(sensors), ""))]
     remarks = [Remark.of(channel.name, channel.refusal, grave=True) for channel in value if channel.refusal]
-    remarks += [
-        Remark.of(channel.name, say("{record} ({grade})", record=name, grade=grade), grave=True)
-        for channel in value
-        for name, grade, fits in zip(value.names, channel.grades, channel.explained, strict=False)
-        if not fits
-    ]
+    remarks += [Remark.of(channel.name, text, grave=True) for channel in value
+                for text, fits in zip(_graded(channel, value.names), channel.explained, strict=False)
+                if not fits]  # fmt: skip
     remarks += [Remark.about_finding("", finding) for finding in value.findings]
     remarks += merged(Remark.of(channel.name, alert) for channel in value for alert in channel.alerts)
     return First(title, join("; ", verdicts), answer, remarks, read=list(value.notes), after=[FIGURES, DETAILS])
+
+
+def _graded(channel: Pair | PooledChannel, names: Sequence[str]) -> list[str]:
+    """How well the model of each record explains it."""
+    each = zip(names, channel.grades, strict=False)
+    return [say("{record} ({grade})", record=name, grade=grade) for name, grade in each]
 
 
 def _change_rows(pair: Pair, level: float, *, values: bool) -> Iterator[Row]:
@@ -128,30 +131,24 @@ MARKS: dict[str, Mark] = {"smaller": "good", "larger": "alarm", "not resolvable"
 """Mark of a row by the outcome of its coefficient."""
 
 COMPARED = (
-    say(
-        "The two records are assumed to be independent, unless they contain the same noise, as raw and corrected "
-        "samples do: those are compared as a pair, by the correlation of their sum and difference (Pitman and Morgan)."
-    ),
-    say(
-        "The verdict is the likelihood ratio of one common noise model "
-        "against a separate model for each record, with the terms that the common model holds (binned powers of the "
-        "cosine transform, Whittle likelihood). Because coefficients cannot be negative, and some rest on few powers, "
-        "the distribution of the ratio is simulated from the common model (a parametric bootstrap, stopped early where "
-        "p is clearly large); nothing is simulated where chi-square gives p below 1e-4."
-    ),
-    say(
-        "The change of a coefficient is the ratio of the two, with profile limits: the ratios that both records "
+    say("The two records are assumed to be independent, unless they contain the same noise, as raw and corrected "
+        "samples do: those are compared as a pair, by the correlation of their sum and difference (Pitman and "
+        "Morgan)."),
+    say("The verdict is the likelihood ratio of one common noise model against a separate model for each record, with "
+        "the terms that the common model holds (binned powers of the cosine transform, Whittle likelihood). Because "
+        "coefficients cannot be negative, and some rest on few powers, the distribution of the ratio is simulated "
+        "from the common model (a parametric bootstrap, stopped early where p is clearly large); nothing is simulated "
+        "where chi-square gives p below 1e-4."),
+    say("The change of a coefficient is the ratio of the two, with profile limits: the ratios that both records "
         "together are consistent with, whatever their other coefficients are. Its p is adjusted for the number of "
-        "coefficients by Holm's method. Ramps keep their sign; their limits are Fieller's. Sinusoids, and terms with a "
-        "time constant or a frequency that both records have, are compared by the intervals of both (Donner and Zou)."
-    ),
-    say(
-        "The ratio of the variances is distributed as a ratio of two weighted sums of chi-squares, which is Fisher's F "
-        "with both equivalent degrees of freedom where these are many. All terms are included for it, and coefficients "
-        "that cannot be told apart are assumed equal. Neighbouring averaging times share data: of twenty equal ones "
-        "about one differs by chance, and its neighbours tend to differ with it."
-    ),
-)
+        "coefficients by Holm's method. Ramps keep their sign; their limits are Fieller's. Sinusoids, and terms with "
+        "a time constant or a frequency that both records have, are compared by the intervals of both (Donner and "
+        "Zou)."),
+    say("The ratio of the variances is distributed as a ratio of two weighted sums of chi-squares, which is Fisher's "
+        "F with both equivalent degrees of freedom where these are many. All terms are included for it, and "
+        "coefficients that cannot be told apart are assumed equal. Neighbouring averaging times share data: of twenty "
+        "equal ones about one differs by chance, and its neighbours tend to differ with it."),
+)  # fmt: skip
 PAIRS = ("channel", "quantity", "tau_s", "before", "after", "unit", "change_percent", "low_percent", "high_percent",
         "p", "p_holm", "outcome", "edf_before", "edf_after")  # fmt: skip
 """The change of a deviation and its interval refer to the deviation; its square is the ratio of the variances."""
@@ -163,11 +160,8 @@ def face_of(value: Value, drawn: bool, level: float, **own: Any) -> Face:
     header: list[tuple[str, str]] = [(say("file"), source)] if source and "source 2" not in value.provenance else []
     header += [(say("with") if i else say("compared"), name) for i, name in enumerate(value.names)]
     header += [("" if i else say("assumed"), note) for i, note in enumerate(value.notes)]
-    caption = say(
-        "Deviation by averaging time with {level} confidence bands, and the ratio of the variances with its {level} "
-        "interval at each averaging time.",
-        level=words.percent(level),
-    )
+    caption = say("Deviation by averaging time with {level} confidence bands, and the ratio of the variances with its "
+                  "{level} interval at each averaging time.", level=words.percent(level))  # fmt: skip
     label = say("curves with bands, and the ratio of their variances")
     drawing = Drawing(lambda: figures.plot_comparison([value], level), label, caption)
     names = _counted(value), say("what has changed")
@@ -187,11 +181,7 @@ def sheet_of(result: Pair | PooledChannel, names: Sequence[str], doubt: bool, ta
     records = zip(names, result.records or (), strict=False)
     about = [join(": ", (name, join("; ", (words.about(record), *record.history)))) for name, record in records]
     if result.grades:
-        graded = (
-            say("{record} ({grade})", record=name, grade=grade)
-            for name, grade in zip(names, result.grades, strict=False)
-        )
-        about.append(say("noise models: {models}", models=join(", ", graded)))
+        about.append(say("noise models: {models}", models=join(", ", _graded(result, names))))
     if result.band is not None:
         low, high = result.band
         about.append(say("compared from {low:.4g} to {high:.6g} Hz, the frequencies that all have", low=low, high=high))
@@ -212,11 +202,9 @@ def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
     rows = []
     for c in pair.changes:
         each = [c.before, c.after, *([pair.whole[c.symbol]] if pair.whole is not None and c.frequency is None else [])]
-        values = [words.brief(e, level, c.parameter) for e in each]
-        rows.append([
-            c.symbol, _title(c), *values, *["-"] * (len(whole.names) + (pair.whole is not None) - len(each)), c.unit,
-            *words.change_of(c, level), c.p, c.adjusted, OUTCOME_WORDS[c.outcome],
-        ])  # fmt: skip
+        cells = [*(words.brief(e, level, c.parameter) for e in each), *["-"] * (len(values) - len(each))]
+        rows.append([c.symbol, _title(c), *cells, c.unit, *words.change_of(c, level), c.p, c.adjusted,
+                     OUTCOME_WORDS[c.outcome]])  # fmt: skip
     return Table(heads, rows, say("coefficients"), marks=[MARKS.get(c.outcome, "") for c in pair.changes])
 
 
@@ -270,39 +258,28 @@ def comparison_view(value: Comparison, level: float) -> Face:
         tables = [_changes_table(pair, value, level)] if pair.changes else []
         tables += [_ratios_table(pair.ratios, value, (level, pair.alpha))] if pair.ratios is not None else []
         sheets.append(sheet_of(pair, value.names, not all(pair.explained), tables))
-    return face_of(
-        value, any(pair.ratios is not None for pair in value), level,
-        title=say("Comparison of {first} and {second}", first=value.names[0], second=value.names[1]), sheets=sheets,
-        close=[
-            Note(join(": ", (OUTCOME_WORDS[outcome], meaning)), "quiet", where="text")
-            for outcome, meaning in OUTCOMES.items()
-            if outcome in met
-        ],
-        how=[*map(Note, COMPARED), outcomes],
-    )  # fmt: skip
+    title = say("Comparison of {first} and {second}", first=value.names[0], second=value.names[1])
+    close = [Note(join(": ", (OUTCOME_WORDS[outcome], meaning)), "quiet", where="text")
+             for outcome, meaning in OUTCOMES.items() if outcome in met]  # fmt: skip
+    own = {"title": title, "sheets": sheets, "close": close, "how": [*map(Note, COMPARED), outcomes]}
+    return face_of(value, any(pair.ratios is not None for pair in value), level, **own)
 
 
 POOLED = (
-    say(
-        "The runs are assumed to be independent. One noise model for all is tested by its likelihood ratio against a "
-        "separate model for each run, with the distribution simulated from the common model. The common coefficient is "
-        "the one that all runs together make most likely; its limits are averaged over the sets of terms that may be "
-        "there. Where the runs scatter more than their errors, it is their mean, with weights that include the "
+    say("The runs are assumed to be independent. One noise model for all is tested by its likelihood ratio against a "
+        "separate model for each run, with the distribution simulated from the common model. The common coefficient "
+        "is the one that all runs together make most likely; its limits are averaged over the sets of terms that may "
+        "be there. Where the runs scatter more than their errors, it is their mean, with weights that include the "
         "variance between runs (Paule and Mandel). The limits are those of Student's t with the degrees of freedom of "
         "the runs (Hartung and Knapp), and never narrower than those of runs that are alike; two runs have the latter "
-        "unless they differ."
-    ),
-    say(
-        "Between runs: standard deviation of the runs' coefficients, in percent of the common one. Within runs: the "
+        "unless they differ."),
+    say("Between runs: standard deviation of the runs' coefficients, in percent of the common one. Within runs: the "
         "scatter that equal sensors would show, from the standard errors. The difference is tested by a chi-square of "
-        "homogeneity, adjusted by Holm's method. Each run has its own ramp, which the noise model does not contain."
-    ),
-    say(
-        "A run is an outlier if it differs from all the others taken together (likelihood ratio, adjusted by Holm's "
+        "homogeneity, adjusted by Holm's method. Each run has its own ramp, which the noise model does not contain."),
+    say("A run is an outlier if it differs from all the others taken together (likelihood ratio, adjusted by Holm's "
         "method); the worst one is removed and the others are tested again. Variances are averaged with their degrees "
-        "of freedom as weights; that they are equal is tested at each averaging time by Bartlett's test."
-    ),
-)
+        "of freedom as weights; that they are equal is tested at each averaging time by Bartlett's test."),
+)  # fmt: skip
 RUNS = ("channel", "quantity", "tau_s", "common", "low", "high", "unit", "between_percent", "within_percent",
         "chi_square", "dof", "p", "p_holm", "edf")  # fmt: skip
 """The runs have columns of their own, after these."""
@@ -335,36 +312,33 @@ def _runs_table(channel: PooledChannel, whole: Pool, level: float) -> Table:
         Column(say("record"), "name"), *(Column(f"{term.symbol} [{term.sheet_unit}]") for term in channel.terms),
         Column(say("apart, p"), form=lambda p: "" if p is None else words.probability(p)),
     )  # fmt: skip
-    rows = [
-        [name, *(words.brief(fit[term.symbol], level) for term in channel.terms), channel.apart.get(name)]
-        for name, fit in zip(whole.names, channel.fits, strict=True)
-    ]
+    each = zip(whole.names, channel.fits, strict=True)
+    rows = [[name, *(words.brief(fit[t.symbol], level) for t in channel.terms), channel.apart.get(name)]
+            for name, fit in each]  # fmt: skip
     marks: list[Mark] = ["alarm" if name in channel.apart else "" for name in whole.names]
     return Table(heads, rows, say("record by record"), marks=marks)
 
 
-def _curve_rows(channel: PooledChannel, level: float) -> Iterator[list[float]]:
+def _curve_rows(channel: PooledChannel, curve: Curve, level: float) -> Iterator[list[float]]:
     """tau, deviation, its limits, edf and p of the common curve, then the deviation of each run."""
-    assert channel.curve is not None  # noqa: S101 - the caller has looked
     assert channel.p is not None  # noqa: S101 - comes with the curve
-    unit = readable_unit(channel.curve.unit)
-    whole, runs = channel.curve.to(unit), [curve.to(unit).deviation for curve in channel.curves]
+    unit = readable_unit(curve.unit)
+    whole, runs = curve.to(unit), [curve.to(unit).deviation for curve in channel.curves]
     numbers = (whole.tau, whole.deviation, *whole.interval(level), whole.edf, channel.p, *runs)
     yield from (list(row) for row in zip(*(column.tolist() for column in numbers), strict=True))
 
 
-def _curve_table(channel: PooledChannel, level: float) -> Table:
-    assert channel.curve is not None  # noqa: S101 - the caller has looked
-    whole = join(" ", (say("all records"), f"[{readable_unit(channel.curve.unit)}]"))
+def _curve_table(channel: PooledChannel, curve: Curve, level: float) -> Table:
+    whole = join(" ", (say("all records"), f"[{readable_unit(curve.unit)}]"))
     heads = (
         Column("tau [s]", form=".6g"), Column(whole), Column(words.interval(level), "interval"),
         Column(say("edf"), form=".4g"), Column(say("p of one variance"), form=words.probability),
     )  # fmt: skip
     rows, marks = [], list[Mark]()
-    for tau, value, low, high, edf, p, *_ in _curve_rows(channel, level):
+    for tau, value, low, high, edf, p, *_ in _curve_rows(channel, curve, level):
         rows.append([tau, *digits(value, low, high).plain(), edf, p])
         marks.append("alarm" if p <= channel.alpha else "")
-    title = say("{statistic} of all records", statistic=statistic_named(channel.curve.statistic).title)
+    title = say("{statistic} of all records", statistic=statistic_named(curve.statistic).title)
     return Table(heads, rows, title, marks=marks)
 
 
@@ -376,13 +350,10 @@ def _pooled_rows(value: Pool, level: float) -> Rows:
             symbol, _, *numbers = term.row(level)
             runs = [None if e.value is None else e.to(term.sheet_unit) for e in term.runs]
             rows.append([channel.name, symbol, None, *numbers, None, *runs])
-    for channel, curve in ((channel, channel.curve) for channel in value):
-        if curve is None:
-            continue
+    for channel, curve in ((channel, channel.curve) for channel in value if channel.curve is not None):
         unit = readable_unit(curve.unit)
-        for tau, size, low, high, edf, p, *each in _curve_rows(channel, level):
-            rows.append([channel.name, curve.statistic, tau, size, low, high, unit, *[None] * 4, p, None, edf,
-                         *each])  # fmt: skip
+        for tau, size, low, high, edf, p, *each in _curve_rows(channel, curve, level):
+            rows.append([channel.name, curve.statistic, tau, size, low, high, unit, *[None] * 4, p, None, edf, *each])
     return (*RUNS, *value.names), rows
 
 
@@ -393,7 +364,7 @@ def pool_view(value: Pool, level: float) -> Face:
     for channel in value:
         tables = [_terms_table(channel, level), _runs_table(channel, value, level)] if channel.terms else []
         if channel.curve is not None:
-            tables.append(_curve_table(channel, level))
+            tables.append(_curve_table(channel, channel.curve, level))
         doubt = not channel.alike or bool(channel.apart) or not all(channel.explained)
         sheets.append(sheet_of(channel, value.names, doubt, tables))
     own = {"brand": say("what records have in common"), "sheets": sheets, "how": [*map(Note, POOLED)]}

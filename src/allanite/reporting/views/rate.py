@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
 from typing import Any
 
 from allanite.applications.constant_rate import RATE_ESTIMATORS, Closeup, Experiment, Ranking, RateEstimate, closeup
 from allanite.applications.constant_rate.campaign import DURATIONS, RateChannel, RateSettings, RateStudy
-from allanite.applications.constant_rate.estimates import rate_factor
+from allanite.applications.constant_rate.estimates import sheet_unit
 from allanite.core.errors import UndrawnError
 from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
@@ -35,15 +36,9 @@ def first_of_rates(study: RateStudy, level: float) -> First:
     measured = [c.by_reversal or c.experiment for c in study.channels if c.experiment is not None]
     for experiment in measured[: len(study.channels) == 1]:
         answer += [experiments.table_of(experiment, level), *filter(None, [experiments.told(experiment)])]
-    answer += dict.fromkeys(
-        text for channel in study.channels for text in experiments.certain_limits(channel.estimates)
-    )
+    answer += dict.fromkeys(experiments.certain_limits([e for channel in study.channels for e in channel.estimates]))
     if study.settings.durations not in (DURATIONS, ()):
-        answer += [
-            next(experiments.by_time(experiments.series_of(c)))
-            for c in study.channels
-            if any(e.start.size > 1 for e in c.by_duration)
-        ]
+        answer += [table for channel in study.channels for table in islice(experiments.by_time(channel), 1)]
     half = say("±: {share} half width.", share=words.percent(level))
     if any(e.ranking is None and e.start.size > 1 for e in measured):
         half = say("±: {share} half width; without a model, by Student's t from the scatter of the intervals.",
@@ -64,23 +59,21 @@ def _unsteady(experiment: Experiment) -> str:
 
 def _channels(channels: Sequence[RateChannel], study: RateStudy, level: float) -> Channels:
     signal, unit = channels[0].record.signal, channels[0].record.signal.sheet[0]
-    length, rows = words.duration(channels[0].record.duration), list[ChannelRow]()
-    cells = [_rate(channel, level) for channel in channels]
-    rows.append(ChannelRow(say("rate, mean over {length}", length=length), "", unit, cells, short=say("rate")))
-    norths = ["" if c.north is None else _number(c.north.heading, c.north.low, c.north.high) for c in channels]
-    biases = ["" if c.bias is None else _size(c.bias, level) for c in channels]
+    length, cells = words.duration(channels[0].record.duration), [_rate(channel, level) for channel in channels]
+    rows = [ChannelRow(say("rate, mean over {length}", length=length), "", unit, cells, short=say("rate"))]
     experiments = [channel.experiment for channel in channels]
     several = [e for e in experiments if e is not None and e.start.size > 1]
     if several and len(study.channels) > 1:
         time = words.duration(several[0].duration)
-        scatters = [None if e is None else e.scatter(e.methods[0]) for e in experiments]
-        factor = rate_factor(unit, signal)
-        shown = ["" if s is None else rounded(s.deviation / factor) for s in scatters]
-        predicted = ["" if s is None or math.isnan(s.predicted) else rounded(s.predicted / factor) for s in scatters]
+        scatters = [None if e is None else e.scatters()[0] for e in experiments]
+        shown = ["" if s is None else rounded(s.deviation) for s in scatters]
+        predicted = ["" if s is None or math.isnan(s.predicted) else rounded(s.predicted) for s in scatters]
         rows.append(ChannelRow(say("scatter of {time} means", time=time), "", unit, shown, short=say("scatter")))
         rows.append(ChannelRow(say("predicted for {time}", time=time), "", unit, predicted, 2, say("predicted")))
         best = ["" if e is None else (e.ranking or e).chosen for e in experiments]
         rows.append(ChannelRow(say("method for {time}", time=time), "", "", best, short=say("method")))
+    norths = ["" if c.north is None else _number(c.north.heading, c.north.low, c.north.high) for c in channels]
+    biases = ["" if c.bias is None else _size(c.bias, level) for c in channels]
     rows.append(ChannelRow(say("north"), "", "deg", norths))
     rows.append(ChannelRow(say("bias by reversal"), "", unit, biases, short=say("bias")))
     fits = [fit_words(channel.noise, channel.refusal) for channel in channels]
@@ -99,14 +92,13 @@ def _rate(channel: RateChannel, level: float) -> str:
     value = float(measured.rates[measured.methods.index(method)].mean()) if found is None else found.value
     half = measured.half_width(method, level) / math.sqrt(measured.start.size)
     half = math.nan if measured.drift or not half > 0 else half
-    factor = rate_factor(measured.signal.sheet[0], measured.signal)
+    _, factor = sheet_unit(measured.signal)
     return _number(*(v / factor for v in (value, value - half, value + half)))
 
 
-def _size(found: RateEstimate, level: float) -> str:
-    factor = rate_factor(found.signal.sheet[0], found.signal)
-    low, high = (limit / factor for limit in found.interval(level))
-    return _number(found.value / factor, low, high)
+def _size(estimate: RateEstimate, level: float) -> str:
+    _, factor = sheet_unit(estimate.signal)
+    return _number(*(v / factor for v in (estimate.value, *estimate.interval(level))))
 
 
 def _number(value: float, low: float, high: float) -> str:
@@ -132,8 +124,7 @@ def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterat
         yield Note(channel.north.words(), "strong")
     if experiment.start.size > 1:
         yield experiments.table_of(experiment, level)
-    if any(e.start.size > 1 for e in channel.by_duration):
-        yield from experiments.by_time(experiments.series_of(channel))
+    yield from experiments.by_time(channel)
     yield from _estimates(channel.estimates, level, modeled=experiment.ranking is not None)
     yield Drawing(lambda: _draw([channel]), say("errors of all methods"), experiments.CAPTION)
     if experiment.start.size > 1:
@@ -158,10 +149,8 @@ def first_of(record: Record, found: Experiment, settings: RateSettings) -> Close
 
 
 METHODS = Table(
-    (
-        Column(say("method"), "symbol"), Column(say("what it is"), "text"), Column(say("formula"), "formula"),
-        Column(say("optimal under"), "text"), Column(say("source"), "text"),
-    ),
+    (Column(say("method"), "symbol"), Column(say("what it is"), "text"), Column(say("formula"), "formula"),
+     Column(say("optimal under"), "text"), Column(say("source"), "text")),
     [[r.name, r.title, r.formula, r.assumes, r.reference] for r in RATE_ESTIMATORS.values()], say("the methods"),
 )  # fmt: skip
 
@@ -171,7 +160,7 @@ def interval_rows(study: RateStudy) -> Rows:
     heads = ("channel", "interval", "start_s", "duration_s", "method", "rate", "error", "unit")
     rows = []
     for e in (channel.experiment for channel in study if channel.experiment is not None):
-        unit, factor = e.signal.sheet[0], rate_factor(e.signal.sheet[0], e.signal)
+        unit, factor = sheet_unit(e.signal)
         rates, errors = (e.rates.T / factor).tolist(), (e.errors.T / factor).tolist()
         rows += [[e.name, i + 1, start, e.duration, *cells, unit] for i, start in enumerate(e.start.tolist())
                  for cells in zip(e.methods, rates[i], errors[i], strict=True)]  # fmt: skip
@@ -183,18 +172,14 @@ def _estimates(estimates: Sequence[RateEstimate], level: float, *, modeled: bool
         return
     rows = []
     for e in estimates:
-        unit = e.signal.sheet[0]
-        factor = rate_factor(unit, e.signal)
+        unit, factor = sheet_unit(e.signal)
         rows.append([e.method, *digits(e.to(unit), *(v / factor for v in e.interval(level)), figures=8).plain(), unit])
     heads = (Column(say("method"), "symbol"), Column(say("rate")), Column(words.interval(level), "interval"))
     yield Table((*heads, Column(say("unit"), "unit")), rows)
     unknown = [e.method for e in estimates if math.isnan(e.standard_error) and e.limits is None]
     if unknown:
-        between = say(
-            "no limits for {methods}: no staircase fits all counts, so that none are certain, and with so little noise "
-            "beside a pulse the error follows no model",
-            methods=", ".join(unknown),
-        )
+        between = say("no limits for {methods}: no staircase fits all counts, so that none are certain, and with so "
+                      "little noise beside a pulse the error follows no model", methods=", ".join(unknown))  # fmt: skip
         yield Note(between if modeled else NO_ERROR)
     yield from map(Note, experiments.certain_limits(estimates))
 
@@ -213,8 +198,8 @@ def _rows(study: RateStudy, level: float) -> Rows:
             whole = experiment is channel.experiment and experiment.start.size == 1  # an estimate, below
             rows += () if whole else experiments.experiment_rows(experiment)
         for e in channel.estimates:
-            unit = e.signal.sheet[0]
-            numbers = [v / rate_factor(unit, e.signal) for v in (e.value, *e.interval(level), e.standard_error)]
+            unit, factor = sheet_unit(e.signal)
+            numbers = [v / factor for v in (e.value, *e.interval(level), e.standard_error)]
             rows.append([channel.record.name, e.method, e.duration, 1, *map(experiments.finite, numbers[:3]), *[""] * 7,
                          experiments.finite(numbers[3]), *[""] * 6, 1 + (channel.bias is not None), unit])  # fmt: skip
     return experiments.HEADINGS, rows
@@ -233,12 +218,8 @@ def study_view(study: RateStudy, level: float) -> Face:
         told = "" if channel.experiment is None else experiments.told(channel.experiment)
         verdict = say("no result: {reason}", reason=channel.refusal) if channel.refusal else told
         verdicts = (join(", ", (channel.record.name or say("the channel"), verdict)),) if verdict else ()
-        known = (
-            study.settings.noise is not None
-            or channel.certain
-            or (channel.noise is not None and channel.noise.explained)
-        )
-        grade = "" if known and not channel.refusal else "alert"
+        explained = study.settings.noise is not None or (channel.noise is not None and channel.noise.explained)
+        grade = "" if (explained or channel.certain) and not channel.refusal else "alert"
         sheets.append(channel_sheet(channel, _parts(channel, study.settings, level), verdicts, grade))
     title = say("Rate of {source}", source=source_of(study))
     return job_face(study, (title, experiments.BRAND), sheets, how=[METHODS])
@@ -247,28 +228,16 @@ def study_view(study: RateStudy, level: float) -> Face:
 @view(rows=lambda ranking, level: ranking.rows())
 def ranking_view(ranking: Ranking, _: float) -> Face:
     """The methods in the order of their standard errors."""
-    return one_sheet(
-        say("Methods"), experiments.BRAND, say("methods"),
-        (
-            Note(experiments.told(ranking), "strong"), Note(say("noise: {model}", model=str(ranking.model))),
-            Table(
-                (
-                    Column(say("method"), "name"),
-                    Column(say("standard error, {unit}", unit=ranking.signal.sheet[0]), form=known(".4g")),
-                    Column(say("over the bound"), form=known(".4g")),
-                ),
-                ranking.rows()[1],
-            ),
-        ),
-        how=(METHODS,),
-    )  # fmt: skip
+    error = Column(say("standard error, {unit}", unit=ranking.signal.sheet[0]), form=known(".4g"))
+    heads = Column(say("method"), "name"), error, Column(say("over the bound"), form=known(".4g"))
+    noise = Note(say("noise: {model}", model=str(ranking.model)))
+    parts = Note(experiments.told(ranking), "strong"), noise, Table(heads, ranking.rows()[1])
+    return one_sheet(say("Methods"), experiments.BRAND, say("methods"), parts, how=(METHODS,))
 
 
 @view()
 def estimate_view(found: RateEstimate, level: float) -> Face:
     """One rate."""
-    return one_sheet(
-        found.name or say("Rate"), experiments.BRAND, found.name or say("rate"),
-        (*(Note(str(finding), "warning") for finding in found.findings), *_estimates([found], level)),
-        about=found.history,
-    )  # fmt: skip
+    parts = (*(Note(str(finding), "warning") for finding in found.findings), *_estimates([found], level))
+    names = found.name or say("Rate"), experiments.BRAND, found.name or say("rate")
+    return one_sheet(*names, parts, about=found.history)

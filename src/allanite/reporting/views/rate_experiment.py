@@ -9,15 +9,14 @@ import numpy as np
 
 from allanite.applications.constant_rate import Closeup, Experiment, Ranking, RateEstimate
 from allanite.applications.constant_rate.campaign import RateChannel
-from allanite.applications.constant_rate.estimates import rate_factor
+from allanite.applications.constant_rate.estimates import sheet_unit
 from allanite.applications.constant_rate.experiments import Standing
-from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, Where, known, one_sheet
 from allanite.statistics import expected
 
-from . import view
+from . import Rows, view
 
 BRAND = say("a constant rate in a short time")
 
@@ -36,15 +35,13 @@ CAPTION = say(
 
 def sentences(found: Experiment) -> Iterator[Note]:
     """What was found in the intervals."""
-    unit = found.signal.sheet[0]
+    unit, factor = sheet_unit(found.signal)
     if told(found):
         yield Note(told(found), "strong")
     if found.start.size > 1:
-        reference = found.reference / unit_of(unit).factor
-        length = words.duration(found.duration)
-        count = say_count(
-            found.start.size, "{count} interval of {length}", "{count} intervals of {length}", length=length
-        )
+        reference = found.reference / factor
+        count = say_count(found.start.size, "{count} interval of {length}", "{count} intervals of {length}",
+                          length=words.duration(found.duration))  # fmt: skip
         if found.known:
             against = say("errors against the true rate, {rate:.6g} {unit}", rate=reference, unit=unit)
         else:
@@ -56,14 +53,10 @@ def sentences(found: Experiment) -> Iterator[Note]:
     if found.ranking is not None and found.start.size != 1:
         wandering = [t.symbol for t in found.ranking.model if t.row.slope >= 0]
         if wandering:
-            both = math.sqrt(float(expected(found.ranking.model, "adev", found.duration)[0])) / unit_of(unit).factor
-            yield Note(
-                say(
-                    "predicted is the error of each interval's own mean rate; {terms} moves that from interval to "
-                    "interval, so that neighbouring averages differ by {deviation:.3g} {unit} (their Allan deviation)",
-                    terms=", ".join(wandering), deviation=both, unit=unit,
-                )
-            )  # fmt: skip
+            both = math.sqrt(float(expected(found.ranking.model, "adev", found.duration)[0])) / factor
+            yield Note(say("predicted is the error of each interval's own mean rate; {terms} moves that from interval "
+                           "to interval, so that neighbouring averages differ by {deviation:.3g} {unit} (their Allan "
+                           "deviation)", terms=", ".join(wandering), deviation=both, unit=unit))  # fmt: skip
     yield from map(Note, found.notes)
     for method, why in found.left_out.items():
         yield Note(say("{method} is left out: {reason}", method=method, reason=why))
@@ -77,12 +70,10 @@ def told(found: Ranking | Experiment) -> str:
 
 def table_of(found: Experiment, level: float) -> Table:
     """The scatter of every method beside the prediction and the least one, to three digits of the least."""
-    unit = found.signal.sheet[0]
-    scatters, standings = found.scatters(), found.standings(level)
-    factor, several = rate_factor(unit, found.signal), found.start.size > 1
+    (unit, factor), scatters, standings = sheet_unit(found.signal), found.scatters(), found.standings(level)
     least = min((v for s in scatters for v in (s.deviation, s.predicted) if v > 0), default=1.0)
     form = f".{max(0, 2 - math.floor(math.log10(least)))}f"
-    plain, signed, errors = known(form), known(f"+{form}"), scatters if several or found.known else []
+    plain, signed, errors = known(form), known(f"+{form}"), scatters if found.start.size > 1 or found.known else []
     columns: list[tuple[Column, list[Any]]] = [
         (Column(say("method"), "symbol"), list(found.methods)),
         (Column(say("std"), form=plain), [s.deviation for s in scatters]),
@@ -113,40 +104,37 @@ def _between(standing: Standing) -> str:
 
 def every_interval(found: Experiment) -> Table:
     """The rate of every interval by every method; on a page, folded."""
-    unit = found.signal.sheet[0]
+    unit, factor = sheet_unit(found.signal)
     methods = (Column(method, form=".7g") for method in found.methods)
     heads = (Column(say("interval")), Column(say("start [s]"), form=".6g"), *methods)
-    rates = (found.rates.T / rate_factor(unit, found.signal)).tolist()
+    rates = (found.rates.T / factor).tolist()
     rows = [[i, start, *row] for i, (start, row) in enumerate(zip(found.start.tolist(), rates, strict=True), 1)]
     return Table(heads, rows, say("rate of every interval [{unit}]", unit=unit), details=True, where="page")
 
 
 def series_of(channel: RateChannel) -> list[Experiment]:
     """The experiment of a channel and those of the other measuring times."""
-    experiment = channel.experiment
-    if experiment is None:
+    if channel.experiment is None:
         return []
-    return [experiment, *(e for e in channel.by_duration if e.duration != experiment.duration)]
+    return [channel.experiment, *(e for e in channel.by_duration if e.duration != channel.experiment.duration)]
 
 
 def certain_limits(estimates: Sequence[RateEstimate]) -> Iterator[str]:
     """What counts without noise prove about the rate."""
     for estimate in (e for e in estimates if e.limits is not None):
-        unit = estimate.signal.sheet[0]
-        low, high = estimate.limits or (math.nan, math.nan)
-        factor = rate_factor(unit, estimate.signal)
-        yield say(
-            "an ideal staircase: {pulses:.10g} ± 1 pulses alone leave ±{alone:.2g} {unit}, its steps ±{half:.2g} "
-            "{unit}, and no other rate gives these counts without noise",
-            pulses=estimate.details["pulses"], alone=abs(estimate.details["rate of a pulse"] / factor),
-            half=(high - low) / 2 / factor, unit=unit,
-        )  # fmt: skip
+        (unit, factor), (low, high) = sheet_unit(estimate.signal), estimate.interval()
+        yield say("an ideal staircase: {pulses:.10g} ± 1 pulses alone leave ±{alone:.2g} {unit}, its steps ±{half:.2g} "
+                  "{unit}, and no other rate gives these counts without noise", pulses=estimate.details["pulses"],
+                  alone=abs(estimate.details["rate of a pulse"] / factor), half=(high - low) / 2 / factor,
+                  unit=unit)  # fmt: skip
 
 
-def by_time(series: Sequence[Experiment]) -> Iterator[Table]:
-    """The scatter of every method against the measuring time, and what the noise predicts of it."""
-    ordered = sorted(series, key=lambda e: e.duration)
-    unit = ordered[0].signal.sheet[0]
+def by_time(channel: RateChannel) -> Iterator[Table]:
+    """The scatter of every method against the measuring time, if there are several, and what the noise predicts."""
+    if not any(e.start.size > 1 for e in channel.by_duration):
+        return
+    ordered = sorted(series_of(channel), key=lambda e: e.duration)
+    unit, factor = sheet_unit(ordered[0].signal)
     methods = list(dict.fromkeys(method for e in ordered for method in e.methods))
     measured = say("std against the measuring time [{unit}]", unit=unit)
     predicted = say("predicted std against the measuring time [{unit}]", unit=unit)
@@ -163,8 +151,7 @@ def by_time(series: Sequence[Experiment]) -> Iterator[Table]:
             rows = [[*row, e.start.size] for row, e in zip(rows, ordered, strict=True)]
             if len(methods) == 1:
                 heads.append(Column(say("mean rate"), form=".8g"))
-                means = (float(e.rates.mean()) / rate_factor(unit, e.signal) for e in ordered)
-                rows = [[*row, mean] for row, mean in zip(rows, means, strict=True)]
+                rows = [[*row, float(e.rates.mean()) / factor] for row, e in zip(rows, ordered, strict=True)]
         if numbers:
             yield Table(heads, rows, title)
 
@@ -178,8 +165,7 @@ HEADINGS = (
 
 def experiment_rows(found: Experiment) -> Iterator[list[Any]]:
     """The rows of an experiment under `HEADINGS`."""
-    unit = found.signal.sheet[0]
-    factor = rate_factor(unit, found.signal)
+    unit, factor = sheet_unit(found.signal)
     means = (found.rates.mean(axis=1) / factor).tolist()
     for mean, (method, *numbers), s in zip(means, found.scatters(), found.standings(), strict=True):
         compared = map(finite, (*numbers, s.half / factor, s.ratio, s.low, s.high))
@@ -198,13 +184,9 @@ def finite(value: float) -> float | str:
 )
 def experiment_view(found: Experiment, level: float) -> Face:
     """The rates of all methods over the intervals of a record."""
-    return one_sheet(
-        found.name or say("Rate"), BRAND, found.name,
-        (
-            *sentences(found), *([table_of(found, level)] if found.start.size > 1 else ()),
-            Drawing(lambda: figures.plot_rates([(found, ())]), say("errors of all methods"), CAPTION),
-        ),
-    )  # fmt: skip
+    table = [table_of(found, level)] if found.start.size > 1 else []
+    drawing = Drawing(lambda: figures.plot_rates([(found, ())]), say("errors of all methods"), CAPTION)
+    return one_sheet(found.name or say("Rate"), BRAND, found.name, (*sentences(found), *table, drawing))
 
 
 CLOSEUP_CAPTION = say(
@@ -215,36 +197,28 @@ CLOSEUP_CAPTION = say(
 
 def closeup_parts(found: Closeup, where: Where = "") -> Iterator[Part]:
     """Notes on one interval, and its figure."""
-    unit = found.signal.sheet[0]
-    rates = found.slopes / unit_of(unit).factor
-    yield Note(
-        say(
-            "{lines} regression lines in the interval from {start}, {kept} kept: slopes from {low:.9g} to {high:.9g} "
-            "{unit}",
-            lines=rates.size, start=words.duration(found.start), kept=int(found.kept.sum()), low=float(rates.min()),
-            high=float(rates.max()), unit=unit,
-        ),
-        where=where,
-    )  # fmt: skip
+    unit, factor = sheet_unit(found.signal)
+    low, high = float(found.slopes.min()) / factor, float(found.slopes.max()) / factor
+    lines = say("{lines} regression lines in the interval from {start}, {kept} kept: slopes from {low:.9g} to "
+                "{high:.9g} {unit}", lines=found.slopes.size, start=words.duration(found.start),
+                kept=int(found.kept.sum()), low=low, high=high, unit=unit)  # fmt: skip
+    yield Note(lines, where=where)
     if found.counts.size:
         rms = float(np.sqrt(np.square(found.misfit).mean()))
         yield Note(say("counts less the staircase: {rms:.3g} quanta RMS", rms=rms), where=where)
     yield Drawing(lambda: figures.plot_closeups([found]), say("one interval in detail"), CLOSEUP_CAPTION)
 
 
-@view(
-    lambda values, fit, level: figures.plot_closeups(values),
-    lambda found, _: (
-        ["start_s", "slope", "unit", "kept"],
-        [
-            [i / found.rate, slope / unit_of(found.signal.sheet[0]).factor, found.signal.sheet[0], kept]
-            for i, (slope, kept) in enumerate(zip(found.slopes.tolist(), found.kept.tolist(), strict=True))
-        ],
-    ),
-)
+def _slope_rows(found: Closeup, _: float) -> Rows:
+    """The regression lines of one interval."""
+    unit, factor = sheet_unit(found.signal)
+    each = enumerate(zip(found.slopes.tolist(), found.kept.tolist(), strict=True))
+    rows = [[i / found.rate, slope / factor, unit, kept] for i, (slope, kept) in each]
+    return ["start_s", "slope", "unit", "kept"], rows
+
+
+@view(lambda values, fit, level: figures.plot_closeups(values), _slope_rows)
 def closeup_view(found: Closeup, _: float) -> Face:
     """One interval in detail."""
-    return one_sheet(
-        found.name or say("Rate"), say("a constant rate in a short time"), found.name or say("Rate"),
-        closeup_parts(found),
-    )  # fmt: skip
+    name = found.name or say("Rate")
+    return one_sheet(name, BRAND, name, closeup_parts(found))
