@@ -38,8 +38,8 @@ def text_of(value: Any, out: "Outputs", first: "Callable[[], First] | None" = No
     terminal, encoding = sys.stdout.isatty(), sys.stdout.encoding or "utf-8"
     width = shutil.get_terminal_size().columns if terminal else DEFAULT_COLUMNS
     form: dict[str, Any] = {
-        "width": width, "color": terminal and "NO_COLOR" not in os.environ, "ascii": not _encodes(WRITTEN, encoding),
-        "lang": out.lang,
+        "width": width, "color": terminal and "NO_COLOR" not in os.environ, "lang": out.lang,
+        "ascii": len(WRITTEN.encode(encoding, "ignore").decode(encoding)) < len(WRITTEN),
     }  # fmt: skip
     if out.details and not out.brief:
         text = table(value, **form)
@@ -47,13 +47,6 @@ def text_of(value: Any, out: "Outputs", first: "Callable[[], First] | None" = No
         text = first_screen(value, **form, brief=out.brief, first=first and first(), written=out.paths)
     # characters that the terminal cannot encode are escaped, not an error
     return text.encode(encoding, "backslashreplace").decode(encoding)
-
-
-def _encodes(text: str, encoding: str) -> bool:
-    try:
-        return bool(text.encode(encoding))
-    except UnicodeEncodeError:
-        return False
 
 
 def rendered(value: Any, name: str, path: str, lang: str, command: str = "") -> str | bytes:
@@ -171,12 +164,11 @@ def carry_out(job: Callable[[Progress], Any], out: Outputs, extra: "Extra | None
 
 
 @contextmanager
-def progress(out: Outputs | None = None) -> Iterator[Callable[[str, float], None]]:
+def progress(out: Outputs) -> Iterator[Progress]:
     """A progress bar on stderr if it is a terminal; warnings are printed as sentences."""
     from allanite.reporting.progress import bar
 
-    shown = sys.stderr.isatty() and not (out is not None and out.quiet)
-    with _warnings(LongJobWarning), bar(shown=shown) as tell:
+    with _warnings(LongJobWarning), bar(shown=sys.stderr.isatty() and not out.quiet) as tell:
         yield tell
 
 

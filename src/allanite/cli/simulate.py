@@ -242,9 +242,8 @@ def _counts(laser: "RingLaser", n: int, choices: dict[str, Any]) -> "Recording":
     turning = turning_rate(choices["constant"])
     rng = np.random.default_rng(choices["seed"])
     names = channel_names(choices["channels"], lambda i, count: f"gyro{i + 1}" if count > 1 else "gyro")
-    return Recording(
-        tuple(simulate_ring_laser(laser, turning, n, choices["rate"], rng=rng, name=each) for each in names)
-    )
+    records = (simulate_ring_laser(laser, turning, n, choices["rate"], rng=rng, name=each) for each in names)
+    return Recording(tuple(records))
 
 
 WRITTEN = {"report": "page.html", "json": "paper.json"}  # files of the comparison: option -> name
@@ -252,10 +251,8 @@ WRITTEN = {"report": "page.html", "json": "paper.json"}  # files of the comparis
 
 @command()
 @options(
-    click.argument("paper", required=False),
-    click.argument("folder", required=False, type=click.Path(file_okay=False)),
-    click.option("--commands", is_flag=True, help="Print the commands only."),
-    *SHOWN,
+    click.argument("paper", required=False), click.argument("folder", required=False, type=click.Path(file_okay=False)),
+    click.option("--commands", is_flag=True, help="Print the commands only."), *SHOWN,
 )  # fmt: skip
 def example(paper: str | None, folder: str | None, commands: bool, **shared: Any) -> None:
     """Reproduce the tables and figures of a paper.

@@ -76,11 +76,9 @@ def _form(hint: Any) -> Codec:
     if isinstance(origin, type) and hasattr(origin, "to_dict"):
         kind: Any = origin
         return Codec(  # it writes itself, and is read by its own class or a subclass of it
-            lambda value, _, level: value.to_dict(level),
-            lambda data, _: kind.from_dict(data),
-            lambda value: isinstance(value, kind),
+            lambda value, _, level: value.to_dict(level), lambda data, _: kind.from_dict(data), _is(kind),
             lambda data: isinstance(data, dict) and data.get("type") == kind.__name__,
-        )
+        )  # fmt: skip
     raise TypeError(f"a field of type {hint} cannot be written as plain data")
 
 
@@ -136,7 +134,6 @@ def _array(data: Any, args: tuple[Any, ...]) -> Any:
             return np.array(data, dtype=wanted)
     except (TypeError, ValueError, OverflowError):
         pass
-    words = {"b": "true and false", "iu": "whole numbers"}.get(kinds, "numbers")
     raise StoredError(f"a list of {words} is expected, in rows of the same length")
 
 
@@ -234,12 +231,9 @@ def _read_literal(data: Any, args: tuple[Any, ...]) -> Any:
 
 _itself = Codec(lambda value, _, level: plain(value, level), lambda data, _: data, _no_type, _no_type)
 _float_form = Codec(
-    lambda value, _, level: _scalar(value),
-    _read_float,
-    _is(int, float, np.floating, np.integer),
-    lambda data: data is None or isinstance(data, float) or _whole(data) or data in NOT_FINITE,
-    "a number",
-)
+    lambda value, _, level: _scalar(value), _read_float, _is(int, float, np.floating, np.integer),
+    lambda data: data is None or isinstance(data, float) or _whole(data) or data in NOT_FINITE, "a number",
+)  # fmt: skip
 _union = Codec(_write_union, _read_union, _no_type, _no_type)
 _dict = Codec(_write_dict, _read_dict, _is(dict), _is(dict), "a table")
 _tuple = Codec(
@@ -258,14 +252,10 @@ FORMS: dict[Any, Codec] = {
     int: _itself._replace(holds=_is(int, np.integer), written=_whole, expected="a whole number"),
     float: _float_form,
     Path: Codec(lambda value, _, level: str(value), lambda data, _: Path(data), _is(Path), _is(str), "a path"),
-    Signal: Codec(
-        lambda value, _, level: value.name, lambda data, _: signal_named(data), _is(Signal), _is(str),
-        "the name of a quantity",
-    ),
-    np.ndarray: Codec(
-        lambda value, _, level: _numbers(np.asarray(value)), _array, _is(np.ndarray), _is(list, dict),
-        "a list of numbers",
-    ),
+    Signal: Codec(lambda value, _, level: value.name, lambda data, _: signal_named(data), _is(Signal), _is(str),
+        "the name of a quantity"),
+    np.ndarray: Codec(lambda value, _, level: _numbers(np.asarray(value)), _array, _is(np.ndarray), _is(list, dict),
+        "a list of numbers"),
     tuple: _tuple,
     list: _tuple._replace(read=lambda data, args: list(_read_tuple(data, args))),
     Sequence: _tuple,

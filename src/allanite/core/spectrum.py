@@ -88,8 +88,8 @@ class Spectrum(Value):
     def expected(self, model: ModelLike, frequency: FloatArray | None = None) -> FloatArray:
         """The density expected under a model, in the unit and convention of this spectrum.
 
-        At `frequency`, Hz, or at those of the spectrum. It is the density of
-        the sampled rate, aliases included, without the smoothing of a steep spectrum by the estimator.
+        At `frequency`, Hz, or at those of the spectrum. It is the density of the sampled rate, aliases included,
+        without the smoothing of a steep spectrum by the estimator.
         """
         model = model_of(model)
         factor = convert(1.0, model.signal.unit, self.unit) ** 2 * SIDES[self.sides]

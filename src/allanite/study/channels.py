@@ -42,10 +42,8 @@ def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -
             largest = max(shares.values())
             findings.append(Finding(
                 "drift",
-                say(
-                    "the drift of {channels} follows {column}, up to {share} of the variance of block means",
-                    channels=", ".join(shares), column=other.name, share=percent(largest),
-                ),
+                say("the drift of {channels} follows {column}, up to {share} of the variance of block means",
+                    channels=", ".join(shares), column=other.name, share=percent(largest)),
                 say("B, K and R partly represent the sensitivity to it"),
                 say("remove it: {command}", command=command_of(
                     recipe, "allanite", "compensate", recording.source, last=("--regressors", other.name))),
