@@ -4,7 +4,6 @@ import os
 import re
 import shutil
 import sys
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields
@@ -22,7 +21,7 @@ from allanite.study.recipe import Recipe
 
 from .front import DATA, LINE
 from .options import FLAGS
-from .streams import complain, hand_over, show, while_read
+from .streams import as_sentences, complain, hand_over, show, while_read
 
 if TYPE_CHECKING:
     from allanite.core.record import Recording
@@ -168,17 +167,8 @@ def progress(out: Outputs) -> Iterator[Progress]:
     """A progress bar on stderr if it is a terminal; warnings are printed as sentences."""
     from allanite.reporting.progress import bar
 
-    with _warnings(LongJobWarning), bar(shown=sys.stderr.isatty() and not out.quiet) as tell:
+    with as_sentences(LongJobWarning), bar(shown=sys.stderr.isatty() and not out.quiet) as tell:
         yield tell
-
-
-@contextmanager
-def _warnings(kind: type[Warning]) -> Iterator[None]:
-    """Warnings of this kind are printed as sentences on stderr."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("always", kind)
-        warnings.showwarning = lambda message, *_, **__: complain(f"allanite: {message}")
-        yield
 
 
 @dataclass(frozen=True)
@@ -195,7 +185,7 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
     more, context = extra or Extra(), click.get_current_context(silent=True)
     command = "" if context is None else context.meta.get(LINE, "")
     places = [(name, *place) for name, path in out.paths.items() for place in _places(value, path)]
-    with _warnings(FontWarning):
+    with as_sentences(FontWarning):
         if not (out.quiet or out.piped):
             text = text_of(value, out, more.first)
             with while_read():

@@ -37,13 +37,13 @@ class Codec(NamedTuple):
 
 def write_plain(value: Any, hint: Any, level: float) -> Any:
     """Plain data of a value of type `hint`, with limits at `level`."""
-    origin, args = _derived(hint)
+    origin, args = derived(hint)
     return _form(origin).write(value, args, level)
 
 
 def read_plain(data: Any, hint: Any) -> Any:
     """The value of type `hint` that `write_plain` has written."""
-    origin, args = _derived(hint)
+    origin, args = derived(hint)
     form = _form(origin)
     if form.expected and not form.written(data):
         raise unfit(data, form.expected)
@@ -61,16 +61,16 @@ def read_key(data: Mapping[str, Any], key: str, hint: Any) -> Any:
         raise StoredError.at(f".{key}", error) from None
 
 
-def _derived(hint: Any) -> tuple[Any, tuple[Any, ...]]:
+def derived(hint: Any) -> tuple[Any, tuple[Any, ...]]:
     """What a type is derived from, and its arguments; the name of a type, such as NDArray of numpy 2.5, is resolved."""
     origin, args = get_origin(hint) or hint, get_args(hint)
     if hasattr(origin, "__value__"):
-        return _derived(origin.__value__[args] if args else origin.__value__)
+        return derived(origin.__value__[args] if args else origin.__value__)
     return origin, args
 
 
 def _form(hint: Any) -> Codec:
-    origin, _ = _derived(hint)
+    origin, _ = derived(hint)
     if origin in FORMS:
         return FORMS[origin]
     if isinstance(origin, type) and hasattr(origin, "to_dict"):

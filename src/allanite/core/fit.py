@@ -340,13 +340,11 @@ class Fit(Value):
     def rows(self, level: float = 0.95) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows, data sheet and SI side by side."""
         headings = ["term", "name", "value", "low", "high", "unit", "SI value", "SI unit", "status"]
-        rows = []
-        for e in self.estimates:
-            si = e.value if e.value is not None else e.upper
-            rows.append(
-                [e.symbol, title_of(e.symbol, e.signal), *e.to_dict(level)["shown"].values(), si, e.unit, e.status]
-            )
-        return headings, rows
+        return headings, [
+            [e.symbol, title_of(e.symbol, e.signal), *e.to_dict(level)["shown"].values(),
+             e.upper if e.value is None else e.value, e.unit, e.status]
+            for e in self.estimates
+        ]  # fmt: skip
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""

@@ -169,10 +169,8 @@ class Readings(Value):
             most = say("{term} at most", term=title_of("B", self.signal))
             found.append(_quantity(say("minimum / 0.664"), self.minimum, level, FLICKER, most))
         return found + [
-            Quantity(
-                say("slope, {start:.4g} to {end:.4g} s", start=s.start, end=s.end), s.start, s.value,
-                *s.interval(level), None,
-            )
+            Quantity(say("slope, {start:.4g} to {end:.4g} s", start=s.start, end=s.end), s.start, s.value,
+                     *s.interval(level), None)
             for s in self.slopes
         ]  # fmt: skip
 
@@ -289,21 +287,16 @@ def _minimum(readings: Readings | None, level: float) -> Iterator[DataSheetRow]:
         return
     point, unit = readings.minimum, readings.shown_unit(0)
     factor = convert(1.0, readings.unit, unit)
-    low, high = point.interval(level)
+    value, low, high = (size * factor for size in (point.deviation, *point.interval(level)))
     lowest, inertial = say("minimum of the Allan deviation"), readings.signal.inertial
-    remark = lowest if readings.inside else FALLING
-    name = IN_RUN if inertial else lowest
-    yield DataSheetRow(
-        name, point.deviation * factor, low * factor, high * factor, unit, point.tau,
-        remark if inertial or not readings.inside else "",
-    )  # fmt: skip
+    remark = FALLING if not readings.inside else lowest if inertial else ""
+    yield DataSheetRow(IN_RUN if inertial else lowest, value, low, high, unit, point.tau, remark)
 
 
 def _bandwidth(fit: Fit, rate: float) -> DataSheetRow:
     behind = fit.scope.filter if fit.scope else None
     if behind is not None:
         return DataSheetRow(BANDWIDTH, behind.cutoff, behind.low, behind.high, "Hz", None, behind.title)
-    if fit.scope is None or not fit.scope.whole:
-        return DataSheetRow(BANDWIDTH, None, None, None, "", None, say("not determined"))
-    remark = say("no roll-off up to {frequency:.6g} Hz", frequency=rate / 2)
+    flat = fit.scope is not None and fit.scope.whole
+    remark = say("no roll-off up to {frequency:.6g} Hz", frequency=rate / 2) if flat else say("not determined")
     return DataSheetRow(BANDWIDTH, None, None, None, "", None, remark)
