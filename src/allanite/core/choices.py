@@ -124,15 +124,15 @@ def _share(value: Any) -> float:
 def _table(value: Any) -> Any:
     if not isinstance(value, str):
         return value
-    found = {}
+    ranges = {}
     for part in value.split(","):
         symbol, _, numbers = part.partition("=")
         try:
             low, high = (float(number) for number in numbers.split(":"))
         except ValueError:
             raise UsageError(f"expected terms with their ranges, e.g. N=0.1:10,K=100:1000, not {given(part)}") from None
-        found[symbol.strip()] = (low, high)
-    return found
+        ranges[symbol.strip()] = (low, high)
+    return ranges
 
 
 def _worth(value: Any) -> float | str:
