@@ -45,12 +45,6 @@ def _quantities(text: str, option: str, example: str, *, defaults: tuple[float, 
     return [(value / 100, "") if unit == "%" else (value, unit) for value, unit in quantities]
 
 
-def turning_rate(text: str | None) -> float:
-    """The constant rate in deg/h; 0 if none is given."""
-    ((value, unit),) = _quantities("0" if text is None else text, "constant", "10 deg/h")
-    return convert(value, unit or "deg/h", "deg/h")
-
-
 def _noise_profile(record: "Record", text: str, _: Any, __: Any) -> "Record":
     # times and factors, from 'TIME:FACTOR, ...' or a file of two columns with or without a heading
     from allanite.simulation import faults
@@ -93,12 +87,6 @@ def _named(text: str, option: str, *forms: str) -> tuple[str, list[tuple[float, 
 def _quantizer(text: str) -> tuple[str, float, str]:
     what, ((step, unit),) = _named(text, "quantize", "rate 0.01 deg/s", "angle 0.2 arcsec")
     return what, step, unit
-
-
-def quantizer_unit(text: str | None) -> str | None:
-    """Round in the unit of the step, so that the rates are exact multiples of it."""
-    what, _, unit = ("", 0.0, "") if text is None else _quantizer(text)
-    return unit if what == "rate" else None
 
 
 def _effect(record: "Record", text: str) -> "tuple[Record, NDArray[Any]]":
@@ -207,7 +195,9 @@ def _recording(model: "Model", n: int, choices: dict[str, Any], tell: Callable[[
     if choices["dither"] is not None and choices["quantize"] is None:
         raise UsageError("--dither needs a quantizer: give --quantize too")
     rng = np.random.default_rng(choices["seed"])
-    unit = choices["unit"] or quantizer_unit(choices["quantize"]) or model.signal.sheet[0]
+    what, _, step = ("", 0.0, "") if choices["quantize"] is None else _quantizer(choices["quantize"])
+    # rates are rounded in the unit of the step, so that they are exact multiples of it
+    unit = choices["unit"] or (step if what == "rate" else model.signal.sheet[0])
     records = []
     letter = CHANNEL_NAMES.get(model.signal.name, f"{model.signal.name} ")
     names = channel_names(choices["channels"], lambda i, count: letter + ("xyz"[i] if count <= 3 else str(i + 1)))
@@ -239,12 +229,13 @@ def _counts(laser: "RingLaser", n: int, choices: dict[str, Any]) -> "Recording":
     if extra:
         name = extra[0].replace("_", "-")
         raise UsageError(f"--{name} does not apply to {choices['sensor']}, which delivers counts; omit it")
-    turning = turning_rate(choices["constant"])
+    given = "0" if choices["constant"] is None else choices["constant"]
+    ((value, unit),) = _quantities(given, "constant", "10 deg/h")
+    turning = convert(value, unit or "deg/h", "deg/h")
     rng = np.random.default_rng(choices["seed"])
     names = channel_names(choices["channels"], lambda i, count: f"gyro{i + 1}" if count > 1 else "gyro")
-    return Recording(
-        tuple(simulate_ring_laser(laser, turning, n, choices["rate"], rng=rng, name=each) for each in names)
-    )
+    records = (simulate_ring_laser(laser, turning, n, choices["rate"], rng=rng, name=each) for each in names)
+    return Recording(tuple(records))
 
 
 WRITTEN = {"report": "page.html", "json": "paper.json"}  # files of the comparison: option -> name
@@ -252,10 +243,8 @@ WRITTEN = {"report": "page.html", "json": "paper.json"}  # files of the comparis
 
 @command()
 @options(
-    click.argument("paper", required=False),
-    click.argument("folder", required=False, type=click.Path(file_okay=False)),
-    click.option("--commands", is_flag=True, help="Print the commands only."),
-    *SHOWN,
+    click.argument("paper", required=False), click.argument("folder", required=False, type=click.Path(file_okay=False)),
+    click.option("--commands", is_flag=True, help="Print the commands only."), *SHOWN,
 )  # fmt: skip
 def example(paper: str | None, folder: str | None, commands: bool, **shared: Any) -> None:
     """Reproduce the tables and figures of a paper.

@@ -20,16 +20,9 @@ LONGER = (1, 2, 4, 8, 16)  # lengths of embeddings that are tried, over that of 
 
 @public
 def simulate(
-    model: ModelLike,
-    size: int | None = None,
-    rate: float | None = None,
-    *,
-    duration: float | str | None = None,
-    rng: "np.random.Generator | int | None" = None,
-    name: str = "",
-    unit: str | None = None,
-    rounding: bool = False,
-) -> Record:
+    model: ModelLike, size: int | None = None, rate: float | None = None, *, duration: float | str | None = None,
+    rng: "np.random.Generator | int | None" = None, name: str = "", unit: str | None = None, rounding: bool = False,
+) -> Record:  # fmt: skip
     """Simulate a Gaussian record of a model, exact at every averaging time.
 
     The first differences of the rate are stationary for every term; their covariance is embedded in a circulant matrix,
@@ -269,15 +262,9 @@ RING_LASERS: dict[str, RingLaser] = {"gl1": GL1, "gl1-smooth": GL1_SMOOTH}  # ri
 
 @public
 def simulate_ring_laser(
-    gyro: RingLaser,
-    turning: float,
-    size: int | None = None,
-    rate: float | None = None,
-    *,
-    duration: float | str | None = None,
-    rng: "np.random.Generator | int | None" = None,
-    name: str = "",
-) -> Record:
+    gyro: RingLaser, turning: float, size: int | None = None, rate: float | None = None, *,
+    duration: float | str | None = None, rng: "np.random.Generator | int | None" = None, name: str = "",
+) -> Record:  # fmt: skip
     """Counts of a ring laser gyro that turns at a constant rate.
 
     Parameters

@@ -69,16 +69,9 @@ class Accumulator:
     """
 
     def __init__(
-        self,
-        rate: float,
-        unit: str,
-        kind: str = "rate",
-        *,
-        scale: float | None = None,
-        name: str = "",
-        statistic: str = "oadev",
-        start: int = 0,
-    ) -> None:
+        self, rate: float, unit: str, kind: str = "rate", *, scale: float | None = None, name: str = "",
+        statistic: str = "oadev", start: int = 0,
+    ) -> None:  # fmt: skip
         self.like = Record(np.zeros(3, np.int64), rate, unit, kind, scale, name)
         self.row: Statistic = statistic_named(statistic)
         if self.row.name not in streamable():
@@ -137,9 +130,7 @@ class Accumulator:
         if values.ndim != 1 or values.dtype.kind not in "fiu":
             raise DataError(say(
                 "a chunk is a row of real numbers, shape (n,), not {dtype} of shape {shape}; push every channel "
-                "to an Accumulator of its own",
-                dtype=values.dtype, shape=values.shape,
-            ))  # fmt: skip
+                "to an Accumulator of its own", dtype=values.dtype, shape=values.shape))  # fmt: skip
         values = values.astype(np.float64, copy=False)
         if self.like.kind == "angle" and values.size:
             begun = self.stop > self.start or math.isfinite(self.last)

@@ -57,10 +57,8 @@ def curve_of(stream: "Accumulator", noise: ModelLike | Fit | None) -> Curve:
     row, like, state = stream.row, stream.like, stream.sums.state
     which = np.flatnonzero(state.counts)
     if not which.size:
-        raise DataError(say(
-            "{size} samples without a gap are too few for {statistic}; wait for more",
-            size=stream.size, statistic=row.name,
-        ))  # fmt: skip
+        raise DataError(say("{size} samples without a gap are too few for {statistic}; wait for more",
+                            size=stream.size, statistic=row.name))  # fmt: skip
     q, level = (values[which] for values in grid())
     m, count = q << level, state.counts[which]
     mean = state.sums[which] / count / (row.norm(m) * m.astype(np.float64) ** 2)

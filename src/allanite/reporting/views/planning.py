@@ -11,7 +11,7 @@ from allanite.core.fit import Fit
 from allanite.core.model import Model, coefficient_factor
 from allanite.interpretation.glossary import named_words
 from allanite.phrases.phrase import join, say, say_count
-from allanite.planning.bound import Bound, name_of, parameter_title
+from allanite.planning.bound import Bound, name_of
 from allanite.planning.plan import Properties, RecordingPlan
 from allanite.planning.selfcheck import SelfCheck
 from allanite.reporting import figures, words
@@ -104,7 +104,7 @@ def expected_values(model: Model, channel: Modelled | None = None) -> dict[str, 
         shown = f"{t.to(unit):.4g}" if name not in known else words.brief(known[name], 0.95)
         expected[name] = shown, unit
         for parameter, value in zip(t.row.parameters, t.shape, strict=True):
-            expected[f"{name} {parameter_title(parameter)}"] = (f"{value:.4g}", parameter.unit)
+            expected[f"{name} {parameter.title}"] = (f"{value:.4g}", parameter.unit)
     return expected
 
 

@@ -56,12 +56,7 @@ class Dither:
 
 @public
 def quantize_rate(
-    record: Record,
-    lsb: float,
-    unit: str,
-    *,
-    dither: Dither | None = None,
-    rng: "np.random.Generator | None" = None,
+    record: Record, lsb: float, unit: str, *, dither: Dither | None = None, rng: "np.random.Generator | None" = None
 ) -> Record:
     """Round the rate to steps, as the converter of a rate output does.
 
@@ -96,12 +91,7 @@ def quantize_rate(
 
 @public
 def quantize_angle(
-    record: Record,
-    lsb: float,
-    unit: str,
-    *,
-    dither: Dither | None = None,
-    rng: "np.random.Generator | None" = None,
+    record: Record, lsb: float, unit: str, *, dither: Dither | None = None, rng: "np.random.Generator | None" = None
 ) -> Record:
     """Round the angle to steps, as a pulse counter or an integrating readout does.
 
