@@ -224,6 +224,7 @@ def quantile(level: float, freedom: float) -> float:
 
 VAGUE = 1e7  # a prior deviation, in units of what one reading tells of a constant, that no result notices
 SINGULAR = 1e-12  # singular value over the largest, below which a combination of constants is not seen at all
+SEPARATE = 1e5  # condition above which that prior deviation grows with it, for the least certain combination
 ROBUST = 1.4826  # standard deviation of normal noise over its median size
 ROUNDS = 20  # times that the gate is applied again to what it has left
 CHECKPOINTS = 200  # instants of the history that are kept
@@ -247,7 +248,8 @@ def solve(
     if not kept.all():
         system = System(system.names, *(part[kept] for part in system[1:]))
         alone, spread, freedom = _alone(system, sigma, prior)
-    vague = prior if prior is not None else VAGUE * spread / np.sqrt((system.rows**2).mean(axis=0))
+    wide = VAGUE * max(1.0, alone.condition / SEPARATE) * spread / np.sqrt((system.rows**2).mean(axis=0))
+    vague = wide if prior is None else prior
     rows, values = system.rows / spread, system.values / spread
     demand_name("method", method, METHODS)
     end, history, innovations = METHODS[method](SquareRoot.before(vague), rows, values, system.time)

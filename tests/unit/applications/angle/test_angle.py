@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from tests import examples
-from tests.reference.angle import PAPER, PAPER_SUMS, kalman, row
+from tests.reference.angle import PAPER, PAPER_SUMS, kalman, least_squares, row
 from tests.rows import refused, rows
 
 import allanite as al
@@ -566,3 +566,14 @@ def test_what_is_not_told_apart_needs_a_prior():
 def test_starts_that_are_no_times_are_refused(starts):
     with pytest.raises(al.UsageError):
         al.angle.scan(AngleSettings(LATITUDE, 3600.0, 10.0), starts)
+
+
+def test_without_a_prior_nothing_is_drawn_to_zero_however_alike_the_columns_are():
+    gimbals = al.angle.gimbals(7200 + np.arange(900.0), latitude=math.radians(60.1), q_law="exact")
+    z = 5e-6 * np.random.default_rng(3).standard_normal(900)
+    _, matrix = design(gimbals, harmonic_set({"h": (128, 256), "q": (128, 256)}), ("A1", "A2", "A3"))
+    values, errors = least_squares(matrix, z)
+    solution = al.angle.estimate(z, gimbals, nuisance=("A1", "A2", "A3")).solution
+    assert solution.condition > 1e8
+    assert solution.errors == pytest.approx(errors, rel=1e-6)
+    assert np.abs((solution.values - values) / errors).max() < 1e-3
