@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -194,15 +194,19 @@ def demand_whole(record: Record) -> None:
                             split=spelled("--split-gaps", "gaps=split"), window=windowing()))  # fmt: skip
 
 
-def interval_of(record: Record, task: Task) -> Interval:
-    """The samples of each sample interval, a constant and the dither's sinusoids subtracted."""
-    values = record.values
+def readings_of(record: Record, options: EstimatorSettings) -> Interval:
+    """The samples of each sample interval, a constant subtracted."""
     if record.kind == "angle":
-        steps, offset = np.diff(values).astype(np.float64), 0.0
+        steps, offset = np.diff(record.values).astype(np.float64), 0.0
     else:
         offset = float(record.constant)
-        steps = np.asarray(values - record.constant, dtype=np.float64)
-    return Interval(without_dither(steps, task), offset, reading_size(record), pulse_of(record, task.options))
+        steps = np.asarray(record.values - record.constant, dtype=np.float64)
+    return Interval(steps, offset, reading_size(record), pulse_of(record, options))
+
+
+def interval_of(readings: Interval, task: Task, start: int = 0) -> Interval:
+    """Those of a measurement that begins with one of them, the dither's sinusoids subtracted."""
+    return replace(readings, steps=without_dither(readings.steps[start : start + task.size], task))
 
 
 def without_dither(values: FloatArray, task: Task, *, weights: bool = False) -> FloatArray:

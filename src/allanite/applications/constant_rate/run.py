@@ -19,7 +19,8 @@ from .linear import recognized, regression_lines
 from .predict import RATE_ESTIMATORS, estimator_named, ranking, standard_error
 
 from .row import (  # isort: skip
-    EstimatorSettings, Interval, RateMeasurement, Task, demand_whole, findings_of, interval_of, pulse_of, reading_size
+    EstimatorSettings, Interval, RateMeasurement, Task, demand_whole, findings_of, interval_of, pulse_of, reading_size,
+    readings_of
 )  # fmt: skip
 
 
@@ -74,7 +75,7 @@ def estimate(
     row, task = estimator_named(method), task_of(record, model, target, dither=dither, options=options)
     if lacking := row.lacks(task):
         raise UsageError(f"{method}: {lacking}")
-    weights, interval = row.weights(task), interval_of(record, task)
+    weights, interval = row.weights(task), interval_of(readings_of(record, task.options), task)
     measurement = in_si(row.measure(interval, weights, task), interval)
     return RateEstimate(
         value=measurement.value, standard_error=math.nan if task.model is None else standard_error(row, weights, task),
@@ -189,9 +190,9 @@ def experiment(
     if not rows:
         raise UsageError("; ".join(f"{method}: {why}" for method, why in left_out.items()))
     weights = {method: row.weights(task) for method, row in rows.items()}
-    rates = np.empty((len(rows), starts.size))
+    rates, readings = np.empty((len(rows), starts.size)), readings_of(record, settings.options)
     for i, start in enumerate(starts):
-        interval = interval_of(piece(record, int(start), size), task)
+        interval = interval_of(readings, task, int(start))
         for j, (method, row) in enumerate(rows.items()):
             rates[j, i] = in_si(row.measure(interval, weights[method], task), interval).value
     rates = rates - settings.bias
@@ -337,7 +338,7 @@ def closeup(record: Record, settings: ExperimentSettings | None = None, *, start
     part = piece(record, first, size)
     demand_whole(part)
     task = task_of(part, None, settings.target, dither=settings.dither, options=settings.options)
-    interval = interval_of(part, task)
+    interval = interval_of(readings_of(part, task.options), task)
     slopes, kept = regression_lines(interval, task)
     counts = line = descent = np.empty(0)
     if math.isfinite(interval.pulse):
