@@ -235,7 +235,7 @@ def calibrate(file: str, **choices: Any) -> None:
 
 
 GIMBALS = (
-    click.option("--difference", required=True, metavar="COLUMN",
+    click.option("--difference", default="difference", show_default=True, metavar="COLUMN",
         help="Measured minus computed cosine between the momentum vectors."),
     "angle time",
     click.option("--h", "h", default="h", show_default=True, metavar="COLUMN",
@@ -249,7 +249,8 @@ GIMBALS = (
     click.option("--mu", metavar="COLUMN",
         help="Angle of the equatorial gyro's outer ring.  [default: mu, if there is such a column]"),
     HEADING,
-    click.option("--rho", metavar="COLUMN", help="Angle of the auto-compensating rotation."),
+    click.option("--rho", metavar="COLUMN",
+        help="Angle of the auto-compensating rotation.  [default: rho, if there is such a column]"),
     turn_option("Or the period of that rotation, which starts at time 0."),
     "orders", ANGLES,
     click.option("--nuisance", type=NAMES, metavar="A,B,...",
@@ -345,15 +346,16 @@ def gimbals_of(file: Any, choices: dict[str, Any]) -> "tuple[Recording, FloatArr
         raise UsageError("--rho and --turn-period describe the same rotation: give only one of them")
     if period is not None and not period > 0:
         raise UsageError(f"--turn-period must be a positive number of seconds, not {period!r}")
-    chosen = choices | {"mu": choices["mu"] or "mu"}
-    roles = [role for role in ROLES if chosen[role] is not None]
-    try:
-        data, at = _rows(file, chosen, roles, tuple(UNITS))
-        choices["mu"] = chosen["mu"]
-    except UsageError:
-        if choices["mu"] is not None:
-            raise
-        data, at = _rows(file, choices, [role for role in roles if role != "mu"], tuple(UNITS))
+    usual = [role for role in ("mu", "rho") if choices[role] is None and not (role == "rho" and period)]
+    for more in (usual, *([role] for role in usual), []):  # columns of their usual names, as far as the file has them
+        chosen = choices | dict(zip(more, more, strict=True))
+        try:
+            data, at = _rows(file, chosen, [role for role in ROLES if chosen[role] is not None], tuple(UNITS))
+            break
+        except UsageError:
+            if not more:
+                raise
+    choices.update(chosen)
     z, time, known = at.pop("difference"), at.pop("time"), choices["latitude"]
     turning = {} if period is None else {"rho": 2 * math.pi / period * time}
     angles: dict[str, Any] = {"h_polar": (known or 0.0) * DEGREE, "q_polar": 0.0, **at, **turning}

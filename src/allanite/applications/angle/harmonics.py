@@ -241,9 +241,9 @@ class Harmonics(Correction):
 
     def status(self, order: int) -> str:
         """Whether it is "identified", "absent", or "weak": significant, but the noise is not as assumed."""
-        if not self.found(order):
-            return "absent"
         solution = self.solution
+        if not self.found(order) and (solution is None or solution.complete):
+            return "absent"
         sound = solution is None or (solution.complete and all(check.passed for check in solution.checks))
         return "identified" if sound else "weak"
 

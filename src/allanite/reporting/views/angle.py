@@ -130,7 +130,7 @@ def _harmonics(result: Result, level: float) -> Table:
     true, error = [Column(say("true"))] * bool(truth), Column(say("error"), aside=True)
     aside = [replace(column, aside=True) for column in true]
     heads = (Column(say("harmonic"), "symbol"), Column("S [arcsec]", aside=True), error, *aside,
-             Column("C [arcsec]", aside=True), error, *aside, Column(say("amplitude")),
+             Column("C [arcsec]", aside=True), error, *aside, Column(say("amplitude [arcsec]")),
              Column(words.interval(level), "interval"), *true, Column(say("phase [deg]")),
              Column("", "name"))  # fmt: skip
     rows, marks = [], []
@@ -151,7 +151,7 @@ def _amplitude(h: Harmonics, order: int, level: float) -> tuple[str, str]:
     """Amplitude and interval, arcsec; of one that was not found its limit; no limits of a model that is incomplete."""
     low, high = h.limits(order, level)
     if low is None or high is None:
-        return f"{h.amplitude[h.orders.index(order)] / ARCSEC:.3g}" if h.found(order) else "", ""
+        return f"{h.amplitude[h.orders.index(order)] / ARCSEC:.3g}", ""
     if not h.found(order):
         return say("below {limit}", limit=upper_limit(h.upper(order) / ARCSEC).plain()[0]), ""
     size = float(h.amplitude[h.orders.index(order)])
