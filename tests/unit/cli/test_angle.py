@@ -159,10 +159,9 @@ def test_refused(arguments, code, words, tmp_path, monkeypatch):
 
 @rows("options, code, words", [
     (["--difference", "z", "--latitude", 60], 2, "no column 'z'"),
-    (["--difference", "difference", "--rho", "rho"], 0, "from the motion of h and q"),
     (["--difference", "difference", "--rho", "rho", "--latitude", 45], 0, "the motion of h and q gives the latitude"),
     (["--difference", "difference", "--rho", "rho", "--h", "q_polar"], 2, "give the latitude"),
-    (["--difference", "difference", "--latitude", 60], 2, "--nuisance A1,A2,A3"),
+    ([], 0, "from the motion of h and q"),
     (["--difference", "difference", "--latitude", 60, "--rho", "rho", "--turn-period", 300], 2, "the same rotation"),
     (["--difference", "difference", "--latitude", 60, "--turn-period", 0], 2, "positive number of s"),
     (["--difference", "difference", "--latitude", 60, "--rho", "rho", "--unit", "m"], 2, "cannot be converted"),
@@ -185,6 +184,8 @@ def test_broken_files(tmp_path, gimbal):
     assert (done.exit_code, "1 row with a missing value is left out" in done.stdout) == (0, True)
     broken.write_text("\n".join([lines[0].replace("[rad]", ""), *lines[1:]]))
     assert "'h', 'q', 'rho': the unit is unknown" in estimate(broken).stderr
+    broken.write_text("\n".join(line.rsplit(",", 1)[0] for line in lines))
+    assert "--nuisance A1,A2,A3" in run("estimate", broken).stderr
     broken.write_text("no numbers here\n")
     assert estimate(broken).exit_code == 3
 
