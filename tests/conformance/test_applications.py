@@ -122,7 +122,7 @@ def test_an_encoder_against_a_reference(seed):
     true, offset, hits = 1e-5 * rng.standard_normal(6), rng.uniform(-3.1, 3.1), []
     A = np.column_stack([w(k * angle) for k in orders for w in (np.sin, np.cos)])
     columns = np.column_stack([A, *(number**i for i in range(trend + 1))])
-    for sigma in [3e-6, None] * 10:
+    for sigma in [3e-6, None] * 4:
         z = offset + A @ true + 3e-6 * rng.standard_normal(n) + trend * 1e-5 * number
         found = al.angle.calibrate(np.mod(angle, 2 * np.pi), np.mod(angle - z, 2 * np.pi), orders, sigma=sigma,
                                    trend=trend)  # fmt: skip
