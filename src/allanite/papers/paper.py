@@ -28,13 +28,12 @@ READ: dict[str, Callable[..., list[float]]] = {
     "mu": lambda *numbers: [round(2 * slope, 2) + 0.0 for slope in READ["slope"](*numbers)],
     "flatness": lambda late, tau, first: [(late / first) ** 2 * tau],
     "ramp": lambda allan, hadamard, tau: [math.sqrt(2 * (allan**2 - hadamard**2)) / tau],
-    "of 0.41": lambda *numbers: [0.41 * number for number in numbers],
     "white": lambda allan, tau: [allan * math.sqrt(tau)], "trend": lambda allan, tau: [allan * math.sqrt(2) / tau],
     "walk": lambda hadamard, tau: [hadamard * math.sqrt(6 / tau)],
     "percent": lambda *edf: [100 / math.sqrt(2 * each) for each in edf],
 }  # fmt: skip
 """What is made of the numbers of cells: slopes of pairs over a decade (`mu` of the variance), a ramp from two
-deviations, percent from edf, the variance times tau over that at 1 s, sums relative to the best range, 0.41 in 002."""
+deviations, the variance times tau over that at 1 s, a coefficient from the deviation at one tau, percent from edf."""
 
 
 def number(path: Path, cell: str) -> float:
@@ -101,7 +100,8 @@ class Item:
     # numbers that replace those of the paper, within 1 %, or that are computed where it has none
     ours: tuple[float, ...] = ()
     unit: str = ""  # that of ours where the file has SI units
-    read: str = ""  # a key of `cells.READ`: what is made of the numbers of the cells
+    factor: float = 1.0  # what ours are multiplied with, where the paper has a relative unit
+    read: str = ""  # a key of `READ`: what is made of the numbers of the cells
     form: str = ""  # how ours are written, with {} for each number; without it, four digits and the unit
     verdict: str = ""  # one of `VERDICTS` that is expected: without it, that numbers agree and that figures are drawn
     why: str = ""  # the reason of a difference, or what the agreement rests on
@@ -228,7 +228,7 @@ def compare(paper: Paper, folder: Path) -> Reproduction:
 def compared(item: Item, folder: Path) -> Compared:
     """An item beside the files in a folder."""
     places = [place.partition(": ")[::2] for place in item.here]
-    scale = unit_of(item.unit).factor if item.unit else 1.0
+    scale = (unit_of(item.unit).factor if item.unit else 1.0) / item.factor
     numbers = READ[item.read](*(number(folder / name, cell) / scale for name, cell in places if cell))
     drawn = [name for name, cell in places if not cell]
     for name in drawn:

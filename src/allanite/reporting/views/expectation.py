@@ -20,6 +20,7 @@ from allanite.reporting.text import spread
 from allanite.simulation.record import Simulation
 from allanite.statistics import Expectation, Expectations, deviation, expectation, statistic_named
 from allanite.study.results import Channel
+from allanite.terms import TERMS
 
 from . import view
 from .fit import model_table
@@ -167,8 +168,8 @@ LESS_RAMP = say(
 
 def beside_allan(channel: Channel, meant: Meaning | None, level: float) -> Iterator[Part]:
     """The Allan deviation and that of Hadamard, which the device calls for, or a loop beside a ramp."""
-    found = [e for e in channel.fit or () if e.claimed]
-    loop = any(e.symbol == "R" for e in found) and any(e.shape and lasting(e) for e in found)
+    claimed = [e for e in channel.fit or () if e.claimed]
+    loop = any(TERMS[e.symbol].slope == 1 for e in claimed) and any(e.shape and lasting(e) for e in claimed)
     named = meant is not None and bool(meant.symbols) and DEVICES[meant.device].hadamard
     record, curve, name = channel.record, channel.curve, "ohdev"
     if not (named or loop) or curve is None or not isinstance(record, Record):

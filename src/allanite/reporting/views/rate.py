@@ -83,13 +83,13 @@ def _channels(channels: Sequence[RateChannel], study: RateStudy, level: float) -
 
 def _rate(channel: RateChannel, level: float) -> str:
     """The rate over the record: its error is that under the noise model, or else by the scatter of intervals alike."""
-    found = next(iter((*channel.certain, *channel.estimates)), channel.whole)
+    single = next(iter((*channel.certain, *channel.estimates)), channel.whole)
     measured = channel.by_reversal or channel.experiment
-    apart = found is not None and measured is not None and found.method not in measured.methods
-    if measured is None or (found is not None and (apart or math.isfinite(found.interval(level)[0]))):
-        return "" if found is None else _size(found, level)
-    method = measured.methods[0] if found is None else found.method
-    value = float(measured.rates[measured.methods.index(method)].mean()) if found is None else found.value
+    apart = single is not None and measured is not None and single.method not in measured.methods
+    if measured is None or (single is not None and (apart or math.isfinite(single.interval(level)[0]))):
+        return "" if single is None else _size(single, level)
+    method = measured.methods[0] if single is None else single.method
+    value = float(measured.rates[measured.methods.index(method)].mean()) if single is None else single.value
     half = measured.half_width(method, level) / math.sqrt(measured.start.size)
     half = math.nan if measured.drift or not half > 0 else half
     _, factor = sheet_unit(measured.signal)
