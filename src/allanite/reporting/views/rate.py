@@ -222,7 +222,8 @@ def study_view(study: RateStudy, level: float) -> Face:
         grade = "" if (explained or channel.certain) and not channel.refusal else "alert"
         sheets.append(channel_sheet(channel, _parts(channel, study.settings, level), verdicts, grade))
     title = say("Rate of {source}", source=source_of(study))
-    return job_face(study, (title, experiments.BRAND), sheets, how=[METHODS])
+    summary = first_of_rates(study, level)
+    return job_face(study, (title, experiments.BRAND), sheets, how=[METHODS], summary=summary)
 
 
 @view(rows=lambda ranking, level: ranking.rows())
