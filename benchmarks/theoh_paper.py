@@ -12,12 +12,18 @@ from multiprocessing import Pool
 import numpy as np
 
 import allanite as al
-from allanite.core.units import convert
 from allanite.planning.plan import properties
 
 SIZE = 7200
-FOG = al.Model("Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h), R 5 deg/h^2")
-"""A stand-in for the paper's fiber-optic gyro, whose record is not published."""
+FLAT = "Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h)"
+TRUTHS = {
+    "R 5": al.Model(f"{FLAT}, R 5 deg/h^2"), "R 1": al.Model(f"{FLAT}, R 1 deg/h^2"), "no R": al.Model(FLAT),
+    "N and B": al.Model("N 0.02 deg/sqrt(h), B 0.3 deg/h"),
+}  # fmt: skip
+"""Stand-ins for the paper's fiber-optic gyro, whose record is not published."""
+
+FOG = TRUTHS["R 5"]
+UNITS = al.Model("Q 1 arcsec, N 1 deg/sqrt(h), B 1 deg/h, K 1 deg/h/sqrt(h), R 1 deg/h^2")
 
 FITS = [
     ("ls", "oadev"), ("nnls", "oadev"), ("nnls", "theo1"), ("nnls", "theoh"), ("gls", "oadev"), ("gls", "theo1"),
@@ -52,14 +58,14 @@ def spread(name: str, m: int, draws: int) -> tuple[float, float]:
 
 
 def joint() -> list[tuple[str, ...]]:
-    """Expected deviations of the mixture around the joint of TheoH."""
+    """Expected TheoBR over the Allan deviation: at short times, and where TheoH consists of it."""
     rows = []
-    for tau in (720, 1440, 1500, 2700, 5400):
-        allan = float(al.expected(FOG, "oadev", [float(tau)], rate=1.0)[0])
-        theo = float(al.expected(FOG, "theoh", [float(tau)], rate=1.0, size=SIZE)[0])
-        unit = convert(1.0, "rad/s", "deg/h")
-        numbers = (unit * math.sqrt(allan), unit * math.sqrt(theo), math.sqrt(theo / allan))
-        rows.append((str(tau), *(f"{number:.3f}" for number in numbers)))
+    for tau in (15, 30, 75, 150, 1500, 2700, 5400):
+        pairs = [
+            [al.expected(model, name, [float(tau)], rate=1.0, size=SIZE)[0] for name in ("theobr", "oadev")]
+            for model in TRUTHS.values()
+        ]
+        rows.append((str(tau), *(f"{math.sqrt(theo / allan):.2f}" for theo, allan in pairs)))
     return rows
 
 
@@ -75,13 +81,30 @@ def fitted(seed: int) -> list[list[list[float]]]:
     return found
 
 
-def whole(cell: int, seed: int) -> list[float]:
-    """Coefficients over the truth by the unweighted fit of the whole curve; every record is another."""
-    record = al.simulate(FOG, SIZE, 1.0, rng=np.random.default_rng([2, cell, seed]))
-    statistic, bias = CURVES[cell]
-    curve = al.deviation(record, statistic, taus="log", noise="identified" if bias else None, bias=bias)
-    model = {t.symbol: abs(t.value) for t in al.identify(curve, "curve", terms="QNBKR").model}
-    return [model.get(t.symbol, 0.0) / abs(t.value) for t in FOG]
+def whole(truth: str, seed: int) -> list[list[float]]:
+    """Errors of the unweighted fits of whole curves of a record, in `UNITS`."""
+    rng = np.random.default_rng([2, list(TRUTHS).index(truth), seed])
+    record, errors = al.simulate(TRUTHS[truth], SIZE, 1.0, rng=rng), []
+    for statistic, bias in CURVES:
+        curve = al.deviation(record, statistic, taus="log", noise="identified" if bias else None, bias=bias)
+        fit, true = (
+            {t.symbol: abs(t.value) for t in model}
+            for model in (al.identify(curve, "curve", terms="QNBKR").model, TRUTHS[truth])
+        )
+        errors.append([(fit.get(u.symbol, 0.0) - true.get(u.symbol, 0.0)) / u.value for u in UNITS])
+    return errors
+
+
+def wholes(errors: np.ndarray) -> list[tuple[str, ...]]:
+    """Root mean square and mean errors by truth and curve."""
+    rms, mean = np.sqrt((errors**2).mean(axis=1)), errors.mean(axis=1)
+    return [
+        (
+            truth, statistic, bias or ("own ratio" if statistic == "theoh" else "-"),
+            *(f"{x:.2g} ({m:+.2g})" for x, m in zip(rms[i, j], mean[i, j], strict=True)),
+        )
+        for i, truth in enumerate(TRUTHS) for j, (statistic, bias) in enumerate(CURVES)
+    ]  # fmt: skip
 
 
 def held(seed: int) -> list[list[int]]:
@@ -125,7 +148,7 @@ def main() -> None:
     asked = run.asked
     with Pool() as pool:
         errors = np.array(pool.map(fitted, range(1, asked.records + 1), chunksize=4)) - 1
-        drawn = pool.starmap(whole, product(range(len(CURVES)), range(asked.curves)), chunksize=4)
+        drawn = pool.starmap(whole, product(TRUTHS, range(asked.curves)), chunksize=4)
         places = np.array(pool.map(held, range(asked.limits), chunksize=4))
     rmse = np.sqrt((errors**2).mean(axis=0))
     symbols = [t.symbol for t in FOG]
@@ -136,27 +159,25 @@ def main() -> None:
         )
         for (method, statistic), row in zip(FITS, rmse, strict=True)
     ]  # fmt: skip
-    scatter = np.sqrt(((np.array(drawn).reshape(len(CURVES), asked.curves, -1) - 1) ** 2).mean(axis=1))
-    curves = [
-        (statistic, bias or ("own ratio" if statistic == "theoh" else "-"), *(f"{x:.2f}" for x in row))
-        for (statistic, bias), row in zip(CURVES, scatter, strict=True)
-    ]
+    curves = wholes(np.array(drawn).reshape(len(TRUTHS), asked.curves, len(CURVES), -1))
     k = [("formula of the paper, 1/sqrt(2 (k - 1))", f"{100 / math.sqrt(2 * 71):.2f}", "-")]
     k += [(name, *(f"{100 * x:.2f}" for x in spread(name, 100, asked.draws))) for name in ("adev", "oadev")]
     notes = [
-        f"seeds 1..{asked.records} for the fits, [2, row, 0..{asked.curves - 1}] for those of whole curves, "
-        f"[1, 0..{asked.limits - 1}] for the limits, 72 and 100..102 for the rest; {SIZE} samples at 1 Hz of {FOG}",
+        f"seeds 1..{asked.records} for the fits, [2, place of the truth, 0..{asked.curves - 1}] for those of whole "
+        f"curves, [1, 0..{asked.limits - 1}] for the limits, 72 and 100..102 for the rest; {SIZE} samples at 1 Hz of "
+        + "; ".join(f"{name}: {model}" for name, model in TRUTHS.items()),
         f"Monte-Carlo standard error: {100 / math.sqrt(2 * asked.records):.0f} % of an rmse, "
         f"{100 / math.sqrt(2 * asked.curves):.0f} % of one of whole curves, "
         f"{100 * math.sqrt(0.05 * 0.95 / asked.limits):.1f} % of a coverage of 95 %",
     ]
     sections = (
         ("Error of the Allan deviation, 72 windows of 100 s, percent", ("", "exact", f"{asked.draws} records"), k),
-        ("TheoH at its joint: expected deviation, deg/h", ("tau, s", "Allan", "TheoH", "ratio"), joint()),
+        ("Expected TheoBR over the Allan deviation; from 1500 s on it is TheoH", ("tau, s", *TRUTHS), joint()),
         ("Coefficients: rmse over the truth",
          ("method", "statistic", *symbols, *(f"{s}, 0 if not claimed" for s in symbols[-2:])), fits),
-        ("Unweighted fit of the whole curve (method curve): rmse over the truth",
-         ("statistic", "bias removed by", *symbols), curves),
+        ("Unweighted fit of the whole curve (method curve): rms error (mean error)",
+         ("truth", "statistic", "bias removed by", "Q, arcsec", "N, deg/√h", "B, deg/h", "K, deg/h/√h", "R, deg/h²"),
+         curves),
         ("95 % limits of gls, percent of records in which they hold the truth; truth below and above them",
          ("statistic", *symbols), covering(places)),
         ("Noise that changes its level: variance times tau over the mean power",

@@ -22,7 +22,6 @@ from allanite.applications.attitude import (
     attitudes,
     compare_filters,
     kalman,
-    kalman_error,
     optimal_time_constant,
     predicted_error,
     rotation_vectors,
@@ -102,6 +101,11 @@ def whole(duration: float, runs: int = 30, rate: float = 20.0) -> tuple[float, f
     return tau, predicted, math.sqrt(np.mean(squares)) / ARCSEC
 
 
+def kalman_error(N: float, tilt: float, K: float = 0.0) -> float:
+    """Standard deviation of the angle of the steady Kalman filter, rad."""
+    return math.sqrt(tilt * math.sqrt(N**2 + 2 * K * tilt))
+
+
 def coning() -> dict[str, float]:
     """Drift that is left of a coning motion, deg/h, by algorithm."""
     w, dt, n = 2 * math.pi * CONE_RATE, 1 / CONE_SAMPLING, 12_000
@@ -111,8 +115,8 @@ def coning() -> dict[str, float]:
     swing = math.sin(CONE)
     increments = np.stack([steady, swing * np.diff(np.cos(w * t)), swing * np.diff(np.sin(w * t))], axis=1)
     start = np.array([math.cos(CONE / 2), 0.0, math.sin(CONE / 2), 0.0])
-    vectors = {f"{k} sample{'s' if k > 1 else ''}": (k, rotation_vectors(increments, k)) for k in (1, 2)}
-    vectors["2 samples, without"] = (2, increments.reshape(-1, 2, 3).sum(axis=1))
+    vectors = {"1 sample": (1, increments), "2 samples": (2, rotation_vectors(increments)),
+               "2 samples, without": (2, increments.reshape(-1, 2, 3).sum(axis=1))}  # fmt: skip
     found = {}
     for name, (k, phi) in vectors.items():
         end = attitudes(phi, start)[-1]

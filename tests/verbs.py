@@ -164,7 +164,7 @@ ROWS = {
                  "explain kalibr": r"gyroscope_noise_density",
                  "explain sch16t-k01": r"gyroscope: N = 0\.025 °/√h, B = 0\.3 °/h"},
     ),
-    "example": Row(screens={"example": r"^000  angle error"}),  # runs the others
+    "example": Row(screens={"example": r"^000  stabilizer: angle error"}),  # runs the others
     "quantization": Row(
         (f"current.csv --unit V --stage 'ADC 12 5V' --torquer {TORQUER} --sense 5", ),
         "--stage 'output 16 300deg/s'",

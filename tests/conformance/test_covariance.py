@@ -6,8 +6,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from tests import all_but, model_of
-from tests.reference.dense import covariance as dense
-from tests.reference.dense import quadratic_form, ramp_weights
+from tests.reference.dense import covariance as dense, quadratic_form, ramp_weights
 from tests.reference.theo import theobr
 from tests.rows import paired, rows
 

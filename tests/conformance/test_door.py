@@ -13,8 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import allanite as al
 from allanite.core.declared import misfit, parameters
@@ -143,7 +142,7 @@ EXTREME: dict[str, tuple[Any, str]] = {
     "no rate": (lambda: al.selfcheck(MODEL, 100, math.nan, rng=1), "sampling rate must be"),
     "a huge integer": (lambda: al.averaging_stability(RECORD, 10**30), "below 2"),
     "a tiny step": (lambda: al.simulation.faults.quantize_rate(RECORD, 5e-324, "deg/s"), "lsb must be between"),
-    "a negative noise": (lambda: al.attitude.kalman_error(-1.0, 1.0), "must not be negative"),
+    "a negative noise": (lambda: al.attitude.kalman(-1.0, 1.0), "must not be negative"),
     "no factors": (lambda: al.statistics.edf(al.STATISTICS["oadev"], MODEL, [0], 100, 10.0), "averaging factors"),
     "a size": (lambda: al.statistics.covariance(al.STATISTICS["oadev"], MODEL, [1], -1, 10.0), "needs at least 2"),
     "a list of itself": (lambda: al.drift(nested()), "nested too deeply"),

@@ -7,6 +7,7 @@ replaces its own.
 import re
 import shlex
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from tests.conformance.papers import laser, sensors, stabilizer, theoh, torque, vertical
@@ -15,7 +16,19 @@ from tests.conformance.papers.rows import number
 from tests.rows import rows
 
 from allanite.cli import main
-from allanite.papers.paper import AGREES, DRAWN, MISSING, PAPERS, SHOWN, VERDICTS, Item, compared, paper, verdict_on
+from allanite.papers.paper import (
+    AGREES,
+    DRAWN,
+    MISSING,
+    PAPERS,
+    SHOWN,
+    VERDICTS,
+    Item,
+    compared,
+    number as cell_of,
+    paper,
+    verdict_on,
+)
 
 MODULES = {"000": stabilizer, "vertical": vertical, "001": theoh, "002": sensors, "003": laser, "004": torque}
 
@@ -122,16 +135,29 @@ def test_every_verdict_turns_with_each_of_its_numbers():
 
 
 def test_a_verdict_fails_where_the_files_hold_other_numbers(tmp_path):
-    (tmp_path / "a.csv").write_text("value\n7\n", "utf-8")
+    (tmp_path / "a.csv").write_text("value,kind\n7,a\n3,b\n4,b\n", "utf-8")
     for more, verdict in (
         ({"numbers": (7.0,)}, True), ({"numbers": (8.0,)}, False), ({"ours": (7.0,), "verdict": "computed"}, True),
         ({"ours": (8.0,), "verdict": "computed"}, False), ({"numbers": (7.0,), "verdict": "misprint"}, False),
         ({"numbers": (8.0,), "verdict": "misprint", "ours": (9.0,)}, False),
+        ({"numbers": (3.5355,), "here": ("a.csv: rms value @ kind=b",)}, True),
+        *(({"numbers": numbers, "here": [f"a.csv: value @ value={v}" for v in values], "read": read}, True)
+          for read, values, numbers in (
+              ("ratio", (7, 7, 3, 4), (1, 3 / 4)), ("mu", (7, 3), (-0.74,)), ("flatness", (3, 4, 7), (4 * 9 / 49,)))),
     ):  # fmt: skip
-        found = compared(Item("eq. 1", "a claim", "7", here=("a.csv: value",), tolerance=0.01, **more), tmp_path)
+        given = {"here": ("a.csv: value",), "tolerance": 0.01} | more
+        found = compared(Item("eq. 1", "a claim", "7", **given), tmp_path)
         assert found.expected is verdict, more
     with pytest.raises(LookupError, match=r"a\.csv has no row value=9"):
         compared(Item("eq. 1", "a claim", "7", here=("a.csv: value @ value=9",)), tmp_path)
+
+
+def test_a_cell_is_a_quantile_of_the_scatter_of_groups(tmp_path):
+    rates = np.random.default_rng(1).standard_normal(60)
+    (tmp_path / "a.csv").write_text("rate\n" + "\n".join(map(repr, rates.tolist())), "utf-8")
+    scatters = np.sort(rates.reshape(5, 4, 3).mean(axis=2).std(axis=1, ddof=1))
+    for share, at in ((0, 0), (0.5, 2), (1, 4)):
+        assert cell_of(tmp_path / "a.csv", f"{share} of 4 of 3 of rate") == pytest.approx(scatters[at])
 
 
 def test_a_line_of_the_first_screen_is_not_too_wide():

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from tests import examples, model_of
 from tests.reference import REFEREES, largest
 from tests.reference.dense import moments, quadratic_form
@@ -325,6 +324,14 @@ def test_wrong_grids_say_what_is_possible():
         with pytest.raises(al.UsageError, match=words):
             al.deviation(record, "oadev", **options)
     refused(al.UsageError, "unknown statistic 'nadev'; did you mean adev", lambda: al.deviation(record, "nadev"))
+
+
+def test_upper_case_in_the_name_of_a_statistic_does_not_matter():
+    record = al.Record(np.random.default_rng(1).standard_normal(1000), rate=1.0, unit="deg/h", name="gx")
+    assert [al.deviation(record, name).statistic for name in ("OADEV", "TheoH")] == ["oadev", "theoh"]
+    assert al.Recipe(statistic="MDEV").statistic == "mdev"
+    assert al.Accumulator(1.0, "deg/h", statistic="TDEV").row.name == "tdev"
+    assert al.identify(record, "gls", statistic="OADEV")["N"].value == al.identify(record, "gls")["N"].value
 
 
 @pytest.mark.slow("seconds of analyses")

@@ -41,6 +41,9 @@ TABLE = [
     ), "psins"),
     Row("psins_lasergyro.imu", "analyze", "--channels gx,gy,gz --from 600 --until 900", 0, 100.0,
         (r"cut from 600 s to 900 s", r"300 s long"), "psins"),
+    Row("psins_lasergyro.imu", "rate", "--channels gz --no-times", 0, None, (
+        r"8\.357 ± 0\.068", r"use mean: in 15 intervals", r"regression +0\.217 +0\.646 +worse +1\.76 +1\.28 \.\. 2\.42",
+    ), "psins"),
     Row(MPU + "gyroscope.mat", "info", "--unit deg/s --time 1", 0, 99.317138,
         (r"bursty time stamps .*491\.3 Hz from the median step, 99\.3171 Hz from the mean",), "hdf5"),
     Row(MPU + "gyroscope.mat", "analyze", "--unit deg/s --time 1 --channels 2", 0, 99.317138,

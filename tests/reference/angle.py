@@ -15,20 +15,50 @@ PAPER = {  # errors of the eight amplitudes by range of h, relative units, in th
 PAPER_SUMS = (1.05, 0.65, 0.41, 0.47, 0.9, 3.36)
 
 
-def row(t, latitude, law):
-    """The row of observation at one instant, written out."""
+def row(t, latitude, law, orders=None, *, nuisance=("ax", "az", "A1", "A2", "A3"), turn=TURN):
+    """The row of observation at one instant, written out; orders by angle, 128 and 256 of both by default."""
     H = EARTH_RATE * t
     h = math.asin(math.cos(latitude) * math.sin(H))
     q = math.pi / 2 + H if law == "linear" else math.atan2(math.cos(H), -math.sin(latitude) * math.sin(H))
     f1 = -math.cos(latitude) * math.sin(h) * math.cos(q) + math.sin(latitude) * math.cos(h)
     f2 = -math.cos(latitude) * math.cos(h) * math.sin(q)
-    g, rho = f2 / math.cos(h), 2 * math.pi * t / TURN
+    g, rho = f2 / math.cos(h), 2 * math.pi * t / turn
     a = []
-    for f, angle in ((f1, h), (f2, q)):
-        for k in (128, 256):
+    for f, angle, name in ((f1, h, "h"), (f2, q, "q")):
+        for k in (orders or {"h": (128, 256), "q": (128, 256)}).get(name, ()):
             a += [f * math.sin(k * angle), f * math.cos(k * angle)]
-    a += [f1 * math.cos(rho) + g * math.sin(rho), -f1 * math.sin(rho) + g * math.cos(rho)]
-    return np.array([*a, math.sin(H), math.cos(H), t])
+    beside = {"ax": f1 * math.cos(rho) + g * math.sin(rho), "az": -f1 * math.sin(rho) + g * math.cos(rho),
+              "A1": math.sin(H), "A2": math.cos(H), "A3": t, "A0": 1.0}  # fmt: skip
+    return np.array([*a, *(beside[name] for name in nuisance)])
+
+
+def difference(t, latitude, errors):
+    """Cosine between the vectors by the readings r = angle + error(r), less the true one, 0; errors as {k: (S, C)}."""
+    H = EARTH_RATE * t
+    h, q = math.asin(math.cos(latitude) * math.sin(H)), math.atan2(math.cos(H), -math.sin(latitude) * math.sin(H))
+    read = []
+    for angle, name in ((h, "h"), (q, "q")):
+        r = angle
+        for _ in range(20):
+            r = angle + sum(S * math.sin(k * r) + C * math.cos(k * r) for k, (S, C) in errors.get(name, {}).items())
+        read.append(r)
+    h, q = read
+    return math.cos(h) * math.cos(latitude) * math.cos(q) + math.sin(h) * math.sin(latitude)
+
+
+def least_squares(rows, z, sigma=None, prior=None):
+    """Estimate and standard errors, of scaled columns; a prior stands as further rows."""
+    n, p = rows.shape
+    if sigma is None:
+        length = np.linalg.norm(rows, axis=0)
+        left = z - rows / length @ np.linalg.lstsq(rows / length, z, rcond=None)[0]
+        sigma = math.sqrt(left @ left / (n - p))
+    if prior is not None:
+        rows, z = np.vstack([rows, sigma * np.diag(1 / np.asarray(prior))]), np.append(z, np.zeros(p))
+    length = np.linalg.norm(rows, axis=0)
+    Q, R = np.linalg.qr(rows / length)
+    inverse = np.linalg.inv(R)
+    return inverse @ (Q.T @ z) / length, sigma * np.linalg.norm(inverse, axis=1) / length
 
 
 def kalman(rows, z, sigma, prior):

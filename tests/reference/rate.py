@@ -25,12 +25,18 @@ def lines(angles, rate, count):
     return [regression(angles[k : k + length], rate) for k in range(count)]
 
 
-def best_linear(C, aim=None, settled=None):
-    """Dense: weights of sum 1 with the least w'Cw, or the least error against an aim (universal kriging)."""
+def best_linear(C, aim=None, settled=None, waves=()):
+    """Dense: weights of sum 1 with the least w'Cw, or the least error against an aim, which sees waves as they do."""
     n = len(C)
-    M = np.block([[C, np.ones((n, 1))], [np.ones((1, n)), np.zeros((1, 1))]])
-    right = np.zeros(n) if aim is None else (C - settled) @ aim
-    return np.linalg.solve(M, np.append(right, 1.0))[:n]
+    X = np.column_stack([np.ones(n), *waves])
+    M = np.block([[C, X], [X.T, np.zeros((X.shape[1],) * 2)]])
+    right = np.append(np.zeros(n), 1.0) if aim is None else np.append((C - settled) @ aim, X.T @ aim)
+    return np.linalg.solve(M, right)[:n]
+
+
+def weights(estimator, n):
+    """Of a linear estimator: what it makes of a rate of 1 in one sample."""
+    return np.array([estimator(rates) for rates in np.eye(n)])
 
 
 def misfit(y, slope, phase):
@@ -66,34 +72,31 @@ def global_staircase(y, reach):
     return min(best_phase(y, a) for a in middles)
 
 
-def descent(y, step=0.02, most=200):
-    """The paper's steepest descent from the regression, in the heights of the line's two ends.
+def descent(y, steps, step=0.3):
+    """Enin, Saneev 2017, (3) to (5): slope, sample by sample, after each step from the interval's own count.
 
-    The gradient of the misfit is zero almost everywhere, and the paper says nothing of a step: differences over `step`
-    pulses stand in for it, and the line search halves from half a pulse.
+    The paper says nothing of the gradient of a function that is constant almost everywhere: it is taken as the slope of
+    a straight line through misfits at `step` pulses to both sides, the least F(z) from a table of z.
     """
-    n = len(y)
-    right = np.arange(n) / (n - 1)
-    t = np.arange(n) - (n - 1) / 2
-    slope = t @ y / (t @ t)
-    middle = y.mean() + 0.5
+    n = len(y) - 1
+    x = np.array([y[-1], 0.5])  # U T and the phase, pulses
+    path = [x[0] / n]
+    for _ in range(steps):
+        values = [[misfit(y, *(x + sign * h) / (n, 1)) for sign in (1, -1)] for h in step * np.eye(2)]
+        gradient = np.array([plus - minus for plus, minus in values]) / (2 * step)
+        x = min(
+            [x, *(x - z / n * gradient for z in np.geomspace(0.1, 10, 25))], key=lambda x: misfit(y, x[0] / n, x[1])
+        )
+        path.append(x[0] / n)
+    return path
 
-    def phi(p, q):
-        ends = middle - slope * (n - 1) / 2 + p, middle + slope * (n - 1) / 2 + q
-        return float(((y - np.floor(ends[0] + (ends[1] - ends[0]) * right)) ** 2).sum())
 
-    p, q, best = 0.0, 0.0, phi(0.0, 0.0)
-    for _ in range(most):
-        gradient = np.array([phi(p + step, q) - phi(p - step, q), phi(p, q + step) - phi(p, q - step)])
-        size = float(np.hypot(*gradient))
-        if size == 0:
-            break
-        found = min((phi(*(np.array([p, q]) - z * gradient / size)), z) for z in 0.5 ** np.arange(1, 14))
-        if found[0] >= best:
-            break
-        best = found[0]
-        p, q = np.array([p, q]) - found[1] * gradient / size
-    return best
+def swings(amplitudes, periods, walk, n, duration):
+    """Covariance of n rates under swings of the angle, each of a random phase, and a random walk, per root of s."""
+    t = np.linspace(0, duration, n + 1)
+    lag = np.subtract.outer(t, t)
+    angle = sum(a**2 / 2 * np.cos(2 * np.pi / period * lag) for a, period in zip(amplitudes, periods, strict=True))
+    return np.diff(np.diff(angle, axis=0), axis=1) * (n / duration) ** 2 + walk**2 * n / duration * np.eye(n)
 
 
 def turnaround_kick(gyro, phase, steps=20_000):

@@ -1,15 +1,15 @@
 """Regression under correlated noise, from full matrices."""
 
 import numpy as np
-from scipy.linalg import block_diag, null_space, toeplitz
+from scipy.linalg import block_diag, null_space
 
-from allanite.statistics.moments.gls import autocovariance
+from tests.reference.noise import covariance
 
 
-def dense(y, X, stretches, terms, rate):
+def dense(y, X, stretches, sizes):
     """Generalised least squares and twice the restricted likelihood, each stretch with its own constant.
 
-    y: (n,), X: (n, p), stretches: [(first, behind last)], terms: noise with coefficients. Returns (beta, covariance,
+    y: (n,), X: (n, p), stretches: [(first, behind last)], sizes: those of `noise`. Returns (beta, covariance,
     2 L up to a constant that the noise does not change).
     """
     z, Z, C = [], [], []
@@ -17,7 +17,7 @@ def dense(y, X, stretches, terms, rate):
         contrasts = null_space(np.ones((1, b - a))).T
         z.append(contrasts @ y[a:b])
         Z.append(contrasts @ X[a:b])
-        C.append(contrasts @ toeplitz(autocovariance(terms, b - a, rate)) @ contrasts.T)
+        C.append(contrasts @ covariance(sizes, b - a) @ contrasts.T)
     z, Z, C = np.concatenate(z), np.concatenate(Z), block_diag(*C)
     inverse = np.linalg.inv(C)
     V = np.linalg.inv(Z.T @ inverse @ Z)

@@ -11,6 +11,7 @@ from tests.rows import refused, rows
 
 import allanite as al
 import excerpts
+from allanite.papers.paper import PAPERS, paper
 
 WITH_COMMANDS = (
     "README.md", "tutorial.md", "command.md", "simulation.md", "install.md", "files.md", "compare.md",
@@ -145,6 +146,14 @@ def test_the_first_screen_of_the_readme_says_for_whom_it_is_and_has_a_result():
             "](docs/kalibr.md)", "allanite export FILE --to kalibr")  # fmt: skip
     assert [words for words in said if words not in first] == []
     assert README.index("pip install .") < README.index("make ")
+
+
+def test_readme_and_index_name_the_system_of_every_paper_with_its_commands():
+    for row in map(paper, PAPERS):
+        page, verb = row.page.rpartition("/")[2], row.own[-1].partition(" ")[0]
+        for text, wanted in ((README, (f"](docs/{page})", f"`{row.short}`", f"`{verb} ")),
+                             (text_of("index.md"), (f"]({page})", f"`allanite example {row.short}`"))):  # fmt: skip
+            assert [words for words in wanted if words not in text] == [], row.short
 
 
 def test_links_of_the_readme_lead_somewhere():

@@ -191,3 +191,34 @@ def test_a_noise_that_explains_nothing_is_not_used():
     assert np.isnan(channel.experiment.predicted).all()
     stored = study.to_dict()["channels"][0]
     assert (stored["validity"], {term["status"] for term in stored["fit"]["terms"]}) == ("unexplained", {"not valid"})
+    assert "in 2 min: use mean: in 16 intervals no other scatters less by more than 2 %" in table(study)
+
+
+def test_counts_in_other_forms(brief, folder):
+    """Whole numbers with a scale; with missing ones; their sum, which is no count; a pattern, which is no id."""
+    how = ("--rate", "400", "--unit", "arcsec", "--scale", "0.32795", "--methods", "mean,staircase", "--no-times")
+    values = np.loadtxt(brief, skiprows=1, dtype=int)
+    path = folder / "other.csv"
+    for cells, words in (
+        (values, "read as count in arcsec"), (["nan", *values[1:]], "read as increment in arcsec"),
+        (np.cumsum(values), "does not determine what a sample is"),
+        (np.arange(96_000) % 2, "too few intervals to compare methods"),
+    ):  # fmt: skip
+        path.write_text("\n".join(map(str, ["z", *cells])))
+        found = run(path, *how, *NOISE[: 2 * (words != "too few intervals to compare methods")], "--split-gaps")
+        assert words in found.output
+        assert found.exit_code or "\nstaircase " in found.stdout
+
+
+def test_the_total_error_of_a_reversal(vertical, folder):
+    """Two minutes in each of two positions, beside the rate that was simulated."""
+    down, numbers = counts(folder / "down.csv", -12.4392, 1200, seed=2), folder / "reversal.csv"
+    how = (*HOW, *NOISE, "--methods", "mean,regression", "--no-times", "--reference", "12.4392 deg/h")
+    found = run(vertical, *how, "--second", down, "--csv", numbers)
+    assert "total error" in found.stdout, found.output
+    cells = {row["method"]: row for row in csv.DictReader(numbers.read_text().splitlines()) if row["intervals"] == "10"
+             and row["positions"] == "2"}  # fmt: skip
+    for row in cells.values():
+        mean, std, total = (float(row[key]) for key in ("mean_error", "std", "total_error"))
+        assert (row["duration_s"], total) == ("240.0", pytest.approx(np.hypot(mean, std * np.sqrt(0.9))))
+        assert total < 2 * float(row["predicted"])

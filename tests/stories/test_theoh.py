@@ -82,6 +82,11 @@ def test_a_published_bias_and_the_exact_one_differ_a_little(file):
     assert np.abs(published / exact - 1)[-3:].max() < 0.3
 
 
+def test_the_first_screen_says_that_a_fit_of_a_curve_is_not_tested(file):
+    said = run(f"analyze '{file}' --method curve --statistic theoh").stdout
+    assert ("model not tested" in said, "model fits" in said) == (True, False)
+
+
 def test_a_bias_is_for_the_statistics_that_have_it(file):
     both = cells(file, "--statistic oadev,theoh --bias model --no-intervals")
     assert ({row["statistic"] for row in both}, {row["low"] for row in both}) == ({"oadev", "theoh"}, {""})

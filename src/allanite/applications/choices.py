@@ -24,7 +24,6 @@ class VerticalChoices:
         "TERMS", "Noise of an accelerometer, e.g. 'N 100 ug/sqrt(Hz), B 50 ug'.", told="identified")
     gate: float | None = choice(
         "DEG", "Ignore the accelerometers where their tilt differs from the angle by more than this.")
-    samples: int = 2
     keep_bias: bool = choice("", "Do not subtract the mean rates of a static recording.", default=False)
     axes: str | None = choice(
         "AXES", "Axes of the file that are forward, sideways and vertical, right-handed, e.g. y,-x,z.", told="x,y,z")
@@ -79,6 +78,7 @@ class EstimatorChoices:
     lines: int | None = choice("N", "Number of regression lines of the conditional estimator.")
     quantum: float | None = choice("", "Quantization step of the angle in --unit, if the samples are not counts.")
     certified: bool = choice("", "Search the staircase for the proven optimum.", default=False)
+    descent: int | None = choice("N", "Search the staircase by at most N steps of steepest descent from the mean.")
 
 
 @dataclass(frozen=True, repr=False)

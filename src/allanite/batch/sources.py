@@ -36,9 +36,8 @@ class Sources:
 
 def several(named: Sequence[PathLike]) -> bool:
     """Whether these names ask for many units: more than one, a folder that is not a ROS bag, or a pattern."""
-    return len(named) != 1 or (
-        not is_recording(named[0]) and (os.path.isdir(named[0]) or _is_pattern(os.fspath(named[0])))
-    )
+    some = len(named) == 1 and not is_recording(named[0])
+    return len(named) != 1 or (some and (os.path.isdir(named[0]) or _is_pattern(os.fspath(named[0]))))
 
 
 def expand(named: Sequence[PathLike], besides: Iterable[str | None] = ()) -> Sources:

@@ -118,11 +118,8 @@ def _rate(row: CheckedTerm, channel: Channel, claimed: float, tolerance: float, 
     if was_held(record):
         return replace(known, outcome=DIFFERS, reason=join("; ", (str(f.what) for f in told if f.name == "held")))
     if claimed > rate:
-        return replace(
-            known, outcome=NOT_DECIDED, ratio=math.nan, low=math.nan, high=math.nan,
-            reason=say("the record has {rate:.6g} samples a second: it does not show whether the sensor has more",
-                       rate=rate),
-        )  # fmt: skip
+        why = say("the record has {rate:.6g} samples a second: it does not show whether the sensor has more", rate=rate)
+        return replace(known, outcome=NOT_DECIDED, ratio=math.nan, low=math.nan, high=math.nan, reason=why)
     if isinstance(record, Record) and _coarse(View(record), claimed):
         return replace(row, outcome=NOT_DECIDED, reason=say("the samples are too coarse to tell repeated ones"))
     return replace(known, outcome=DIFFERS, reason=say("none of the {rate:.6g} samples a second is a repeated one",
@@ -255,8 +252,7 @@ def _bounded(channel: Channel, limit: Limit, level: float, tolerance: float) -> 
     reading, most, record = seen_of(channel, limit.symbol, level), limit.maximum, channel.record
     row = CheckedTerm(record.name, record.signal, limit.symbol, most, reading.value, limit.unit, reason=reading.reason)
     low, high = reading.limits
-    outcome = BOUNDED[held(low, high, most * (1 + tolerance))]
+    row = replace(row, low=low / most, high=high / most, outcome=BOUNDED[held(low, high, most * (1 + tolerance))])
     if reading.value is None:
-        reason = reading.reason or say("not identified")
-        return replace(row, low=low / most, high=high / most, outcome=outcome, reason=reason)
-    return replace(row, ratio=reading.value / most, low=low / most, high=high / most, outcome=outcome)
+        return replace(row, reason=reading.reason or say("not identified"))
+    return replace(row, ratio=reading.value / most)

@@ -10,8 +10,7 @@ from typing import Any
 
 from allanite.batch.specification import Limit, Specification
 from allanite.core.aliases import public
-from allanite.core.errors import AllaniteError, DataError, UsageError
-from allanite.core.errors import given as shown
+from allanite.core.errors import AllaniteError, DataError, UsageError, given as shown
 from allanite.core.files import reason
 from allanite.core.model import Model, Term
 from allanite.core.plain import Value
@@ -135,11 +134,8 @@ class ClaimedNoise(Value):
         """What is claimed of a channel, as limits: of a limits file, or of each term of the model."""
         if self.limits is not None:
             return self.limits.of(channel, signal)
-        return tuple(
-            Limit(t.symbol, abs(t.value), signal.sheet[t.row.power], signal)
-            for t in self.of(signal) or ()
-            if not t.row.periodic
-        )
+        terms = (t for t in self.of(signal) or () if not t.row.periodic)
+        return tuple(Limit(t.symbol, abs(t.value), signal.sheet[t.row.power], signal) for t in terms)
 
     @property
     def title(self) -> str:

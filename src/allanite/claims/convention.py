@@ -54,10 +54,8 @@ HOURS = say("hours and seconds confused")
 CONVENTIONS = (
     Convention("sqrt(2)", _constant(math.sqrt(2)), say("one-sided and two-sided density confused"), ("N", "K")),
     Convention(say("sqrt(rate)"), lambda p: math.sqrt(p.rate), say("value per sample and density confused"), DRIVEN),
-    Convention(
-        say("rate"), lambda p: p.rate, say("multiplied by the root of the sample interval where it is divided, or "
-                                           "divided where it is multiplied: it depends on the rate"), DRIVEN,
-    ),
+    Convention(say("rate"), lambda p: p.rate, say("multiplied by the root of the sample interval where it is divided, "
+                                                  "or divided where it is multiplied: it depends on the rate"), DRIVEN),
     Convention("57.3", _constant(DEGREE), say("degrees and radians confused")),
     Convention("60", _constant(60.0), say("sqrt(h) and sqrt(s) confused"), ("N", "K")),
     Convention("3600", _constant(3600.0), HOURS, ("B", *WALKS)),
@@ -71,36 +69,22 @@ CONVENTIONS = (
     Convention(say("2 pi"), _constant(2 * math.pi), say("frequency in Hz and in rad/s confused")),
     Convention("sqrt(3)", _constant(math.sqrt(3)), say("K read off the Allan deviation at 1 s, not at 3 s"), ("K",)),
     Convention(
-        "1/0.664", _constant(1 / 0.664), say("minimum of the Allan deviation and bias instability confused"), ("B",),
-    ),
-    Convention(
-        "sqrt(T/2)", lambda p: math.sqrt(p.time / 2),
-        say("standard deviation of the bias and the density that drives it confused"), WALKS,
-    ),
-    Convention(
-        "", lambda p: p.claimed, say("the coefficient is squared: variance and standard deviation "
-                                                       "confused"), inverse=False,
-    ),
+        "1/0.664", _constant(1 / 0.664), say("minimum of the Allan deviation and bias instability confused"), ("B",)),
+    Convention("sqrt(T/2)", lambda p: math.sqrt(p.time / 2),
+               say("standard deviation of the bias and the density that drives it confused"), WALKS),
+    Convention("", lambda p: p.claimed, say("the coefficient is squared: variance and standard deviation confused"),
+               inverse=False),
     Convention(
         "", lambda p: p.claimed * math.sqrt(p.rate),
-        say("the deviation of a sample is squared: variance and standard deviation confused"), ("N",), inverse=False,
-    ),
-    Convention(
-        "", lambda p: p.other / p.claimed, say("the value of the other kind of sensor"), inverse=False,
-    ),
-    Convention(
-        "1/sqrt(12)", lambda p: 12**-0.5 if p.uniform else NAN,
-        say("rand() instead of randn(): uniform over an interval of length 1"), ("N",), inverse=False,
-    ),
-    Convention(
-        "1/sqrt(3)", lambda p: 3**-0.5 if p.uniform else NAN, say("rand() instead of randn(): uniform from -1 to 1"),
-        ("N",), inverse=False,
-    ),
+        say("the deviation of a sample is squared: variance and standard deviation confused"), ("N",), inverse=False),
+    Convention("", lambda p: p.other / p.claimed, say("the value of the other kind of sensor"), inverse=False),
+    Convention("1/sqrt(12)", lambda p: 12**-0.5 if p.uniform else NAN,
+               say("rand() instead of randn(): uniform over an interval of length 1"), ("N",), inverse=False),
+    Convention("1/sqrt(3)", lambda p: 3**-0.5 if p.uniform else NAN,
+               say("rand() instead of randn(): uniform from -1 to 1"), ("N",), inverse=False),
     Convention("-1", _constant(-1.0), say("opposite sign"), ("R", "W"), inverse=False),
-    Convention(
-        "", lambda p: p.other / p.claimed,
-        say("the correlation time of the other kind of sensor"), TIMES, inverse=False,
-    ),
+    Convention("", lambda p: p.other / p.claimed, say("the correlation time of the other kind of sensor"), TIMES,
+               inverse=False),
     Convention("60", _constant(60.0), say("minutes and seconds confused"), TIMES),
     Convention("3600", _constant(3600.0), HOURS, TIMES),
     Convention(say("rate"), lambda p: p.rate, say("samples and seconds confused"), TIMES),
@@ -214,10 +198,8 @@ def _place(study: Study, claim: ClaimedNoise, row: CheckedTerm, *, uniform: bool
     others = [term for model in claim.models if model.signal.name != row.signal.name for term in model]
     own = [term for term in claim.of(row.signal) or () if term.shape]
     timed = next((term.shape[0] for term in own), NAN)
-    same = [
-        t.shape[0] if row.quantity == "T" else t.value for t in others if row.quantity in (t.symbol, "T" * len(t.shape))
-    ]
-    other = next(iter(same), NAN)
+    same = (t for t in others if row.quantity in (t.symbol, "T" * len(t.shape)))
+    other = next((t.shape[0] if row.quantity == "T" else t.value for t in same), NAN)
     return Place(row.quantity, row.claimed or NAN, channel.record.rate, timed, other, uniform)
 
 

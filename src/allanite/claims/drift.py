@@ -253,9 +253,8 @@ class Drift(Value):
         known = [share for share in shares if not share.cause.limit]
         nothing = np.zeros_like(at)
         total = sum((share.variance for share in known), nothing)
-        below, above = (
-            np.sqrt(sum((getattr(worst, end) for worst in worst_axes), nothing)) for end in ("below", "above")
-        )
+        squares = (sum((getattr(worst, end) for worst in worst_axes), nothing) for end in ("below", "above"))
+        below, above = map(np.sqrt, squares)
         if not any(math.isfinite(share.cause.high) for share in known):
             below = above = np.full_like(at, math.nan)
         most = sum((worst.most for worst in worst_axes), nothing)
@@ -325,9 +324,8 @@ class Drift(Value):
                 for s in course.shares
             ]  # fmt: skip
             numbers = {key: plain(getattr(course, key)) for key in ("times", "sigma", "low", "high", "most")}
-            quantities.append(
-                {"quantity": course.name, "unit": QUANTITIES[course.name].si, **numbers, "causes": shares}
-            )
+            unit = QUANTITIES[course.name].si
+            quantities.append({"quantity": course.name, "unit": unit, **numbers, "causes": shares})
         return quantities
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:

@@ -142,16 +142,13 @@ def time_excess(forms: Sequence[Form], which: int) -> tuple[FloatArray, FloatArr
 
 def inside(times: FloatArray, excess: FloatArray, alpha: float) -> tuple[float, float]:
     """Limits of a time constant at 1 - alpha; 0 or infinity where the times that were tried do not reach them."""
-    kept: BoolArray = excess <= quantile(1 - alpha / 2) ** 2
+    most = quantile(1 - alpha / 2) ** 2
+    kept: BoolArray = excess <= most
     first, last = int(kept.argmax()), int(kept.size - 1 - kept[::-1].argmax())
-    edge = [np.interp(quantile(1 - alpha / 2) ** 2, *part) for part in _flanks(times, excess, first, last)]
-    return (float(np.exp(edge[0])) if first else 0.0), (float(np.exp(edge[1])) if last < times.size - 1 else np.inf)
-
-
-def _flanks(times: FloatArray, excess: FloatArray, first: int, last: int) -> list[tuple[FloatArray, FloatArray]]:
-    """Excess and log time at the ends of an interval, for the interpolation between the last two times."""
-    low, high = [max(first - 1, 0), first], [last, min(last + 1, times.size - 1)]
-    return [(excess[low][::-1], np.log(times[low])[::-1]), (excess[high], np.log(times[high]))]
+    # interpolated, at either end, between the last two times
+    pairs = [first, max(first - 1, 0)], [last, min(last + 1, times.size - 1)]
+    low, high = (float(np.exp(np.interp(most, excess[pair], np.log(times[pair])))) for pair in pairs)
+    return (low if first else 0.0), (high if last < times.size - 1 else np.inf)
 
 
 DECADES = np.arange(-15, 10) / 6  # decades from a claimed correlation time at which others are tried

@@ -7,16 +7,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from allanite.core.errors import UsageError
-from allanite.study.recipe import IDENTIFYING as IDENTIFIES
-from allanite.study.recipe import READING, SELECTING
-from allanite.study.settings import (
-    DensityChoices,
-    DeviationChoices,
-    LengthChoices,
-    NoiseChoices,
-    WatchChoices,
-    WindowChoices,
-)
+from allanite.study.recipe import IDENTIFYING as IDENTIFIES, READING, SELECTING
+
+from allanite.study.settings import (  # isort: skip
+    DensityChoices, DeviationChoices, LengthChoices, NoiseChoices, WatchChoices, WindowChoices
+)  # fmt: skip
 
 from .deliver import Progress, carry_out, deliver, outputs, progress, recipe_of, settings_of
 from .front import DATA, PARTLY

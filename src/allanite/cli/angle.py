@@ -10,16 +10,19 @@ import click
 
 from allanite.applications.choices import RateChoices
 from allanite.core.choices import separated
-from allanite.core.errors import UsageError
-from allanite.study.settings import LengthChoices
+from allanite.core.errors import UnitError, UsageError
+from allanite.core.units import unit_of
+from allanite.phrases.phrase import say, say_count
+from allanite.study.settings import LengthChoices, WatchChoices
 
-from .deliver import STDOUT, Extra, Outputs, deliver, outputs, put
+from .deliver import STDOUT, Extra, Outputs, deliver, outputs, put, settings_of
 from .options import NAMES, NUMBERS, RESULTS, Converted, Decorator, options
 from .streams import show
 
 if TYPE_CHECKING:
     from allanite.applications.angle import AngleSettings, Gimbals, Harmonics
-    from allanite.readers.formats.text import FileSheet
+    from allanite.core.arrays import FloatArray
+    from allanite.core.record import Recording
 
 DEGREE, ARCSEC = math.pi / 180, math.pi / 648_000
 
@@ -43,8 +46,7 @@ ANGLES = click.option(
 HEADING = click.option("--ring-heading", type=float, default=0.0, show_default=True, metavar="DEG",
     help="Direction of the outer ring's axis, from north to east.")  # fmt: skip
 
-TRUE = "# simulated errors, arcsec: "
-"""What begins a simulated file."""
+TRUE = "# simulated errors, arcsec: "  # what begins a simulated file
 
 
 def harmonics_of(texts: Sequence[str]) -> dict[str, "Harmonics"]:
@@ -73,7 +75,7 @@ def true_of(path: str) -> tuple["Harmonics", ...]:
 
 
 def deliver_study(
-    result: Any, out: Outputs, choices: dict[str, Any], data: "FileSheet | None" = None, /,
+    result: Any, out: Outputs, choices: dict[str, Any], data: "Recording | None" = None, /,
     *corrected: Mapping[str, Any],
 ) -> None:  # fmt: skip
     """Deliver a result together with the options that produced it, and the corrected angles."""
@@ -124,8 +126,7 @@ EXPERIMENT = (
 def plan(**choices: Any) -> None:
     """Predict how accurately errors can be known."""
     out = outputs(choices, [choices["recipe"]])
-    from allanite.applications.angle import plan as run
-    from allanite.applications.angle import scan
+    from allanite.applications.angle import plan as run, scan
 
     starts = choices["starts"] or ()
     if len(starts) == 1 and "plot" in out.paths:
@@ -156,8 +157,7 @@ def simulate(out: str, **choices: Any) -> None:
     where = outputs(choices | {"csv": out}, [])
     import numpy as np
 
-    from allanite.applications.angle import readings
-    from allanite.applications.angle import simulate as run
+    from allanite.applications.angle import readings, simulate as run
     from allanite.applications.angle.geometry import ANGLES as SENSORS
 
     known = harmonics_of(choices["errors"])
@@ -173,15 +173,13 @@ def simulate(out: str, **choices: Any) -> None:
     table |= {} if true.rho is None else {"rho [rad]": true.rho}
     put(out, f"{TRUE}{' '.join(choices['errors'])}\n{columns_of(table)}", force=where.force)
     if "plot" in where.paths:
-        from allanite.reporting import figures
+        from allanite.reporting import figures, style
         from allanite.reporting.fonts import drawn_in
         from allanite.reporting.language import speaking
-        from allanite.reporting.style import demand_figure_path, encode
 
-        path = where.paths["plot"]
         with speaking(where.lang), speaking(drawn_in(where.lang)):
             figure = figures.plot_error_in_time(true, list(known.values())).printed()
-            put(path, encode(figure, demand_figure_path(path, force=where.force)), force=where.force)
+            style.save(figure, where.paths["plot"], force=where.force)
     if out != STDOUT and not where.quiet:
         show("\n".join(f"{name}: {path}" for name, path in where.paths.items()))
 
@@ -189,12 +187,9 @@ def simulate(out: str, **choices: Any) -> None:
 def _experiment(choices: dict[str, Any], **more: Any) -> "AngleSettings":
     from allanite.applications.angle import AngleSettings, Ring
 
-    for name in ("latitude", "duration"):
+    for name, meaning in (("latitude", "the latitude of the site"), ("duration", "the length of the experiment")):
         if choices[name] is None:
-            raise UsageError(
-                f"--{name} is required: "
-                f"{'the latitude of the site' if name == 'latitude' else 'the length of the experiment'}"
-            )
+            raise UsageError(f"--{name} is required: {meaning}")
     sway = choices["sway"]
     same = {key: choices[key] for key in ("duration", "interval", "q_law", "turn_period")}
     turned = None if sway is None else (sway[0] * DEGREE, sway[1])
@@ -211,8 +206,8 @@ def angle() -> None:
     """Analyze harmonic errors of angle sensors.
 
     `calibrate` compares an encoder with a reference; `estimate` identifies the errors of a gimbal's angle sensors in
-    service, from the measured cosine between the momentum vectors of two gyros; `plan` predicts where that works best,
-    without data; `simulate` writes a test file.
+    service, from the measured cosine between the momentum vectors of two gyros, and `watch` does so while the samples
+    come; `plan` predicts where that works best, without data; `simulate` writes a test file.
     """
 
 
@@ -231,19 +226,16 @@ def calibrate(file: str, **choices: Any) -> None:
     """Calibrate an encoder against a reference."""
     out = outputs(choices, [file, choices["recipe"]], also=("corrected",))
     from allanite.applications.angle import calibrate as run
-    from allanite.readers.formats.text import sheet
 
-    data, name = sheet(file), choices["measured"]
-    a, b = (data.values(choices[key], "rad", given=choices["unit"]) for key in ("measured", "reference"))
-    sigma = _scaled(choices["sigma"], ARCSEC)
-    harmonics = run(a, b, choices["orders"], sigma=sigma, trend=choices["trend"], name=name)
+    data, columns = _rows(file, choices, ("measured", "reference"))
+    a, b = columns.values()
+    sigma = None if choices["sigma"] is None else choices["sigma"] * ARCSEC
+    harmonics = run(a, b, choices["orders"], sigma=sigma, trend=choices["trend"], name=choices["measured"])
     deliver_study(harmonics, out, choices, data, {"measured [rad]": a, "corrected [rad]": a - harmonics.at(a)})
 
 
-@angle.command()
-@options(
-    "file",
-    click.option("--difference", required=True, metavar="COLUMN",
+GIMBALS = (
+    click.option("--difference", default="difference", show_default=True, metavar="COLUMN",
         help="Measured minus computed cosine between the momentum vectors."),
     "angle time",
     click.option("--h", "h", default="h", show_default=True, metavar="COLUMN",
@@ -252,63 +244,124 @@ def calibrate(file: str, **choices: Any) -> None:
         help="Intermediate angle of the equatorial gyro."),
     click.option("--h-polar", metavar="COLUMN", help="Inner angle of the polar gyro.  [default: the latitude]"),
     click.option("--q-polar", metavar="COLUMN", help="Intermediate angle of the polar gyro.  [default: 0]"),
-    "latitude",
+    click.option("--latitude", type=float, metavar="DEG",
+        help="Latitude of the site.  [default: from the motion of h and q]"),
     click.option("--mu", metavar="COLUMN",
         help="Angle of the equatorial gyro's outer ring.  [default: mu, if there is such a column]"),
     HEADING,
-    click.option("--rho", metavar="COLUMN", help="Angle of the auto-compensating rotation."),
+    click.option("--rho", metavar="COLUMN",
+        help="Angle of the auto-compensating rotation.  [default: rho, if there is such a column]"),
     turn_option("Or the period of that rotation, which starts at time 0."),
     "orders", ANGLES,
     click.option("--nuisance", type=NAMES, metavar="A,B,...",
         help="Parameters estimated jointly with the harmonics.  [default: ax,az,A1,A2,A3]"),
-    "angle unit", "estimated sigma", prior_option("arcsec (arcsec/s for A3)"), "corrected angles", "level", "recipe",
-    *RESULTS, settings=(RateChoices,),
+    "angle unit", "estimated sigma", prior_option("arcsec (arcsec/s for A3)"),
 )  # fmt: skip
+
+
+@angle.command()
+@options("file", *GIMBALS, "corrected angles", "level", "recipe", *RESULTS)
 def estimate(file: str, **choices: Any) -> None:
     """Estimate the errors of a gimbal's sensors."""
     out = outputs(choices, [file, choices["recipe"]], also=("corrected",))
     from allanite.applications.angle import estimate as run
-    from allanite.applications.angle.harmonics import USUAL
-    from allanite.readers.formats.text import sheet
 
-    data = sheet(file)
-    gimbals, prior = _gimbals(data, choices), choices["prior"]
-    result = run(
-        data.values(choices["difference"], "1"), gimbals, orders=dict.fromkeys(choices["angles"], choices["orders"]),
-        nuisance=choices["nuisance"] or USUAL, sigma=_scaled(choices["sigma"], ARCSEC),
-        prior=None if prior is None else (prior[0] * ARCSEC, prior[1] * ARCSEC),
-    )  # fmt: skip
+    data, z, gimbals = gimbals_of(file, choices)
+    result = run(z, gimbals, **model_of(choices))
     angles = {f"{h.name} [rad]": getattr(gimbals, h.name) - h.at(getattr(gimbals, h.name)) for h in result}
     deliver_study(replace(result, true=true_of(data.source)), out, choices, data, {"time [s]": gimbals.time, **angles})
 
 
-def _gimbals(data: "FileSheet", choices: dict[str, Any]) -> "Gimbals":
+@angle.command()
+@options(
+    click.argument("target", metavar="FILE|PORT|udp://127.0.0.1:9000"), *GIMBALS, "level", "recipe",
+    "every", "duration", "idle", "baud", *RESULTS, settings=(WatchChoices,),
+)  # fmt: skip
+def watch(target: str, **choices: Any) -> None:
+    """Estimate the errors of a gimbal's sensors live.
+
+    Reads lines of numbers from a file that grows, a serial port, or datagrams sent to this machine. Each sample enters
+    a Kalman filter without prediction, whose memory does not grow. Prints every few seconds what is known so far.
+    Ctrl-C, SIGTERM, --for or --idle end it, and the results of 'allanite angle estimate' are printed and written.
+    """
+    out = outputs(choices, [target, choices["recipe"]])
+    from allanite.applications.angle.service import Service
+
+    from .following import follow
+
+    settings = settings_of(WatchChoices, choices)
+    service = Service(**model_of(choices))
+    result, data = follow(target, choices, settings, service, gimbals_of, quiet=out.quiet)
+    true = true_of(target) if Path(target).is_file() else ()
+    deliver_study(replace(result, true=true), out, choices, data)
+
+
+def model_of(choices: Mapping[str, Any]) -> dict[str, Any]:
+    """What is estimated, in rad."""
+    from allanite.applications.angle.harmonics import USUAL
+
+    sigma, prior = choices["sigma"], choices["prior"]
+    return {"orders": dict.fromkeys(choices["angles"], choices["orders"]), "nuisance": choices["nuisance"] or USUAL,
+            "sigma": None if sigma is None else sigma * ARCSEC,
+            "prior": None if prior is None else (prior[0] * ARCSEC, prior[1] * ARCSEC)}  # fmt: skip
+
+
+UNITS = {"difference": ("1", "rad"), "time": ("s", "1")}  # of columns that are no angles; a small angle is its sine
+ROLES = ("h", "q", "h_polar", "q_polar", "mu", "rho")  # of columns of angles
+
+
+def _rows(
+    file: Any, choices: Mapping[str, Any], angles: Sequence[str], plain: Sequence[str] = ()
+) -> "tuple[Recording, dict[str, FloatArray]]":
+    """The complete rows of a file, SI: the columns chosen for these angles and for other roles."""
+    import numpy as np
+
+    from allanite.readers import read
+
+    names, others = ([choices[role] for role in roles] for roles in (angles, plain))
+    units = None if choices["unit"] is None else dict.fromkeys(names, choices["unit"])
+    data = read(file, channels=names, along=others or None, time="none", rate=1.0, kind="value", unit=units)
+    for role, record in zip((*angles, *plain), data, strict=True):
+        fitting = UNITS.get(role, ("rad",))
+        if unit_of(record.unit).dimension not in [unit_of(unit).dimension for unit in fitting]:
+            raise UnitError(
+                f"column {record.name!r} is in {record.unit!r}, which cannot be converted to {fitting[0]!r}"
+            )
+    columns = np.array([record.values * record.factor for record in data])
+    whole = np.isfinite(columns).all(axis=0)
+    if lost := int(whole.size - whole.sum()):
+        told = say_count(lost, "{count} row with a missing value is left out",
+                         "{count} rows with missing values are left out")  # fmt: skip
+        data = replace(data, notes=(told, *data.notes))
+    return data, dict(zip((*angles, *plain), columns[:, whole], strict=True))
+
+
+def gimbals_of(file: Any, choices: dict[str, Any]) -> "tuple[Recording, FloatArray, Gimbals]":
+    """The rows of a file, their differences of cosines, and their gimbals."""
     from allanite.applications.angle import Gimbals
-    from allanite.readers.columns.column import lookup
+    from allanite.applications.angle.latitude import demand_latitude
 
-    def read(key: str, otherwise: float = 0.0) -> Any:
-        column = choices[key]
-        return otherwise if column is None else data.values(column, "rad", given=choices["unit"])
-
-    has_unit = bool(lookup(data.columns, choices["time"]).unit)
-    time = data.values(choices["time"], "s", given=None if has_unit else "s")
-    latitude, period = choices["latitude"], choices["turn_period"]
-    if choices["h_polar"] is None and latitude is None:
-        raise UsageError(
-            "give the latitude of the polar gyro's gimbal (--latitude), or its inner angle (--h-polar COLUMN)"
-        )
+    period = choices["turn_period"]
     if choices["rho"] is not None and period is not None:
         raise UsageError("--rho and --turn-period describe the same rotation: give only one of them")
     if period is not None and not period > 0:
         raise UsageError(f"--turn-period must be a positive number of seconds, not {period!r}")
-    turn = None if choices["rho"] is None else read("rho")
-    rho = turn if period is None else 2 * math.pi / period * time
-    polar = read("h_polar", (latitude or 0.0) * DEGREE), read("q_polar")
-    heading = choices["ring_heading"] * DEGREE
-    if choices["mu"] is None and any(column.name == "mu" for column in data.columns):
-        choices["mu"] = "mu"
-    return Gimbals(time, read("h"), read("q"), *polar, rho=rho, mu=read("mu"), ring_heading=heading)
-
-
-def _scaled(value: float | None, factor: float) -> float | None:
-    return None if value is None else value * factor
+    usual = [role for role in ("mu", "rho") if choices[role] is None and not (role == "rho" and period)]
+    for more in (usual, *([role] for role in usual), []):  # columns of their usual names, as far as the file has them
+        chosen = choices | dict(zip(more, more, strict=True))
+        try:
+            data, at = _rows(file, chosen, [role for role in ROLES if chosen[role] is not None], tuple(UNITS))
+            break
+        except UsageError:
+            if not more:
+                raise
+    choices.update(chosen)
+    z, time, known = at.pop("difference"), at.pop("time"), choices["latitude"]
+    turning = {} if period is None else {"rho": 2 * math.pi / period * time}
+    angles: dict[str, Any] = {"h_polar": (known or 0.0) * DEGREE, "q_polar": 0.0, **at, **turning}
+    gimbals = Gimbals(time, **angles, ring_heading=choices["ring_heading"] * DEGREE)
+    if known is None and "h_polar" not in at:
+        implied = demand_latitude(gimbals)
+        gimbals = gimbals.moved(h_polar=implied.value)
+        data = replace(data, notes=(say("{latitude} from the motion of h and q", latitude=str(implied)), *data.notes))
+    return data, z, gimbals

@@ -5,15 +5,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from allanite.core.errors import UsageError
-from allanite.study.settings import (
-    CheckChoices,
-    ClaimChoices,
-    ComparisonChoices,
-    DriftChoices,
-    NoiseChoices,
-    PlanChoices,
-    StateSpaceChoices,
-)
+
+from allanite.study.settings import (  # isort: skip
+    CheckChoices, ClaimChoices, ComparisonChoices, DriftChoices, NoiseChoices, PlanChoices, StateSpaceChoices
+)  # fmt: skip
 
 from .deliver import carry_out, outputs, recipe_of, settings_of
 from .front import EXCEEDED
@@ -27,10 +22,8 @@ if TYPE_CHECKING:
 
 
 @command()
-@options(
-    "files", *RECORDING, "against", "part", "datasheet", "pool", "statistic", "taus", *IDENTIFYING, *RESULTS,
-    settings=(ComparisonChoices,),
-)  # fmt: skip
+@options("files", *RECORDING, "against", "part", "datasheet", "pool", "statistic", "taus", *IDENTIFYING, *RESULTS,
+         settings=(ComparisonChoices,))  # fmt: skip
 def compare(files: tuple[str, ...], **choices: Any) -> None:
     """Compare the noise of recordings.
 
@@ -42,10 +35,8 @@ def compare(files: tuple[str, ...], **choices: Any) -> None:
 
 
 @command()
-@options(
-    "file", "claims", "claims_from", "at_most", "tolerance", *RECORDING, *IDENTIFYING, *RESULTS,
-    settings=(ClaimChoices,),
-)  # fmt: skip
+@options("file", "claims", "claims_from", "at_most", "tolerance", *RECORDING, *IDENTIFYING, *RESULTS,
+         settings=(ClaimChoices,))  # fmt: skip
 def check(file: str, **choices: Any) -> None:
     """Check whether FILE has the claimed noise.
 
@@ -65,21 +56,18 @@ def check(file: str, **choices: Any) -> None:
             "say what is claimed: --claims with a file, a data sheet or a model, e.g. --claims 'N 0.3 deg/sqrt(h)'",
             choice="claims",
         )
-    claims, recipe, more = how.claims, recipe_of(choices), {"claims_from": how.claims_from, "at_most": how.at_most}
-    result = carry_out(
-        lambda tell: checked(file, claims, recipe, tolerance=how.tolerance, progress=tell, **more),  # type: ignore[arg-type]
-        out,
-    )
+    claims, recipe = how.claims, recipe_of(choices)
+    result = carry_out(lambda tell: checked(file, claims, recipe, claims_from=how.claims_from, at_most=how.at_most,
+                                            tolerance=how.tolerance, progress=tell), out)  # fmt: skip
     if not result.agrees:
         raise click.exceptions.Exit(EXCEEDED)
 
 
 @command()
 @options(
-    "some files", "models", "sensor", "datasheet", "claimed",
-    "times", "calibration", "turn_on", "scale_factor", "maneuver", "platform", "schuler", "require",
-    "unexplained", "from_curve",
-    *RECORDING, *IDENTIFYING, *RESULTS, settings=(NoiseChoices, DriftChoices),
+    "some files", "models", "sensor", "datasheet", "claimed", "times", "calibration", "turn_on", "scale_factor",
+    "maneuver", "platform", "schuler", "require", "unexplained", "from_curve", *RECORDING, *IDENTIFYING, *RESULTS,
+    settings=(NoiseChoices, DriftChoices),
 )  # fmt: skip
 def drift(files: tuple[str, ...], models: tuple[str, ...], claims: tuple[str, ...], **choices: Any) -> None:
     """Predict navigation errors (not bias drift).

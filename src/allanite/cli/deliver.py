@@ -4,7 +4,6 @@ import os
 import re
 import shutil
 import sys
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields
@@ -18,15 +17,15 @@ from allanite.core.files import demand_writable, encoded, write
 from allanite.reporting.digits import WRITTEN
 from allanite.reporting.fonts import FontWarning
 from allanite.reporting.language import ENGLISH, catalogue, speaking
+from allanite.study.recipe import Recipe
 
 from .front import DATA, LINE
 from .options import FLAGS
-from .streams import complain, hand_over, show, while_read
+from .streams import as_sentences, complain, hand_over, show, while_read
 
 if TYPE_CHECKING:
     from allanite.core.record import Recording
     from allanite.reporting.first import First
-    from allanite.study.recipe import Recipe
 
 DEFAULT_COLUMNS = 120  # width of text where no terminal limits it
 
@@ -38,8 +37,8 @@ def text_of(value: Any, out: "Outputs", first: "Callable[[], First] | None" = No
     terminal, encoding = sys.stdout.isatty(), sys.stdout.encoding or "utf-8"
     width = shutil.get_terminal_size().columns if terminal else DEFAULT_COLUMNS
     form: dict[str, Any] = {
-        "width": width, "color": terminal and "NO_COLOR" not in os.environ, "ascii": not _encodes(WRITTEN, encoding),
-        "lang": out.lang,
+        "width": width, "color": terminal and "NO_COLOR" not in os.environ, "lang": out.lang,
+        "ascii": len(WRITTEN.encode(encoding, "ignore").decode(encoding)) < len(WRITTEN),
     }  # fmt: skip
     if out.details and not out.brief:
         text = table(value, **form)
@@ -47,13 +46,6 @@ def text_of(value: Any, out: "Outputs", first: "Callable[[], First] | None" = No
         text = first_screen(value, **form, brief=out.brief, first=first and first(), written=out.paths)
     # characters that the terminal cannot encode are escaped, not an error
     return text.encode(encoding, "backslashreplace").decode(encoding)
-
-
-def _encodes(text: str, encoding: str) -> bool:
-    try:
-        return bool(text.encode(encoding))
-    except UnicodeEncodeError:
-        return False
 
 
 def rendered(value: Any, name: str, path: str, lang: str, command: str = "") -> str | bytes:
@@ -136,10 +128,8 @@ def demand_recording(path: str | None) -> None:
         writer_for(os.path.splitext(path)[1].lower())
 
 
-def recipe_of(choices: dict[str, Any], **usual: Any) -> "Recipe":
+def recipe_of(choices: dict[str, Any], **usual: Any) -> Recipe:
     """Take the keys of a recipe out of `choices`; `usual` holds defaults that differ from the recipe's."""
-    from allanite.study.recipe import Recipe
-
     choices.pop("recipe", None)
     known = {key: choices.pop(key) for key in [f.name for f in fields(Recipe)] if key in choices}
     return Recipe.from_dict(usual | given(known))
@@ -173,22 +163,12 @@ def carry_out(job: Callable[[Progress], Any], out: Outputs, extra: "Extra | None
 
 
 @contextmanager
-def progress(out: Outputs | None = None) -> Iterator[Callable[[str, float], None]]:
+def progress(out: Outputs) -> Iterator[Progress]:
     """A progress bar on stderr if it is a terminal; warnings are printed as sentences."""
     from allanite.reporting.progress import bar
 
-    shown = sys.stderr.isatty() and not (out is not None and out.quiet)
-    with _warnings(LongJobWarning), bar(shown=shown) as tell:
+    with as_sentences(LongJobWarning), bar(shown=sys.stderr.isatty() and not out.quiet) as tell:
         yield tell
-
-
-@contextmanager
-def _warnings(kind: type[Warning]) -> Iterator[None]:
-    """Warnings of this kind are printed as sentences on stderr."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("always", kind)
-        warnings.showwarning = lambda message, *_, **__: complain(f"allanite: {message}")
-        yield
 
 
 @dataclass(frozen=True)
@@ -205,7 +185,7 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
     more, context = extra or Extra(), click.get_current_context(silent=True)
     command = "" if context is None else context.meta.get(LINE, "")
     places = [(name, *place) for name, path in out.paths.items() for place in _places(value, path)]
-    with _warnings(FontWarning):
+    with as_sentences(FontWarning):
         if not (out.quiet or out.piped):
             text = text_of(value, out, more.first)
             with while_read():

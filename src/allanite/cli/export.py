@@ -97,14 +97,16 @@ def explain(name: str, samples: int | None, taus: Any, **choices: Any) -> None:
     """Explain a word, target or data sheet.
 
     Of a noise term, a status, an abbreviation or another word, prints what it means, with a formula and an example; of
-    a target of export, the fields with their units, formulas and sources; of a statistic, also its ratio to the Allan
-    variance and its degrees of freedom for each noise, in a record of 7200 samples or of --samples, at averaging times
-    in sampling intervals; of a data sheet, what it says of noise, and where. Without NAME, lists them.
+    a target of export, the fields with their units, formulas and sources; of a paper (stabilizer, laser, ...), how it
+    is reproduced and applied to a recording; of a statistic, also its ratio to the Allan variance and its degrees of
+    freedom for each noise, in a record of 7200 samples or of --samples, at averaging times in sampling intervals; of a
+    data sheet, what it says of noise, and where. Without NAME, lists them.
     """
     from allanite.core.names import row_alike
     from allanite.exporting.exports import EXPORTS, TEMPERATURE
     from allanite.exporting.imported import Explanation
     from allanite.interpretation.glossary import Word, named_words
+    from allanite.papers.paper import Paper, papers
     from allanite.planning.datasheets import DATASHEETS, DataSheet
     from allanite.planning.plan import SIZE, properties
     from allanite.statistics import STATISTICS
@@ -113,7 +115,7 @@ def explain(name: str, samples: int | None, taus: Any, **choices: Any) -> None:
     out = outputs(choices, [])
     thermal = {row.name: row for row in TEMPERATURE.values()}
     told = named_words()
-    tables = {**told, **STATISTICS, **EXPORTS, **thermal, **DATASHEETS}
+    tables = {**papers(), **told, **STATISTICS, **EXPORTS, **thermal, **DATASHEETS}
     row: Any = row_alike("name", name, tables, lister="allanite explain") if name else None
     if isinstance(row, Statistic) and (row.name not in told or not (row.extreme or row.power)):
         carry_out(lambda _: properties(row.name, samples or SIZE, taus=taus), out)
@@ -121,4 +123,6 @@ def explain(name: str, samples: int | None, taus: Any, **choices: Any) -> None:
     if samples is not None or taus is not None:
         raise UsageError("--samples and --taus apply to a statistic; omit them, or name one: " + ", ".join(STATISTICS))
     shown = told[row.name] if isinstance(row, Statistic) else row
+    if isinstance(row, Paper):
+        shown = row.within(out.lang).word
     carry_out(lambda _: shown if isinstance(shown, (DataSheet, Word)) else Explanation(row.name if row else ""), out)

@@ -7,7 +7,6 @@ import re
 import shlex
 import sys
 import traceback
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -24,7 +23,7 @@ from allanite.plugins import PluginWarning
 
 from .helping import with_examples
 from .options import demand_filled, with_commas
-from .streams import begin, complain, ended, ended_by, lost, while_read
+from .streams import as_sentences, begin, complain, ended, ended_by, lost, while_read
 
 DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
 WRITTEN = ("-o", "--output", "--out")  # options by which other verbs name a file
@@ -183,9 +182,7 @@ class Front(click.Group):
         os.environ["MPLBACKEND"] = "agg"  # figures are written, and a backend that is not there is an error
         begin()
         try:
-            with command_line(), ended(), while_read(), warnings.catch_warnings():
-                warnings.simplefilter("always", PluginWarning)
-                warnings.showwarning = lambda message, *_, **__: complain(f"allanite: {message}")
+            with command_line(), ended(), while_read(), as_sentences(PluginWarning):
                 code = super().main(*args, **extra) or 0
         except click.exceptions.NoArgsIsHelpError as error:
             complain(error.format_message())

@@ -13,8 +13,7 @@ from allanite.core.choices import DURATION, FLAG, LINES, ChoiceKind, ChoiceRow, 
 from allanite.core.errors import COLUMN, MEANINGS, RATE, SCALE, UNIT, UsageError
 from allanite.core.names import demand_name
 from allanite.reporting.language import ENGLISH, LANGUAGES
-from allanite.study.recipe import IDENTIFYING as IDENTIFIES
-from allanite.study.recipe import READING, SELECTING, Recipe
+from allanite.study.recipe import IDENTIFYING as IDENTIFIES, READING, SELECTING, Recipe, load_toml
 
 if TYPE_CHECKING:
     ParamType = click.ParamType[Any]
@@ -97,11 +96,9 @@ def _load_recipe(ctx: click.Context, param: click.Parameter, path: str | None) -
     """Take the keys of a TOML file as defaults, which the command line overrides."""
     if path is None:
         return None
-    from allanite.study.recipe import load_toml
-
     options = {p.name: p for p in ctx.command.params if isinstance(p, click.Option) and p.name}
     inside = {name: p for name, p in options.items() if name not in ("recipe", *OUTPUTS, "coefficients", *FLAGS)}
-    spelled = {_key(word): name for name, p in inside.items() for word in p.opts}
+    spelled = {word.lstrip("-").replace("-", "_"): name for name, p in inside.items() for word in p.opts}
     choices = {}
     for typed, value in load_toml(path).items():
         key = spelled.get(typed, typed)
@@ -114,10 +111,6 @@ def _load_recipe(ctx: click.Context, param: click.Parameter, path: str | None) -
             raise error.within(f"{path}: {typed}") from None
     ctx.default_map = {**(ctx.default_map or {}), **choices}
     return path
-
-
-def _key(option: str) -> str:
-    return option.lstrip("-").replace("-", "_")
 
 
 def _kept(option: click.Option, value: Any) -> Any:
@@ -169,7 +162,8 @@ class Alone(Option):
         return given
 
 
-def _path(name: str, help: str, *synonyms: str) -> Decorator:  # noqa: A002 - the word of click
+def path_option(name: str, help: str, *synonyms: str) -> Decorator:  # noqa: A002 - the word of click
+    """An option that names a file to be written."""
     return click.option(f"--{name}", metavar="PATH", type=click.Path(), help=help, cls=Option, synonyms=synonyms)
 
 
@@ -211,12 +205,12 @@ OPTIONS: dict[str, Decorator] = {
         cls=Option, synonyms=("jobs", "workers", "cpus")),
     "orders": click.option("--orders", type=INTEGERS, metavar="K,K,...", default="128,256", show_default=True,
         help="Harmonics of the angle to estimate."),
-    "report": _path("report", "Write a report: HTML, or PDF if PATH ends in .pdf.",
+    "report": path_option("report", "Write a report: HTML, or PDF if PATH ends in .pdf.",
         "out", "output", "o", "html", "pdf", "save"),
-    "plot": _path("plot", "Write the figure: .png, .svg or .pdf; with {channel} in PATH one file a channel.",
+    "plot": path_option("plot", "Write the figure: .png, .svg or .pdf; with {channel} in PATH one file a channel.",
         "figure", "png", "svg"),
-    "json": _path("json", "Write all results as JSON; - is standard output."),
-    "csv": _path("csv", "Write the numbers as CSV; - is standard output."),
+    "json": path_option("json", "Write all results as JSON; - is standard output."),
+    "csv": path_option("csv", "Write the numbers as CSV; - is standard output."),
     "coefficients": click.option("--coefficients", "--table", "coefficients", metavar="PATH", type=click.Path(),
         help="Write coefficients and values read off the curve as CSV; - is standard output."),
     "limits file": click.option("--limits", metavar="TOML", type=click.Path(),
@@ -237,16 +231,15 @@ OPTIONS: dict[str, Decorator] = {
     "simulated rate": click.option("--rate", "--fs", "rate", type=float, required=True, metavar="HZ",
         help="Sampling rate."),
     "simulated unit": click.option("--unit", help="Unit of the samples.  [default: deg/h, ug]"),
-    "simulated channels": click.option("--channels", type=int, default=1, metavar="N",
-        help="Number of independent channels."),
+    "simulated channels": click.option("--channels", type=NAMES, default="1", show_default=True, metavar="N",
+        help="Number of independent channels, or their names, e.g. azimuth,tilt."),
     "simulated outliers": click.option("--outliers", metavar="SHARE SIZE",
         help="Outliers: '0.01% 20' (sigma) or '0.01% 50 deg/h'."),
     "simulated dither": click.option("--dither", metavar="HOW",
         help="Dither added before rounding and removed after: 'random' or '400 Hz 20' (steps)."),
     "reading interval": click.option("--interval", type=float, default=10.0, show_default=True, metavar="S",
         help="Sampling interval."),
-    "reference rate": click.option("--reference", metavar="RATE",
-        help="The true rate, in deg/h or e.g. '12.4 deg/h'."),
+    "reference rate": click.option("--reference", metavar="RATE", help="The true rate, in deg/h or e.g. '12.4 deg/h'."),
     "known bias": click.option("--bias", metavar="RATE", help="Known bias to subtract, in deg/h or e.g. '3 ug'."),
     "reference angle": click.option("--reference", required=True, metavar="COLUMN",
         help="Angle of the reference encoder."),
@@ -281,9 +274,9 @@ OPTIONS: dict[str, Decorator] = {
         cls=Option, synonyms=("out", "report", "save")),
     "written parameters": click.option("--output", "-o", "output", metavar="PATH", type=click.Path(),
         help="Write the parameters; - is standard output."),
-    "lines that come": _path("record", "Keep the lines that come in this file."),
-    "corrected angles": _path("corrected", "Write corrected angles as CSV."),
-    "corrected record": _path("corrected", "Write the corrected record (of --apply if given)."),
+    "lines that come": path_option("record", "Keep the lines that come in this file."),
+    "corrected angles": path_option("corrected", "Write corrected angles as CSV."),
+    "corrected record": path_option("corrected", "Write the corrected record (of --apply if given)."),
 }  # fmt: skip
 
 RECIPE = {name: option_of(row) for name, row in choices_of(Recipe).items()}  # the options of a recipe, by its keys

@@ -2,14 +2,19 @@
 
 import contextlib
 import os
+import re
 import shlex
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.core.aliases import size_and_rate
+from allanite.core.errors import DataError, UsageError
+from allanite.core.syntax import split_quantities
+from allanite.core.units import convert, seconds_of
 from allanite.study.settings import LengthChoices, NoiseChoices
 
 from .deliver import Extra, deliver, demand_recording, outputs, progress
@@ -20,6 +25,7 @@ from .streams import show
 
 if TYPE_CHECKING:
     import numpy as np
+    from numpy.typing import NDArray
 
     from allanite.core.record import Record
 
@@ -31,9 +37,6 @@ if TYPE_CHECKING:
 
 def _quantities(text: str, option: str, example: str, *, defaults: tuple[float, ...] = ()) -> list[tuple[float, str]]:
     """As many numbers with units as `example` has; trailing ones that are omitted take `defaults`."""
-    from allanite.core.errors import UsageError
-    from allanite.core.syntax import split_quantities
-
     quantities = split_quantities(text.split())
     missing = len(split_quantities(example.split())) - len(quantities)
     if not 0 <= missing <= len(defaults):
@@ -42,51 +45,20 @@ def _quantities(text: str, option: str, example: str, *, defaults: tuple[float, 
     return [(value / 100, "") if unit == "%" else (value, unit) for value, unit in quantities]
 
 
-def turning_rate(text: str | None) -> float:
-    """The constant rate in deg/h; 0 if none is given."""
-    from allanite.core.units import convert
-
-    if text is None:
-        return 0.0
-    ((value, unit),) = _quantities(text, "constant", "10 deg/h")
-    return convert(value, unit or "deg/h", "deg/h")
-
-
-def _low_pass(record: "Record", cutoff: tuple[float, str], order: tuple[float, str]) -> "Record":
-    from allanite.core.errors import UsageError
-    from allanite.simulation import faults
-
-    if not order[0].is_integer():
-        raise UsageError(f"the order of a filter must be an integer, not {order[0]:g}")
-    return faults.low_pass(record, cutoff[0], order=int(order[0]))
-
-
 def _noise_profile(record: "Record", text: str, _: Any, __: Any) -> "Record":
     # times and factors, from 'TIME:FACTOR, ...' or a file of two columns with or without a heading
-    from pathlib import Path
-
-    from allanite.core.errors import DataError, UsageError
     from allanite.simulation import faults
 
-    form = "'0:1, 600:3, 1200:1' (seconds and factors) or a file of two such columns"
-    pairs = [part.split(":") for part in text.split(",")]
     path = Path(text)
-    if path.is_file():
-        lines = [line.replace(";", ",").split(",") for line in path.read_text("utf-8").splitlines() if line.strip()]
-        pairs = lines if lines and _numeric(lines[0]) else lines[1:]
-    if not pairs or not all(_numeric(pair) for pair in pairs):
-        kind = DataError if path.is_file() else UsageError
-        raise kind(f"--noise-profile takes {form}, not {text!r}")
-    times, factors = zip(*(map(float, pair) for pair in pairs), strict=True)
-    return faults.noise_profile(record, *(list(times), list(factors)))
-
-
-def _numeric(pair: list[str]) -> bool:
-    """Whether a pair is two numbers."""
+    rows = path.read_text("utf-8").split("\n") if path.is_file() else text.split(",")
+    headed = path.is_file() and not re.match(r"\s*[-+.\d]", rows[0])
     try:
-        return len([float(word) for word in pair]) == 2
+        pairs = [[float(word) for word in re.split("[:;,]", row)] for row in rows[headed:] if row.strip()]
+        times, factors = zip(*pairs, strict=True)
     except ValueError:
-        return False
+        form = "'0:1, 600:3, 1200:1' (seconds and factors) or a file of two such columns"
+        raise (DataError if path.is_file() else UsageError)(f"--noise-profile takes {form}, not {text!r}") from None
+    return faults.noise_profile(record, times, factors)
 
 
 def _quantize(record: "Record", text: str, rng: "np.random.Generator", choices: dict[str, Any]) -> "Record":
@@ -103,28 +75,29 @@ def _quantize(record: "Record", text: str, rng: "np.random.Generator", choices: 
     return how(record, step, unit, dither=dither, rng=rng)
 
 
+def _named(text: str, option: str, *forms: str) -> tuple[str, list[tuple[float, str]]]:
+    """A word, one of those of several forms, and as many numbers with units as in them."""
+    (word, *rest), known = text.split() or [""], [form.split() for form in forms]
+    quantities = split_quantities(rest) if len(forms) == 1 or any(word == form[0] for form in known) else []
+    if len(quantities) != len(split_quantities(known[0][1:])) or not all(unit for _, unit in quantities):
+        raise UsageError(f"--{option} has the form {' or '.join(map(repr, forms))}, not {text!r}")
+    return word, quantities
+
+
 def _quantizer(text: str) -> tuple[str, float, str]:
-    from allanite.core.errors import UsageError
-    from allanite.core.syntax import split_quantities
-
-    what, *rest = text.split() or [""]
-    quantities = split_quantities(rest) if what in ("rate", "angle") else []
-    if len(quantities) != 1 or not quantities[0][1]:
-        raise UsageError(f"--quantize has the form 'rate 0.01 deg/s' or 'angle 0.2 arcsec', not {text!r}")
-    return what, *quantities[0]
+    what, ((step, unit),) = _named(text, "quantize", "rate 0.01 deg/s", "angle 0.2 arcsec")
+    return what, step, unit
 
 
-def quantizer_unit(text: str | None) -> str | None:
-    """Round in the unit of the step, so that the rates are exact multiples of it."""
-    what, _, unit = ("", 0.0, "") if text is None else _quantizer(text)
-    return unit if what == "rate" else None
+def _effect(record: "Record", text: str) -> "tuple[Record, NDArray[Any]]":
+    """A quantity that swings, with the rate and length of a record, and its effect in the unit of the record."""
+    import numpy as np
 
+    from allanite.core.record import Record
 
-def _gaps(record: "Record", rng: Any, share: tuple[float, str], length: tuple[float, str]) -> "Record":
-    from allanite.core.units import convert
-    from allanite.simulation import faults
-
-    return faults.gaps(record, share[0], convert(length[0], length[1] or "s", "s"), rng=rng)
+    name, ((swing, unit), time, (size, of)) = _named(text, "effect", "temp 2 degC 1100 s 40 deg/h")
+    wave = np.sin(2 * np.pi * np.arange(record.size) / (record.rate * seconds_of(f"{time[0]} {time[1]}")))
+    return Record(swing * wave, record.rate, unit, name=name), convert(size, of, record.unit) * wave
 
 
 def _simple(name: str, example: str, defaults: tuple[float, ...], make: "Callable[..., Record]") -> "Fault":
@@ -140,16 +113,18 @@ def _simple(name: str, example: str, defaults: tuple[float, ...], make: "Callabl
 
 FAULTS: "dict[str, Fault]" = {
     "constant": _simple("constant", "10 deg/h", (), lambda faults, record, _, value: faults.constant(record, *value)),
-    "low_pass": _simple("low-pass", "20 Hz 4", (1.0,), lambda _, record, __, *values: _low_pass(record, *values)),
-    "noise_step": _simple(
-        "noise-step", "2", (), lambda faults, record, _, value: faults.noise_step(record, factor=value[0])),
+    "low_pass": _simple(
+        "low-pass", "20 Hz 4", (1.0,), lambda faults, record, _, cutoff, order: faults.low_pass(
+            record, cutoff[0], order=int(order[0]) if order[0].is_integer() else order[0])),
     "noise_profile": _noise_profile,
     "outliers": _simple(
         "outliers", "0.01% 20", (),
         lambda faults, record, rng, share, size: faults.outliers(record, share[0], *size, rng=rng)),
     "clip": _simple("clip", "300 deg/s", (), lambda faults, record, _, value: faults.clip(record, *value)),
     "quantize": _quantize,
-    "gaps": _simple("gaps", "1% 5 s", (), lambda _, record, rng, *values: _gaps(record, rng, *values)),
+    "gaps": _simple(
+        "gaps", "1% 5 s", (), lambda faults, record, rng, share, length: faults.gaps(
+            record, share[0], seconds_of(f"{length[0]} {length[1] or 's'}"), rng=rng)),
 }  # fmt: skip
 """The function of each option, in the order in which the faults occur in a sensor and its logger."""
 
@@ -164,8 +139,10 @@ CHANNEL_NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}  # fir
     "simulated unit",
     click.option("--rounding", is_flag=True, help="Generate Q by rounding the angle to steps of Q sqrt(12)."),
     click.option("--constant", metavar="RATE", help="Bias or earth rate, e.g. '10 deg/h'."),
+    click.option("--effect", multiple=True, metavar="'NAME SWING PERIOD SIZE'",
+        help="Add a column that swings, as a temperature, and its effect on the channels: 'temp 2 degC 1100 s "
+        "40 deg/h'; repeatable."),
     click.option("--low-pass", metavar="HZ", help="Low-pass filter of first order; '20 Hz 4' has order 4."),
-    click.option("--noise-step", metavar="FACTOR", help="Multiply the noise of the second half by this."),
     click.option("--noise-profile", metavar="PROFILE",
         help="Multiply the noise by a factor that changes with time: '0:1, 600:3, 1200:1' (s and factor, linear "
         "between), or a CSV file of two columns."),
@@ -186,8 +163,6 @@ def simulate(**choices: Any) -> None:
     path = choices["out"]
     out = outputs(choices, [], also=["out"])
     demand_recording(path)
-    from allanite.core.aliases import size_and_rate
-    from allanite.core.errors import UsageError
     from allanite.simulation.record import RING_LASERS, Simulation
     from allanite.study.modelled import NoiseSettings, ways
 
@@ -202,30 +177,41 @@ def simulate(**choices: Any) -> None:
     deliver(truth, out, Extra(recordings={"out": lambda _: recording}))
 
 
+def channel_names(wanted: Sequence[str], named: Callable[[int, int], str]) -> list[str]:
+    """The names of the channels that are wanted, or of their number those by place and number."""
+    if len(wanted) > 1 or not re.fullmatch(r"-?\d+", wanted[0]):
+        return list(wanted)
+    if (count := int(wanted[0])) < 1:
+        raise UsageError(f"--channels must be at least 1, not {count}")
+    return [named(i, count) for i in range(count)]
+
+
 def _recording(model: "Model", n: int, choices: dict[str, Any], tell: Callable[[str, float], None]) -> "Recording":
     import numpy as np
 
-    from allanite.core.errors import UsageError
     from allanite.core.record import Recording
     from allanite.simulation.record import simulate as simulated
 
-    count = choices["channels"]
-    if not count >= 1:
-        raise UsageError(f"--channels must be at least 1, not {count}")
     if choices["dither"] is not None and choices["quantize"] is None:
         raise UsageError("--dither needs a quantizer: give --quantize too")
     rng = np.random.default_rng(choices["seed"])
-    unit = choices["unit"] or quantizer_unit(choices["quantize"]) or model.signal.sheet[0]
+    what, _, step = ("", 0.0, "") if choices["quantize"] is None else _quantizer(choices["quantize"])
+    # rates are rounded in the unit of the step, so that they are exact multiples of it
+    unit = choices["unit"] or (step if what == "rate" else model.signal.sheet[0])
     records = []
-    for i in range(count):
-        name = CHANNEL_NAMES.get(model.signal.name, f"{model.signal.name} ") + ("xyz"[i] if count <= 3 else str(i + 1))
-        tell(f"simulating {name}", 0.8 * i / count)
+    letter = CHANNEL_NAMES.get(model.signal.name, f"{model.signal.name} ")
+    names = channel_names(choices["channels"], lambda i, count: letter + ("xyz"[i] if count <= 3 else str(i + 1)))
+    for i, name in enumerate(names):
+        tell(f"simulating {name}", 0.8 * i / len(names))
         record = simulated(model, n, choices["rate"], rng=rng, name=name, unit=unit, rounding=choices["rounding"])
+        causes = [_effect(record, text) for text in choices["effect"]]
+        for cause, effect in causes:
+            record = record.with_values(record.values + effect, f"effect of {cause.name} added")
         for option, fault in FAULTS.items():
             if choices[option] is not None:
                 record = fault(record, choices[option], rng, choices)
         records.append(record)
-    return Recording(tuple(records))
+    return Recording((*records, *(cause for cause, _ in causes)))
 
 
 COUNTING = ("model", "sensor", "rate", "duration", "samples", "channels", "seed", "constant", "out")
@@ -236,7 +222,6 @@ def _counts(laser: "RingLaser", n: int, choices: dict[str, Any]) -> "Recording":
     """The counts of a ring laser gyro that turns at a constant rate."""
     import numpy as np
 
-    from allanite.core.errors import UsageError
     from allanite.core.record import Recording
     from allanite.simulation.record import simulate_ring_laser
 
@@ -244,12 +229,13 @@ def _counts(laser: "RingLaser", n: int, choices: dict[str, Any]) -> "Recording":
     if extra:
         name = extra[0].replace("_", "-")
         raise UsageError(f"--{name} does not apply to {choices['sensor']}, which delivers counts; omit it")
-    turning = turning_rate(choices["constant"])
+    given = "0" if choices["constant"] is None else choices["constant"]
+    ((value, unit),) = _quantities(given, "constant", "10 deg/h")
+    turning = convert(value, unit or "deg/h", "deg/h")
     rng = np.random.default_rng(choices["seed"])
-    names = [f"gyro{i + 1}" if choices["channels"] > 1 else "gyro" for i in range(choices["channels"])]
-    return Recording(
-        tuple(simulate_ring_laser(laser, turning, n, choices["rate"], rng=rng, name=each) for each in names)
-    )
+    names = channel_names(choices["channels"], lambda i, count: f"gyro{i + 1}" if count > 1 else "gyro")
+    records = (simulate_ring_laser(laser, turning, n, choices["rate"], rng=rng, name=each) for each in names)
+    return Recording(tuple(records))
 
 
 WRITTEN = {"report": "page.html", "json": "paper.json"}  # files of the comparison: option -> name
@@ -257,24 +243,22 @@ WRITTEN = {"report": "page.html", "json": "paper.json"}  # files of the comparis
 
 @command()
 @options(
-    click.argument("paper", required=False),
-    click.argument("folder", required=False, default=".", type=click.Path(file_okay=False)),
-    click.option("--commands", is_flag=True, help="Print the commands only."),
-    *SHOWN,
+    click.argument("paper", required=False), click.argument("folder", required=False, type=click.Path(file_okay=False)),
+    click.option("--commands", is_flag=True, help="Print the commands only."), *SHOWN,
 )  # fmt: skip
-def example(paper: str | None, folder: str, commands: bool, **shared: Any) -> None:
+def example(paper: str | None, folder: str | None, commands: bool, **shared: Any) -> None:
     """Reproduce the tables and figures of a paper.
 
-    Writes simulated input, tables, figures and a page into FOLDER, by commands that are printed and that can be
-    repeated one by one, and prints what the paper says beside what was found. Without PAPER, lists the papers.
+    PAPER is a number or a short name: 003 or laser. Writes simulated input, tables, figures and a page into FOLDER, by
+    default one of the short name, by commands that are printed and that can be repeated one by one, and prints what the
+    paper says beside what was found. Without PAPER, lists the papers.
     """
-    from allanite.papers.paper import PAPERS, compare
-    from allanite.papers.paper import paper as paper_of
+    from allanite.papers.paper import PAPERS, compare, paper as paper_of
 
     if paper is None:
         for row in map(paper_of, PAPERS):
             source = textwrap.wrap(row.source, 95, initial_indent="     ", subsequent_indent="     ")
-            show("\n".join([f"{row.name}  {row.title}", *source]))
+            show("\n".join([f"{row.name}  {row.short}: {row.title}", *source]))
         return
     row = paper_of(paper)
     lines = [shlex.split(command) for command in row.commands]
@@ -282,6 +266,7 @@ def example(paper: str | None, folder: str, commands: bool, **shared: Any) -> No
     if commands:
         show("\n".join(shown))
         return
+    folder = folder or row.short
     os.makedirs(folder, exist_ok=True)
     own = {name: os.path.join(folder, path) for name, path in WRITTEN.items()}
     out = outputs(shared | own, [])
@@ -305,4 +290,4 @@ def _run(line: list[str], shared: dict[str, Any]) -> None:
                 raise
 
 
-ANGLE = ("calibrate", "estimate", "plan", "simulate")  # verbs of the group angle
+ANGLE = ("calibrate", "estimate", "plan", "simulate", "watch")  # verbs of the group angle

@@ -5,19 +5,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from allanite.applications.choices import (
-    CompensationChoices,
-    EstimatorChoices,
-    FitChoices,
-    IntervalChoices,
-    RateChoices,
-    VerticalChoices,
-)
+from allanite.applications.choices import (  # isort: skip
+    CompensationChoices, EstimatorChoices, FitChoices, IntervalChoices, RateChoices, VerticalChoices
+)  # fmt: skip
 from allanite.core.errors import UnitError, UsageError
 
 from .deliver import Extra, Outputs, carry_out, demand_recording, given, outputs, recipe_of, rendered, settings_of
 from .helping import command
-from .options import IDENTIFYING, NUMBERS, RECORDING, RESULTS, Option, options
+from .options import IDENTIFYING, NUMBERS, RECORDING, RESULTS, Option, options, path_option
 from .streams import complain
 
 if TYPE_CHECKING:
@@ -28,27 +23,20 @@ if TYPE_CHECKING:
 
 @command()
 @options(
-    "file",
-    *RECORDING,
-    click.option(
-        "--stage", "stages", multiple=True, metavar="'NAME BITS SCALE'",
-        help="A quantizer in the signal path, e.g. 'ADC 12 5V', 'ADC 12 5V gain=10' or "
-        "'output 16 100deg/s'; repeatable.",
-    ),
-    click.option(
-        "--torquer", metavar="A=X,...",
+    "file", *RECORDING,
+    click.option("--stage", "stages", multiple=True, metavar="'NAME BITS SCALE'",
+        help="A quantizer in the signal path, e.g. 'ADC 12 5V', 'ADC 12 5V gain=10' or 'output 16 100deg/s'; "
+        "repeatable."),
+    click.option("--torquer", metavar="A=X,...",
         help="Constants of the torquer in SI: turns, field (T), span (m), radius (m), inertia (kg m^2), spin (rad/s), "
-        "sides.",
-    ),
+        "sides."),
     click.option("--torque-scale", "scale_factor", type=float, metavar="K", cls=Option, old=("--scale-factor",),
         help="Or the scale factor of the torquer, rad/s per A."),
     click.option("--sense", type=float, metavar="V/A", help="Gain of the current sensor, for voltages."),
     click.option("--coupling", type=NUMBERS, metavar="XX,XY,YX,YY",
         help="Two channels are the currents of the x and y torquers: rates about x and y over the scale factor, "
         "e.g. 0,-1,1,0 with cross-coupling in XX and YY."),
-    *IDENTIFYING,
-    click.option("--rates", metavar="PATH", type=click.Path(), help="Write the rates as a recording: .csv, .npz, ..."),
-    *RESULTS,
+    *IDENTIFYING, path_option("rates", "Write the rates as a recording: .csv, .npz, ..."), *RESULTS,
 )  # fmt: skip
 def quantization(file: str, **choices: Any) -> None:
     """Estimate quantization (no error budget).
@@ -60,7 +48,6 @@ def quantization(file: str, **choices: Any) -> None:
     demand_recording(out.paths.get("rates"))
     from allanite.applications.signals import Stage, TorqueScale
     from allanite.applications.signals.budgeting import PathSettings, budget_file
-    from allanite.core.errors import UsageError
 
     torquer, factor = choices["torquer"], choices["scale_factor"]
     if torquer is not None and factor is not None:
@@ -78,13 +65,9 @@ def quantization(file: str, **choices: Any) -> None:
     "split_gaps", "beside", "interpolate", "use",
     click.option("--apply", "apply_to", metavar="FILE", type=click.Path(),
         help="Also correct this file, which is not used for the fit."),
-    *IDENTIFYING,
-    click.option("--save", metavar="PATH", type=click.Path(), help="Write the regressions, to be used with --use."),
-    "corrected record",
-    "autopilot",
+    *IDENTIFYING, path_option("save", "Write the regressions, to be used with --use."), "corrected record", "autopilot",
     click.option("--instance", type=int, metavar="N", help="Number of the sensor there.  [default: the first]"),
-    "written parameters",
-    *RESULTS, settings=(CompensationChoices, FitChoices),
+    "written parameters", *RESULTS, settings=(CompensationChoices, FitChoices),
 )  # fmt: skip
 def compensate(file: str, **choices: Any) -> None:
     """Remove temperature-dependent errors.
@@ -147,20 +130,16 @@ USUAL_DURATION_S = 3600.0  # horizon without a recording, s
 
 @command()
 @options(
-    "optional file",
-    *RECORDING,
-    "gyro", "accelerometer", "filter", "time_constant", "bias_time", "gate",
+    "optional file", *RECORDING, "gyro", "accelerometer", "filter", "time_constant", "bias_time", "gate",
     click.option("--coning", "samples", type=click.IntRange(1, 2), metavar="N",
                  help="Samples of the coning correction of bortz.  [default: 2]"),
-    "axes", "keep_bias",
-    "horizon",
+    "axes", "keep_bias", "horizon",
     click.option("--gyro-bias", metavar="RATE", help="Constant bias of the gyro without a recording, e.g. '10 deg/h'."),
     click.option("--accelerometer-bias", metavar="BIAS",
                  help="Constant bias of the accelerometer without a recording, e.g. '50 ug'."),
     click.option("--scenarios", is_flag=True,
                  help="Without a recording: simulate all filters at rest, under acceleration and in oscillation."),
-    "seed",
-    *IDENTIFYING, *RESULTS, settings=(VerticalChoices,),
+    "seed", *IDENTIFYING, *RESULTS, settings=(VerticalChoices,),
 )  # fmt: skip
 def vertical(file: str | None, **choices: Any) -> None:
     """Find roll and pitch.
@@ -205,11 +184,8 @@ def _design(choices: dict[str, Any]) -> "VerticalDesign":
         raise UsageError(f"--{name} applies to a recording, but none is given; omit it, or give FILE")
     noise = Model(choices["gyro"]), Model(choices["accelerometer"])
     bias = choices["gyro_bias"] or 0.0, choices["accelerometer_bias"] or 0.0
-    optimum = optimal_time_constant(
-        *noise, duration=choices["duration"] or USUAL_DURATION_S, rate=choices["rate"], gyro_bias=bias[0],
-        accelerometer_bias=bias[1],
-    )  # fmt: skip
-    seed, rate = choices["seed"], choices["rate"]
+    seed, rate, duration = choices["seed"], choices["rate"], choices["duration"] or USUAL_DURATION_S
+    optimum = optimal_time_constant(*noise, duration=duration, rate=rate, gyro_bias=bias[0], accelerometer_bias=bias[1])
     return design(optimum, bias=biases(*bias)[0], scenarios=choices["scenarios"], rate=rate, seed=seed)
 
 
@@ -219,21 +195,14 @@ def _design(choices: dict[str, Any]) -> "VerticalDesign":
     "noise", "latitude", "reference rate", "known bias", "horizontal",
     click.option("--second", metavar="FILE", type=click.Path(),
         help="The same gyro in a second position: removes the bias."),
-    "turned", "near", "position_method",
-    "dither", "window", "lines",
+    "turned", "near", "position_method", "dither", "window", "lines",
     click.option("--allowed", metavar="RATE",
         help="Largest deviation of a regression line that the conditional estimator keeps."),
-    "quantum", "certified", "split_gaps", "most", "durations",
+    "quantum", "certified", "descent", "split_gaps", "most", "durations",
     click.option("--no-times", is_flag=True, help="Do not compare measuring times."),
-    *IDENTIFYING,
-    click.option(
-        "--readings", metavar="PATH", type=click.Path(),
-        help="Write the rate of every interval by every estimator as CSV.",
-    ),
-    click.option(
-        "--closeup", metavar="PATH", type=click.Path(),
-        help="Draw the first interval: slopes of the regression lines by their start, the staircase over the counts.",
-    ),
+    *IDENTIFYING, path_option("readings", "Write the rate of every interval by every estimator as CSV."),
+    path_option("closeup", "Draw the first interval: slopes of the regression lines by their start, the staircase over "
+                "the counts."),
     *RESULTS, settings=(IntervalChoices, EstimatorChoices, FitChoices, RateChoices),
 )  # fmt: skip
 def rate(file: str, second: str | None, **choices: Any) -> None:

@@ -5,6 +5,7 @@ import io
 import os
 import signal
 import sys
+import warnings
 from _thread import interrupt_main
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -82,6 +83,15 @@ def complain(text: str, before: str = "") -> None:
         click.echo(before + _harmless(text), err=True)
     except OSError:
         sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - what is left in the old one is not flushed
+
+
+@contextmanager
+def as_sentences(kind: type[Warning]) -> Iterator[None]:
+    """Warnings of this kind are printed as sentences on stderr."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", kind)
+        warnings.showwarning = lambda message, *_, **__: complain(f"allanite: {message}")
+        yield
 
 
 def _harmless(text: str) -> str:

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from allanite.core.errors import UsageError
+
 from .deliver import carry_out, outputs, recipe_of, settings_of
 from .front import DATA, EXCEEDED, PARTLY
 from .streams import stopping
@@ -80,7 +82,6 @@ def _survey(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Repo
 def _compare(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Reports) -> Any:
     from allanite.comparison import comparing
     from allanite.comparison.sheet import compare_with_sheet
-    from allanite.core.errors import UsageError
 
     against, part, count = settings.against, settings.part, len(files)
     if part is not None and count > 1:

@@ -3,28 +3,22 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar, Self, TypeVar
 
 from allanite.core.encoding import finite, plain
+from allanite.core.errors import UsageError
 from allanite.core.estimate import TERM, Estimate
 from allanite.core.fit import Fit, chance
 from allanite.core.kinds import title_of
 from allanite.core.limits import Remembered, demand_level
-from allanite.core.plain import Value
+from allanite.core.plain import Header, Value
+from allanite.core.record import Record
 from allanite.core.units import Signal
 from allanite.phrases.phrase import join, say
-from allanite.terms import TERMS
-
-if TYPE_CHECKING:
-    from .ratio import LineContrast
-
-from typing import Self, TypeVar
-
-from allanite.core.errors import UsageError
-from allanite.core.plain import Header
-from allanite.core.record import Record
 from allanite.study.channels import Inspected
 from allanite.study.job import Job
+from allanite.terms import TERMS
+from allanite.terms.row import Parameter
 
 Limits = Callable[[float], tuple[float, float]]
 
@@ -74,6 +68,7 @@ class Change(Value):
     limits: Limits  # interval of the ratio
     alpha: float = 0.05  # adjusted p below which the change is significant
     frequency: float | None = None  # frequency of a sinusoid, Hz
+    parameter: str = ""  # that of the shape of the term which is compared, not the coefficient: "frequency"
     # length of each record, s, needed to detect a change by a factor of 2 of a coefficient that is as large as its
     # upper limit, if these records do not resolve it
     needed: float | None = None
@@ -85,9 +80,29 @@ class Change(Value):
 
     def named(self, term: str) -> str:
         """A symbol or title of its term; of a sinusoid with its frequency."""
+        if self.parameter:
+            return join(" ", (term, self.shape.title))
         if self.frequency is None:
             return term
         return say("{term} at {frequency:.4g} Hz", term=term, frequency=self.frequency)
+
+    @property
+    def shape(self) -> Parameter:
+        """The row of its parameter."""
+        return next(p for p in TERMS[self.symbol].parameters if p.name == self.parameter)
+
+    @property
+    def unit(self) -> str:
+        """Unit in which it is shown."""
+        return self.shape.unit if self.parameter else self.before.sheet_unit
+
+    @property
+    def sizes(self) -> list[float | None]:
+        """Before and after, in the unit that is shown; None where there is none."""
+        each = (self.before, self.after)
+        if self.parameter:
+            return [next((v for p, v, *_ in e.shaped() if p.name == self.parameter), None) for e in each]
+        return [None if e.value is None else e.to(self.unit) for e in each]
 
     @property
     def percent(self) -> float:
@@ -115,10 +130,8 @@ class Change(Value):
 
     def row(self, level: float = 0.95) -> list[Any]:
         """Symbol, name, coefficients before and after, unit, change in percent, its limits, p, adjusted p, outcome."""
-        unit = self.before.sheet_unit
-        values = [None if e.value is None else e.to(unit) for e in (self.before, self.after)]
-        title = title_of(self.symbol, self.signal)
-        return [self.label, title, *values, unit, self.percent, *self.interval(level), self.p, self.adjusted,
+        title = self.shape.title if self.parameter else title_of(self.symbol, self.signal)
+        return [self.label, title, *self.sizes, self.unit, self.percent, *self.interval(level), self.p, self.adjusted,
                 self.outcome]  # fmt: skip
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
@@ -149,20 +162,20 @@ def holm(p: list[float]) -> list[float]:
 
 
 def changes_of(
-    contrasts: Mapping[str, Any], fits: tuple[Fit, Fit], level: float, lines: Sequence["LineContrast"] = ()
-) -> tuple[Change, ...]:
-    """The change of each coefficient, by symbol, and of each sinusoid, from what contrasts it: ratio, p and limits."""
-    signal, alpha = fits[0].signal, alpha_of(level)
-    adjusted = iter(holm([contrast.p for contrast in (*contrasts.values(), *lines)]))
-    changes = [
-        Change(s, signal, fits[0][s], fits[1][s], c.ratio, c.p, next(adjusted), Remembered(c.limits), alpha)
-        for s, c in contrasts.items()
-    ]
-    for c in lines:
-        first, second = (amplitude.estimate(c.frequency, signal) for amplitude in (c.first, c.second))
-        p = next(adjusted)
-        changes.append(Change("Sine", signal, first, second, c.ratio, c.p, p, Remembered(c.limits), alpha, c.frequency))
-    return tuple(changes)
+    contrasts: Mapping[tuple[str, str], Any], fits: tuple[Fit, Fit], level: float,
+    lines: Sequence[tuple[float, Any]] = (),
+) -> tuple[Change, ...]:  # fmt: skip
+    """The change of each coefficient, by symbol and parameter, and of each sinusoid, from what contrasts it."""
+    each: list[tuple[Any, ...]] = []
+    each += [(c, s, fits[0][s], fits[1][s], parameter, None) for (s, parameter), c in contrasts.items()]
+    each += [(c, "Sine", c.first, c.second, "", frequency) for frequency, c in lines]
+    chances = [contrast.p for contrast, *_ in each]
+    return tuple(
+        Change(symbol, fits[0].signal, before, after, c.ratio, p, adjusted, Remembered(c.limits), alpha_of(level),
+               frequency, parameter)
+        for (c, symbol, before, after, parameter, frequency), p, adjusted
+        in zip(each, chances, holm(chances), strict=True)
+    )  # fmt: skip
 
 
 def told(change: Change) -> str:

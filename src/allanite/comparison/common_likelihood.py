@@ -207,10 +207,6 @@ def demand_one_kind(records: Sequence[Record]) -> None:
     """Make sure that records are of one kind of sensor."""
     kinds = dict.fromkeys(record.signal.name for record in records)
     if len(kinds) > 1:
-        raise DataError(
-            say(
-                "only sensors of one type can be compared, not {kinds}; select channels of one type with {option}",
-                kinds=reduce(lambda first, second: say("{first} and {second}", first=first, second=second), kinds),
-                option=spelled("--channels", "channels=..."),
-            )
-        )
+        named = reduce(lambda first, second: say("{first} and {second}", first=first, second=second), kinds)
+        raise DataError(say("only sensors of one type can be compared, not {kinds}; select channels of one type with "
+                            "{option}", kinds=named, option=spelled("--channels", "channels=...")))  # fmt: skip

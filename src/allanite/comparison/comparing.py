@@ -96,12 +96,10 @@ def compare_channels(
     recipe = _ready(recipe)
     recording = open_source(source, recipe, progress)
     if len(recording) == 1:
-        raise UsageError(
-            f"there is only one channel, {recording[0].name!r}; "
-            + spelled("give a second file, more channels, or --part to compare its beginning with the rest",
-                      "give a second recording, more channels, or use truncation to compare its beginning with the "
-                      "rest")
-        )  # fmt: skip
+        cure = spelled("give a second file, more channels, or --part to compare its beginning with the rest",
+                       "give a second recording, more channels, or use truncation to compare its beginning with the "
+                       "rest")  # fmt: skip
+        raise UsageError(f"there is only one channel, {recording[0].name!r}; {cure}")
     sources = SourceSet((recording,), recording.channels, [(name_both(*recording), tuple(recording))])
     if len(recording) == 2:
         return _compare(sources, recipe, rng=rng, progress=progress)
@@ -198,7 +196,7 @@ def truncation(
 
     def with_whole(pair: Pair) -> Pair:
         """The pair and the fit of the whole, of the terms that were compared."""
-        terms = ",".join(change.symbol for change in pair.changes if change.frequency is None)
+        terms = ",".join(change.symbol for change in pair.changes if change.frequency is None and not change.parameter)
         whole = noise_of(recording[pair.name], recipe, terms=terms)
         doubts = (say("the whole: {doubt}", doubt=doubt) for doubt in whole.doubts)
         return replace(pair, whole=whole.fit, alerts=(*pair.alerts, *doubts))

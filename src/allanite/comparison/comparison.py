@@ -105,9 +105,9 @@ class Pair(ComparedChannel):
 
     @property
     def changed(self) -> bool:
-        """Whether the records differ significantly: in their noise, a sinusoid, or their curves at some time."""
-        lines = any(change.significant for change in self.changes if change.frequency is not None)
-        return self.p <= self.alpha or lines or bool(self._curves)
+        """Whether the records differ significantly: in their noise, its shape, a sinusoid, or a curve at some time."""
+        more = any(c.significant for c in self.changes if c.frequency is not None or c.parameter)
+        return self.p <= self.alpha or more or bool(self._curves)
 
     @property
     def verdict(self) -> str:
@@ -115,31 +115,22 @@ class Pair(ComparedChannel):
         if self.refusal:
             return say("not compared: {reason}", reason=self.refusal)
         named = join(", ", [told(change) for change in self.changes if change.significant])
+        first: str = self._headline
         if self.changed:
-            parts: list[str] = [
-                join(": ", [self._headline, named or say("no single coefficient changes significantly")])
-            ]
+            first = join(": ", [first, named or say("no single coefficient changes significantly")])
         elif named:
-            parts = [say("{verdict}; by itself {changes}", verdict=self._headline, changes=named)]
-        else:
-            parts = [self._headline]
-        if self._curves:
-            parts.append(self._curves)
+            first = say("{verdict}; by itself {changes}", verdict=first, changes=named)
+        parts = [first, *filter(None, [self._curves])]
         same = [c.label for c in self.changes if c.outcome == "no change"]
         if same:
             parts.append(say("unchanged within their intervals: {coefficients}", coefficients=join(", ", same)))
-        open_ = [
-            say("{coefficient} (at {length} or more)", coefficient=c.label, length=duration(c.needed))
-            if c.needed is not None
-            else c.label
-            for c in self.changes
-            if c.outcome == "not resolvable"
-        ]
-        if open_:
-            parts.append(
-                say("not resolvable in these records, but in longer ones: {coefficients}, where a coefficient as large "
-                    "as its limit changes by a factor of 2", coefficients=join(", ", open_))
-            )  # fmt: skip
+        longer = [c.label if c.needed is None
+                  else say("{coefficient} (at {length} or more)", coefficient=c.label, length=duration(c.needed))
+                  for c in self.changes if c.outcome == "not resolvable"]  # fmt: skip
+        if longer:
+            parts.append(say("not resolvable in these records, but in longer ones: {coefficients}, where a coefficient "
+                             "as large as its limit changes by a factor of 2",
+                             coefficients=join(", ", longer)))  # fmt: skip
         return join("; ", parts)
 
     @property

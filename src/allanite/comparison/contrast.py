@@ -1,9 +1,9 @@
 """Tests between records: of one noise, and how far apart a coefficient of two can be, with records or without."""
 
 import math
-from collections.abc import Collection
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -11,11 +11,13 @@ from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
+from allanite.core.limits import quantile
 from allanite.core.plain import Portable
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.phrases.phrase import say
 from allanite.study.job import provenance_of
 from allanite.study.recipe import Recipe
+from allanite.terms import TERMS
 
 from .change import Homogeneity, alpha_of, changes_of
 from .common_likelihood import Joint, drawn, least, tied
@@ -70,29 +72,32 @@ class Contrast(Portable):
     which: int
 
     @cached_property
-    def _parts(self) -> tuple[Likelihood, ...]:
+    def parts(self) -> tuple[Likelihood, ...]:
+        """The likelihoods of the terms of the common model and of this one."""
         columns = self.joint.chosen.free.copy()
         columns[self.which] = True
         return self.joint.only(columns)
 
     @cached_property
-    def _column(self) -> int:
+    def column(self) -> int:
+        """Its place among these terms."""
         return int(self.joint.chosen.free[: self.which].sum())
 
     @cached_property
-    def _separate(self) -> tuple[list[FloatArray], float]:
-        return least(self._parts)
+    def separate(self) -> tuple[list[FloatArray], float]:
+        """Theta of each record by itself, and the sum of the minima."""
+        return least(self.parts)
 
     @property
     def ratio(self) -> float:
         """The second coefficient over the first; NaN where both are zero."""
-        first, second = (theta[self._column] for theta in self._separate[0])
+        first, second = (theta[self.column] for theta in self.separate[0])
         return math.nan if first <= 0 and second <= 0 else math.inf if first <= 0 else math.sqrt(second / first)
 
     def excess(self, phi: float) -> float:
         """2 (L - its minimum) with the ratio held at tan(phi)."""
-        p, i = self._parts[0].S.shape[1], self._column
-        thetas, minimum = self._separate
+        p, i = self.parts[0].S.shape[1], self.column
+        thetas, minimum = self.separate
         if p == 1 and phi in (0.0, math.pi / 2):  # no noise at all would be left
             return math.inf
         shared = [np.eye(p, 2 * p - 1), np.eye(p, 2 * p - 1)]
@@ -102,7 +107,7 @@ class Contrast(Portable):
         shared[0][i, i], shared[1][i, i] = math.cos(phi) ** 2, math.sin(phi) ** 2
         start = np.concatenate((thetas[0], thetas[1][others]))
         start[i] = max(thetas[0][i] + thetas[1][i], 1e-12 * float(np.max(start, initial=0.0)))
-        _, value = tied(self._parts, shared).minimise(np.ones(2 * p - 1, dtype=bool), start)
+        _, value = tied(self.parts, shared).minimise(np.ones(2 * p - 1, dtype=bool), start)
         return max(2 * (value - minimum), 0.0)
 
     @property
@@ -112,10 +117,7 @@ class Contrast(Portable):
 
     def limits(self, level: float) -> tuple[float, float]:
         """Profile limits of the ratio; from 0 to infinity where the records say nothing of it."""
-        from scipy.special import ndtri
-
-        drop = float(ndtri((1 + level) / 2)) ** 2
-        best = self.ratio
+        drop, best = quantile((1 + level) / 2) ** 2, self.ratio
         at = math.pi / 4 if math.isnan(best) else math.atan(best)
         high = self._solve(drop, at, math.pi / 2)
         return math.tan(self._solve(drop, at, 0.0)), math.inf if high == math.pi / 2 else math.tan(high)
@@ -152,12 +154,10 @@ def outlying(joint: Joint) -> list[float]:
 
 def spread(joint: Joint, which: int) -> tuple[float, float]:
     """Chi-square of one coefficient being the same in all records, the other terms of each being free, and its p."""
-    columns = joint.chosen.free.copy()
-    columns[which] = True
-    parts, i = joint.only(columns), int(joint.chosen.free[:which].sum())
+    contrast = Contrast(joint, which)
+    parts, i, (thetas, separate) = contrast.parts, contrast.column, contrast.separate
     apart = np.arange(parts[0].S.shape[1]) != i
     maps = mixed(apart, len(parts))
-    thetas, separate = least(parts)
     start = np.concatenate(([np.mean([t[i] for t in thetas])], *(t[apart] for t in thetas)))
     _, value = tied(parts, maps).minimise(np.ones(start.size, dtype=bool), start)
     statistic = max(2 * (value - separate), 0.0)
@@ -234,14 +234,32 @@ class IntervalContrast:
         return _over(l2, u1), math.inf
 
 
+def shape_contrasts(before: Fit, after: Fit) -> dict[tuple[str, str], IntervalContrast]:
+    """Contrasts of terms with a shape that both fits have: by symbol, and by the parameters of the shape."""
+    contrasts = {}
+    both = [(e, other) for e in before for other in after if e.symbol == other.symbol]
+    for e, other in ((e, o) for e, o in both if e.claimed and o.claimed and e.shape_limits and o.shape_limits):
+        contrasts[e.symbol, ""] = IntervalContrast(e, other)
+        for i, parameter in enumerate(TERMS[e.symbol].parameters):
+            contrasts[e.symbol, parameter.name] = IntervalContrast(_parameter(e, i), _parameter(other, i))
+    return contrasts
+
+
+def _parameter(estimate: Estimate, i: int) -> Estimate:
+    """A parameter of the shape in the place of the coefficient."""
+    assert estimate.shape_limits is not None  # noqa: S101 - the caller has looked
+    return replace(estimate, value=estimate.shape[i], limits=partial(_limits_of, estimate.shape_limits, i))
+
+
+def _limits_of(limits: Callable[[float], tuple[tuple[float, float], ...]], i: int, level: float) -> tuple[float, float]:
+    return limits(level)[i]
+
+
 def _sizes(estimate: Estimate, level: float) -> tuple[float, float, float]:
     """Size of a coefficient between its limits; 0 where it was not found."""
     low, high = estimate.interval(level)
-    if estimate.value is None:
-        return 0.0, 0.0, max(abs(low), abs(high))
-    if low <= 0 <= high:
-        return 0.0, abs(estimate.value), max(abs(low), abs(high))
-    return min(abs(low), abs(high)), abs(estimate.value), max(abs(low), abs(high))
+    least = 0.0 if estimate.value is None or low <= 0 <= high else min(abs(low), abs(high))
+    return least, abs(estimate.value or 0.0), max(abs(low), abs(high))
 
 
 def _over(above: float, below: float) -> float:
@@ -261,8 +279,8 @@ def compare_fits(before: object, after: object, recipe: Recipe) -> Comparison:
         raise DataError(
             f"only sensors of one kind can be compared, not {before.signal.name} and {after.signal.name} signals"
         )
-    common = [e.symbol for e in before if e.symbol in [other.symbol for other in after]]
-    contrasts = {s: IntervalContrast(before[s], after[s]) for s in common}
+    both = ((e, other) for e in before for other in after if e.symbol == other.symbol)
+    contrasts = {(e.symbol, ""): IntervalContrast(e, other) for e, other in both} | shape_contrasts(before, after)
     changes = changes_of(contrasts, (before, after), recipe.level)
     pair = Pair(name_both(before, after), changes=changes, fits=(before, after), alpha=alpha_of(recipe.level))
     notes = (say("compared by the intervals of the coefficients only; a comparison of the records is more sensitive"),)

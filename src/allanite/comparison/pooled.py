@@ -14,7 +14,7 @@ from allanite.core.encoding import finite
 from allanite.core.estimate import TERM, Estimate
 from allanite.core.fit import Fit, chance
 from allanite.core.kinds import title_of
-from allanite.core.limits import Remembered, demand_level
+from allanite.core.limits import NormalMixture, Remembered, demand_level
 from allanite.core.model import coefficient_factor
 from allanite.core.plain import Value
 from allanite.core.units import Signal
@@ -27,7 +27,8 @@ from allanite.terms import TERMS
 from .change import ComparedChannel, Together, alpha_of, holm, of_symbol
 from .common_likelihood import Joint, least
 from .contrast import chi_square, homogeneity, outlying, spread
-from .ratio import CommonRamp, ramp_law, shared_curves
+from .ratio import ramp_law, shared_curves
+from .runs import CommonValue, PooledLaw, bartlett
 from .sources import join_records
 
 
@@ -215,20 +216,24 @@ def _of_two(level: float) -> str:
 def _noise_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
     alone, _ = least(together.only(together.chosen.free))
     for i, symbol in enumerate(together.symbols):
+        root, law = math.sqrt(together.chosen.theta[i]), partial(together.limits, i)
         statistic, p = spread(together, i)
-        theta = float(together.chosen.theta[i])
-        # scatter of the runs' coefficients over the common one, and as expected of equal sensors
-        between = within = math.nan
-        if theta > 0:
-            column = int(together.chosen.free[:i].sum())
-            common = [replace(together.chosen, likelihood=part) for part in together.parts]
-            errors = [standard_error(subset, i) / (2 * theta) for subset in common]
-            between = float(np.sqrt([part[column] / theta for part in alone]).std(ddof=1))
-            within = float(np.sqrt(np.mean(np.square(errors))))
-        yield PooledTerm(symbol, together.signal,
-                         value=math.sqrt(together.chosen.theta[i]), limits=Remembered(partial(together.limits, i)),
-                         runs=tuple(fit[symbol] for fit in fits), between=between, within=within, statistic=statistic,
-                         dof=len(fits) - 1, p=p, adjusted=p)  # fmt: skip
+        tested = partial(PooledTerm, symbol, together.signal, runs=tuple(fit[symbol] for fit in fits),
+                         statistic=statistic, dof=len(fits) - 1, p=p, adjusted=p)  # fmt: skip
+        if not root:
+            yield tested(value=0.0, limits=Remembered(law), between=math.nan, within=math.nan)
+            continue
+        column = int(together.chosen.free[:i].sum())
+        subsets = [replace(together.chosen, likelihood=part) for part in together.parts]
+        errors = np.array([standard_error(subset, i) for subset in subsets]) / (2 * root)
+        common = CommonValue(np.sqrt([theta[column] for theta in alone]), errors, root, law, least=0.0)
+        yield tested(**_scatter(common, common.value))
+
+
+def _scatter(common: CommonValue, size: float) -> dict[str, Any]:
+    """The common coefficient, its limits, and the scatter between and within runs over its size."""
+    between, within = float(common.values.std(ddof=1)) / size, math.sqrt(np.mean(common.errors**2)) / size
+    return {"value": common.value, "limits": Remembered(common.limits), "between": between, "within": within}
 
 
 def _ramp_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
@@ -236,17 +241,16 @@ def _ramp_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
     laws = [law for law in (ramp_law(together, i) for i in range(len(fits))) if law is not None]
     if len(laws) < len(fits):
         return
-    common = CommonRamp(laws)
-    known = common.limits(0.95)[0] * common.limits(0.95)[1] > 0
-    size = abs(common.value) if known else math.nan
+    values, errors = np.array([(law.value, law.error) for law in laws]).T
+    error = float((errors**-2).sum()) ** -0.5
+    alike = NormalMixture(np.array([np.average(values, weights=errors**-2)]), np.array([error]), np.ones(1))
+    common = CommonValue(values, errors, alike.value, alike)
+    low, high = common.limits(0.95)
     p = chi_square(common.chi_square, common.dof)
     for symbol in (e.symbol for e in fits[0] if TERMS[e.symbol].waveform is not None):
         yield PooledTerm(
-            symbol,
-            together.signal,
-            value=common.value, limits=Remembered(common.limits), runs=tuple(fit[symbol] for fit in fits),
-            between=float(common.values.std(ddof=1)) / size, within=float(np.sqrt(np.mean(common.errors**2))) / size,
-            statistic=common.chi_square, dof=common.dof, p=p, adjusted=p,
+            symbol, together.signal, runs=tuple(fit[symbol] for fit in fits), statistic=common.chi_square,
+            dof=common.dof, p=p, adjusted=p, **_scatter(common, abs(common.value) if low * high > 0 else math.nan),
         )  # fmt: skip
 
 
@@ -261,32 +265,6 @@ def _apart(together: Joint, names: Sequence[str], alpha: float) -> tuple[dict[st
         if p[worst] > alpha:
             break
         apart[names[runs.pop(worst)]] = p[worst]
-        rest = replace(
-            together, parts=tuple(together.parts[i] for i in runs), spectra=tuple(together.spectra[i] for i in runs)
-        )
+        parts, spectra = zip(*((together.parts[i], together.spectra[i]) for i in runs), strict=True)
+        rest = replace(together, parts=parts, spectra=spectra)
     return apart, rest
-
-
-@dataclass(frozen=True, eq=False)
-class PooledLaw:
-    """Chi-square limits of variances averaged by their degrees of freedom, whose sum is `edf`, shape (k,)."""
-
-    edf: FloatArray
-
-    def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Degrees of freedom and limits over the variance; see `Curve`."""
-        from scipy.special import chdtri
-
-        low, high = (self.edf / chdtri(self.edf, p) for p in ((1 - level) / 2, (1 + level) / 2))
-        return self.edf, low, high
-
-
-def bartlett(variance: FloatArray, edf: FloatArray) -> FloatArray:
-    """Probability that variances (runs, k) differ so by chance (k,). M. S. Bartlett, Proc. R. Soc. A 160 (1937) 268."""
-    from scipy.special import chdtrc
-
-    runs, whole = len(edf), edf.sum(axis=0)
-    mean = (edf * variance).sum(axis=0) / whole
-    statistic = whole * np.log(mean) - (edf * np.log(variance)).sum(axis=0)
-    correction = 1 + ((1 / edf).sum(axis=0) - 1 / whole) / (3 * (runs - 1))
-    return np.asarray(chdtrc(runs - 1, np.maximum(statistic, 0.0) / correction))

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
-from allanite.core.limits import Below, NormalMixture, quantile
+from allanite.core.limits import Below, Normal, NormalMixture, quantile
 from allanite.core.model import Model
 from allanite.core.record import Record
 from allanite.core.units import Signal
@@ -26,6 +27,7 @@ from allanite.statistics.table import CurvePoints, statistic_named
 from allanite.terms import TERMS
 
 from .common_likelihood import Joint
+from .contrast import IntervalContrast
 
 SAME_TIME = 0.005  # relative difference up to which two averaging times count as the same
 HALVINGS, STEPS = 45, 40  # steps of the search for a saddlepoint, and maximum number of steps for a quantile
@@ -210,110 +212,26 @@ class RampContrast:
         return float(brentq(off, best - step, best + step, rtol=1e-6))
 
 
-@dataclass(frozen=True, eq=False)
-class CommonRamp:
-    """What the ramps of several records have in common: their mean, weighted by their variances."""
-
-    laws: Sequence[NormalMixture]
-
-    @property
-    def values(self) -> FloatArray:
-        """The ramp of each record."""
-        return np.array([law.value for law in self.laws])
-
-    @property
-    def errors(self) -> FloatArray:
-        """Standard deviations."""
-        return np.array([law.error for law in self.laws])
-
-    @property
-    def value(self) -> float:
-        """The mean."""
-        return float(np.average(self.values, weights=self.errors**-2))
-
-    @property
-    def chi_square(self) -> float:
-        """Chi-square of one ramp in all records."""
-        return float((((self.values - self.value) / self.errors) ** 2).sum())
-
-    @property
-    def dof(self) -> int:
-        """Degrees of freedom of chi-square."""
-        return len(self.laws) - 1
-
-    def limits(self, level: float) -> tuple[float, float]:
-        """Limits of the common ramp, wider where the ramps scatter more than they should (R. T. Birge, 1932)."""
-        wider = max(1.0, self.chi_square / self.dof)
-        half = quantile((1 + level) / 2) * math.sqrt(wider / float((self.errors**-2).sum()))
-        return self.value - half, self.value + half
-
-
 WIDTH = 1.5  # bins of the shorter record within which two frequencies are one
 AROUND = (4, 40)  # bins on either side of a frequency from which the noise there is known
 SEEN = 4.0  # standard errors from which on an amplitude that was looked for at a known frequency is one
 
 
-@dataclass(frozen=True)
-class Amplitude:
-    """Amplitude of a sinusoid in one record and its standard error, SI; `found` says whether it is significant."""
-
-    value: float
-    error: float
-    found: bool
-
-    def estimate(self, frequency: float, signal: Signal) -> Estimate:
-        """As that of a term."""
-        upper = self.upper(0.95)
-        if not self.found:
-            return Estimate("Sine", signal, None, None, "absent", upper, "whittle", Below(self.upper))
-        return Estimate(
-            "Sine", signal, self.value, self.error, "identified", upper, "whittle", self.limits, shape=(frequency, 0.0)
-        )
-
-    def upper(self, level: float) -> float:
-        """One-sided upper limit."""
-        return self.value + quantile(level) * self.error
-
-    def limits(self, level: float) -> tuple[float, float]:
-        """Two-sided limits."""
-        half = quantile((1 + level) / 2) * self.error
-        return max(self.value - half, 0.0), self.value + half
+def _upper(value: float, error: float, level: float) -> float:
+    """One-sided upper limit of an amplitude."""
+    return value + quantile(level) * error
 
 
-@dataclass(frozen=True)
-class LineContrast:
-    """A sinusoid of `frequency`, Hz, in both records: an amplitude against the other."""
-
-    frequency: float
-    first: Amplitude
-    second: Amplitude
-
-    @property
-    def ratio(self) -> float:
-        """The second amplitude over the first; infinite where the first is none, NaN where neither is one."""
-        if not self.first.found:
-            return math.inf if self.second.found else math.nan
-        return self.second.value / self.first.value if self.second.found else 0.0
-
-    @property
-    def p(self) -> float:
-        """Probability of such a difference by chance, where there is none."""
-        z = (self.second.value - self.first.value) / math.hypot(self.first.error, self.second.error)
-        return math.erfc(abs(z) / math.sqrt(2))
-
-    def limits(self, level: float) -> tuple[float, float]:
-        """Limits of the ratio: what the second less ratio times the first leaves near zero (E. C. Fieller, 1954)."""
-        z = quantile((1 + level) / 2)
-        a = self.first.value**2 - (z * self.first.error) ** 2
-        b, c = self.first.value * self.second.value, self.second.value**2 - (z * self.second.error) ** 2
-        root = math.sqrt(max(b * b - a * c, 0.0))
-        # of an amplitude that is none, zero is the best guess, and belongs to the interval
-        if a > 0 and self.first.found:
-            return max((b - root) / a, 0.0) if self.second.found else 0.0, (b + root) / a
-        return (max(c / (b + root), 0.0) if c > 0 and self.second.found else 0.0), math.inf
+def sine(value: float, error: float, signal: Signal, frequency: float, *, significant: bool = True) -> Estimate:
+    """The amplitude of a sinusoid in one record, SI, as the estimate of a term, or its limit."""
+    upper = partial(_upper, value, error)
+    if not significant:
+        return Estimate("Sine", signal, None, None, "absent", upper(0.95), "whittle", Below(upper))
+    return Estimate("Sine", signal, value, error, "identified", upper(0.95), "whittle", Normal(value, error),
+                    shape=(frequency, 0.0))  # fmt: skip
 
 
-def line_contrasts(records: Sequence[Record], fits: Sequence[Fit]) -> Iterator[LineContrast]:
+def line_contrasts(records: Sequence[Record], fits: Sequence[Fit]) -> Iterator[tuple[float, IntervalContrast]]:
     """The sinusoids of two records, each looked for in the other."""
     # One that lies beyond the frequencies of the other record is omitted.
     width = WIDTH / min(record.duration for record in records)
@@ -322,14 +240,14 @@ def line_contrasts(records: Sequence[Record], fits: Sequence[Fit]) -> Iterator[L
     for frequency in apart:
         if all(AROUND[0] / r.duration < frequency < r.rate / 2 - AROUND[0] / r.duration for r in records):
             first, second = (_amplitude(r, fit, frequency, width) for r, fit in zip(records, fits, strict=True))
-            yield LineContrast(frequency, first, second)
+            yield frequency, IntervalContrast(first, second)
 
 
-def _amplitude(record: Record, fit: Fit, frequency: float, width: float) -> Amplitude:
+def _amplitude(record: Record, fit: Fit, frequency: float, width: float) -> Estimate:
     near = [line for line in fit.lines if abs(line.frequency - frequency) <= width]
     if near:
         line = max(near, key=lambda line: line.amplitude)
-        return Amplitude(line.amplitude, line.standard_error, True)
+        return sine(line.amplitude, line.standard_error, fit.signal, frequency)
     rates = record.rate_values
     finite = np.isfinite(rates)
     window = np.where(finite, np.sin(np.pi * (np.arange(rates.size) + 0.5) / rates.size) ** 2, 0.0)
@@ -341,4 +259,4 @@ def _amplitude(record: Record, fit: Fit, frequency: float, width: float) -> Ampl
     # the highest of the bins that the frequency may lie in; the mean of the rate over a sample interval is smaller
     size = 2 / float(window.sum()) / float(np.sinc(frequency / record.rate))
     value, error = (size * math.sqrt(v) for v in (float(power[max(at - 1, 1) : at + 2].max()), noise / 2))
-    return Amplitude(value, error, value > SEEN * error)
+    return sine(value, error, fit.signal, frequency, significant=value > SEEN * error)

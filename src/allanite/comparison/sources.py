@@ -9,12 +9,13 @@ from typing import Any, TypeVar
 import numpy as np
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.fit import Fit
+from allanite.core.fit import Component, Fit
 from allanite.core.names import told_apart
 from allanite.core.plain import Value
 from allanite.core.record import Record, Recording
 from allanite.core.validity import Finding, graded
 from allanite.identification.methods import symbols_of
+from allanite.identification.search.identify import MOST_ASKED
 from allanite.phrases.phrase import join, say, spelled
 from allanite.prepare.outliers import marked, outliers
 from allanite.study.channels import Inspected, Progress, Source, open_recording, run_together
@@ -27,6 +28,7 @@ from allanite.terms import TERMS
 from .common_likelihood import Joint, Shape, common_band, demand_one_kind, joint
 
 Result = TypeVar("Result")
+Paired = list[tuple[str, tuple[Record, ...]]]  # the name of each channel, and its records
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,12 +46,8 @@ class SourceSet:
         """About each recording as a whole, with its name where there are several."""
         if len(self.recordings) == 1:
             return self.recordings[0].findings
-        named = zip(self.names, self.recordings, strict=True)
-        return tuple(
-            replace(finding, what=join(": ", (name, finding.what)))
-            for name, recording in named
-            for finding in recording.findings
-        )
+        named = [(name, f) for name, r in zip(self.names, self.recordings, strict=True) for f in r.findings]
+        return tuple(replace(finding, what=join(": ", (name, finding.what))) for name, finding in named)
 
 
 def run_sources(
@@ -110,9 +108,7 @@ def name_sources(*sources: Source | Job[Any]) -> tuple[str, ...]:
     return tuple(say("run {number}", number=i + 1) for i in range(len(sources)))
 
 
-def pair_channels(
-    recordings: Sequence[Recording], *, ordered: bool = False
-) -> tuple[list[tuple[str, tuple[Record, ...]]], tuple[str, ...]]:
+def pair_channels(recordings: Sequence[Recording], *, ordered: bool = False) -> tuple[Paired, tuple[str, ...]]:
     """The records of each channel, by name or in order, and notes about that."""
     names = [recording.channels for recording in recordings]
     common = [name for name in names[0] if all(name in others for others in names)]
@@ -125,9 +121,7 @@ def pair_channels(
     return [(name, tuple(recording[name] for recording in recordings)) for name in common], (missing,) * bool(alone)
 
 
-def _in_order(
-    recordings: Sequence[Recording], why: str
-) -> tuple[list[tuple[str, tuple[Record, ...]]], tuple[str, ...]]:
+def _in_order(recordings: Sequence[Recording], why: str) -> tuple[Paired, tuple[str, ...]]:
     """The channels one after the other; where that is not possible, an error says why it had to be."""
     counts = {len(recording) for recording in recordings}
     if len(counts) > 1 or (len(recordings) > 2 and len(recordings[0]) > 1):
@@ -138,12 +132,9 @@ def _in_order(
         )
     matched = list(zip(*recordings, strict=True))
     named = [list(dict.fromkeys(r.name for r in records if r.name)) for records in matched]
-    notes = tuple(
-        say("channel {first} is compared with {others}", first=first, others=", ".join(rest))
-        for first, *rest in filter(None, named)
-        if rest
-    )
-    return [(name_both(*records), records) for records in matched], notes
+    several = ((first, ", ".join(rest)) for first, *rest in filter(None, named) if rest)
+    notes = (say("channel {first} is compared with {others}", first=first, others=others) for first, others in several)
+    return [(name_both(*records), records) for records in matched], tuple(notes)
 
 
 def name_both(*records: Any) -> str:
@@ -179,12 +170,9 @@ class Joined:
     @property
     def alerts(self) -> tuple[str, ...]:
         """What must stand beside the numbers: models that do not explain their records, and what was done."""
-        doubts = (
-            say("record {number}: {doubt}; a difference in what the model omits may appear as a change of one of "
-                "its terms", number=i, doubt=doubt)
-            for i, noise in enumerate(self.noises, 1)
-            for doubt in noise.doubts
-        )  # fmt: skip
+        each = ((i, doubt) for i, noise in enumerate(self.noises, 1) for doubt in noise.doubts)
+        doubts = (say("record {number}: {doubt}; a difference in what the model omits may appear as a change of one of "
+                      "its terms", number=i, doubt=doubt) for i, doubt in each)  # fmt: skip
         return (*doubts, *self.notes)
 
 
@@ -196,28 +184,24 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
     _demand_different(records)
     notes: list[str] = []
     if recipe.outliers is None:
-        outlying = [outliers(record) for record in records]
-        notes = [
-            say("record {number}: {outliers}: excluded from the comparison", number=i, outliers=some.words(record))
-            for i, (record, some) in enumerate(zip(records, outlying, strict=True), 1)
-            if some.at.size
-        ]
-        records = [marked(record, some) for record, some in zip(records, outlying, strict=True)]
+        outlying = [(record, outliers(record)) for record in records]
+        omitted = ((i, some.words(record)) for i, (record, some) in enumerate(outlying, 1) if some.at.size)
+        notes = [say("record {number}: {outliers}: excluded from the comparison", number=i, outliers=text)
+                 for i, text in omitted]  # fmt: skip
+        records = [marked(record, some) for record, some in outlying]
     noises, shown = _identify_alike(records, replace(recipe, outliers="keep"))
     fits = [noise.fit for noise in noises]
     shapes = _common_shapes(fits)
     quiet = [without_lines(record, fit) for record, fit in zip(records, fits, strict=True)]
-    notes += [
-        say("record {number}: sinusoids were removed, at {frequencies} Hz", number=i,
-            frequencies=", ".join(f"{line.frequency:.6g}" for line in fit.lines))
-        for i, fit in enumerate(fits, 1)
-        if fit.lines
-    ]  # fmt: skip
+    lines = [", ".join(f"{line.frequency:.6g}" for line in fit.lines) for fit in fits]
+    notes += [say("record {number}: sinusoids were removed, at {frequencies} Hz", number=i, frequencies=text)
+              for i, text in enumerate(lines, 1) if text]  # fmt: skip
+    resonances = [join(", ", [part.words for part in _resonances(fit)]) for fit in fits]
+    notes += [say("record {number}: left out of the comparison: {resonances}", number=i, resonances=text)
+              for i, text in enumerate(resonances, 1) if text]  # fmt: skip
     both = joint(quiet, shown, asked_band(recipe), shapes=shapes, scopes=[fit.scope for fit in fits])
-    notes += [
-        say("{term} is compared with a common shape: {shape}", term=symbol, shape=both.term(symbol, 1.0).shape_words)
-        for symbol in shapes
-    ]
+    shaped = ((symbol, both.term(symbol, 1.0).shape_words) for symbol in shapes)
+    notes += [say("{term} has one shape in the common model: {shape}", term=s, shape=text) for s, text in shaped]
     return Joined(both, noises, tuple(notes), tuple(records))
 
 
@@ -231,9 +215,7 @@ def _common_shapes(fits: Sequence[Fit]) -> dict[str, Shape]:
 def _demand_different(records: Sequence[Record]) -> None:
     for j, record in enumerate(records):
         for i, other in enumerate(records[:j]):
-            if len(other.values) == len(record.values) and np.array_equal(
-                other.values, record.values, equal_nan=other.values.dtype.kind == "f"
-            ):
+            if np.array_equal(other.values, record.values, equal_nan=True):
                 alike = say("records {first} and {second} have identical samples; there is nothing to compare",
                             first=i + 1, second=j + 1)  # fmt: skip
                 raise DataError(alike)
@@ -252,6 +234,22 @@ def _identify_alike(records: Sequence[Record], recipe: Recipe) -> tuple[tuple[No
     symbols = [s for s in symbols_of(recipe.terms) if TERMS[s].scatters]
     noises = tuple(noise_of(record, recipe, band=band) for record in records)
     shown = tuple(dict.fromkeys((*symbols, *(e.symbol for noise in noises for e in noise.fit))))
+    shaped = [s for s in shown if TERMS[s].parameters]
+    if recipe.terms == "auto" and len(shaped) < MOST_ASKED and _loop([noise.fit for noise in noises]):
+        asked = (*shown, "GM2")
+        alike = tuple(noise_of(record, recipe, terms=",".join(asked), band=band) for record in records)
+        if all(noise.explained for noise in alike):
+            return alike, asked
     if len(shown) > len(symbols):
         noises = tuple(noise_of(record, recipe, terms=",".join(shown), band=band) for record in records)
     return noises, shown
+
+
+def _loop(fits: Sequence[Fit]) -> bool:
+    """Whether the only resonance of a record is as broad as that of a control loop, and no record has several."""
+    each = [_resonances(fit) for fit in fits]
+    return max(map(len, each)) == 1 and any(part.loop for parts in each for part in parts)
+
+
+def _resonances(fit: Fit) -> list[Component]:
+    return [part for part in fit.components if part.name == "resonance" and part.claimed]

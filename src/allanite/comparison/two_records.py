@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from allanite.terms import TERMS
 from .change import RESOLVED, Change, Homogeneity, alpha_of, changes_of
 from .common_likelihood import Joint
 from .comparison import Pair, Ratios
-from .contrast import Contrast, chi_square, homogeneity, partly_common
+from .contrast import Contrast, chi_square, homogeneity, partly_common, shape_contrasts
 from .ratio import RampContrast, line_contrasts, ramp_law, ratio_law, shared_curves
 from .sources import join_records
 
@@ -122,10 +122,9 @@ def paired_law(records: tuple[Record, Record], curves: tuple[Curve, Curve]) -> P
     first, second = (record.rate_values for record in records)
     before, after = curves
     both = []
+    signal = records[0].signal
     for values in (first + second, first - second):
-        record = replace(
-            records[0], values=values, unit=records[0].signal.unit, kind=records[0].signal.kind, scale=None
-        )
+        record = replace(records[0], values=values, unit=signal.unit, kind=signal.kind, scale=None)
         both.append(deviation(record, before.statistic, m=before.m.tolist(), noise=None).variance)
     correlation = (both[0] - both[1]) / 4 / np.sqrt(before.variance * after.variance)
     return PairedLaw(np.clip(correlation, -1, 1), np.minimum(before.edf, after.edf))
@@ -141,12 +140,15 @@ def compare_records(channel: Inspected, recipe: Recipe, rng: "np.random.Generato
     records = cast(tuple[Record, Record], channel.records)
     joined = join_records(records, recipe)
     both, (first, second), alerts = joined.joint, joined.fits, (*joined.alerts, *channel.alerts)
-    contrasts: dict[str, Contrast | RampContrast] = {s: Contrast(both, i) for i, s in enumerate(both.symbols)}
+    contrasts: dict[str, Any] = {s: Contrast(both, i) for i, s in enumerate(both.symbols)}
     ramps = ramp_law(both, 0), ramp_law(both, 1)
+    drift = [e.symbol for e in first if TERMS[e.symbol].waveform is not None]
     if ramps[0] is not None and ramps[1] is not None:
-        drift = [e.symbol for e in first if TERMS[e.symbol].waveform is not None]
         contrasts |= dict.fromkeys(drift, RampContrast(ramps[0], ramps[1]))
-    kept = {e.symbol: contrasts[e.symbol] for e in first if e.symbol in contrasts}
+    elif drift:
+        alerts += (say("the frequencies that all records have leave nothing of the ramp: it is not compared"),)
+    kept = {(e.symbol, ""): contrasts[e.symbol] for e in first if e.symbol in contrasts}
+    kept |= shape_contrasts(first, second)
     changes = changes_of(kept, (first, second), recipe.level, tuple(line_contrasts(records, (first, second))))
     each = partly_common(both, both.symbols)
     largest = {symbol: max(sizes[symbol] for sizes in each) for symbol in both.symbols}
@@ -154,18 +156,15 @@ def compare_records(channel: Inspected, recipe: Recipe, rng: "np.random.Generato
     changes = with_needed(changes, noise, min(r.rate for r in records), min(r.size for r in records))
     alike = resemblance(records)
     if alike > ALIKE:
-        alerts = (
-            *alerts,
-            say("both records contain the same noise, like raw and corrected samples (their correlation is "
-                "{correlation:.3g}): they are compared as a pair; the intervals of the coefficients are those of "
-                "independent records, wider than necessary", correlation=alike),
-        )  # fmt: skip
+        alerts += (say("both records contain the same noise, like raw and corrected samples (their correlation is "
+                       "{correlation:.3g}): they are compared as a pair; the intervals of the coefficients are those "
+                       "of independent records, wider than necessary", correlation=alike),)  # fmt: skip
     ratios = None
     try:
         clean = cast(tuple[Record, Record], joined.records)
         ratios = ratios_of(clean, (first, second), law_models(both, (first, second), changes), recipe)
     except DataError as error:
-        alerts = (*alerts, str(error))
+        alerts += (str(error),)
     return Pair(
         channel.name,
         test=paired_homogeneity(records) if alike > ALIKE else homogeneity(both, rng), changes=changes, ratios=ratios,
@@ -209,7 +208,7 @@ def with_needed(changes: Sequence[Change], noise: Sequence[Term], rate: float, s
 def _needed(change: Change, noise: Sequence[Term], rate: float, size: int) -> float | None:
     """Length of each record, s; None where these would do or no practical length does, or no limit is known."""
     estimates = [e for e in (change.before, change.after) if e.upper]
-    if not estimates or change.frequency is not None:
+    if not estimates or change.frequency is not None or change.parameter:
         return None
     largest = max(estimates, key=lambda e: e.upper or 0.0)
     shape = next((t.shape for t in noise if t.symbol == change.symbol), largest.shape)

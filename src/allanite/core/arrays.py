@@ -50,12 +50,8 @@ def samples(values: Any, unit: str, kind: str, name: str) -> NDArray[Any]:
         array = np.where(values.isna(), np.nan, array)
         array = array.astype(np.float64) if all(isinstance(v, (int, float, np.number)) for v in array) else array
     if array.ndim != 1:
-        raise DataError(
-            say(
-                "a record is one channel of shape (n,), not {shape}; make a Record of each column ({name})",
-                shape=array.shape, name=name,
-            )
-        )  # fmt: skip
+        raise DataError(say("a record is one channel of shape (n,), not {shape}; make a Record of each column ({name})",
+                            shape=array.shape, name=name))  # fmt: skip
     if array.dtype.kind not in "fiub":
         raise DataError(
             say("the samples of {name!r} are of type {dtype}, not real numbers", name=name, dtype=array.dtype)
@@ -76,11 +72,7 @@ def _demand_integers(values: NDArray[Any], name: str) -> None:
         broken = values != np.floor(values)
         if broken.any():
             first = int(np.argmax(broken))
-            raise DataError(
-                say(
-                    "counts must be integers, but sample {first} of {name!r} is {value:g}; use kind='increment'",
-                    first=first, name=name, value=values[first],
-                )
-            )  # fmt: skip
+            raise DataError(say("counts must be integers, but sample {first} of {name!r} is {value:g}; use "
+                                "kind='increment'", first=first, name=name, value=values[first]))  # fmt: skip
     elif values.dtype == np.uint64 and values.max() > np.iinfo(np.int64).max:
         raise DataError(say("counts of {name!r} exceed the range of 64-bit integers", name=name))

@@ -117,25 +117,22 @@ def pieces(unit: str) -> ChoiceKind:
 def _share(value: Any) -> float:
     if not isinstance(value, str):
         return float(value)
-    number, size = next(
-        ((value.removesuffix(unit), size) for unit, size in (("%", 1e-2), ("ppm", 1e-6)) if value.endswith(unit)),
-        (value, 1.0),
-    )
-    return float(NUMBER.read(number)) * size
+    unit, size = next((row for row in (("%", 1e-2), ("ppm", 1e-6)) if value.endswith(row[0])), ("", 1.0))
+    return float(NUMBER.read(value.removesuffix(unit))) * size
 
 
 def _table(value: Any) -> Any:
     if not isinstance(value, str):
         return value
-    found = {}
+    ranges = {}
     for part in value.split(","):
         symbol, _, numbers = part.partition("=")
         try:
             low, high = (float(number) for number in numbers.split(":"))
         except ValueError:
             raise UsageError(f"expected terms with their ranges, e.g. N=0.1:10,K=100:1000, not {given(part)}") from None
-        found[symbol.strip()] = (low, high)
-    return found
+        ranges[symbol.strip()] = (low, high)
+    return ranges
 
 
 def _worth(value: Any) -> float | str:
@@ -173,42 +170,30 @@ def _instant(text: Any) -> float:
 
 
 NUMBER = ChoiceKind("float", _parsed(float), _demand_number, control="number", form=A_NUMBER)
-HERTZ = ChoiceKind(
-    "float", lambda v: NUMBER.read(re.sub(r"\s*Hz$", "", v, flags=re.I) if isinstance(v, str) else v), _demand_number,
-    control="number", form=A_NUMBER,
-)  # fmt: skip
+HERTZ = ChoiceKind("float", lambda v: NUMBER.read(re.sub(r"\s*Hz$", "", v, flags=re.I) if isinstance(v, str) else v),
+                   _demand_number, control="number", form=A_NUMBER)  # fmt: skip
 INTEGER = ChoiceKind("integer", _parsed(int), _demand_number, control="number", form=AN_INTEGER)
-PERCENT = ChoiceKind(
-    "float", lambda v: NUMBER.read(v) / (100 if isinstance(v, str) else 1), write=lambda v: f"{100 * v:.12g}",
-    form=A_NUMBER, measure=" A share, from 0 to 1.",
-)  # fmt: skip
+PERCENT = ChoiceKind("float", lambda v: NUMBER.read(v) / (100 if isinstance(v, str) else 1), form=A_NUMBER,
+                     write=lambda v: f"{100 * v:.12g}", measure=" A share, from 0 to 1.")  # fmt: skip
 """A share: of text, as it is typed, in percent; of plain data, as in Python, from 0 to 1."""
 SHARE = ChoiceKind("share", _share, _demand_number, form="a share such as 0.1%, 1000ppm or 0.001")
 WORD = ChoiceKind("text", str, _demand_word, form="a word")
 SYMBOLS = ChoiceKind(
     "text", str, lambda name, v: _demand_word(name, ",".join(v) if isinstance(v, (list, tuple)) else v), form="a word"
 )
-FLAG = ChoiceKind(
-    "boolean", lambda value: value not in (False, 0, "false", "no", "off", ""), control="flag",
-    takes=(str, int, bool), form="true or false",
-)  # fmt: skip
+FLAG = ChoiceKind("boolean", lambda value: value not in (False, 0, "false", "no", "off", ""), control="flag",
+                  takes=(str, int, bool), form="true or false")  # fmt: skip
 NAMES = separated(str, "names", example="gx,gy")
 NUMBERS = separated(float, "numbers", example="1,10,100")
 INTEGERS = separated(int, "integers", example="1,10,100")
 _FREQUENCIES = separated(float, "auto, all, or two frequencies in Hz", 2, "0.01,10")
-BAND = ChoiceKind(
-    "band", lambda v: v if v in ("auto", "all") else _FREQUENCIES.read(v), control="band", takes=LISTS,
-    form=_FREQUENCIES.form,
-)  # fmt: skip
+BAND = ChoiceKind("band", lambda v: v if v in ("auto", "all") else _FREQUENCIES.read(v), control="band", takes=LISTS,
+                  form=_FREQUENCIES.form)  # fmt: skip
 GRID = ChoiceKind("grid", _grid, takes=LISTS, form="octave, decade, log, all, or times in s, e.g. 1,10,100")
-RANGES = ChoiceKind(
-    "ranges", _table, lambda name, value: demand_ranges(value), takes=(str, dict),
-    form="terms with their ranges, e.g. N=0.1:10,K=100:1000",
-)  # fmt: skip
-WORTH = ChoiceKind(
-    "scale", _worth, lambda name, v: v if isinstance(v, str) else _demand_number(name, v),
-    form="a number, or a number with a unit as 0.01deg/s",
-)  # fmt: skip
+RANGES = ChoiceKind("ranges", _table, lambda name, value: demand_ranges(value), takes=(str, dict),
+                    form="terms with their ranges, e.g. N=0.1:10,K=100:1000")  # fmt: skip
+WORTH = ChoiceKind("scale", _worth, lambda name, v: v if isinstance(v, str) else _demand_number(name, v),
+                   form="a number, or a number with a unit as 0.01deg/s")  # fmt: skip
 DURATION = ChoiceKind("duration", seconds_of, form=A_DURATION, measure=SECONDS)
 INSTANT = ChoiceKind("duration", _instant, _demand_number, control="number", form=A_DURATION, measure=SECONDS)
 MODEL = ChoiceKind("model", _model, form="a model, e.g. 'N 0.003 deg/sqrt(h), B 0.5 deg/h'")
@@ -235,10 +220,8 @@ def _span(value: Any) -> Any:
     return low, high
 
 
-SPAN = ChoiceKind(
-    "span", _span, lambda _, value: _span(value), takes=(*LISTS, bool), form=_SPAN, alone="yes",
-    write=lambda value: ("no", "yes")[value] if isinstance(value, bool) else written(value),
-)  # fmt: skip
+SPAN = ChoiceKind("span", _span, lambda _, value: _span(value), takes=(*LISTS, bool), form=_SPAN, alone="yes",
+                  write=lambda value: ("no", "yes")[value] if isinstance(value, bool) else written(value))  # fmt: skip
 LINES = ChoiceKind(
     "text", _lines, control="list", many=True, takes=(str, list, tuple, dict), form="text, a list of texts, or a table"
 )
@@ -324,10 +307,8 @@ def choice(metavar: str = "", help: str = "", *, default: Any = None, **columns:
 def choices_of(kind: type[Any]) -> dict[str, ChoiceRow]:
     """The choices of a class by the name of their field."""
     return {
-        f.name: replace(
-            row, name=f.name, default=None if f.default is MISSING else f.default,
-            kind=kind_of(f.type) if row.kind is TYPED else row.kind,
-        )
+        f.name: replace(row, name=f.name, default=None if f.default is MISSING else f.default,
+                        kind=kind_of(f.type) if row.kind is TYPED else row.kind)
         for f in fields(kind) for row in (f.metadata.get("choice"),) if row is not None
     }  # fmt: skip
 

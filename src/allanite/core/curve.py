@@ -250,10 +250,8 @@ class Surface(Value):
         """Headings and rows of a table: one row for each window and averaging time."""
         headings = ["time [s]", "m", "tau [s]", f"{self.statistic} [{self.unit}]", "count"]
         k, w = self.tau.size, self.time.size
-        columns = [
-            np.repeat(self.time, k), np.tile(self.m, w), np.tile(self.tau, w), self.deviation.ravel(),
-            self.count.ravel(),
-        ]  # fmt: skip
+        columns = [np.repeat(self.time, k), np.tile(self.m, w), np.tile(self.tau, w), self.deviation.ravel(),
+                   self.count.ravel()]  # fmt: skip
         return headings, [list(row) for row in zip(*(c.tolist() for c in columns), strict=True)]
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:

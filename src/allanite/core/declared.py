@@ -9,11 +9,12 @@ from importlib import import_module
 from itertools import islice
 from numbers import Integral, Real
 from os import PathLike
-from typing import Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, NamedTuple, Union, get_args, get_type_hints
 
 import numpy as np
 
 from .arrays import LARGEST, RATES
+from .encoding import derived
 
 MAX_ITEMS = 1000  # items of a sequence that are looked at
 
@@ -81,9 +82,7 @@ def _words(hint: Any) -> str:
 
 @cache
 def _kind(hint: Any) -> tuple[Kind, tuple[Any, ...]]:
-    origin, args = get_origin(hint) or hint, get_args(hint)
-    if hasattr(origin, "__value__"):  # the name of a type, such as NDArray of numpy 2.5
-        return _kind(origin.__value__[args] if args else origin.__value__)
+    origin, args = derived(hint)
     if origin in TYPE_KINDS:
         return TYPE_KINDS[origin], args
     unchecked = getattr(origin, "_is_protocol", False) and not getattr(origin, "_is_runtime_protocol", False)

@@ -37,13 +37,13 @@ class Codec(NamedTuple):
 
 def write_plain(value: Any, hint: Any, level: float) -> Any:
     """Plain data of a value of type `hint`, with limits at `level`."""
-    origin, args = _derived(hint)
+    origin, args = derived(hint)
     return _form(origin).write(value, args, level)
 
 
 def read_plain(data: Any, hint: Any) -> Any:
     """The value of type `hint` that `write_plain` has written."""
-    origin, args = _derived(hint)
+    origin, args = derived(hint)
     form = _form(origin)
     if form.expected and not form.written(data):
         raise unfit(data, form.expected)
@@ -61,26 +61,24 @@ def read_key(data: Mapping[str, Any], key: str, hint: Any) -> Any:
         raise StoredError.at(f".{key}", error) from None
 
 
-def _derived(hint: Any) -> tuple[Any, tuple[Any, ...]]:
+def derived(hint: Any) -> tuple[Any, tuple[Any, ...]]:
     """What a type is derived from, and its arguments; the name of a type, such as NDArray of numpy 2.5, is resolved."""
     origin, args = get_origin(hint) or hint, get_args(hint)
     if hasattr(origin, "__value__"):
-        return _derived(origin.__value__[args] if args else origin.__value__)
+        return derived(origin.__value__[args] if args else origin.__value__)
     return origin, args
 
 
 def _form(hint: Any) -> Codec:
-    origin, _ = _derived(hint)
+    origin, _ = derived(hint)
     if origin in FORMS:
         return FORMS[origin]
     if isinstance(origin, type) and hasattr(origin, "to_dict"):
         kind: Any = origin
         return Codec(  # it writes itself, and is read by its own class or a subclass of it
-            lambda value, _, level: value.to_dict(level),
-            lambda data, _: kind.from_dict(data),
-            lambda value: isinstance(value, kind),
+            lambda value, _, level: value.to_dict(level), lambda data, _: kind.from_dict(data), _is(kind),
             lambda data: isinstance(data, dict) and data.get("type") == kind.__name__,
-        )
+        )  # fmt: skip
     raise TypeError(f"a field of type {hint} cannot be written as plain data")
 
 
@@ -136,7 +134,6 @@ def _array(data: Any, args: tuple[Any, ...]) -> Any:
             return np.array(data, dtype=wanted)
     except (TypeError, ValueError, OverflowError):
         pass
-    words = {"b": "true and false", "iu": "whole numbers"}.get(kinds, "numbers")
     raise StoredError(f"a list of {words} is expected, in rows of the same length")
 
 
@@ -234,12 +231,9 @@ def _read_literal(data: Any, args: tuple[Any, ...]) -> Any:
 
 _itself = Codec(lambda value, _, level: plain(value, level), lambda data, _: data, _no_type, _no_type)
 _float_form = Codec(
-    lambda value, _, level: _scalar(value),
-    _read_float,
-    _is(int, float, np.floating, np.integer),
-    lambda data: data is None or isinstance(data, float) or _whole(data) or data in NOT_FINITE,
-    "a number",
-)
+    lambda value, _, level: _scalar(value), _read_float, _is(int, float, np.floating, np.integer),
+    lambda data: data is None or isinstance(data, float) or _whole(data) or data in NOT_FINITE, "a number",
+)  # fmt: skip
 _union = Codec(_write_union, _read_union, _no_type, _no_type)
 _dict = Codec(_write_dict, _read_dict, _is(dict), _is(dict), "a table")
 _tuple = Codec(
@@ -258,14 +252,10 @@ FORMS: dict[Any, Codec] = {
     int: _itself._replace(holds=_is(int, np.integer), written=_whole, expected="a whole number"),
     float: _float_form,
     Path: Codec(lambda value, _, level: str(value), lambda data, _: Path(data), _is(Path), _is(str), "a path"),
-    Signal: Codec(
-        lambda value, _, level: value.name, lambda data, _: signal_named(data), _is(Signal), _is(str),
-        "the name of a quantity",
-    ),
-    np.ndarray: Codec(
-        lambda value, _, level: _numbers(np.asarray(value)), _array, _is(np.ndarray), _is(list, dict),
-        "a list of numbers",
-    ),
+    Signal: Codec(lambda value, _, level: value.name, lambda data, _: signal_named(data), _is(Signal), _is(str),
+        "the name of a quantity"),
+    np.ndarray: Codec(lambda value, _, level: _numbers(np.asarray(value)), _array, _is(np.ndarray), _is(list, dict),
+        "a list of numbers"),
     tuple: _tuple,
     list: _tuple._replace(read=lambda data, args: list(_read_tuple(data, args))),
     Sequence: _tuple,

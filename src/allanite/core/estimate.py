@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal, NamedTuple
 import numpy as np
 
 from allanite.phrases.phrase import say
-from allanite.terms import TERMS
+from allanite.terms import TERMS, Parameter
 
 from .arrays import FloatArray
 from .digits import Digits, digits, upper_limit
@@ -108,33 +108,19 @@ class Status(NamedTuple):
 STATUSES: dict[str, Status] = {
     row.name: row
     for row in (
-        Status(
-            say("identified"), say("relative standard error at most 25 %"),
-            claimed=True, valued=True, mark="strong", color="green",
-        ),
-        Status(
-            say("weak"), say("relative standard error above 25 %: an order of magnitude, not a specification"),
-            claimed=True, valued=True, mark="strong", color="yellow",
-        ),
+        Status(say("identified"), say("relative standard error at most 25 %"),
+               claimed=True, valued=True, mark="strong", color="green"),
+        Status(say("weak"), say("relative standard error above 25 %: an order of magnitude, not a specification"),
+               claimed=True, valued=True, mark="strong", color="yellow"),
         Status(say("absent"), say("not identified; the limit is the one-sided 95 % upper limit"), color="dim"),
-        Status(
-            say("not observable"),
-            say("cannot be determined from the part of the record that was used, for the reason given"),
-            usable=False, color="dim",
-        ),
-        Status(
-            say("not valid"),
-            say("the model does not explain the record, or its measured curve contradicts the value: not a result"),
-            usable=False, mark="struck", color="red",
-        ),
-        Status(
-            say("reported"), say("by a method that gives no evidence for the term: it may be absent"),
-            valued=True, color="cyan",
-        ),
-        Status(
-            say("negative"), say("the estimated square of the coefficient is negative: the method finds no such term"),
-            usable=False,
-        ),
+        Status(say("not observable"), say("cannot be determined from the part of the record that was used, for the "
+                                          "reason given"), usable=False, color="dim"),
+        Status(say("not valid"), say("the model does not explain the record, or its measured curve contradicts the "
+                                     "value: not a result"), usable=False, mark="struck", color="red"),
+        Status(say("reported"), say("by a method that gives no evidence for the term: it may be absent"),
+               valued=True, color="cyan"),
+        Status(say("negative"), say("the estimated square of the coefficient is negative: the method finds no such "
+                                    "term"), usable=False),
     )
 }  # fmt: skip
 """Every status of a coefficient, by its name."""
@@ -152,8 +138,8 @@ class Estimate(Value):
     value : float or None
         The estimate; None if the term is absent.
     standard_error : float or None
-        Standard error of `value`; None if the method gives none. With the likelihood, at least so
-        large that the lower 95 % limit is at most 1.96 standard errors below the value.
+        Standard error of `value`; None if the method gives none. With the likelihood, at least so large that the lower
+        95 % limit is at most 1.96 standard errors below the value.
     status : {"identified", "weak", "absent", "not observable", "not valid", "reported", "negative"}
         "identified": detected, with a relative standard error of at most 25 %; "weak": detected, with a larger error;
         "absent": not detected, see `upper`; "not observable": cannot be determined from this record, see `reason`; "not
@@ -166,8 +152,8 @@ class Estimate(Value):
     profile : level -> (low, high)
         Two-sided interval, whether or not the term was detected; None if the method has none.
     median : float or None
-        Median estimate of the size, given that the term is present. It
-        is no evidence for the term. None if the method has none.
+        Median estimate of the size, given that the term is present. It is no evidence for the term. None if the method
+        has none.
     shape : tuple of float
         Values of the `parameters` of the term's row: the time constant of GM, s.
     shape_limits : level -> (low, high) of each of them
@@ -252,6 +238,12 @@ class Estimate(Value):
         """The value in `unit`; NaN if there is none."""
         return float(self) / coefficient_factor(self.symbol, unit, self.signal)
 
+    def shaped(self, level: float = 0.95) -> Iterator[tuple[Parameter, float, float, float]]:
+        """Each parameter of the shape with its value and its limits, NaN where there are none."""
+        limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
+        for parameter, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False):
+            yield parameter, value, low, high
+
     def words(self, unit: str | None = None, level: float = 0.95) -> str:
         """The estimate as text: ``0.31 (0.30 .. 0.32) deg/sqrt(h)`` or ``not identified, below 2.1 deg/h``.
 
@@ -282,21 +274,20 @@ class Estimate(Value):
 
     def rounded_limit(self, unit: str) -> Digits | None:
         """The upper limit in `unit`, rounded up; None where there is none."""
-        return (
-            None if self.upper is None else upper_limit(self.upper / coefficient_factor(self.symbol, unit, self.signal))
-        )
+        factor = coefficient_factor(self.symbol, unit, self.signal)
+        return None if self.upper is None else upper_limit(self.upper / factor)
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data, SI, with the data-sheet form under "shown"."""
+        """Plain data, SI; in the data-sheet form under "shown", `high` of an absent term is `upper`."""
         low, high = map(finite, self.interval(level))
         scale = 1 / coefficient_factor(self.symbol, self.sheet_unit, self.signal)
-        known = {"value": self.value, "low": low, "high": high}
+        limited = self.status == "absent" and self.upper is not None
+        known = {"value": self.value, "low": 0.0 if limited else low, "high": self.upper if limited else high}
         shown = {key: None if v is None else finite(v * scale) for key, v in known.items()}
         extra = {"low": low, "high": high, "unit": self.unit, "level": level}
-        limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
         shape = {
             p.name: {"value": finite(value), "low": finite(low), "high": finite(high), "unit": p.unit}
-            for p, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False)
+            for p, value, low, high in self.shaped(level)
         }
         return super().to_dict(level) | extra | {"shown": {**shown, "unit": self.sheet_unit}} | shape
 

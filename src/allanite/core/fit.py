@@ -45,6 +45,11 @@ class Component(Value):
         """Whether it is not claimed, but as likely as not."""
         return EVEN <= self.weight < SURE
 
+    @property
+    def loop(self) -> bool:
+        """Whether it is a claimed resonance as broad as that of a control loop: more than a tenth of its frequency."""
+        return self.name == "resonance" and self.claimed and self.high - self.low > 0.1 * self.high
+
     def _summary(self) -> str:
         return f"{self.words or self.name}, weight {self.weight:.2f}"
 
@@ -120,10 +125,8 @@ class Line(Value):
         """Frequency and amplitude: ``12 Hz (amplitude 0.31 ± 0.02 deg/h)``."""
         unit = self.signal.sheet[0]
         size = coefficient_factor("Sine", unit, self.signal)
-        return say(
-            "{frequency:.6g} Hz (amplitude {amplitude:.3g} ± {error:.2g} {unit})",
-            frequency=self.frequency, amplitude=self.amplitude / size, error=self.standard_error / size, unit=unit,
-        )  # fmt: skip
+        return say("{frequency:.6g} Hz (amplitude {amplitude:.3g} ± {error:.2g} {unit})", frequency=self.frequency,
+                   amplitude=self.amplitude / size, error=self.standard_error / size, unit=unit)  # fmt: skip
 
     @property
     def unit(self) -> str:
@@ -252,7 +255,7 @@ class Fit(Value):
     def _doubt(self) -> str:
         """Why `model` is not used as it stands."""
         if self.validity == UNEXPLAINED:
-            return say("the model does not explain the record")
+            return REJECTED
         wrong = [term.symbol for term in self.model if term.symbol in self._wrong]
         return say("not valid in this model: {terms}; the fit leaves it out: pass the fit in place of its model",
                    terms=", ".join(wrong)) if wrong else ""  # fmt: skip
@@ -337,13 +340,11 @@ class Fit(Value):
     def rows(self, level: float = 0.95) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows, data sheet and SI side by side."""
         headings = ["term", "name", "value", "low", "high", "unit", "SI value", "SI unit", "status"]
-        rows = []
-        for e in self.estimates:
-            si = e.value if e.value is not None else e.upper
-            rows.append(
-                [e.symbol, title_of(e.symbol, e.signal), *e.to_dict(level)["shown"].values(), si, e.unit, e.status]
-            )
-        return headings, rows
+        return headings, [
+            [e.symbol, title_of(e.symbol, e.signal), *e.to_dict(level)["shown"].values(),
+             e.upper if e.value is None else e.value, e.unit, e.status]
+            for e in self.estimates
+        ]  # fmt: skip
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
@@ -356,10 +357,7 @@ class Fit(Value):
 
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> "Fit":
-        others = data.get("alternatives")
-        nodes = data.get("averaged")
-        kept = {"alternatives": {"values": others} if others else None,
-                "averaged": {"values": nodes} if nodes else None}  # fmt: skip
+        kept = {key: {"values": data[key]} if data.get(key) else None for key in ("alternatives", "averaged")}
         return super()._stored(data | kept)
 
     def _summary(self) -> str:

@@ -8,27 +8,18 @@ from .units import Signal, signal_with, unit_of
 # kind: power of time in the unit relative to the signal, points beyond the number of intervals, meaning
 KINDS: dict[str, tuple[int, int, str]] = {
     "rate": (0, 0, say("the mean rate over each sample interval (deg/s, rad/s, g, m/s^2)")),
-    "increment": (
-        1,
-        0,
-        say("the angle increment over each sample interval (delta-theta: arcsec, rad; m/s for an accelerometer)"),
-    ),
-    "angle": (
-        1,
-        1,
-        say("the integrated angle at each instant, whose rate is analyzed; one point more than there are intervals"),
-    ),
+    "increment": (1, 0, say(
+        "the angle increment over each sample interval (delta-theta: arcsec, rad; m/s for an accelerometer)")),
+    "angle": (1, 1, say(
+        "the integrated angle at each instant, whose rate is analyzed; one point more than there are intervals")),
     "count": (1, 0, say("integer pulses per sample interval, each with the size `scale` (for example 0.1 arcsec)")),
     "value": (0, 0, say("the quantity itself, whose own noise is wanted (an angle error, a voltage, a temperature)")),
-}
+}  # fmt: skip
 
 KIND_WORDS = {
-    "rate": say("rate"),
-    "increment": say("increment"),
-    "angle": say("angle"),
-    "count": say("count"),
+    "rate": say("rate"), "increment": say("increment"), "angle": say("angle"), "count": say("count"),
     "value": say("value"),
-}
+}  # fmt: skip
 """What each kind of record is called."""
 
 

@@ -364,15 +364,11 @@ def constructor(symbol: str) -> Constructor:
     """The function that makes a term of this symbol, from the term's row of `TERMS`."""
     row, usual = TERMS[symbol], (Parameter.POSITIONAL_OR_KEYWORD, Parameter.KEYWORD_ONLY)
     named = [
-        Parameter("value", usual[0], annotation=float | str),
-        Parameter("unit", usual[0], annotation=str, default=""),
-    ]
-    named += [
-        Parameter(p.name, usual[1], annotation=float, default=Parameter.empty if p.default is None else p.default)
-        for p in row.parameters
-    ]
+        Parameter("value", usual[0], annotation=float | str), Parameter("unit", usual[0], annotation=str, default=""),
+        *(Parameter(p.name, usual[1], annotation=float, default=Parameter.empty if p.default is None else p.default)
+          for p in row.parameters),
+    ]  # fmt: skip
     signature = Signature(named, return_annotation=Term)
-
     sheet = SIGNALS[0].sheet[row.power]
 
     def build(value: float | str, unit: str = "", **shape: float) -> Term:

@@ -30,15 +30,9 @@ def _plain(name: str) -> str:
 
 
 def unknown(
-    what: str,
-    name: object,
-    known: Iterable[str],
-    *,
-    where: str = "",
-    choice: str = "",
-    lister: str = "",
+    what: str, name: object, known: Iterable[str], *, where: str = "", choice: str = "", lister: str = "",
     listed: bool = True,
-) -> UsageError:
+) -> UsageError:  # fmt: skip
     """The error of an unknown name of `what`, such as a statistic: the name that may be meant, and the known ones."""
     # Of many names a `lister`, a command, is named instead, or the first are.
     meant, names = nearest(name, known), list(known)

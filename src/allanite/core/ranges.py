@@ -60,9 +60,9 @@ def demand_level(level: float) -> float:
     """The confidence level, which is refused if it is not between 0 and 1."""
     if not 0 < level < 1:
         meant = f"{level / 100:g}" if 1 < level < 100 else ""
-        said = f"a confidence level must be between 0 and 1, not {given(level)}"
+        refusal = f"a confidence level must be between 0 and 1, not {given(level)}"
         cure = (f"{level:g}", meant) if meant else ("", "")
-        raise UsageError(f"{said}; did you mean {meant}?" if meant else said, cure=cure)
+        raise UsageError(f"{refusal}; did you mean {meant}?" if meant else refusal, cure=cure)
     return level
 
 

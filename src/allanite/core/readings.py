@@ -158,21 +158,19 @@ class Readings(Value):
         """All values as the lines of a table."""
         walk = title_of("N", self.signal)
         tau, root = self.usual.tau, math.sqrt(self.usual.tau)
-        found = [
+        quantities = [
             _quantity(say("deviation at {tau:.4g} s", tau=tau), self.usual, level),
             _quantity(say("as {walk}", walk=walk), self.usual, level, root, self._slope_there())._replace(power=0.5),
         ]
         if self.minimum is not None:
             where = say("at {tau:.4g} s", tau=self.minimum.tau)
             remark = where if self.inside else join(", ", (where, FALLING))
-            found.append(_quantity(minimum_title(self.signal), self.minimum, level, 1.0, remark))
+            quantities.append(_quantity(minimum_title(self.signal), self.minimum, level, 1.0, remark))
             most = say("{term} at most", term=title_of("B", self.signal))
-            found.append(_quantity(say("minimum / 0.664"), self.minimum, level, FLICKER, most))
-        return found + [
-            Quantity(
-                say("slope, {start:.4g} to {end:.4g} s", start=s.start, end=s.end), s.start, s.value,
-                *s.interval(level), None,
-            )
+            quantities.append(_quantity(say("minimum / 0.664"), self.minimum, level, FLICKER, most))
+        return quantities + [
+            Quantity(say("slope, {start:.4g} to {end:.4g} s", start=s.start, end=s.end), s.start, s.value,
+                     *s.interval(level), None)
             for s in self.slopes
         ]  # fmt: skip
 
@@ -237,20 +235,20 @@ def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: f
     """The quantities of a data sheet, each with its limits."""
     estimates = () if fit is None else fit.estimates
     white = [e for e in estimates if TERMS[e.symbol].slope == WHITE]
-    found = list[DataSheetRow]()
+    entries = list[DataSheetRow]()
     densities = ((say("noise density, two-sided"), 1.0, ""), (say("noise density, one-sided"), ONE_SIDED, "sqrt(2) "))
     for e in white:
         for unit in dict.fromkeys((e.sheet_unit, e.signal.sheet[TERMS[e.symbol].power])):
-            found.append(_entry(e, _name(e), unit, level)._replace(coefficient=unit == e.sheet_unit))
+            entries.append(_entry(e, _name(e), unit, level)._replace(coefficient=unit == e.sheet_unit))
         for (quantity, factor, before), unit in product(densities, e.signal.density):
             row = _entry(e, quantity, unit, level, factor)
-            found.append(row if row.remark else row._replace(remark=f"{before}{e.symbol}"))
-    found += _minimum(readings, level)
+            entries.append(row if row.remark else row._replace(remark=f"{before}{e.symbol}"))
+    entries += _minimum(readings, level)
     for e in (e for e in estimates if e not in white):
-        found.append(_entry(e, _name(e), e.sheet_unit, level)._replace(coefficient=True))
+        entries.append(_entry(e, _name(e), e.sheet_unit, level)._replace(coefficient=True))
         if TERMS[e.symbol].slope == 0:
             floor = math.sqrt(TERMS[e.symbol].level)
-            found.append(_entry(e, say("flicker floor, {floor:.3f} B", floor=floor), e.sheet_unit, level, floor))
+            entries.append(_entry(e, say("flicker floor, {floor:.3f} B", floor=floor), e.sheet_unit, level, floor))
     if readings is not None:
         unit = readings.shown_unit(0)
         per = convert(1.0, readings.unit, unit)
@@ -259,8 +257,8 @@ def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: f
             remark = say("{count} means", count=means.count)
             if any(_spread_of(e, means) > MOSTLY * means.value for e in estimates):
                 remark = say("{means}; mostly the ramp R", means=remark)
-            found.append(DataSheetRow(name, value, None, None, unit, means.seconds, remark))
-    return found if fit is None else [*found, _bandwidth(fit, rate)]
+            entries.append(DataSheetRow(name, value, None, None, unit, means.seconds, remark))
+    return entries if fit is None else [*entries, _bandwidth(fit, rate)]
 
 
 def _spread_of(e: Estimate, means: Means) -> float:
@@ -289,21 +287,16 @@ def _minimum(readings: Readings | None, level: float) -> Iterator[DataSheetRow]:
         return
     point, unit = readings.minimum, readings.shown_unit(0)
     factor = convert(1.0, readings.unit, unit)
-    low, high = point.interval(level)
+    value, low, high = (size * factor for size in (point.deviation, *point.interval(level)))
     lowest, inertial = say("minimum of the Allan deviation"), readings.signal.inertial
-    remark = lowest if readings.inside else FALLING
-    name = IN_RUN if inertial else lowest
-    yield DataSheetRow(
-        name, point.deviation * factor, low * factor, high * factor, unit, point.tau,
-        remark if inertial or not readings.inside else "",
-    )  # fmt: skip
+    remark = FALLING if not readings.inside else lowest if inertial else ""
+    yield DataSheetRow(IN_RUN if inertial else lowest, value, low, high, unit, point.tau, remark)
 
 
 def _bandwidth(fit: Fit, rate: float) -> DataSheetRow:
     behind = fit.scope.filter if fit.scope else None
     if behind is not None:
         return DataSheetRow(BANDWIDTH, behind.cutoff, behind.low, behind.high, "Hz", None, behind.title)
-    if fit.scope is None or not fit.scope.whole:
-        return DataSheetRow(BANDWIDTH, None, None, None, "", None, say("not determined"))
-    remark = say("no roll-off up to {frequency:.6g} Hz", frequency=rate / 2)
+    flat = fit.scope is not None and fit.scope.whole
+    remark = say("no roll-off up to {frequency:.6g} Hz", frequency=rate / 2) if flat else say("not determined")
     return DataSheetRow(BANDWIDTH, None, None, None, "", None, remark)

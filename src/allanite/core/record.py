@@ -56,8 +56,8 @@ class Record(Value):
     name, start, history
         Name of the channel; time of the first sample, s; processing steps, oldest first.
     cut : float
-        Time cut off before the first sample, s. Messages give
-        times of the whole recording, as ``--from`` and ``--until`` take them.
+        Time cut off before the first sample, s. Messages give times of the whole recording, as ``--from`` and
+        ``--until`` take them.
     signal : Signal
         The type of sensor, from the unit and the kind; not given.
     factor : float
@@ -161,8 +161,8 @@ class Record(Value):
     def constant(self) -> float | int:
         """A constant to subtract before integrating: the median of 101 values spread over the record.
 
-        It is one of the record's own values, so that quantized differences stay exact, and a
-        bias of a million standard deviations costs no digit of a statistic that is insensitive to it.
+        It is one of the record's own values, so that quantized differences stay exact, and a bias of a million standard
+        deviations costs no digit of a statistic that is insensitive to it.
         """
         sample = self.values[np.linspace(0, len(self.values) - 1, 101).astype(np.int64)]
         finite = np.sort(sample[np.isfinite(sample)])
@@ -228,24 +228,20 @@ class Record(Value):
         """Why squares of the values, or of their differences, cannot be computed; empty if they can."""
         infinite = np.zeros(0, bool) if complete(self.values) else np.isinf(self.values)
         if infinite.any():
-            return say(
-                "{infinite} of {size} samples are infinite, the first at sample {first}; if they are "
-                "missing, replace them by NaN",
-                infinite=infinite.sum(), size=infinite.size, first=int(infinite.argmax()),
-            )  # fmt: skip
+            return say("{infinite} of {size} samples are infinite, the first at sample {first}; if they are "
+                       "missing, replace them by NaN", infinite=infinite.sum(), size=infinite.size,
+                       first=int(infinite.argmax()))  # fmt: skip
         low, high = self.extent
         largest, spread = max(-low, high) * self.rate_factor, (high - low) * self.rate_factor
         if largest > LARGEST:
             return say(
                 "values of up to {largest:.3g} {unit} are too large for any sensor (at most {most:g}): check the unit, "
-                "the scale and the type of the numbers",
-                largest=largest, unit=self.signal.si[0], most=LARGEST,
+                "the scale and the type of the numbers", largest=largest, unit=self.signal.si[0], most=LARGEST,
             )  # fmt: skip
         if 0 < spread < 1 / LARGEST:
             return say(
                 "values differ by {spread:.3g} {unit} at most, less than can be computed with ({least:g}): check the "
-                "unit, the scale and the type of the numbers",
-                spread=spread, unit=self.signal.si[0], least=1 / LARGEST,
+                "unit, the scale and the type of the numbers", spread=spread, unit=self.signal.si[0], least=1 / LARGEST,
             )  # fmt: skip
         return ""
 

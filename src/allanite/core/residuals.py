@@ -137,8 +137,8 @@ def statement(grade: str, fit: Fit | None, left: Residuals | None) -> Statement:
     contradicted = (e for e in fit or () if e.status == "not valid" and e.reason != REJECTED)
     wrong = tuple(say("{symbol} is not valid: {reason}", symbol=e.symbol, reason=e.reason) for e in contradicted)
     if grade == UNEXPLAINED:
-        found = (*(() if left is None else left.findings), *(() if fit is None else fit.findings))
-        cause = next((finding for finding in found if finding.fatal), None)
+        findings = (*(() if left is None else left.findings), *(() if fit is None else fit.findings))
+        cause = next((finding for finding in findings if finding.fatal), None)
         head, tried = _rejection(good, scope, "" if cause is None else cause.what)
         more = "" if cause is None else join("; ", filter(None, (cause.consequence, cause.remedy)))
         why = tuple(filter(None, (more if cause is not None and text == str(cause) else text for text in why)))

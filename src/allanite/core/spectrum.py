@@ -88,8 +88,8 @@ class Spectrum(Value):
     def expected(self, model: ModelLike, frequency: FloatArray | None = None) -> FloatArray:
         """The density expected under a model, in the unit and convention of this spectrum.
 
-        At `frequency`, Hz, or at those of the spectrum. It is the density of
-        the sampled rate, aliases included, without the smoothing of a steep spectrum by the estimator.
+        At `frequency`, Hz, or at those of the spectrum. It is the density of the sampled rate, aliases included,
+        without the smoothing of a steep spectrum by the estimator.
         """
         model = model_of(model)
         factor = convert(1.0, model.signal.unit, self.unit) ** 2 * SIDES[self.sides]
@@ -103,10 +103,8 @@ class Spectrum(Value):
 
     def rows(self, level: float = 0.95) -> tuple[list[str], list[list[float]]]:
         """Headings and rows of a table."""
-        headings = [
-            "frequency [Hz]", f"{self.sides}-sided density [{self.density_unit}]", f"low {level:.4g}",
-            f"high {level:.4g}", f"amplitude [{self.amplitude_unit}]", "dof",
-        ]  # fmt: skip
+        headings = ["frequency [Hz]", f"{self.sides}-sided density [{self.density_unit}]", f"low {level:.4g}",
+                    f"high {level:.4g}", f"amplitude [{self.amplitude_unit}]", "dof"]  # fmt: skip
         columns = [self.frequency, self.density, *self.interval(level), self.amplitude, self.dof]
         return headings, [list(row) for row in zip(*(c.tolist() for c in columns), strict=True)]
 

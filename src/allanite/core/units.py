@@ -304,18 +304,13 @@ def _plain(
 
 SIGNALS = (
     Signal(
-        say("gyro"), "rad/s", say("rate"), say("angle"), say("gyroscope"), say("a gyroscope"),
-        Units("rad/s"),
-        Units("deg/h", "h", {1: "arcsec", -0.5: "deg/h/sqrt(h)"}),
-        inertial=True,
+        say("gyro"), "rad/s", say("rate"), say("angle"), say("gyroscope"), say("a gyroscope"), Units("rad/s"),
+        Units("deg/h", "h", {1: "arcsec", -0.5: "deg/h/sqrt(h)"}), inertial=True,
         density=("deg/s/sqrt(Hz)", "deg/h/sqrt(Hz)"),
     ),
     Signal(
-        say("accelerometer"), "m/s^2", say("acceleration"), say("velocity"),
-        say("accelerometer"), say("an accelerometer"),
-        Units("m/s^2"),
-        Units("ug", "h", {1: "m/s", 0.5: "m/s/sqrt(h)"}),
-        inertial=True,
+        say("accelerometer"), "m/s^2", say("acceleration"), say("velocity"), say("accelerometer"),
+        say("an accelerometer"), Units("m/s^2"), Units("ug", "h", {1: "m/s", 0.5: "m/s/sqrt(h)"}), inertial=True,
         density=("ug/sqrt(Hz)", "m/s^2/sqrt(Hz)"),
     ),
     Signal(

@@ -207,32 +207,22 @@ class Scope(Value):
             words.append(say("the samples are low-pass filtered: {filter}; the model includes the filter",
                              filter=self.filter.words()))  # fmt: skip
         if self.masks:
-            loud, stop = list[str](), list[str]()
+            excluded: dict[bool, list[str]] = {True: [], False: []}
             for low, high in self.masks:
                 inside = (self.frequency >= low) & (self.frequency <= high)
                 excess = self.level[inside].max(initial=0.0) > STOPPED  # power that the model does not have
-                (loud if excess else stop).append(say("{low:.3g} to {high:.3g} Hz", low=low, high=high))
-            reasons = ((loud, say("excess power there: vibration or a resonance")),
-                       (stop, say("stop band of the filter")))  # fmt: skip
-            words += [
-                say("excluded from the fit: {where} ({why})", where=join(", ", where), why=why)
-                for where, why in reasons
-                if where
-            ]
+                excluded[bool(excess)].append(say("{low:.3g} to {high:.3g} Hz", low=low, high=high))
+            reasons = say("stop band of the filter"), say("excess power there: vibration or a resonance")
+            words += [say("excluded from the fit: {where} ({why})", where=join(", ", where), why=reasons[excess])
+                      for excess, where in excluded.items() if where]  # fmt: skip
         if self.limited:
             low, high = self.band
             slowest = f"{0.25 / low:.3g} s" if low else say("the whole record")
-            words.append(
-                say(
-                    "the model holds from {low:.3g} to {high:.3g} Hz, that is, from {fastest:.2g} s to {slowest}",
-                    low=low, high=high, fastest=0.5 / high, slowest=slowest,
-                )
-            )  # fmt: skip
+            words.append(say("the model holds from {low:.3g} to {high:.3g} Hz, that is, from {fastest:.2g} s to "
+                             "{slowest}", low=low, high=high, fastest=0.5 / high, slowest=slowest))  # fmt: skip
         if self.until is not None:
-            words.append(
-                say("beyond {until:.3g} s the deviation is not that of these terms: the slower drift is not described",
-                    until=self.until)
-            )  # fmt: skip
+            words.append(say("beyond {until:.3g} s the deviation is not that of these terms: the slower drift is not "
+                             "described", until=self.until))  # fmt: skip
         return (*words, *self.remarks)
 
     def _summary(self) -> str:

@@ -130,8 +130,7 @@ def _identified(coefs: Found) -> Found:
 
 
 POLICIES: dict[str, Callable[[Found], Found]] = {
-    "worst": worst, "median": median, "each": lambda found: found, "x": lambda found: found, "y": lambda found: found,
-    "z": lambda found: found,
+    "worst": worst, "median": median, **dict.fromkeys(("each", "x", "y", "z"), lambda found: found),
 }  # fmt: skip
 """Axis policy: how the values of the axes become the value of a field."""
 
@@ -148,10 +147,8 @@ def selected(axes: Sequence[Axis], policy: str) -> tuple[Axis, ...]:
         return tuple(axes)
     place = placed([axis.name for axis in axes], policy)
     if place is None:
-        raise UsageError(
-            f"there is no axis {policy} among the channels {', '.join(axis.label for axis in axes)}; choose "
-            f"another one with {spelled('--axis', 'axis')}"
-        )
+        raise UsageError(f"there is no axis {policy} among the channels {', '.join(axis.label for axis in axes)}; "
+                         f"choose another one with {spelled('--axis', 'axis')}")  # fmt: skip
     return (axes[place],)
 
 
@@ -248,12 +245,9 @@ def _estimates(axis: Axis, symbols: Iterable[str]) -> dict[str, Estimate]:
     # and K where it bounds most, which is near the longest averaging time.
     curve, signal = axis.curve, axis.fit.signal
     if curve is None or curve.law is None:
-        raise DataError(
-            say(
-                "{axis}: there is no Allan deviation with intervals to read bounds off; analyze it with {option}",
-                axis=axis.label, option=spelled("--statistic oadev", "statistic='oadev'"),
-            )
-        )  # fmt: skip
+        raise DataError(say("{axis}: there is no Allan deviation with intervals to read bounds off; analyze it with "
+                            "{option}",
+                            axis=axis.label, option=spelled("--statistic oadev", "statistic='oadev'")))  # fmt: skip
     tau, upper = curve.tau, curve.to(signal.unit).interval(axis.level)[1]
     late = tau >= min(ONCE, tau[-1])
     limits = {}

@@ -29,7 +29,7 @@ from allanite.statistics import expected
 
 from .choice import COVER
 from .content import Axis
-from .stated_noise import AxisNoise, Outages, unfielded
+from .stated_noise import AxisNoise, Outages, largest, unfielded
 from .target import Target
 
 WIDEST = 8.0  # the largest N' over N that is tried
@@ -98,11 +98,7 @@ def covering(target: Target, noises: Sequence[AxisNoise], *, asked: bool) -> Mod
 def _kept(target: Target, noises: Sequence[AxisNoise]) -> tuple[Term, ...]:
     """Terms beside N and K for which the target has fields, the largest of the axes."""
     named = {f.term for f in target.fields if f.needed is False and f.term}
-    largest: dict[str, Term] = {}
-    for term in (t for noise in noises for t in noise.model if t.symbol in named):
-        if term.symbol not in largest or largest[term.symbol].value < term.value:
-            largest[term.symbol] = term
-    return tuple(largest.values())
+    return largest(term for noise in noises for term in noise.model if term.symbol in named)
 
 
 def _slow(target: Target, signal: Signal, tau: FloatArray) -> Iterator[Term]:

@@ -4,30 +4,12 @@ from allanite.core.names import row_alike
 from allanite.plugins import Registry
 
 from .target import Target
-from .targets.navigation import (
-    GNSS_INS_SIM,
-    GTSAM,
-    KALIBR,
-    KF_GINS,
-    LIO_SAM,
-    MATLAB,
-    NAVEGO,
-    OPENVINS,
-    ORB_SLAM3,
-    PSINS,
-    VINS_FUSION,
-    VINS_MONO,
-)
-from .targets.robots import (
-    ARDUPILOT,
-    ARDUPILOT_TCAL,
-    GAZEBO,
-    GAZEBO_CLASSIC,
-    PEGASUS,
-    PX4,
-    PX4_TC,
-    ROBOT_LOCALIZATION,
-    ROS_IMU,
+
+from .targets.navigation import (  # isort: skip
+    GNSS_INS_SIM, GTSAM, KALIBR, KF_GINS, LIO_SAM, MATLAB, NAVEGO, OPENVINS, ORB_SLAM3, PSINS, VINS_FUSION, VINS_MONO
+)  # fmt: skip
+from .targets.robots import (  # isort: skip
+    ARDUPILOT, ARDUPILOT_TCAL, GAZEBO, GAZEBO_CLASSIC, PEGASUS, PX4, PX4_TC, ROBOT_LOCALIZATION, ROS_IMU
 )  # fmt: skip
 from .targets.sheets import DATASHEET, STATESPACE
 

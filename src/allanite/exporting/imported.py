@@ -54,10 +54,8 @@ def _single(text: str) -> Model:
         signal = signal_with(factor.dimension, TERMS[symbol].power)
         if signal is not None and signal.inertial:
             return Model((Term(symbol, value * factor.factor, signal),))
-    raise UnitError(
-        f"{unit!r} is not a unit of a noise coefficient of a gyro or accelerometer; for example deg/sqrt(h), "
-        "deg/s/sqrt(Hz), deg/h, deg/h/sqrt(h), ug/sqrt(Hz), ug"
-    )
+    raise UnitError(f"{unit!r} is not a unit of a noise coefficient of a gyro or accelerometer; for example "
+                    "deg/sqrt(h), deg/s/sqrt(Hz), deg/h, deg/h/sqrt(h), ug/sqrt(Hz), ug")  # fmt: skip
 
 
 def load(

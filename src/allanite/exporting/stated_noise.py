@@ -317,11 +317,17 @@ def _lacking(target: Target, group: Sequence[AxisNoise]) -> bool:
 
 def unfielded(target: Target, group: Iterable[AxisNoise]) -> tuple[Term, ...]:
     """The slow terms of a group for which the target has no field, the largest of the axes."""
-    fields, largest = {field.term for field in target.fields}, dict[str, Term]()
-    for term in (t for noise in group for t in noise.model):
-        if not term.row.slope < 0 and term.symbol not in fields:
-            largest[term.symbol] = max(largest.get(term.symbol, term), term, key=lambda t: t.value)
-    return tuple(largest.values())
+    fields = {field.term for field in target.fields}
+    slow = (term for noise in group for term in noise.model if not term.row.slope < 0)
+    return largest(term for term in slow if term.symbol not in fields)
+
+
+def largest(terms: Iterable[Term]) -> tuple[Term, ...]:
+    """The largest term of each symbol."""
+    known = dict[str, Term]()
+    for term in terms:
+        known[term.symbol] = max(known.get(term.symbol, term), term, key=lambda t: t.value)
+    return tuple(known.values())
 
 
 def compared(target: Target, entries: Sequence[Entry], noises: Sequence[AxisNoise], how: How) -> StatedNoise | None:

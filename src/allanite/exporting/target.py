@@ -185,10 +185,8 @@ TIME = TargetField("", GYRO, "", "s", time=2), "s"  # a field that is a correlat
 def demand_rate(target: Target, rate: float | None) -> None:
     """Check that a target that needs the sampling rate gets it."""
     if target.needs_rate and rate is None:
-        raise UsageError(
-            f"{target.name} needs the sampling rate: {spelled('--rate HZ', 'rate=...')}, "
-            "since its fields are discrete or its file states it"
-        )
+        raise UsageError(f"{target.name} needs the sampling rate: {spelled('--rate HZ', 'rate=...')}, since its "
+                         "fields are discrete or its file states it")  # fmt: skip
 
 
 @dataclass(frozen=True)

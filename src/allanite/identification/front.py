@@ -18,7 +18,7 @@ from allanite.core.validity import Band
 from allanite.phrases.phrase import join, say, spelled
 from allanite.prepare import outliers as robust
 from allanite.readers.options import FrameLike
-from allanite.statistics import deviation
+from allanite.statistics import deviation, statistic_named
 from allanite.terms import TERMS
 
 from .methods import METHODS, symbols_of
@@ -216,7 +216,7 @@ def _source(source: Record | Curve, name: str, statistic: str | None) -> Record 
         if isinstance(source, Curve):
             raise UsageError(f"method {name!r} needs the record, not a curve")
         return source
-    wanted = statistic or (source.statistic if isinstance(source, Curve) else row.statistic)
+    wanted = statistic_named(statistic or (source.statistic if isinstance(source, Curve) else row.statistic)).name
     if wanted not in row.allowed:
         others = [other for other, method in METHODS.items() if wanted in method.allowed]
         able = f" (methods that fit {wanted}: {', '.join(others)})" if others else ""

@@ -60,6 +60,7 @@ class Device:
     signals: tuple[str, ...]  # names of the signals that its table is about
     terms: dict[str, Cause]  # by symbol
     note: str = ""  # how it has to be measured, or what else must be known to read the table
+    hadamard: bool = False  # whether its remedies look at the Hadamard deviation
 
 
 _TEXTS: dict[str, Any] = tomllib.loads((files(__package__) / "devices.toml").read_text("utf-8"))
@@ -69,9 +70,10 @@ def _cause(name: str, sources: list[str], remedies: list[str], reference: str) -
     return Cause(say(name), tuple(map(say, sources)), tuple(map(say, remedies)), say(reference))
 
 
-def _device(name: str, title: str, signals: list[str], terms: dict[str, Any], note: str = "") -> Device:
+def _device(name: str, title: str, signals: list[str], terms: dict[str, Any], **more: Any) -> Device:
     causes = {symbol: _cause(**row) for symbol, row in terms.items()}
-    return Device(name, say(title), tuple(map(say, signals)), causes, say(note) if note else "")
+    note = more.pop("note", "")
+    return Device(name, say(title), tuple(map(say, signals)), causes, say(note) if note else "", **more)
 
 
 DEVICES: dict[str, Device] = {name: _device(name, **row) for name, row in _TEXTS["devices"].items()}  # by name

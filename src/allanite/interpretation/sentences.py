@@ -20,8 +20,7 @@ from allanite.phrases.phrase import averaging, join, say
 from allanite.statistics.moments.moments import expected
 from allanite.terms import TERMS, WHITE
 
-from .devices import Cause, bounds_of, grade_of
-from .devices import device as named
+from .devices import Cause, bounds_of, device as named, grade_of
 
 POINTS_PER_DECADE = 1000  # points of a decade at which humps are held against lines
 

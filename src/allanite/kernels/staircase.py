@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .compiling import inner, kernel, swift_shared
+from .compiling import inner, kernel, swift
 
 FEW = 6
 """Undecided samples of a box at which its cells are counted out, one by one."""
@@ -20,7 +20,7 @@ DEEPEST = 200
 """Levels of boxes: two for each halving of both sides, from any size to the finest."""
 
 
-@swift_shared
+@swift
 def misfit(e, x, right, corner):  # type: ignore[no-untyped-def]
     """Sum over i of (e - floor(x + p (1 - right) + q right))^2 at corner = (p, q)."""
     total = 0.0
@@ -29,28 +29,6 @@ def misfit(e, x, right, corner):  # type: ignore[no-untyped-def]
         difference = e[i] - np.floor(x[i] + p + slope * right[i])
         total += difference * difference
     return total
-
-
-@kernel
-def compass(samples, step, finest):  # type: ignore[no-untyped-def]
-    """A good point to begin with: the best of eight neighbours as long as there is a better one, at ever finer steps.
-
-    Returns (p, q, misfit).
-    """
-    e, x, right = samples
-    p, q = 0.0, 0.0
-    best = misfit(e, x, right, (p, q))
-    while step >= finest:
-        old = best
-        here_p, here_q = p, q
-        for k in range(9):
-            corner = (here_p + (k // 3 - 1) * step, here_q + (k % 3 - 1) * step)
-            found = misfit(e, x, right, corner)
-            if found < best:
-                best, p, q = found, corner[0], corner[1]
-        if best == old:
-            step *= 0.7
-    return p, q, best
 
 
 @inner
@@ -187,15 +165,6 @@ def _half(box, upper):  # type: ignore[no-untyped-def]
     return (p0, p1, cut, q1) if upper else (p0, p1, q0, cut)
 
 
-@inner
-def _nearer_half(box, p, q):  # type: ignore[no-untyped-def]
-    """1 if a point lies on the side of the upper half, else 0."""
-    p0, p1, q0, q1 = box
-    if p1 - p0 >= q1 - q0:
-        return 1 if p >= 0.5 * (p0 + p1) else 0
-    return 1 if q >= 0.5 * (q0 + q1) else 0
-
-
 @kernel
 def nearest_staircase(samples, known, half, work):  # type: ignore[no-untyped-def]
     """Least misfit over the box |p|, |q| < half.
@@ -221,7 +190,8 @@ def nearest_staircase(samples, known, half, work):  # type: ignore[no-untyped-de
             continue
         whole = (boxes[depth, 0], boxes[depth, 1], boxes[depth, 2], boxes[depth, 3])
         if turn[depth] == 0:
-            near[depth] = _nearer_half(whole, p, q)
+            upper = _half(whole, 1)
+            near[depth] = p >= upper[0] and q >= upper[2]
         box = _half(whole, near[depth] ^ turn[depth])
         turn[depth] += 1
         size = last[depth] - first[depth]

@@ -6,25 +6,35 @@ import json
 import math
 import tomllib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from statistics import fmean, stdev
 from typing import Any
 
-from allanite.core.names import demand_name
+from allanite.core.names import row_alike
 from allanite.core.plain import Value
 from allanite.core.units import unit_of
+from allanite.interpretation.glossary import Word
 from allanite.phrases.phrase import say
 
 READ: dict[str, Callable[..., list[float]]] = {
-    "": lambda *numbers: list(numbers), "ratio": lambda one, other: [one / other],
+    "": lambda *numbers: list(numbers),
+    "ratio": lambda *numbers: [a / b for a, b in zip(numbers[::2], numbers[1::2], strict=True)],
     "ratios": lambda *numbers: [number / numbers[-1] for number in numbers[:-1]],
     "difference": lambda one, other: [one - other], "reduction": lambda after, before: [100 * (1 - after / before)],
     "slope": lambda *numbers: [math.log10(b / a) for a, b in zip(numbers[::2], numbers[1::2], strict=True)],
+    "mu": lambda *numbers: [round(2 * slope, 2) + 0.0 for slope in READ["slope"](*numbers)],
+    "flatness": lambda late, tau, first: [(late / first) ** 2 * tau],
     "ramp": lambda allan, hadamard, tau: [math.sqrt(2 * (allan**2 - hadamard**2)) / tau],
+    "of 0.41": lambda *numbers: [0.41 * number for number in numbers],
+    "white": lambda allan, tau: [allan * math.sqrt(tau)], "trend": lambda allan, tau: [allan * math.sqrt(2) / tau],
+    "walk": lambda hadamard, tau: [hadamard * math.sqrt(6 / tau)],
     "percent": lambda *edf: [100 / math.sqrt(2 * each) for each in edf],
 }  # fmt: skip
-"""What is made of the numbers of cells: slopes of pairs over a decade, a ramp from two deviations, percent from edf."""
+"""What is made of the numbers of cells: slopes of pairs over a decade (`mu` of the variance), a ramp from two
+deviations, percent from edf, the variance times tau over that at 1 s, sums relative to the best range, 0.41 in 002."""
 
 
 def number(path: Path, cell: str) -> float:
@@ -36,14 +46,24 @@ def number(path: Path, cell: str) -> float:
             value = value[int(key) if isinstance(value, list) else key]
         return float(value)
     rows = list(csv.DictReader(io.StringIO(text)))
-    column, _, where = cell.partition(" @ ")
-    if where == "last":
-        return float(rows[-1][column])
-    wanted = dict(pair.split("=") for pair in where.split(" & ")) if where else {}
-    for row in rows:
-        if all(_alike(row[key], value) for key, value in wanted.items()):
-            return float(row[column])
-    raise LookupError(f"{path.name} has no row {where}")
+    column, _, where = cell.removeprefix("rms ").partition(" @ ")
+    if " of " in column:
+        share, size, m, column = (word.strip() for word in column.split(" of "))
+        return _scatter([float(row[column]) for row in rows], int(m), int(size), float(share))
+    wanted = dict(pair.split("=") for pair in where.split(" & ")) if where not in ("", "last") else {}
+    cells = [row[column] for row in rows if all(_alike(row[key], value) for key, value in wanted.items())]
+    if not cells:
+        raise LookupError(f"{path.name} has no row {where}")
+    if cell.startswith("rms "):
+        return math.hypot(*map(float, cells)) / math.sqrt(len(cells))
+    return float(cells[-1 if where == "last" else 0])
+
+
+def _scatter(numbers: Sequence[float], m: int, size: int, share: float) -> float:
+    """A quantile of the standard deviations of `size` means over `m` numbers each."""
+    means = [fmean(numbers[at : at + m]) for at in range(0, len(numbers), m)]
+    scatters = sorted(stdev(means[at : at + size]) for at in range(0, len(means), size))
+    return scatters[round(share * (len(scatters) - 1))]
 
 
 def _alike(shown: str, wanted: str) -> bool:
@@ -73,7 +93,9 @@ class Item:
     source: str = ""  # what another source prints, and its name, where the paper prints no number: "3139, SP 1065"
     numbers: tuple[float, ...] = ()  # what the paper prints, or else the source, as numbers that are compared
     # where ours stand: "file: cell", one a number. A cell is a column of a CSV file and the row it is read in
-    # (``value @ term=N``, ``tau_s @ last``), or from ``/`` a path into a JSON file. Of a figure, its file alone.
+    # (``value @ term=N``, ``tau_s @ last``; of all such rows ``rms deviation @ m=1``), or from ``/`` a path into a
+    # JSON file. ``0.5 of 24 of 5 of rate`` is the median of the standard deviations of 24 means of 5 rows each. Of a
+    # figure, its file alone.
     here: tuple[str, ...] = ()
     tolerance: float = 0.0  # relative; of a number that is zero, absolute
     # numbers that replace those of the paper, within 1 %, or that are computed where it has none
@@ -92,7 +114,7 @@ SPOKEN = ("item", "claim", "paper", "source", "form", "why")  # texts of an item
 class Paper:
     """What a file says of a paper."""
 
-    # name, title, source: name on the command line, what it is about, authors and journal
+    # name, title, source: number on the command line, what it is about, authors and journal
     name: str
     title: str
     source: str
@@ -101,6 +123,16 @@ class Paper:
     captions: dict[str, str]  # figures of the page in their order: file -> caption
     items: tuple[Item, ...]
     spoken: dict[str, dict[str, str]]  # language -> what its texts are there
+    short: str = ""  # its other name on the command line, and the folder where none is given
+    synonyms: tuple[str, ...] = ()  # other names by which it is asked for; they are suggested, not taken
+    topics: tuple[str, ...] = ()  # terms and statistics that it is about
+    own: tuple[str, ...] = ()  # what applies it to a recording of one's own, without the word allanite
+    page: str = ""  # its address
+
+    @property
+    def word(self) -> Word:
+        """What ``allanite explain`` says of it."""
+        return Word(self.title, (self.short, self.name), self.source)
 
     def within(self, lang: str) -> "Paper":
         """With its texts in another language, as far as the file has it."""
@@ -117,16 +149,20 @@ class Paper:
 
 _FOLDER = files("allanite.papers")
 
-PAPERS: tuple[str, ...] = tuple(
-    sorted(path.name.removesuffix(".toml") for path in _FOLDER.iterdir() if path.name.endswith(".toml"))
-)
+PAPERS: tuple[str, ...] = tuple(sorted(path.name[:-5] for path in _FOLDER.iterdir() if path.name.endswith(".toml")))
 """Names of the papers."""
 
 
 def paper(name: str) -> Paper:
-    """The paper of this name."""
-    demand_name("paper", name, PAPERS)
-    return read_paper(name, _FOLDER.joinpath(f"{name}.toml").read_text("utf-8"))
+    """The paper of this number or short name, in upper case or lower; an unknown one lists them."""
+    return row_alike("paper", name, papers())
+
+
+@cache
+def papers() -> dict[str, Paper]:
+    """The papers by their numbers and by their short names."""
+    rows = [read_paper(name, _FOLDER.joinpath(f"{name}.toml").read_text("utf-8")) for name in PAPERS]
+    return {row.name: row for row in rows} | {row.short: row for row in rows}
 
 
 def read_paper(name: str, text: str) -> Paper:
@@ -136,14 +172,12 @@ def read_paper(name: str, text: str) -> Paper:
     commands = [" ".join(command.split()) for command in data.pop("commands")]
     for word, meant in words.items():
         commands = [command.replace(f"{{{word}}}", meant) for command in commands]
-    items = tuple(_item(row) for row in data.pop("items"))
-    spoken = data.pop("spoken", {})
-    return Paper(name, commands=tuple(commands), items=items, spoken=spoken, **data)
+    items = tuple(Item(**_tuples(row)) for row in data.pop("items"))
+    return Paper(name, commands=tuple(commands), items=items, **{"spoken": {}} | _tuples(data))
 
 
-def _item(row: dict[str, Any]) -> Item:
-    lists = {f.name: tuple(row[f.name]) for f in fields(Item) if isinstance(row.get(f.name), list)}
-    return Item(**row | lists)
+def _tuples(row: dict[str, Any]) -> dict[str, Any]:
+    return {key: tuple(value) if isinstance(value, list) else value for key, value in row.items()}
 
 
 @dataclass(frozen=True, repr=False)
@@ -176,6 +210,7 @@ class Reproduction(Value):
     figures: dict[str, str]  # file of a figure -> caption
     folder: str  # where the files are
     commands: tuple[str, ...]
+    own: tuple[str, ...]  # commands for a recording of one's own
 
     def __str__(self) -> str:
         return self.title
@@ -184,9 +219,9 @@ class Reproduction(Value):
 def compare(paper: Paper, folder: Path) -> Reproduction:
     """The items of a paper beside the files in a folder, where its commands have run."""
     items = tuple(compared(item, folder) for item in paper.items)
-    commands = tuple(f"allanite {command}" for command in paper.commands)
+    commands, own = (tuple(f"allanite {line}" for line in lines) for lines in (paper.commands, paper.own))
     return Reproduction(
-        paper.name, paper.title, paper.source, paper.data, items, paper.captions, str(folder), commands
+        paper.name, paper.title, paper.source, paper.data, items, paper.captions, str(folder), commands, own
     )  # fmt: skip
 
 
@@ -199,11 +234,9 @@ def compared(item: Item, folder: Path) -> Compared:
     for name in drawn:
         (folder / name).stat()  # raises if it was not written
     verdict, expected = verdict_on(item, numbers)
-    shown = (
-        [item.form.format(*numbers) if item.form else " ".join(f"{each:.4g}" for each in numbers)] if numbers else []
-    )
+    shown = item.form.format(*numbers) if item.form else " ".join(f"{each:.4g}" for each in numbers)
     why = item.why or (say("within {share} %", share=f"{100 * item.tolerance:g}") if item.tolerance else "")
-    here = "; ".join([*shown, *drawn])
+    here = "; ".join(filter(None, (shown, *drawn)))
     return Compared(
         item.item, item.claim, item.paper, item.source, here, tuple(numbers), verdict, why, expected, bool(item.numbers)
     )
@@ -219,6 +252,5 @@ def verdict_on(item: Item, found: Sequence[float]) -> tuple[str, bool]:
 
 
 def _near(found: Sequence[float], numbers: Sequence[float], tolerance: float) -> bool:
-    return all(
-        abs(ours - theirs) <= tolerance * (abs(theirs) or 1.0) for ours, theirs in zip(found, numbers, strict=True)
-    )
+    pairs = zip(found, numbers, strict=True)
+    return all(abs(ours - theirs) <= tolerance * (abs(theirs) or 1.0) for ours, theirs in pairs)

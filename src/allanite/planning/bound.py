@@ -19,10 +19,9 @@ from allanite.identification.likelihood.whittle import column, directions_of
 from allanite.phrases.phrase import join
 from allanite.prepare.gaps import whole
 from allanite.terms import TERMS, NoiseTerm, ramp_coefficients
-from allanite.terms.row import Parameter
 
 MAX_SAMPLES = 2**53  # samples, at most: more are not told from each other in floating point
-STEP = 1.001  # factor on the shape of a term by which its expected power is differentiated
+STEP = 1.001  # factor on the shape of a term by which its expected power, or its waveform, is differentiated
 RESOLVED = 1e-13  # eigenvalue of the scaled information, at least: below it are the rounding errors of the sums
 AUTO = "".join(symbol for symbol, row in TERMS.items() if row.automatic)  # the default terms of `identify`
 
@@ -72,14 +71,9 @@ class Bound(Value):
 
 @public
 def bound(
-    model: ModelLike,
-    size: int | None = None,
-    rate: float | None = None,
-    *,
-    duration: float | str | None = None,
-    ramp: bool | None = None,
-    terms: str = "known",
-) -> Bound:
+    model: ModelLike, size: int | None = None, rate: float | None = None, *, duration: float | str | None = None,
+    ramp: bool | None = None, terms: str = "known",
+) -> Bound:  # fmt: skip
     """The Cramer-Rao bound of a model's coefficients.
 
     Parameters
@@ -207,7 +201,7 @@ def _names(noise: list[Term], model: Model) -> list[str]:
     return [
         name
         for t in noise
-        for name in (name_of(t, model), *(join(" ", (name_of(t, model), parameter_title(p))) for p in t.row.parameters))
+        for name in (name_of(t, model), *(join(" ", (name_of(t, model), p.title)) for p in t.row.parameters))
     ]
 
 
@@ -216,11 +210,6 @@ def name_of(t: Term, model: Model) -> str:
     if sum(other.symbol == t.symbol for other in model) == 1:
         return t.symbol
     return f"{t.symbol}({t.shape[0]:.4g} {t.row.parameters[0].unit})"
-
-
-def parameter_title(parameter: Parameter) -> str:
-    """The name of a parameter of a term's shape, as it is shown."""
-    return parameter.title
 
 
 def _deterministic(
@@ -245,16 +234,14 @@ def _deterministic(
             yield name_of(t, model), ramp / abs(t.value * rate**t.row.power) if t.value else math.inf
 
 
-TIME_STEP = 1.001  # factor on the time constant by which the waveform is differentiated
 MIXING_NODES = 200  # nodes of Gauss's rule for the covariance of two coefficients
-LOWEST = SINGLE  # coefficients of the cosine transform that tell of a ramp, whose power falls as k^-4
 
 
 def ramp_error(noise: Sequence[Term], n: int, rate: float, edge: float) -> float:
     """Standard error of a ramp beside known noise and an unknown bias, in the unit of the rate per sample."""
     # `edge` is the variance of what quantization does at both ends of the record, as far as higher coefficients leave
-    # it.
-    k = np.arange(1.0, min(LOWEST, n - 1) + 1)
+    # it; those up to `SINGLE` tell of a ramp, whose power falls as k^-4.
+    k = np.arange(1.0, min(SINGLE, n - 1) + 1)
     end = np.sqrt(2 / n) * np.cos(np.pi / (2 * n) * k) * (k % 2)  # the odd half of both ends
     covariance = edge * np.outer(end, end)
     for t in noise:
@@ -291,7 +278,7 @@ def transient_errors(t: Term, noise: Sequence[Term], n: int, rate: float) -> tup
         assert wave is not None  # noqa: S101 - a warm-up has one
         return np.asarray(t.value * dct(wave(n), norm="ortho")[1:] / scale)
 
-    slopes = np.stack((seen(1.0), (seen(TIME_STEP) - seen(1 / TIME_STEP)) / (2 * math.log(TIME_STEP))))
+    slopes = np.stack((seen(1.0), (seen(STEP) - seen(1 / STEP)) / (2 * math.log(STEP))))
     information = slopes @ slopes.T
     if not np.linalg.det(information) > 0:
         return math.inf, math.inf

@@ -33,10 +33,8 @@ QUANTITIES: dict[str, Conversion] = {
     "random walk": Conversion("N", 1.0, say("random walk is N")),
     "noise density": Conversion("N", 1 / ONE_SIDED, say("noise density is one-sided: sqrt(2) N")),
     "rms noise": Conversion("N", 1.0, say("rms noise within a bandwidth is N sqrt(2 bandwidth)"), bandwidth=True),
-    "bias stability": Conversion(
-        "B", FLICKER,
-        say("bias stability is the minimum of the Allan deviation: 0.664 B, or more where N and K contribute"),
-    ),
+    "bias stability": Conversion("B", FLICKER, say(
+        "bias stability is the minimum of the Allan deviation: 0.664 B, or more where N and K contribute")),
     "bias instability": Conversion("B", 1.0, say("bias instability is the minimum of the Allan deviation over 0.664")),
 }  # fmt: skip
 """What is printed, and how a coefficient follows from it; of two that give the same coefficient the first is used."""

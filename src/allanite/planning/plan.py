@@ -86,13 +86,9 @@ class RecordingPlan(Value):
 
 @public
 def plan(
-    model: ModelLike,
-    rate: float,
-    *,
-    durations: Sequence[float] = DURATIONS,
-    accuracy: float = 0.1,
+    model: ModelLike, rate: float, *, durations: Sequence[float] = DURATIONS, accuracy: float = 0.1,
     ramp: bool | None = None,
-) -> RecordingPlan:
+) -> RecordingPlan:  # fmt: skip
     """Predict the accuracy of each coefficient against record length, and the length needed for a given accuracy.
 
     From the Cramer-Rao bound (see `bound`), with the terms known and with all five looked for, which the default method
@@ -223,10 +219,8 @@ def properties(
     if row.extreme or row.power:
         raise UsageError(f"{row.name} is not an estimate of the Allan or Hadamard variance; explain another statistic")
     # the points asked for, or octaves
-    if m is not None and taus is None:
-        factors = checked(m, row, size)
-    else:
-        factors = checked(factors_of("octave" if taus is None else taus, row, size, 1.0), row, size)
+    wanted = m if m is not None and taus is None else factors_of("octave" if taus is None else taus, row, size, 1.0)
+    factors = checked(wanted, row, size)
     points = CurvePoints(row, factors, [(size, 1)], size, 1.0)
     symbols = tuple(symbol for symbol, term in TERMS.items() if term.alpha is not None)
     models = [Model((unit_term(symbol, SIGNALS[0]),)) for symbol in symbols]

@@ -24,7 +24,7 @@ from allanite.phrases.phrase import join, say
 from allanite.simulation.record import simulate
 from allanite.terms import TERMS
 
-from .bound import Bound, bound, parameter_title
+from .bound import Bound, bound
 
 Measured = tuple[float, float]  # a number and its Monte Carlo standard error
 
@@ -134,7 +134,7 @@ def _shaped(e: Estimate, true: Term) -> bool:
 
 def _shape_check(true: Term, which: int, fits: Sequence[Fit], level: float, least: Bound) -> TermCheck:
     """A time constant: of the records in which its term was found."""
-    name = join(" ", (true.symbol, parameter_title(true.row.parameters[which])))
+    name = join(" ", (true.symbol, true.row.parameters[which].title))
     estimates = [next((e for e in fit if _shaped(e, true)), None) for fit in fits]
     nothing = (math.nan, math.nan)
     limits = np.array([e.shape_limits(level)[which] if e and e.shape_limits else nothing for e in estimates])
@@ -146,8 +146,7 @@ def _shape_check(true: Term, which: int, fits: Sequence[Fit], level: float, leas
 def _seen(symbol: str, fit: Fit, true: Term | None, duration: float) -> tuple[float, Interval | None, bool]:
     """The coefficient in the model, its interval if one was given, and whether the term was said to be there."""
     if symbol == LINE:
-        # the sinusoid nearest to the true one, if it is within two steps of the spectrum; without a true one
-        # any
+        # the sinusoid nearest to the true one, if it is within two steps of the spectrum; without a true one any
         if not fit.lines:
             return 0.0, None, False
         if true is None:
@@ -255,19 +254,11 @@ class SelfCheck(Value):
 
 @public
 def selfcheck(  # noqa: PLR0913 - the choices of the identification among its own
-    model: ModelLike,
-    size: int | None = None,
-    rate: float | None = None,
-    *,
-    duration: float | str | None = None,
-    records: int = 100,
-    rng: "np.random.Generator | int | None" = None,
-    terms: str | Sequence[str] = "auto",
-    method: str | None = None,
-    band: Band | None = None,
-    level: float = 0.95,
+    model: ModelLike, size: int | None = None, rate: float | None = None, *, duration: float | str | None = None,
+    records: int = 100, rng: "np.random.Generator | int | None" = None, terms: str | Sequence[str] = "auto",
+    method: str | None = None, band: Band | None = None, level: float = 0.95,
     progress: Callable[[str, float], None] | None = None,
-) -> SelfCheck:
+) -> SelfCheck:  # fmt: skip
     """Simulate records of a model, identify each, and compare with the true values and the Cramer-Rao bound.
 
     Parameters
@@ -329,12 +320,10 @@ def _notes(truth: Model, fits: list[Fit]) -> Iterator[str]:
     for symbol in dict.fromkeys(t.symbol for t in truth):
         term = title_of(symbol, truth.signal)
         if symbol not in looked:
-            yield say(
-                "{term} ({symbol}) is in the model, but was not identified in any record", term=term, symbol=symbol
-            )
+            yield say("{term} ({symbol}) is in the model, but was not identified in any record", term=term,
+                      symbol=symbol)  # fmt: skip
         elif symbol not in known:
             yield say("{term} ({symbol}) is in the model, but occurs in it several times", term=term, symbol=symbol)
     if any(e.status == "reported" for fit in fits for e in fit):
-        yield say(
-            "method {method!r} gives no evidence for a term: none is counted as identified", method=fits[0].method
-        )
+        yield say("method {method!r} gives no evidence for a term: none is counted as identified",
+                  method=fits[0].method)  # fmt: skip

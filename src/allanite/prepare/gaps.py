@@ -150,10 +150,8 @@ def refusal(record: Record) -> str:
         (count < SHORTEST, say("{left} remain, {too_few}", left=count, too_few=FEW)),
         (
             count < LEAST * record.size,
-            say(
-                "less than a tenth remains, too little to determine slow noise; choose a window ({choice})",
-                choice=windowing(),
-            ),
+            say("less than a tenth remains, too little to determine slow noise; choose a window ({choice})",
+                choice=windowing()),
         ),
         (
             count - pieces < NEIGHBOURS * count,

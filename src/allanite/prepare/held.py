@@ -248,7 +248,5 @@ def _told(members: Sequence[Record], hold: Hold, some: bool) -> Finding:
 
 def held_words(rate: float, hold: Hold) -> str:
     """How often samples are held, and the rate of the sensor."""
-    return say(
-        "held from {own:.5g} Hz: the logger repeats each sample {times:.4g} times on average, at {rate:.6g} Hz",
-        own=rate / hold.times, times=hold.times, rate=rate,
-    )  # fmt: skip
+    return say("held from {own:.5g} Hz: the logger repeats each sample {times:.4g} times on average, at {rate:.6g} Hz",
+               own=rate / hold.times, times=hold.times, rate=rate)  # fmt: skip

@@ -61,10 +61,8 @@ def blocks(pieces: Iterable[Piece], size: int, points: int = 0) -> Iterator[Piec
 def _joined(parts: list[Piece], size: int) -> list[NDArray[Any]]:
     """The samples of each channel; integers stay integers if none are missing."""
     if sum(len(columns[0]) for _, columns in parts) == size:
-        return [
-            values[0] if len(values) == 1 else np.concatenate(values)
-            for values in zip(*(columns for _, columns in parts), strict=True)
-        ]
+        of_channels = zip(*(columns for _, columns in parts), strict=True)
+        return [values[0] if len(values) == 1 else np.concatenate(values) for values in of_channels]
     joined = [np.full(size, np.nan) for _ in parts[0][1]]
     for place, columns in parts:
         for whole, values in zip(joined, columns, strict=True):
@@ -255,8 +253,6 @@ class Inspector:
         if not (power > UNEQUAL * (1 + 6 * error) * np.median(power)).any():
             return []
         at = int(power.argmax())
-        what = say(
-            "the noise level changes by a factor of {ratio:.3g} between blocks; it is highest from {start:.4g} s on",
-            ratio=math.sqrt(power.max() / power.min()), start=self.levels[at][0],
-        )  # fmt: skip
+        what = say("the noise level changes by a factor of {ratio:.3g} between blocks; it is highest from {start:.4g} "
+                   "s on", ratio=math.sqrt(power.max() / power.min()), start=self.levels[at][0])  # fmt: skip
         return [Finding("level", what, NEITHER, say("analyze the parts separately ({choice})", choice=windowing()))]

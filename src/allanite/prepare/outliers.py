@@ -36,13 +36,11 @@ class Outliers:
 
     def words(self, record: Record) -> str:
         """``3 outliers beyond 5.6 standard deviations, the first at 12.34 s, the largest 31``."""
-        return say_count(
-            self.at.size,
-            "{count} outlier beyond {limit:.2g} standard deviations, at {first:.6g} s, of {largest:.3g}",
-            "{count} outliers beyond {limit:.2g} standard deviations, the first at {first:.6g} s, the largest "
-            "{largest:.3g}",
-            limit=self.limit, first=record.cut + self.at[0] / record.rate, largest=self.largest,
-        )  # fmt: skip
+        return say_count(self.at.size,
+                         "{count} outlier beyond {limit:.2g} standard deviations, at {first:.6g} s, of {largest:.3g}",
+                         "{count} outliers beyond {limit:.2g} standard deviations, the first at {first:.6g} s, the "
+                         "largest {largest:.3g}", limit=self.limit, first=record.cut + self.at[0] / record.rate,
+                         largest=self.largest)  # fmt: skip
 
 
 _known: WeakKeyDictionary[Record, Outliers] = WeakKeyDictionary()

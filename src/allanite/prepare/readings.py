@@ -34,16 +34,12 @@ def stuck(view: View) -> Finding | None:
     lost = int((bad[:, 1] - bad[:, 0]).sum())
     return Finding(
         "stuck",
-        say(
-            "the output is stuck in {places}, the first from {first:.6g} s to {last:.6g} s; {lost} samples in all",
+        say("the output is stuck in {places}, the first from {first:.6g} s to {last:.6g} s; {lost} samples in all",
             places=say_count(len(bad), "{count} place", "{count} places"), first=view.seconds(first),
-            last=view.seconds(last), lost=lost,
-        ),
+            last=view.seconds(last), lost=lost),
         say("repeated values of a sensor or logger make the noise look smaller"),
-        say(
-            "choose a window without it ({choice})",
-            choice=longest_without(((view.seconds(a), view.seconds(b + 1)) for a, b in bad.tolist()), view.ends),
-        ),
+        say("choose a window without it ({choice})",
+            choice=longest_without(((view.seconds(a), view.seconds(b + 1)) for a, b in bad.tolist()), view.ends)),
         (view.seconds(first), view.seconds(last)),
     )  # fmt: skip
 
@@ -117,10 +113,8 @@ def quantized(view: View) -> Finding | None:
     if not steps.coarse or view.pulses:  # a count is a rounded angle by nature; the fit tells whether that is a noise
         return None
     size = steps.step * (view.record.scale or 1.0)
-    step = say(
-        "quantized to {size:.4g} {unit}, fast noise {noise:.2g} step",
-        size=size, unit=view.record.unit, noise=steps.noise,
-    )  # fmt: skip
+    step = say("quantized to {size:.4g} {unit}, fast noise {noise:.2g} step",
+               size=size, unit=view.record.unit, noise=steps.noise)  # fmt: skip
     what = join(", ", filter(None, (steps.counted, step)))
     if steps.undithered:
         return Finding(
@@ -165,9 +159,7 @@ def outlying(record: Record, found: Outliers, size: int) -> Finding | None:
         "outliers",
         found.words(record),
         say("each of them adds to curves and spectra at all short averaging times"),
-        say(
-            "exclude them there, too ({option}), or choose a window without them ({choice})",
-            option=spelled("--outliers mark", "prepare.mark_outliers"), choice=windowing(),
-        ),
+        say("exclude them there, too ({option}), or choose a window without them ({choice})",
+            option=spelled("--outliers mark", "prepare.mark_outliers"), choice=windowing()),
         (cut + float(found.at[0]) / rate, cut + float(found.at[-1] + 1) / rate),
     )  # fmt: skip

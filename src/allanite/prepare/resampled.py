@@ -126,11 +126,9 @@ def _interpolated(view: View) -> Finding | None:
     high = np.where(blocks > 20 * np.median(blocks, axis=1, keepdims=True), blocks, 0.0)
     if depth < 3 * float(high.sum() / narrow.sum()):
         return None
-    what = say(
-        "the power of the fast noise is modulated at {beat:.5g} Hz by {share}: the samples were "
-        "interpolated, from {rate:.6g} Hz or another rate that differs by a multiple of {beat:.5g} Hz",
-        beat=beat, share=percent(depth), rate=view.rate - beat,
-    )  # fmt: skip
+    what = say("the power of the fast noise is modulated at {beat:.5g} Hz by {share}: the samples were interpolated, "
+               "from {rate:.6g} Hz or another rate that differs by a multiple of {beat:.5g} Hz",
+               beat=beat, share=percent(depth), rate=view.rate - beat)  # fmt: skip
     return Finding("resampled", what, CONSEQUENCE, REMEDY)
 
 

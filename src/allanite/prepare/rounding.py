@@ -28,7 +28,7 @@ class Rounding:
 
     codes: int
     step: float  # 0 if there is no grid
-    nearby: float  # typical number of values among 256 neighbours
+    nearby: float  # typical number of values among 256 neighbours, infinite if there is no grid
     noise: float  # standard deviation of the fast noise, in steps, infinite if there is no step
 
     @property
@@ -66,7 +66,7 @@ def rounding(y: NDArray[Any], fast: float) -> Rounding:
     """
     codes, step = grid(y)
     if not step:
-        return Rounding(codes, 0.0, 0.0, float("inf"))
+        return Rounding(codes, 0.0, float("inf"), float("inf"))
     starts = np.linspace(0, max(y.size - NEARBY, 0), 50).astype(int)
     nearby = float(np.median([np.unique(y[start : start + NEARBY]).size for start in starts]))
     return Rounding(codes, step, nearby, fast / step)

@@ -59,13 +59,10 @@ def _moved(carried: list[int], records: Sequence[Record | Header], qualities: Se
     option = spelled("--channels", "channels=...")
     told = replace(
         motions[worst], name="body moved",
-        what=say(
-            "the body moved: {channel} {motion}",
-            channel=records[worst].name or say("a channel"), motion=motions[worst].what,
-        ),
-        remedy=say(
-            "{remedy}; leave out channels that are not part of this body ({option})", remedy=cure, option=option
-        ),
+        what=say("the body moved: {channel} {motion}",
+                 channel=records[worst].name or say("a channel"), motion=motions[worst].what),
+        remedy=say("{remedy}; leave out channels that are not part of this body ({option})",
+                   remedy=cure, option=option),
     )  # fmt: skip
     result = []
     for i in carried:
@@ -104,10 +101,8 @@ def moving(view: View) -> Finding | None:
     first = int(loud.argmax()) * view.span
     return Finding(
         "moving",
-        say(
-            "moves from {first:.4g} s (RMS over {times:g} times that of the quietest tenth in {share} of the blocks)",
-            first=view.seconds(first), times=MOVING, share=percent(float(loud.mean())),
-        ),
+        say("moves from {first:.4g} s (RMS over {times:g} times that of the quietest tenth in {share} of the blocks)",
+            first=view.seconds(first), times=MOVING, share=percent(float(loud.mean()))),
         AT_REST, still_words([view.record]),
         (view.seconds(first), view.seconds((loud.size - int(loud[::-1].argmax())) * view.span)),
         fatal=bool(loud.mean() > TOO_BUSY),
@@ -199,11 +194,8 @@ def level(view: View) -> Finding | None:
     first, last = parts[0]
     return Finding(
         "level",
-        say(
-            "the noise level changes by a factor of {ratio:.3g} between parts; it differs from {start:.4g} s "
-            "to {end:.4g} s",
-            ratio=math.sqrt(ratio.max() / ratio.min()), start=first, end=last,
-        ),
+        say("the noise level changes by a factor of {ratio:.3g} between parts; it differs from {start:.4g} s to "
+            "{end:.4g} s", ratio=math.sqrt(ratio.max() / ratio.min()), start=first, end=last),
         NEITHER,
         say("analyze the parts separately ({choice})", choice=longest_without(parts, view.ends)),
         (first, last),
@@ -312,14 +304,10 @@ def slope(view: View) -> Finding | None:
     tau = factors[last + 1] / record.rate
     return Finding(
         "slope",
-        say(
-            "slope near {slope:.1f} at {tau:.3g} s, {before:+.1f} before: no five-term model has such a curve",
-            slope=slopes[last], tau=tau, before=before[last],
-        ),
+        say("slope near {slope:.1f} at {tau:.3g} s, {before:+.1f} before: no five-term model has such a curve",
+            slope=slopes[last], tau=tau, before=before[last]),
         say("N is not meaningful here"),
-        say(
-            "look for motion or vibration; choose a quieter window ({option})",
-            option=spelled("--quiet-window", "prepare.quiet_window"),
-        ),
+        say("look for motion or vibration; choose a quieter window ({option})",
+            option=spelled("--quiet-window", "prepare.quiet_window")),
         (0.0, record.duration),
     )  # fmt: skip

@@ -183,10 +183,8 @@ def decimate(record: Record, factor: int) -> Record:
     offset = record.constant
     filtered = oaconvolve(np.asarray(record.values, dtype=np.float64) - offset, taps, mode="valid") + offset
     start = (record.start or 0.0) + (taps.size // 2) / record.rate
-    what = say(
-        "low-pass filtered at {frequency:.6g} Hz and every {factor}th sample kept",
-        frequency=0.4 * record.rate / factor, factor=factor,
-    )  # fmt: skip
+    what = say("low-pass filtered at {frequency:.6g} Hz and every {factor}th sample kept",
+               frequency=0.4 * record.rate / factor, factor=factor)  # fmt: skip
     return replace(
         record, values=np.ascontiguousarray(filtered[:: int(factor)]), rate=record.rate / factor, start=start,
         history=(*record.history, what),

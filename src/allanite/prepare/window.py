@@ -58,10 +58,8 @@ def span(name: str, duration: float, rate: float, start: float, end: float) -> t
         raise UsageError(f"the window ends at {end:.10g} s, but {name!r} is {duration:.6g} s long")
     first, last = round(start * rate), round(end * rate)
     if last - first < 2:
-        raise DataError(
-            say("the window from {start:.10g} s to {end:.10g} s contains {count} samples of {channel!r}",
-                start=start, end=end, count=last - first, channel=name)
-        )  # fmt: skip
+        raise DataError(say("the window from {start:.10g} s to {end:.10g} s contains {count} samples of {channel!r}",
+                            start=start, end=end, count=last - first, channel=name))  # fmt: skip
     return first, last
 
 

@@ -106,12 +106,10 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
 
     from .options import Options, channel_names, stated_unit
 
-    names = (channel_names(channels), channel_names(along))
-    unit = None if unit is None else stated_unit(unit)
     options = Options(
-        rate, unit, kind, scale,
-        *names,
-        time, dtype, columns, offset, channel_names(sincos), otherwise=tuple(otherwise), progress=progress,
+        rate, channels=channel_names(channels), along=channel_names(along),
+        unit=None if unit is None else stated_unit(unit), kind=kind, scale=scale, time=time, dtype=dtype,
+        columns=columns, offset=offset, sincos=channel_names(sincos), otherwise=tuple(otherwise), progress=progress,
     )  # fmt: skip
     if not isinstance(path, (str, os.PathLike)) and hasattr(path, "columns"):
         return read_frame(path, options)
@@ -119,9 +117,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
         try:
             with unpacked(file, member, readable, only_by_suffix=dtype is not None) as inner:
                 suffix = os.path.splitext(inner)[1].lower()
-                reader = (
-                    reader_of_type(options.dtype) if options.dtype is not None else reader_for(head_of(inner), suffix)
-                )
+                reader = reader_of_type(options.dtype) if options.dtype else reader_for(head_of(inner), suffix)
                 recording = reader.read(inner, options)
             return replace(recording, source=name, digest=digest_of(file))
         except AllaniteError as error:

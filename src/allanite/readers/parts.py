@@ -33,13 +33,10 @@ UNKNOWN = 1 << 60
 
 MACHINE, OWN = Path("/proc/meminfo"), Path("/proc/self/statm")
 
+_CGROUP = Path("/sys/fs/cgroup")
 GROUPS = (
-    (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory.current"), "inactive_file "),
-    (
-        Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
-        Path("/sys/fs/cgroup/memory/memory.usage_in_bytes"),
-        "total_inactive_file ",
-    ),
+    (_CGROUP / "memory.max", _CGROUP / "memory.current", "inactive_file "),
+    (_CGROUP / "memory/memory.limit_in_bytes", _CGROUP / "memory/memory.usage_in_bytes", "total_inactive_file "),
 )
 """Limit and use of a container, as its own control group is mounted in it, and the line of what can be given back."""
 
@@ -228,13 +225,11 @@ def demand_memory(path: Any, memory: str | None, choices: Mapping[str, Any]) -> 
 
 def _refused(name: str, need: int, limit: int, what: str) -> str:
     more = f"{ceil(need / 10**6)}MB"
-    return say(
-        "{file}: the record may take {need} of memory, of which {limit} may be used, and {what} not read in parts "
-        "(analyze, deviation and spectrum of text, .npy, raw binary, Parquet, HDF5 and ROS bags are); write the file "
-        "as one of these, or allow more with {option}",
-        file=name, need=size_in_words(need), limit=size_in_words(limit), what=what,
-        option=spelled(f"--memory {more}", f"memory={more!r}"),
-    )  # fmt: skip
+    return say("{file}: the record may take {need} of memory, of which {limit} may be used, and {what} not read in "
+               "parts (analyze, deviation and spectrum of text, .npy, raw binary, Parquet, HDF5 and ROS bags are); "
+               "write the file as one of these, or allow more with {option}",
+               file=name, need=size_in_words(need), limit=size_in_words(limit), what=what,
+               option=spelled(f"--memory {more}", f"memory={more!r}"))  # fmt: skip
 
 
 def _most(size: int) -> int:

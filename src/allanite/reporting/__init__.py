@@ -1,13 +1,21 @@
 """What people look at: text for the terminal, figures, the page. Heavy libraries are imported when first used."""
 
+import csv
+import io
 import math
 import os
 from collections.abc import Collection, Sequence
+from dataclasses import replace
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.aliases import public
-from allanite.core.files import PathLike
+from allanite.core.errors import UndrawnError, UsageError
+from allanite.core.files import PathLike, demand_writable, encoded, write
+from allanite.core.syntax import uncomputed
 
+from .fonts import drawn_in, warn_of_page
+from .language import speaking
 from .views import has_view, level_of, view_of
 
 if TYPE_CHECKING:
@@ -58,10 +66,6 @@ def plot(
     FontWarning
         This machine has no font with the letters of the language; the figure is in English then.
     """
-    from allanite.core.errors import UsageError
-
-    from .fonts import drawn_in
-    from .language import speaking
     from .style import demand_figure_path, save
 
     if path is not None:
@@ -100,8 +104,6 @@ def report(value: Any, path: PathLike, *, level: float | None = None, force: boo
     UsageError
         The file exists, or its folder cannot be written; the language is unknown.
     """
-    from allanite.core.files import demand_writable, encoded, write
-
     demand_writable(path, force=force)
     form = document if os.fspath(path).lower().endswith(".pdf") else page
     made = form(value, level=level, lang=lang)
@@ -110,10 +112,6 @@ def report(value: Any, path: PathLike, *, level: float | None = None, force: boo
 
 def document(value: Any, *, level: float | None = None, command: str = "", lang: str = "en") -> bytes:
     """The PDF that `report` writes to a file that ends in .pdf; `command` is the command line that made it."""
-    from dataclasses import replace
-
-    from .fonts import drawn_in
-    from .language import speaking
     from .pdf import render
 
     with speaking(lang), speaking(drawn_in(lang)):
@@ -123,14 +121,9 @@ def document(value: Any, *, level: float | None = None, command: str = "", lang:
 def page(value: Any, *, level: float | None = None, command: str = "", lang: str = "en") -> str:
     """The page that `report` writes, as text; `command` is the command line that made it."""
     import gzip
-    from dataclasses import replace
 
-    from allanite.core.files import encoded
-
-    from .fonts import warn_of_page
     from .html import render
     from .json import to_json
-    from .language import speaking
 
     with speaking(lang):
         warn_of_page(lang)
@@ -141,7 +134,6 @@ def page(value: Any, *, level: float | None = None, command: str = "", lang: str
 
 def table(value: Any, *, level: float | None = None, lang: str = "en", **form: Any) -> str:
     """The result as text; `form` are the width, color and ASCII of `text.render`."""
-    from .language import speaking
     from .text import render
 
     with speaking(lang):
@@ -149,22 +141,12 @@ def table(value: Any, *, level: float | None = None, lang: str = "en", **form: A
 
 
 def first_screen(  # noqa: PLR0913 - each has a default, and is a choice of its own
-    value: Any,
-    *,
-    level: float | None = None,
-    width: int = 100,
-    color: bool = False,
-    lang: str = "en",
+    value: Any, *, level: float | None = None, width: int = 100, color: bool = False, lang: str = "en",
     ascii: bool = False,  # noqa: A002 - as in repr
-    brief: bool = False,
-    first: "First | None" = None,
-    written: Collection[str] = (),
-) -> str:
+    brief: bool = False, first: "First | None" = None, written: Collection[str] = (),
+) -> str:  # fmt: skip
     """The answer, or a `brief` one; `first` replaces that of the view, options in `written` do not come next."""
-    from dataclasses import replace
-
     from .first import condensed
-    from .language import speaking
     from .screen import render, render_brief
 
     view = view_of(value)
@@ -179,10 +161,6 @@ def first_screen(  # noqa: PLR0913 - each has a default, and is a choice of its 
 
 def html_of(value: Any) -> str:
     """The result as a fragment of HTML for a notebook: its tables and sentences, and its figure."""
-    from html import escape
-
-    from allanite.core.errors import UndrawnError
-
     from .html import fragment
 
     if not has_view(value):
@@ -197,8 +175,6 @@ def html_of(value: Any) -> str:
 
 def numbers(value: Any, *, level: float | None = None, coefficients: bool | None = False) -> "Rows":
     """Headings and rows of a result, unrounded; of a study its curves, or its coefficients (None: if it has any)."""
-    from allanite.core.errors import UsageError
-
     view = view_of(value)
     coefficients = view.coefficients is not None if coefficients is None else coefficients
     rows_of = view.coefficients if coefficients else view.rows
@@ -209,11 +185,6 @@ def numbers(value: Any, *, level: float | None = None, coefficients: bool | None
 
 def to_csv(value: Any, *, level: float | None = None, coefficients: bool = False) -> str:
     """The numbers of a result as CSV, unrounded; of a study its curves, or its coefficients and readings."""
-    import csv
-    import io
-
-    from allanite.core.syntax import uncomputed
-
     headings, rows = numbers(value, level=level, coefficients=coefficients)
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")

@@ -2,19 +2,13 @@
 
 import re
 
-from allanite.core.digits import Digits as Digits  # noqa: PLC0414 - of this module too
-from allanite.core.digits import digits as digits  # noqa: PLC0414
-from allanite.core.digits import rounded as rounded  # noqa: PLC0414
-from allanite.core.digits import upper_limit as upper_limit  # noqa: PLC0414
+from allanite.core.digits import digits as digits, rounded as rounded, upper_limit as upper_limit  # noqa: PLC0414
 from allanite.core.units import ATOMS, RAISED, plain_letters
 
 _SIGN = re.compile(r"(?<![A-Za-z0-9\])])-(?=[\d.])")
 _POWER = re.compile(r"(?<=\d)e([+-]?\d+)")
 _ATOM = "|".join(sorted(ATOMS, key=len, reverse=True))
-_FACTOR = (
-    rf"(?:sqrt\((?:{_ATOM})\)|\([A-Za-z/^\d.]+\)|(?:{_ATOM})(?!\w))"
-    r"(?:\^-?\d+(?:\.\d+)?)?"
-)
+_FACTOR = rf"(?:sqrt\((?:{_ATOM})\)|\([A-Za-z/^\d.]+\)|(?:{_ATOM})(?!\w))(?:\^-?\d+(?:\.\d+)?)?"
 _UNIT = re.compile(
     r"(?<!\w)'[^']*'(?!\w)|\"[^\"]*\"|(?<![\w-])--[\w-]+[ =]\S+"  # names, and what can be typed
     rf"|(?<![\w./^-])(?P<unit>(?:1/)?{_FACTOR}(?:[/*]{_FACTOR})*)"
@@ -30,7 +24,6 @@ _ASCII: dict[str, str | int | None] = {
     "τ": "tau", "↓": "falling",
 }  # fmt: skip
 WRITTEN = "µ²³·⁵" + "".join(_ASCII)  # signs of results: an encoding that lacks one of them has ASCII instead
-
 
 _ENDLESS = re.compile(r"\S{401,}")
 

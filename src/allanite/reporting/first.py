@@ -15,12 +15,10 @@ from .sheet import Code, Column, Face, Note, Part, Table
 
 _OPTION = re.compile(r"(?:\(|: )(--[a-z][^);]*)")
 
-
 MAX_NAMES_LENGTH = 32  # characters that the names of channels may take in a remark
 
 DETAILS, FIGURES = ("--details", say("all numbers")), ("--report page.html", say("figures"))
 """What next, after any result."""
-
 
 ABOVE = Note(say("no result: see above"), "alert")
 """Stands in the sheet of a channel whose refusal stands with those of the others."""
@@ -220,9 +218,9 @@ def _warns(part: Part) -> TypeGuard[Note]:
     return isinstance(part, Note) and part.level in ("alert", "warning") and part.where != "page" and part != ABOVE
 
 
-def shown(remark: Remark, clauses: int | None = None) -> Phrase:
-    """A remark as text, with so many of its clauses."""
-    text: Phrase = join("; ", remark.clauses[:clauses])
+def shown(remark: Remark) -> Phrase:
+    """A remark as text."""
+    text: Phrase = join("; ", remark.clauses)
     if remark.about:
         text = say("{channel}: {warning}", channel=remark.about, warning=text)
     return say("{what}. Try {command}", what=text, command=remark.command) if remark.command else text

@@ -23,9 +23,7 @@ from .words import capital
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MADE = {
-    "source": say("source"), "applied to": say("applied to"), "sha256 applied to": say("sha256 applied to"),
-}  # fmt: skip
+MADE = {"source": say("source"), "applied to": say("applied to"), "sha256 applied to": say("sha256 applied to")}
 """What keys of the provenance are called; the others are names."""
 
 _NOTEBOOK = count()  # numbers of the figures of a notebook, whose cells are one page
@@ -64,7 +62,6 @@ def pieces(face: Face) -> tuple[str, list[str]]:
 
 _STYLE = re.compile(r' style="color: var\([^,"]*, (#[0-9A-Fa-f]{6})\)"')
 
-
 _BREAK = re.compile(r"(?<!,) (?!\()")
 """Where a cell of the summary is not broken: anywhere but before an interval and after a comma."""
 
@@ -83,24 +80,16 @@ def _prose(text: str) -> Markup:
 @cache
 def _environment() -> Environment:
     env = Environment(
-        loader=PackageLoader("allanite", "reporting"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        finalize=tr,  # whatever a template shows is translated, here or by a filter
-    )
-    env.filters["clean"] = _clean
-    env.filters["prose"] = _prose
-    env.filters["heading"] = lambda text: printed_heading(tr(text))
-    env.filters["unit"] = printed_unit
-    env.filters["firm"] = lambda text: _BREAK.sub("\N{NO-BREAK SPACE}", _clean(text))
-    env.filters["made"] = _made
-    env.filters["capital"] = capital
-    env.filters["base64"] = lambda data: base64.b64encode(data).decode()
-    env.globals.update(say=say, say_count=say_count)
+        loader=PackageLoader("allanite", "reporting"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+        lstrip_blocks=True, finalize=tr,  # whatever a template shows is translated, here or by a filter
+    )  # fmt: skip
+    env.filters.update(
+        clean=_clean, prose=_prose, unit=printed_unit, made=_made, capital=capital,
+        heading=lambda text: printed_heading(tr(text)), base64=lambda data: base64.b64encode(data).decode(),
+        firm=lambda text: _BREAK.sub("\N{NO-BREAK SPACE}", _clean(text)),
+    )  # fmt: skip
     env.globals.update(
-        cell=_cell,
+        say=say, say_count=say_count, cell=_cell,
         kind_of=lambda part: {Table: "table", Note: "note", Drawing: "drawing", Code: "code", Fold: "fold"}[type(part)],
         css=_css, numeric=lambda column: column.kind in ("number", "interval", "unit"), shown=on_page,
         color_of=_color_of,

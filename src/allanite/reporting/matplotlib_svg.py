@@ -4,6 +4,7 @@ import re
 import warnings
 from collections.abc import Callable
 from itertools import count
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from markupsafe import Markup
@@ -59,8 +60,9 @@ def picture(figure: "Figure") -> Picture:
     return trimmed(text, figure.get_figwidth() * 72)
 
 
-def stored(text: str) -> Picture:
+def stored(path: Path) -> Picture:
     """A figure that a command has written as SVG."""
+    text = path.read_text("utf-8")
     return trimmed(text, float(re.search(r'width="([\d.]+)pt"', text)[1]))  # type: ignore[index]  # as we write it
 
 

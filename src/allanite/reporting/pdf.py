@@ -166,11 +166,9 @@ def _made(face: Face) -> Iterator[Line]:
     facts = "\n".join(f"{key}: {value}" for key, value in face.provenance.items() if value)
     notes = "\n".join(map(tr, face.notes))
     for title, body in (
-        (say("Command line"), face.command),
-        (say("What was assumed when reading"), notes),
-        (say("Recipe"), face.choices),
-        (say("Provenance"), facts),
-    ):
+        (say("Command line"), face.command), (say("What was assumed when reading"), notes),
+        (say("Recipe"), face.choices), (say("Provenance"), facts),
+    ):  # fmt: skip
         if body:
             yield from _heading(title)
             for line in body.splitlines():

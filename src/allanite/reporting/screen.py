@@ -1,13 +1,11 @@
 """The first screen as text: at most 20 lines of at most 100 columns."""
 
-import io
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 
 from rich.cells import cell_len, set_cell_size
-from rich.console import Console
 from rich.text import Text
 
 from allanite.phrases.phrase import join, say, say_count
@@ -16,7 +14,7 @@ from .digits import in_ascii, printable, printed_heading, printed_unit, with_uni
 from .first import Answer, Channels, First, Remark, Section, shown
 from .language import tr
 from .sheet import Column, Table
-from .text import wrapped
+from .text import pad, printed_lines, wrapped
 
 LINES, COLUMNS = 20, 100  # the size of a first screen
 MIN_REMARK_LINES = 2  # lines of remarks for which rows of limits give way
@@ -30,21 +28,14 @@ MIN_TITLE_COLUMNS = 12  # columns to which titles may be cut before they are lef
 
 def render(first: First, *, width: int = COLUMNS, color: bool = False, ascii: bool = False) -> str:  # noqa: A002 - as in repr
     """The first screen for a terminal of `width` columns; with `ascii`, no signs."""
-    return _printed(_Screen(min(width, COLUMNS), ascii=ascii).lines(first), color=color)
+    lines = _Screen(min(width, COLUMNS), ascii=ascii).lines(first)
+    return printed_lines((Text(line.rstrip(), style=style) for line, style in lines), color=color)
 
 
 def render_brief(first: First, *, ascii: bool = False) -> str:  # noqa: A002 - as in repr
     """A line for each channel."""
     screen = _Screen(COLUMNS, ascii=ascii)
-    return _printed(((screen.text(line), "") for line in first.brief()), color=False)
-
-
-def _printed(lines: Iterable[tuple[str, str]], *, color: bool) -> str:
-    out = io.StringIO()
-    console = Console(file=out, width=10_000, force_terminal=color, color_system="standard" if color else None)
-    for line, style in lines:
-        console.print(Text(line.rstrip(), style=style), soft_wrap=True, highlight=False)
-    return out.getvalue()
+    return printed_lines(Text(screen.text(line).rstrip()) for line in first.brief())
 
 
 def _wanted(told: "Sequence[tuple[list[str], str]]") -> int:
@@ -101,11 +92,6 @@ class _Part:
 def _main(table: Table) -> Table:
     """Without the columns aside."""
     return table.only([i for i, column in enumerate(table.columns) if not column.aside])
-
-
-def _found(channels: Channels) -> Channels:
-    """Without the rows of little weight."""
-    return replace(channels, rows=[row for row in channels.rows if row.rank < 1])
 
 
 class _Screen:
@@ -231,7 +217,10 @@ class _Screen:
             made = [line for part in parts for line in self.part(part, rank)]
             if len(made) <= room:
                 return made
-        tables = (self.listed(_found(part)) if isinstance(part, Channels) else part for part in parts)
+        tables = (  # without the rows of little weight
+            self.listed(replace(part, rows=[row for row in part.rows if row.rank < 1]))
+            if isinstance(part, Channels) else part for part in parts
+        )  # fmt: skip
         made = [line for part in tables for line in self.part(part, 1)]
         return made if len(made) <= room else self.counted(made[: max(room - 1, 0)], len(made), 0)
 
@@ -317,7 +306,8 @@ class _Screen:
         self.omitted += [row.label for row in channels.rows if row not in rows and row.label not in self.omitted]
         longest = max((cell_len(self.text(row.title)) for row in rows), default=0)
         excess = max(self.wide(replace(channels, rows=rows).table()) - self.width, 0)
-        if not excess or (longest - excess >= MIN_TITLE_COLUMNS and not channels.whole):
+        least = max(MIN_TITLE_COLUMNS, cell_len(self.text(channels.sensor)))  # the heading of the titles is not cut
+        if not excess or (longest - excess >= least and not channels.whole):
             cut = [replace(row, title=self.cut(row.title, longest - excess)) for row in rows]
             return self.table(replace(channels, rows=cut).table())
         channels = replace(channels, rows=rows)
@@ -356,7 +346,7 @@ class _Screen:
             wide = max((cell_len(parts[0]) for parts in split if parts), default=0)
             for row, parts in zip(rows, split, strict=True):
                 if parts:
-                    row[j] = parts[0] + " " * (wide - cell_len(parts[0])) + sign + parts[1]
+                    row[j] = pad(parts[0], wide) + sign + parts[1]
         return rows
 
     def table(self, table: Table) -> list[str]:
@@ -369,13 +359,8 @@ class _Screen:
         table = kept
         cells, widths = self.cells(table), self.widths(table)
         numbers = [column.kind == "number" for column in table.columns]
-        lines = []
-        for row in cells:
-            line = "  ".join(
-                " " * (wide - cell_len(cell)) + cell if right else cell + " " * (wide - cell_len(cell))
-                for cell, wide, right in zip(row, widths, numbers, strict=True)
-            )
-            lines.append(line.rstrip())
+        padded = ([pad(*cell) for cell in zip(row, widths, numbers, strict=True)] for row in cells)
+        lines = ["  ".join(row).rstrip() for row in padded]
         lines = lines[1:] if not lines[0].strip() else lines
         if len(table.columns) < every:
             lines[0] += " …"

@@ -27,7 +27,7 @@ from allanite.terms import TERMS
 from . import fonts
 from .digits import printable
 from .language import spoken, tr
-from .sketch.chart import Chart, Look
+from .sketch.chart import Chart
 from .sketch.marks import line_of
 
 SERIES = ("#2E5C94", "#C1272D", "#008F6B", "#B97700", "#AA4499", "#444B54")
@@ -37,7 +37,7 @@ MARKERS = "osD^vP"  # one a color
 
 OTHER, SOFT = "#6B6B6B", "#5B6570"
 INK, DATA, GRID, FAIR, ALARM = "#1A1A1A", "#3C444D", "#D9DDE2", "#8A5A00", "#B00020"
-SHADE = "#E9ECEF"
+SHADE, EDGE = "#E9ECEF", "#555B63"
 
 DARK: dict[str, str] = {
     "#ffffff": "#14171b", "#1a1a1a": "#e6e9ec", "#3c444d": "#c9d1d9", "#d9dde2": "#343a42", "#555b63": "#8b949e",
@@ -48,29 +48,15 @@ DARK: dict[str, str] = {
 """Colors of figures on a page: on a light ground and on a dark one."""
 
 _LOOK: dict[str, Any] = {
-    "font.size": 9.0,
-    "text.color": INK,
-    "axes.labelsize": 9.0,
-    "axes.titlesize": 10.0,
-    "axes.titley": 1.0,  # a fixed height
-    "axes.edgecolor": "#555B63",
-    "axes.linewidth": 0.8,
-    "axes.labelcolor": INK,
-    "axes.axisbelow": True,
-    "xtick.color": "#555B63",
-    "ytick.color": "#555B63",
-    "xtick.labelcolor": INK,
-    "ytick.labelcolor": INK,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "legend.fontsize": 8.0,
-    "legend.frameon": False,
-    "mathtext.fontset": "dejavusans",
-    "svg.hashsalt": "allanite",
-    "svg.fonttype": "path",  # glyphs travel with the file: no font is missing elsewhere
-    "pdf.fonttype": 42,
-    "savefig.dpi": 200,
-}
+    "font.size": 9.0, "text.color": INK,
+    "axes.labelsize": 9.0, "axes.titlesize": 10.0, "axes.titley": 1.0,  # a fixed height
+    "axes.edgecolor": EDGE, "axes.linewidth": 0.8, "axes.labelcolor": INK, "axes.axisbelow": True,
+    "xtick.color": EDGE, "xtick.labelcolor": INK, "xtick.direction": "in",
+    "ytick.color": EDGE, "ytick.labelcolor": INK, "ytick.direction": "in",
+    "legend.fontsize": 8.0, "legend.frameon": False, "mathtext.fontset": "dejavusans",
+    "svg.hashsalt": "allanite", "svg.fonttype": "path",  # glyphs travel with the file: no font is missing elsewhere
+    "pdf.fonttype": 42, "savefig.dpi": 200,
+}  # fmt: skip
 
 # no date and no program version: a figure in version control changes only when its content does
 FORMATS: dict[str, dict[str, Any]] = {
@@ -111,7 +97,7 @@ class StyledPlot:
 
     def sketched(self, room: float = math.inf) -> Chart:
         """For a page, by `sketch`; what that cannot draw raises `Unsketched`."""
-        make = lambda width, height: cast(Figure, Chart(width, height, Look(INK, "#555b63")))  # noqa: E731
+        make = lambda width, height: cast(Figure, Chart(width, height, INK, EDGE))  # noqa: E731
         return cast(Chart, self.draw(NewFigure(make, room)))
 
 

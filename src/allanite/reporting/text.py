@@ -35,9 +35,10 @@ _BROAD = "\u2e80-\u9fff\uf900-\ufaff\uff00-\uff60"
 _CHUNK = re.compile(rf"\s+|[（「《【“]*[{_BROAD}][，。；：、！？）」》】”]*|[^\s{_BROAD}]+")
 
 
-def pad(text: str, width: int) -> str:
-    """The text, filled with blanks to so many cells."""
-    return text + " " * (width - cell_len(text))
+def pad(text: str, width: int, right: bool = False) -> str:
+    """The text, filled with blanks to so many cells; `right`, it is at their end."""
+    blanks = " " * (width - cell_len(text))
+    return blanks + text if right else text + blanks
 
 
 def wrapped(text: str, width: int, first: str, rest: str) -> list[str]:
@@ -60,17 +61,18 @@ def render(face: Face, *, width: int = 120, color: bool = False, ascii: bool = F
     """A result as text for a terminal of `width` columns; with `color`, ANSI codes in it, with `ascii`, no signs."""
     token = _IN_ASCII.set(ascii)
     try:
-        return _printed(_lines(face, width), color=color)
+        return printed_lines(_lines(face, width), color=color)
     finally:
         _IN_ASCII.reset(token)
 
 
 def text_of(parts: Iterable[Part], width: int) -> str:
     """Parts of a result as text."""
-    return _printed(_parts(parts, width))
+    return printed_lines(_parts(parts, width))
 
 
-def _printed(lines: Iterable[RenderableType], *, color: bool = False) -> str:
+def printed_lines(lines: Iterable[RenderableType], *, color: bool = False) -> str:
+    """Lines as text, with ANSI codes in `color`."""
     out = io.StringIO()
     system: Literal["standard"] | None = "standard" if color else None
     console = Console(file=out, width=_COLUMNS, force_terminal=color, color_system=system, markup=False, emoji=False)
@@ -107,12 +109,11 @@ def _parts(parts: Iterable[Part], width: int) -> Iterator[RenderableType]:
             yield from prose(part.text, width, first=first, indent=4, style=NOTES[part.level])
             for point in part.points:
                 yield from prose(point, width, first="    - ", indent=6)
-        elif isinstance(part, Table):
+        elif isinstance(part, Table) and part.rows:
             yield from _table(part, width)
         elif isinstance(part, Code):
-            yield from (
-                Text(f"  {_plain(line)}") for line in ("", *filter(None, (part.title,)), *part.text.splitlines())
-            )
+            lines = ("", *filter(None, (part.title,)), *part.text.splitlines())
+            yield from (Text(f"  {_plain(line)}") for line in lines)
 
 
 def _plain(text: str) -> str:
@@ -130,9 +131,7 @@ def _cell(column: Column, cell: str) -> str:
 
 def prose(text: str, width: int, *, first: str = "", indent: int = 0, style: str = "") -> Iterator[Text]:
     """Wrapped text; lines after the first begin with `indent` blanks."""
-    lines = wrapped(_plain(text), max(width, 40), first, " " * indent)
-    for line in lines:
-        yield Text(line, style=style)
+    yield from (Text(line, style=style) for line in wrapped(_plain(text), max(width, 40), first, " " * indent))
 
 
 def _table(table: Table, width: int) -> Iterator[RenderableType]:
@@ -143,9 +142,8 @@ def _table(table: Table, width: int) -> Iterator[RenderableType]:
     for which in _blocks(table, width):
         grid = Grid(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim")
         for column in (table.columns[i] for i in which):
-            grid.add_column(
-                Text(_heading(column)), justify="right" if column.kind == "number" else "left", no_wrap=True
-            )
+            justify: Literal["left", "right"] = "right" if column.kind == "number" else "left"
+            grid.add_column(Text(_heading(column)), justify=justify, no_wrap=True)
         for i in kept:
             mark, cells = table.mark(i), []
             for column, cell in ((table.columns[j], table.rows[i][j]) for j in which):

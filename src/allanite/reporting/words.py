@@ -3,8 +3,11 @@
 import math
 from collections.abc import Mapping
 from string import Formatter
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
+from allanite.phrases.phrase import (  # isort: skip
+    Catalogue, Phrase, averaging as averaging, duration as duration, join, say, say_count,  # noqa: PLC0414
+)  # fmt: skip
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit, chance
 from allanite.core.kinds import KIND_WORDS, title_of
@@ -13,12 +16,12 @@ from allanite.core.record import Record
 from allanite.core.units import unit_of
 from allanite.core.validity import UNEXPLAINED, graded
 from allanite.identification.methods import METHODS
-from allanite.phrases.phrase import Catalogue, Phrase, join, say, say_count
-from allanite.phrases.phrase import averaging as averaging  # noqa: PLC0414 - of this module too
-from allanite.phrases.phrase import duration as duration  # noqa: PLC0414
 from allanite.terms import TERMS
 
 from .digits import digits, printed_unit
+
+if TYPE_CHECKING:
+    from allanite.comparison.change import Change
 
 title = title_of
 
@@ -92,21 +95,34 @@ def named(estimate: Estimate, level: float) -> str:
 
 def shapes(estimate: Estimate, level: float) -> list[str]:
     """The shape parameters of an estimate: ``T = 20 (15 .. 28) s``."""
-    limits = estimate.shape_limits(level) if estimate.shape_limits else ((math.nan, math.nan),) * len(estimate.shape)
-    parts = list[str]()
-    for parameter, value, (low, high) in zip(TERMS[estimate.symbol].parameters, estimate.shape, limits, strict=False):
-        shown = f"{digits(value, low, high).words()} {parameter.unit}".rstrip()
-        parts.append(join(" = ", (parameter.letter or parameter.title, shown)))
-    return parts
+    sizes = ((p, f"{digits(*size).words()} {p.unit}".rstrip()) for p, *size in estimate.shaped(level))
+    return [join(" = ", (parameter.letter or parameter.title, shown)) for parameter, shown in sizes]
 
 
-def brief(estimate: Estimate, level: float) -> str:
-    """A coefficient to its significant digits, in brackets if it is not valid, or its upper limit."""
+def brief(estimate: Estimate, level: float, parameter: str = "") -> str:
+    """A coefficient to its significant digits, in brackets if not valid, or its limit; or a parameter of its shape."""
+    if parameter:
+        return next((digits(*numbers).plain()[0] for p, *numbers in estimate.shaped(level) if p.name == parameter), "-")
     unit = estimate.sheet_unit
     number, most = estimate.rounded(unit, level, signed=signed(estimate)), estimate.rounded_limit(unit)
     if number is not None:
         return number.plain()[0] if estimate.status != "not valid" else f"({number.plain()[0]})"
     return f"< {most.plain()[0]}" if most else "-"
+
+
+def change_of(change: "Change", level: float) -> tuple[str, str]:
+    """The change and its interval in percent."""
+    low, high = change.interval(level)
+    least = -100.0 if TERMS[change.symbol].waveform is None else -math.inf
+    # beside a limit there is no number to compare, but a sinusoid that has gone
+    known = math.isfinite(change.ratio) and (None not in (change.before.value, change.after.value) or not change.ratio)
+    if low > least and math.isfinite(high):
+        size, interval = digits(change.percent if known else high, low, high, signed=True).plain()
+        return f"{size} %" if known else "-", f"{interval} %"
+    size = f"{change.percent:+.3g} %" if known and math.isfinite(high) else "-"
+    if math.isfinite(high):
+        return size, say("below {limit}", limit=f"{high:+.3g} %")
+    return "-", say("above {limit}", limit=f"{low:+.3g} %") if low > least else say("any")
 
 
 def below(estimate: Estimate, most: str) -> Phrase:

@@ -20,16 +20,9 @@ LONGER = (1, 2, 4, 8, 16)  # lengths of embeddings that are tried, over that of 
 
 @public
 def simulate(
-    model: ModelLike,
-    size: int | None = None,
-    rate: float | None = None,
-    *,
-    duration: float | str | None = None,
-    rng: "np.random.Generator | int | None" = None,
-    name: str = "",
-    unit: str | None = None,
-    rounding: bool = False,
-) -> Record:
+    model: ModelLike, size: int | None = None, rate: float | None = None, *, duration: float | str | None = None,
+    rng: "np.random.Generator | int | None" = None, name: str = "", unit: str | None = None, rounding: bool = False,
+) -> Record:  # fmt: skip
     """Simulate a Gaussian record of a model, exact at every averaging time.
 
     The first differences of the rate are stationary for every term; their covariance is embedded in a circulant matrix,
@@ -197,10 +190,8 @@ class RingLaser:
         Constant bias, deg/h.
     warm_up, settling : float
         Bias at the start, deg/h, that decays exponentially, and its time constant, s.
-    wander : Model, optional
-        What the bias does besides: B and K.
     swing : Model, optional
-        What the angle does besides, within bounds: GMA.
+        What the angle and the bias do besides, with the mean zero: GMA within bounds, B and K.
 
     Examples
     --------
@@ -217,7 +208,6 @@ class RingLaser:
     bias: float = 0.0
     warm_up: float = 0.0
     settling: float = 600.0
-    wander: Model | None = None
     swing: Model | None = None
 
     def __post_init__(self) -> None:
@@ -245,14 +235,12 @@ class RingLaser:
 
     @property
     def model(self) -> Model:
-        """The noise as terms: N from lock-in, Q from counting and the dither's residual, `wander` and `swing`."""
+        """The noise as terms: N from lock-in, Q from counting and the dither's residual, and `swing`."""
         angle = math.hypot(self.pulse / math.sqrt(12), self.residual / math.sqrt(2))
         noise = Model((Q(angle, "arcsec"),))
         if self.lock_in:
             noise = N(self.random_walk, "deg/sqrt(h)") + noise
-        for more in (self.wander, self.swing):
-            noise = noise if more is None else noise + more
-        return noise
+        return noise if self.swing is None else noise + self.swing
 
 
 GL1 = RingLaser(pulse=0.32795, lock_in=45.98, residual=0.334, bias=-0.0948)
@@ -274,15 +262,9 @@ RING_LASERS: dict[str, RingLaser] = {"gl1": GL1, "gl1-smooth": GL1_SMOOTH}  # ri
 
 @public
 def simulate_ring_laser(
-    gyro: RingLaser,
-    turning: float,
-    size: int | None = None,
-    rate: float | None = None,
-    *,
-    duration: float | str | None = None,
-    rng: "np.random.Generator | int | None" = None,
-    name: str = "",
-) -> Record:
+    gyro: RingLaser, turning: float, size: int | None = None, rate: float | None = None, *,
+    duration: float | str | None = None, rng: "np.random.Generator | int | None" = None, name: str = "",
+) -> Record:  # fmt: skip
     """Counts of a ring laser gyro that turns at a constant rate.
 
     Parameters
@@ -319,9 +301,6 @@ def simulate_ring_laser(
     steps += (turning + gyro.bias) / rate  # deg/h is arcsec/s
     if gyro.swing is not None:
         steps += simulate(gyro.swing, size, rate, rng=rng).values * (math.degrees(1.0) * 3600 / rate)
-    if gyro.wander is not None:
-        wander = simulate(gyro.wander, size, rate, rng=rng).values
-        steps += (wander - wander[0]) * (math.degrees(1.0) * 3600 / rate)
     angle = np.concatenate(([0.0], np.cumsum(steps)))
     t = np.arange(size + 1) / rate
     angle -= gyro.warm_up * gyro.settling * np.expm1(-t / gyro.settling)

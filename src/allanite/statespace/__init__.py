@@ -1,4 +1,3 @@
 """Models of a sensor's error for Kalman filters: states, transition, covariances."""
 
-from .space import StateSpace as StateSpace
-from .space import state_space as state_space
+from .space import StateSpace as StateSpace, state_space as state_space

@@ -229,21 +229,11 @@ class Measurement:
 
 
 MEASUREMENTS: dict[str, Measurement] = {
-    "mean": Measurement(
-        say(
-            "a measurement is the mean rate over the interval that ends at the time of the states; the mean is a "
-            "state, exact"
-        ),
-        averaged,
-    ),
-    "sample": Measurement(
-        say(
-            "a measurement is the rate at the time of the states, used instead of the mean over the interval that ends "
-            "there"
-        ),
-        sampled,
-    ),
-}
+    "mean": Measurement(say("a measurement is the mean rate over the interval that ends at the time of the states; the "
+                            "mean is a state, exact"), averaged),
+    "sample": Measurement(say("a measurement is the rate at the time of the states, used instead of the mean over the "
+                              "interval that ends there"), sampled),
+}  # fmt: skip
 
 
 def continuous(blocks: list[Block]) -> tuple[FloatArray, FloatArray]:

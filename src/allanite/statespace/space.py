@@ -108,15 +108,9 @@ class StateSpace(Value):
 
 @public
 def state_space(
-    model: ModelLike,
-    rate: float,
-    *,
-    tau: tuple[float, float] = (1.0, 1000.0),
-    ripple: float = 0.02,
-    order: int | None = None,
-    turn_on: float = 0.0,
-    measurement: str = "auto",
-) -> StateSpace:
+    model: ModelLike, rate: float, *, tau: tuple[float, float] = (1.0, 1000.0), ripple: float = 0.02,
+    order: int | None = None, turn_on: float = 0.0, measurement: str = "auto",
+) -> StateSpace:  # fmt: skip
     """Convert a model to a state space, discretized exactly at a rate.
 
     White noise N is the noise of the measurement, R = N^2 rate. A rate random walk and a ramp are a bias and its slope.

@@ -8,10 +8,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
-from allanite.core.curve import Curve, Law
-from allanite.core.curve import Surface as Surface
-from allanite.core.errors import DataError, UsageError
-from allanite.core.errors import LongJobWarning as LongJobWarning
+from allanite.core.curve import Curve, Law, Surface as Surface
+from allanite.core.errors import DataError, LongJobWarning as LongJobWarning, UsageError
 from allanite.core.estimate import Averaged
 from allanite.core.limits import Remembered
 from allanite.core.model import Model
@@ -23,22 +21,17 @@ from allanite.statistics.confidence.bias import BIASES, MEANS, Bias, chosen_bias
 from allanite.statistics.confidence.limits import ModelLaw, PublishedLaw, automatic_law, power_laws, unit_term
 from allanite.statistics.confidence.sparse import sparse, sparse_law
 from allanite.statistics.confidence.supposed import Assumption, AveragedLaw, LaterLaw, SupposedNoise, Supposing
-from allanite.statistics.model_curves import Expectation as Expectation
-from allanite.statistics.model_curves import Expectations as Expectations
-from allanite.statistics.model_curves import expectation as expectation
-from allanite.statistics.moments.moments import covariance as covariance
-from allanite.statistics.moments.moments import edf as edf
-from allanite.statistics.moments.moments import expected as expected
+
+from allanite.statistics.model_curves import (  # isort: skip
+    Expectation as Expectation, Expectations as Expectations, expectation as expectation
+)  # fmt: skip
+from allanite.statistics.moments.moments import covariance as covariance, edf as edf, expected as expected
 from allanite.terms import WHITE
 
-from .estimator import AngleRecord, angle_scale, estimated
-from .estimator import integrated as integrated
-from .grids import GRIDS as GRIDS
-from .grids import agree, checked, factors_of, times
+from .estimator import AngleRecord, angle_scale, estimated, integrated as integrated
+from .grids import GRIDS as GRIDS, agree, checked, factors_of, times
 from .row import Statistic, seconds
-from .table import STATISTICS as STATISTICS
-from .table import CurvePoints
-from .table import statistic_named as statistic_named
+from .table import STATISTICS as STATISTICS, CurvePoints, statistic_named as statistic_named
 
 MIN_NOISE_SHARE = 0.05
 """Variance of white rate and angle noise without gaps over that of means of the remaining samples.

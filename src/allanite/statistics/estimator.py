@@ -163,13 +163,13 @@ contradictions, readings and the curve ask for them one after another."""
 def estimated(
     record: Record, row: Statistic, m: IntArray, *, divisor: int = 30, means: bool = True, threads: int = 1
 ) -> tuple[WindowMeans, Places]:
-    """A statistic of a record at averaging factors, with gaps by `means`, and its places; oadev once for each factor."""
+    """A statistic of a record at averaging factors, gaps by `means`, and its places; oadev once for each factor."""
     if row is not OADEV or not means or m.size > MAX_SWEPT:
-        return _estimated(record, row, m, divisor, means, threads)
+        return _estimated(record, row, m, divisor=divisor, means=means, threads=threads)
     places, known = _allan.get(record, ((), {}))
     more = np.array([k for k in m.tolist() if k not in known], np.int64)
     if not places or more.size:
-        (variance, number, _), places = _estimated(record, row, more, divisor, means, threads)
+        (variance, number, _), places = _estimated(record, row, more, divisor=divisor, means=means, threads=threads)
         known.update(zip(more.tolist(), zip(variance.tolist(), number.tolist(), strict=True), strict=True))
         _allan[record] = places, known
     at = np.array([known[k] for k in m.tolist()]).reshape(-1, 2)
@@ -177,7 +177,7 @@ def estimated(
 
 
 def _estimated(
-    record: Record, row: Statistic, m: IntArray, divisor: int, means: bool, threads: int
+    record: Record, row: Statistic, m: IntArray, *, divisor: int, means: bool, threads: int
 ) -> tuple[WindowMeans, Places]:
     angle = integrated(record, row.order)
     plain = estimate(row, angle, m, divisor=divisor, threads=threads)

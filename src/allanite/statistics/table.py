@@ -5,7 +5,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from allanite.core.arrays import IntArray
-from allanite.core.names import row_of
+from allanite.core.names import row_alike
 from allanite.plugins import Registry
 
 from .differences import ADEV, HAAR, HDEV, MDEV, OADEV, OHDEV, TDEV
@@ -23,9 +23,9 @@ STATISTICS = Registry({row.name: row for row in _OWN}, "allanite.statistics", ki
 
 
 def statistic_named(name: str) -> Statistic:
-    """The row of `STATISTICS`; an unknown name is an error that lists the known ones."""
-    where = ": curves are deviations, square roots of variances" if str(name).endswith("var") else ""
-    return row_of("statistic", name, STATISTICS, where=where, choice="statistic")
+    """The row of `STATISTICS`, in upper case or lower; an unknown name is an error that lists the known ones."""
+    where = ": curves are deviations, square roots of variances" if str(name).lower().endswith("var") else ""
+    return row_alike("statistic", name, STATISTICS, where=where, choice="statistic")
 
 
 class CurvePoints(NamedTuple):

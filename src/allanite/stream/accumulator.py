@@ -13,7 +13,7 @@ from allanite.core.model import ModelLike
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.statistics.row import Statistic
-from allanite.statistics.table import STATISTICS
+from allanite.statistics.table import STATISTICS, statistic_named
 
 from .sums import TAIL, Sums
 
@@ -69,24 +69,17 @@ class Accumulator:
     """
 
     def __init__(
-        self,
-        rate: float,
-        unit: str,
-        kind: str = "rate",
-        *,
-        scale: float | None = None,
-        name: str = "",
-        statistic: str = "oadev",
-        start: int = 0,
-    ) -> None:
+        self, rate: float, unit: str, kind: str = "rate", *, scale: float | None = None, name: str = "",
+        statistic: str = "oadev", start: int = 0,
+    ) -> None:  # fmt: skip
         self.like = Record(np.zeros(3, np.int64), rate, unit, kind, scale, name)
-        if statistic not in streamable():
+        self.row: Statistic = statistic_named(statistic)
+        if self.row.name not in streamable():
             raise UsageError(
                 f"a stream has no {statistic!r}: choose one of {', '.join(streamable())}, or make a Record of it"
             )
         if start < 0:
             raise UsageError(f"start is the place of the first sample in the stream, at least 0, not {start}")
-        self.row: Statistic = STATISTICS[statistic]
         self.start = start
         self._sums = Sums(self.row, start)
         self._waiting, self._held = np.empty(WAITING), 0
@@ -137,9 +130,7 @@ class Accumulator:
         if values.ndim != 1 or values.dtype.kind not in "fiu":
             raise DataError(say(
                 "a chunk is a row of real numbers, shape (n,), not {dtype} of shape {shape}; push every channel "
-                "to an Accumulator of its own",
-                dtype=values.dtype, shape=values.shape,
-            ))  # fmt: skip
+                "to an Accumulator of its own", dtype=values.dtype, shape=values.shape))  # fmt: skip
         values = values.astype(np.float64, copy=False)
         if self.like.kind == "angle" and values.size:
             begun = self.stop > self.start or math.isfinite(self.last)

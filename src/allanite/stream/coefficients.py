@@ -23,14 +23,10 @@ from allanite.core.model import ModelLike, model_of
 from allanite.core.ranges import demand_band
 from allanite.core.record import SHORTEST
 from allanite.core.validity import Band
-from allanite.identification.likelihood.spectrum import (
-    ROUNDING_SHARE,
-    SINGLE,
-    BinnedSpectrum,
-    edges_of,
-    less_slope,
-    transformed,
-)
+
+from allanite.identification.likelihood.spectrum import (  # isort: skip
+    ROUNDING_SHARE, SINGLE, BinnedSpectrum, edges_of, less_slope, transformed
+)  # fmt: skip
 from allanite.identification.methods import symbols_of
 from allanite.identification.search.identify import Pending, deterministic, pending_of
 from allanite.phrases.phrase import say
@@ -61,10 +57,8 @@ def curve_of(stream: "Accumulator", noise: ModelLike | Fit | None) -> Curve:
     row, like, state = stream.row, stream.like, stream.sums.state
     which = np.flatnonzero(state.counts)
     if not which.size:
-        raise DataError(say(
-            "{size} samples without a gap are too few for {statistic}; wait for more",
-            size=stream.size, statistic=row.name,
-        ))  # fmt: skip
+        raise DataError(say("{size} samples without a gap are too few for {statistic}; wait for more",
+                            size=stream.size, statistic=row.name))  # fmt: skip
     q, level = (values[which] for values in grid())
     m, count = q << level, state.counts[which]
     mean = state.sums[which] / count / (row.norm(m) * m.astype(np.float64) ** 2)

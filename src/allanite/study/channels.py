@@ -42,10 +42,8 @@ def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -
             largest = max(shares.values())
             findings.append(Finding(
                 "drift",
-                say(
-                    "the drift of {channels} follows {column}, up to {share} of the variance of block means",
-                    channels=", ".join(shares), column=other.name, share=percent(largest),
-                ),
+                say("the drift of {channels} follows {column}, up to {share} of the variance of block means",
+                    channels=", ".join(shares), column=other.name, share=percent(largest)),
                 say("B, K and R partly represent the sensitivity to it"),
                 say("remove it: {command}", command=command_of(
                     recipe, "allanite", "compensate", recording.source, last=("--regressors", other.name))),
@@ -121,8 +119,7 @@ def each_channel(  # noqa: PLR0913 - each has a default but those that make the 
     count = how_many(len(channels), max((record.size for record in every), default=0))
 
     def inspected(channel: tuple[str, tuple[Record, ...]]) -> Inspected:
-        name, records = channel
-        return Inspected(name, records, tuple(look(record) for record in records))
+        return Inspected(*channel, tuple(map(look, channel[1])))
 
     together = begin if len(channels) > 1 else None
     searching = SEARCHING if together else 0.0
@@ -134,16 +131,11 @@ def each_channel(  # noqa: PLR0913 - each has a default but those that make the 
     with one_thread():
         checked = _on_bodies(shared(inspected, channels, count=count, known=every))
         if together:
-            checked = identified(
-                checked, together, fatal,
-                lambda begin, able: shared(
-                    begin, able, count=count, known=every, begun=lambda i: tells(able[i].name, i, 0.0, searching)
-                ),
-            )  # fmt: skip
-        results = shared(
-            lambda one: _result(one, work, refused, fatal), checked, count=count, known=every,
-            begun=lambda i: tells(checked[i].name, i, searching, 1.0),
-        )  # fmt: skip
+            checked = identified(checked, together, fatal, lambda begin, able: shared(
+                begin, able, count=count, known=every, begun=lambda i: tells(able[i].name, i, 0.0, searching)
+            ))  # fmt: skip
+        results = shared(lambda one: _result(one, work, refused, fatal), checked, count=count, known=every,
+                         begun=lambda i: tells(checked[i].name, i, searching, 1.0))  # fmt: skip
     if demand:
         _demand_result(checked, results)
     tell("done", 1.0)
@@ -234,7 +226,7 @@ def run_together(  # noqa: PLR0913 - each has a default but those that make the 
     results = each_channel(
         channels, work, refused, findings=told, look=look, begin=begin, doing=doing, demand=demand, progress=progress
     )
-    assumed = dict.fromkeys((*(note for recording in recordings for note in recording.notes), *notes))
+    assumed = dict.fromkeys((*notes, *(note for recording in recordings for note in recording.notes)))
     return kind(results, recipe, told, tuple(assumed), provenance_of(*recordings))
 
 
@@ -245,7 +237,5 @@ def _demand_result(channels: Sequence[Inspected], results: Sequence[Any]) -> Non
         for channel, result in zip(channels, results, strict=True):
             reasons.setdefault(result.refusal, []).append(channel.name or "the record")
         each = (say("{channels}: {reason}", channels=", ".join(which), reason=why) for why, which in reasons.items())
-        fatal = (
-            finding.name for channel in channels for q in channel.qualities for finding in q.findings if finding.fatal
-        )
+        fatal = (f.name for channel in channels for quality in channel.qualities for f in quality.findings if f.fatal)
         raise DataError(join("; ", each), code=next(fatal, ""))

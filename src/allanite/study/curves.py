@@ -32,9 +32,8 @@ def joints(curves: Iterable[Curve], noise: ModelLike) -> tuple[str, ...]:
         if not late.size:
             continue
         theo1, model, ratios = parts[-1], model_of(noise), list[float]()
-        for i in map(
-            int, late[[0, -1]]
-        ):  # expected deviation with the bias ratio of the curve over the Allan deviation
+        for i in late[[0, -1]].tolist():
+            # expected deviation with the bias ratio of the curve over the Allan deviation
             own = by_term(theo1, model, int(curve.m[i]), curve.size, curve.rate).sum()
             aim = by_term(STATISTICS[theo1.target], model, 1, None, 1 / float(curve.tau[i])).sum()
             ratios.append(float(np.sqrt(curve.factor[i] * own / aim)))
@@ -44,10 +43,8 @@ def joints(curves: Iterable[Curve], noise: ModelLike) -> tuple[str, ...]:
         notes.append(say(
             "the bias ratio of {statistic} assumes one kind of noise: under the identified noise the deviation is "
             "{first:.2f} times the Allan deviation at {start:g} s and {last:.2f} times at {end:g} s ({cure} "
-            "corrects it)",
-            statistic=curve.statistic, start=curve.tau[late[0]], end=curve.tau[late[-1]], first=first, last=last,
-            cure=spelled("--bias model", "bias='model'"),
-        ))  # fmt: skip
+            "corrects it)", statistic=curve.statistic, start=curve.tau[late[0]], end=curve.tau[late[-1]], first=first,
+            last=last, cure=spelled("--bias model", "bias='model'")))  # fmt: skip
         if len(parts) > 1:
             what = say("{statistic} jumps there, where it passes from oadev to TheoBR", statistic=curve.statistic)
             notes.append(what)

@@ -143,9 +143,7 @@ class Inspected:
     def numbered(self) -> list[tuple[str, Quality]]:
         """The findings about each record, and their prefix: the number of the record if there are several."""
         many = len(self.headed) > 1
-        return [
-            (say("record {number}: ", number=i) if many else "", quality) for i, quality in enumerate(self.qualities, 1)
-        ]
+        return [(say("record {number}: ", number=i) if many else "", q) for i, q in enumerate(self.qualities, 1)]
 
 
 def chosen(curve: Curve, taus: Taus, m: tuple[int, ...] | None = None) -> Curve:

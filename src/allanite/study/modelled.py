@@ -21,8 +21,7 @@ from allanite.core.syntax import split_quantities
 from allanite.core.units import convert
 from allanite.core.validity import Quality
 from allanite.phrases.phrase import join, say, spelled
-from allanite.planning.datasheets import claimed
-from allanite.planning.datasheets import sensor as typical
+from allanite.planning.datasheets import claimed, sensor as typical
 from allanite.planning.plan import DURATIONS, RecordingPlan, plan
 from allanite.planning.selfcheck import SelfCheck, selfcheck
 from allanite.statespace import StateSpace, state_space
@@ -94,10 +93,8 @@ class SelfCheckSettings(CheckChoices, NoiseSettings):
     @property
     def limits(self) -> dict[str, float]:
         """The given limits, as shares, by the names used by `SelfCheck.exceeded`."""
-        named = {
-            "bias": self.max_bias, "coverage": self.min_coverage, "false": self.max_false, "missed": self.max_missed
-        }  # fmt: skip
-        return {name: value for name, value in named.items() if value is not None}
+        keys = {"bias": "max_bias", "coverage": "min_coverage", "false": "max_false", "missed": "max_missed"}
+        return {name: getattr(self, key) for name, key in keys.items() if getattr(self, key) is not None}
 
 
 @described
@@ -287,11 +284,8 @@ def run_model_job(
     def follow(seen: Inspected) -> Modelled:
         record, noise = seen.record, noise_in(seen, recipe)
         wrong = [e for e in noise.fit if e.status == "not valid"] if noise.explained else []
-        missing = (
-            say("{symbol} is left out of the model because its coefficient is not valid: {reason}",
-                symbol=e.symbol, reason=e.reason)
-            for e in wrong
-        )  # fmt: skip
+        missing = (say("{symbol} is left out of the model because its coefficient is not valid: {reason}",
+                       symbol=e.symbol, reason=e.reason) for e in wrong)  # fmt: skip
         alerts = (*noise.doubts, *missing, *seen.alerts)
         made = partial(Modelled, record.name, record.rate, record, seen.quality, noise, alerts=alerts)
         try:
@@ -313,9 +307,5 @@ def demand_no_recording(settings: NoiseSettings, recipe: Recipe) -> None:
     usual, counting = Recipe(), settings.counting(recorded=False)
     for key in (*READING, *SELECTING, *IDENTIFYING):
         if key not in counting and getattr(recipe, key) != getattr(usual, key):
-            option = {"start": "from"}.get(key, key.replace("_", "-"))
-            raise UsageError(
-                f"{spelled('--' + option, key)} applies to a recording, but the noise is given by "
-                + ways()
-                + "; omit it"
-            )
+            option = spelled(f"--{'from' if key == 'start' else key.replace('_', '-')}", key)
+            raise UsageError(f"{option} applies to a recording, but the noise is given by {ways()}; omit it")

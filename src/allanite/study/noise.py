@@ -94,10 +94,8 @@ def begun(record: Record, recipe: Recipe, *, lines: bool = True) -> Started:
     )  # fmt: skip
     if row is None or not row.allowed or readable:
         return search
-    note = say(
-        "method {method!r} cannot fit {statistic}: the coefficients are those of {other}",
-        method=recipe.method, statistic=recipe.statistic, other=row.statistic,
-    )  # fmt: skip
+    note = say("method {method!r} cannot fit {statistic}: the coefficients are those of {other}",
+               method=recipe.method, statistic=recipe.statistic, other=row.statistic)  # fmt: skip
     return replace(search, notes=(*search.notes, note))
 
 
@@ -140,11 +138,8 @@ def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
             )  # fmt: skip
             residuals = noise.residuals
             noise = replace(noise, fit=replace(noise.fit, findings=(finding, *noise.fit.findings)))
-            return (
-                noise
-                if residuals is None
-                else replace(noise, leftover=Stored(replace(residuals, findings=(finding, *residuals.findings))))
-            )
+            told = None if residuals is None else Stored(replace(residuals, findings=(finding, *residuals.findings)))
+            return replace(noise, leftover=told)
     return noise
 
 

@@ -211,19 +211,11 @@ def _looked(
 def _notes(reader: PartsReader) -> tuple[str, ...]:
     """That the file was read in parts, and what was looked at."""
     return (
-        say(
-            "the file was read in parts: as a whole the record may take {need} of memory, of which {limit} may be "
-            "used ({option})",
-            need=size_in_words(reader.need), limit=size_in_words(reader.limit),
-            option=spelled("--memory", "memory"),
-        ),
-        say(
-            "every sample was checked for gaps, outliers, stuck and clipped values; other properties were checked in "
-            "blocks of {size} samples spread over the record",
-            size=inspector.BLOCK,
-        ),
-        say(
-            "not done, since it needs all samples at once: removal of sinusoids, tests of the residuals, correlations "
-            "between channels, drift with other columns"
-        ),
+        say("the file was read in parts: as a whole the record may take {need} of memory, of which {limit} may be "
+            "used ({option})", need=size_in_words(reader.need), limit=size_in_words(reader.limit),
+            option=spelled("--memory", "memory")),
+        say("every sample was checked for gaps, outliers, stuck and clipped values; other properties were checked in "
+            "blocks of {size} samples spread over the record", size=inspector.BLOCK),
+        say("not done, since it needs all samples at once: removal of sinusoids, tests of the residuals, correlations "
+            "between channels, drift with other columns"),
     )  # fmt: skip

@@ -5,25 +5,13 @@ import shlex
 import stat
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from allanite.core.choices import (
-    BAND,
-    HERTZ,
-    INSTANT,
-    LINES,
-    RANGES,
-    SYMBOLS,
-    WORD,
-    WORTH,
-    ChoiceKind,
-    choice,
-    choices_of,
-    demand_choices,
-    described,
-    named,
-    pieces,
-)
+from allanite.core.choices import (  # isort: skip
+    BAND, HERTZ, INSTANT, LINES, RANGES, SYMBOLS, WORD, WORTH, ChoiceKind, choice, choices_of, demand_choices,
+    described, named, pieces
+)  # fmt: skip
 from allanite.core.errors import UsageError, unfit
 from allanite.core.files import reason
 from allanite.core.names import demand_name
@@ -38,30 +26,21 @@ if TYPE_CHECKING:
 # these are imported when a value is given, since the help reads the rows and no more
 
 
-def _outliers(choice: str) -> str:
-    from allanite.prepare.outliers import demand_choice
+def _accepted(function: str) -> Callable[[Any], Any]:
+    """The value, unless a function of `allanite` refuses it."""
 
-    return demand_choice(choice)
+    def demand(value: Any) -> Any:
+        module, _, name = function.rpartition(".")
+        getattr(import_module(f"allanite.{module}"), name)(value)
+        return value
 
-
-def _motion(word: str) -> str:
-    from allanite.prepare.transform import demand_motion
-
-    return demand_motion(word)
-
-
-def _memory(size: str) -> str:
-    from allanite.readers.parts import bytes_of
-
-    bytes_of(size)
-    return size
+    return demand
 
 
-def _device(name: str) -> str:
-    from allanite.interpretation.devices import device
+def _statistic(name: str) -> str:
+    from allanite.statistics import statistic_named
 
-    device(name)
-    return name
+    return statistic_named(name).name
 
 
 def _stated(key: str) -> Callable[[Any], Any]:
@@ -159,15 +138,15 @@ class Recipe:
         "TIME", "Use the most stationary window of this length.", kind=INSTANT, group="selecting", parts=())
     outliers: str | None = choice(
         "WORD", "mark: exclude everywhere; keep: use everywhere.", told="exclude from the fit only", group="selecting",
-        demand=_outliers)
+        demand=_accepted("prepare.outliers.demand_choice"))
     motion: str | None = choice(
         "WORD", "mark: leave out the seconds in which the sensor moves; refuse: no analysis beyond 2 % of them.",
-        told="refuse; of a live stream mark", group="selecting", demand=_motion)
+        told="refuse; of a live stream mark", group="selecting", demand=_accepted("prepare.transform.demand_motion"))
     memory: str | None = choice(
         "SIZE", "Memory that a record may take, e.g. 1GB; a larger one is read in parts.",
-        told="half of what is available", group="selecting", demand=_memory)
+        told="half of what is available", group="selecting", demand=_accepted("readers.parts.bytes_of"))
     statistic: str = choice("NAME", "Statistic of the curve.", default="oadev", group="curve",
-        synonyms=("stat", "type"))
+        synonyms=("stat", "type"), demand=_statistic)
     taus: str | tuple[float, ...] = grid("log")
     terms: str = choice("QNBKR", "Noise terms to look for.", kind=SYMBOLS, default="auto", group="identifying",
         synonyms=("noise",))
@@ -187,7 +166,7 @@ class Recipe:
         synonyms=("confidence", "ci"), demand=demand_level)
     device: str | None = choice(
         "NAME", "Likely causes of each term in it: stabilizer, mscsg, rlg, fog, mems, accelerometer.", group="showing",
-        demand=_device)
+        demand=_accepted("interpretation.devices.device"))
     to: tuple[str, ...] | None = choice(
         "UNIT,...", "Units of the coefficients: deg/s, ug/sqrt(Hz), ...", told="those of data sheets", group="showing",
         demand=_units_shown, flags=("--output-unit",), old=("--to",))

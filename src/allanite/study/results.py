@@ -123,9 +123,8 @@ class RecordResult(Value):
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> Self:
         stored = read_fields(cls, data, "record", "noise")
-        return cls(
-            header_from(data), **stored, **({"noise": noise_from(data)} if "noise" in dict(stored_fields(cls)) else {})
-        )
+        noise = {"noise": noise_from(data)} if "noise" in dict(stored_fields(cls)) else {}
+        return cls(header_from(data), **stored, **noise)
 
     def _summary(self) -> str:
         return ": ".join(filter(None, (repr(self.record.name), getattr(self, "refusal", ""))))

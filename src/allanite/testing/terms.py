@@ -192,9 +192,6 @@ def transforms(row: NoiseTerm, n: int = 61) -> None:
     assert 0 <= row.dct_error <= 1.5 * np.max(off / np.maximum(np.abs(exact), 1e-300))  # no more than it has to be
 
 
-COLUMNS = asymptote, scaled, law, derivatives, sums, increments, oscillates, spectra, transforms
-
-
 def waveforms(row: NoiseTerm) -> None:
     """A deterministic term begins to rise; what it is made of has the increments that D says."""
     if row.waveform is None:
@@ -286,10 +283,10 @@ def simulated(row: NoiseTerm, n: int = 64, count: int = 100) -> None:
     assert abs(np.mean(d[:, 1:] * d[:, :-1]) - exact[1]) < 0.15 * exact[0]
 
 
-FORMS = waveforms, states
-
-
-CHECKS: tuple[Callable[[NoiseTerm], None], ...] = (*COLUMNS, *FORMS)  # what is demanded of a row at each of its shapes
+CHECKS: tuple[Callable[[NoiseTerm], None], ...] = (
+    asymptote, scaled, law, derivatives, sums, increments, oscillates, spectra, transforms, waveforms, states,
+)  # fmt: skip
+"""What is demanded of a row at each of its shapes."""
 
 RATES = (0.013, 0.047, 0.31, 2.1, 5.0)
 """Sampling rates, at which the times of a term are fractions of a sample to many samples."""

@@ -51,9 +51,8 @@ class Request:
         for key in data:
             demand_name("key", key, rows, where=" in the recipe")
         given = read_given(rows, data)
-        own = choices_of(task.kind) if task.kind else {}
+        kind, own = task.kind, choices_of(task.kind) if task.kind else {}
         recipe = Recipe(**{**task.usual, **{key: value for key, value in given.items() if key not in own}})
-        kind = task.kind
         return cls(verb, recipe, kind and kind(**{key: value for key, value in given.items() if key in own}))
 
     def words(self, files: Sequence[str], lang: str = ENGLISH) -> list[str]:

@@ -137,10 +137,8 @@ def link(request: Request) -> dict[str, Any]:
 
 def workspaces(request: Request) -> list[dict[str, Any]]:
     """All workspaces, the last one first."""
-    return [
-        {"id": state["id"], "files": [file["name"] for file in state["files"].values()]}
-        for state in request.app.state.store.all()
-    ]
+    states = request.app.state.store.all()
+    return [{"id": state["id"], "files": [file["name"] for file in state["files"].values()]} for state in states]
 
 
 def new_workspace(request: Request) -> dict[str, Any]:

@@ -179,10 +179,8 @@ def serve(paths: Sequence[str], *, port: int, browser: bool, lang: str, limit: i
         store = Store(folder, limit=limit, quota=quota)
         held = _lock(folder)
     except OSError as error:
-        raise UsageError(
-            f"{str(error.filename or folder)!r} cannot be used ({reason(error)}); remove it, or make it writable: the "
-            f"page keeps its files in {str(folder)!r}"
-        ) from None
+        raise UsageError(f"{str(error.filename or folder)!r} cannot be used ({reason(error)}); remove it, or make it "
+                         f"writable: the page keeps its files in {str(folder)!r}") from None  # fmt: skip
     if held is None:
         link = joined(store, paths)
         _announce(link, "a server of yours runs already, with options of its own")

@@ -63,9 +63,8 @@ class Store:
     def aside(self) -> list[State]:
         """Workspaces that cannot be read, and the bytes that they take: their uploads are still on the disk."""
         with self.lock:
-            return [
-                {"id": path.name, "bytes": self._taken(path)} for path in self._places() if not self.find(path.name)
-            ]
+            lost = [path for path in self._places() if not self.find(path.name)]
+            return [{"id": path.name, "bytes": self._taken(path)} for path in lost]
 
     def _places(self) -> list[Path]:
         return [path for path in self.folder.iterdir() if _ID.fullmatch(path.name) and path.is_dir()]

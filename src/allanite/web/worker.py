@@ -139,16 +139,9 @@ class Held:
 
 
 def run(
-    held: Held,
-    job: str,
-    *,
-    verb: str,
-    paths: list[str],
-    choices: dict[str, Any],
-    shown: str,
-    lang: str,
+    held: Held, job: str, *, verb: str, paths: list[str], choices: dict[str, Any], shown: str, lang: str,
     kept: tuple[dict[str, tuple[str, str, str]], float, int],  # id, folder and name of each path; bytes left; quota
-) -> Answer:
+) -> Answer:  # fmt: skip
     """Do a job; its result as JSON, and as it is shown."""
     from allanite.reporting.json import to_json
 

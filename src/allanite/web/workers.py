@@ -59,11 +59,8 @@ class Worker:
                 raise DataError("cancelled") from None
             how = f"by signal {-process.code}" if process.code < 0 else f"with code {process.code}"
             remedy = spelled("--channels, --from, --until, --memory", "channels, start, until, memory")
-            raise DataError(
-                f"the process of this job was ended {how}, perhaps because memory was short: choose fewer channels "
-                f"or a part of the record ({remedy})",
-                choice="channels",
-            ) from None
+            raise DataError(f"the process of this job was ended {how}, perhaps because memory was short: choose fewer "
+                            f"channels or a part of the record ({remedy})", choice="channels") from None  # fmt: skip
 
     def end(self) -> None:
         """End the process; the next one that asks has a new one."""

@@ -13,6 +13,8 @@ ERRORS = "--error h:128=3,-1.5 --error h:256=1,2 --error q:128=-2,1 --error q:25
 COMMANDS = (
     f"simulate run1.csv --model '{ANGLE}' --unit arcmin --rate 10 --duration '60 min'",
     f"simulate run2.csv --model '{ANGLE}' --unit arcmin --rate 10 --duration '30 min' --seed 3",
+    "simulate drift.npz --channels azimuth --model 'N 0.3 arcsec*sqrt(s), K 0.3 arcsec/sqrt(s), R -0.5 arcsec/s' "
+    "--unit arcsec --rate 10 --duration '60 min'",
     "simulate white.npz --model 'N 1 deg/sqrt(h)' --rate 1 --samples 7200",
     "simulate biased.npz --model 'N 1 deg/sqrt(h)' --rate 1 --samples 7200 --constant '1000 deg/h'",
     "simulate walk.npz --model 'K 1 deg/h/sqrt(h)' --rate 1 --samples 7200",
@@ -35,6 +37,8 @@ COMMANDS = (
     "simulate brief.npz --model 'N 1 deg/sqrt(h)' --rate 1 --samples 1200",
     "simulate bump.npz --model 'N 1 deg/sqrt(h)' --rate 1 --samples 1200 --channels 60 --noise-profile "
     "'0:1, 300:1, 600:3, 900:1'",
+    "simulate warmed.csv --model 'N 1 deg/sqrt(h), B 5 deg/h' --rate 1 --duration '1 h' --effect 'disp 1 um 300 s 40 "
+    "deg/h' --effect 'temp 2 degC 1100 s 40 deg/h'",
     f"simulate fogs.npz --model '{FOG}' --rate 1 --duration '2 h' --channels 8",
 )
 
@@ -57,17 +61,6 @@ def encoder(name):
     _columns(name, "measured [rad],reference [rad]", measured, reference)
 
 
-def warmed(name):
-    """A rate with 40 deg/h per um of a displacement and 20 deg/h per degree of a temperature."""
-    rng = np.random.default_rng(1)
-    t = np.arange(3600.0)
-    displacement = np.sin(2 * np.pi * t / 300) + 0.1 * rng.standard_normal(t.size)
-    temperature = 25 + 2 * np.sin(2 * np.pi * t / 1100)
-    noise = al.simulate(al.Model("N 1 deg/sqrt(h), B 5 deg/h"), t.size, 1.0, rng=rng)
-    rate = np.degrees(noise.values) * 3600 + 40 * displacement + 20 * temperature
-    _columns(name, "time [s],gx [deg/h],disp [um],temp [degC]", t, rate, displacement, temperature)
-
-
 def currents(name):
     """Currents of two torquers of 0.2 rad/s per A, with cross-coupling of 1 %, at rates with noise of 1 mrad/s."""
     rates = np.radians([[1.0], [-2.0]]) + 1e-3 * np.random.default_rng(1).standard_normal((2, 60_000))
@@ -75,5 +68,5 @@ def currents(name):
     _columns(name, "time [s],ix [A],iy [A]", np.arange(x.size) / 1000, x, y)
 
 
-WRITTEN = {"resolver.csv": resolver, "encoder.csv": encoder, "warmed.csv": warmed, "currents.csv": currents}
+WRITTEN = {"resolver.csv": resolver, "encoder.csv": encoder, "currents.csv": currents}
 """Files that have more than noise in their columns."""

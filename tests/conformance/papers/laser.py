@@ -12,10 +12,17 @@ ROWS = (
     Row("the conditional regression of 100 lines",
         f"rate gl1.npz --methods conditional --lines 100 --bias -0.0948 {GL1} --csv -",
         "std", 0.0018, 0.35),
-    Row("the descent and the proven optimum agree, deg/h", (
+    Row("the search and the proven optimum agree, deg/h", (
         f"rate turned1.npz --methods staircase {GL1} --until 120 --certified --csv -",
         f"rate turned1.npz --methods staircase {GL1} --until 120 --csv -"), ("rate", "rate"), 0.0, 6e-5,
         read=lambda certified, found: certified - found),
+    Row("the descent from the count ends near the regression, deg/h", (
+        f"rate turned1.npz --methods staircase {GL1} --until 120 --descent 20 --csv -",
+        f"rate turned1.npz --methods regression {GL1} --until 120 --csv -"), ("rate", "rate"), 0.0, 6e-4,
+        read=lambda staircase, line: staircase - line),
+    Row("240 s with reversal: standard error below 0.002, deg/h",
+        f"rate turned1.npz --second turned2.npz --until 120 --methods mean {GL1} --csv -",
+        "predicted @ method=optimal", 0.002, 0.35, ours=0.00114, wrong=True),
     Row("a staircase without noise: its rate is certain",
         "rate quiet.npz --methods staircase --noise 'Q 0.0237 arcsec' --no-times --csv -", "rate", 12.4392, 1e-8),
 )  # fmt: skip

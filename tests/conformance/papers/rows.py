@@ -57,6 +57,11 @@ def ratio(one, other):
     return one / other
 
 
+def walk(hadamard, tau):
+    """The coefficient of a random walk from its Hadamard deviation."""
+    return hadamard * math.sqrt(6 / tau)
+
+
 def percent(edf):
     """Relative standard error of a deviation."""
     return 100 / math.sqrt(2 * edf)

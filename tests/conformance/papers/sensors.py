@@ -10,8 +10,8 @@ SHORT = HOURS.replace("3600 ", "1800 ", 1)
 CALIBRATE = "angle calibrate encoder.csv --measured measured --reference reference --csv -"
 
 ROWS = (
-    *(Row(f"Fig. 3: period under sway, range {i + 1}, min", SWAYING, f"mean period 128 h [s] @ start [s]={3600 * i}", 6,
-          0.03, read=minutes) for i in range(6)),
+    *(Row(f"Fig. 3: period under the sway solved from it, range {i + 1}", SWAYING,
+          f"mean period 128 h [s] @ start [s]={3600 * i}", 6, 0.03, read=minutes) for i in range(6)),
     Row("under sway half the time is enough everywhere", HALF, "total @ start [s]=8100",
         1.14, 0.05, 1.62, wrong=True),
     *(Row(f"eq. 5: {name}", ESTIMATE, f"value @ constant={name}", true, tolerance, read=arcsec)

@@ -2,7 +2,7 @@
 
 import numpy as np
 from tests.conformance.papers.direct import allan, hadamard, overlapping, values
-from tests.conformance.papers.rows import Row, arcsec, ratio
+from tests.conformance.papers.rows import Row, arcsec, ratio, walk
 
 COEFFICIENTS = "analyze run1.csv --coefficients -"
 MEANING = "analyze run2.csv --device stabilizer"
@@ -31,8 +31,10 @@ ROWS = (
     Row("Fig. 2: top of correlated noise, at 1.89 time constants",
         "deviation --model 'GM 1 deg/h 1 s' --rate 100 --duration 100 --taus 1.89 --csv -",
         "deviation", 0.617, 0.002, read=arcsec),
-    Row("oscillation of a loop", "analyze loop.npz --terms N,GM2 --coefficients -", "value @ term=GM2", 1.0,
-        0.1),
+    Row("conclusion 4: time constant of the loop", COEFFICIENTS, "value @ term=GM.time_constant", 2.0, 0.2),
+    *(Row(f"oscillation of a loop: {term}", "analyze loop.npz --terms N,GM2 --coefficients -", f"value @ term={term}",
+          value, tolerance) for term, value, tolerance in (
+          ("GM2", 1.0, 0.1), ("GM2.frequency", 0.3, 0.1), ("GM2.damping", 0.15, 0.3))),
     Row("limits of the modified deviation that are no numbers",
         "deviation run1.csv --statistic mdev --taus log --csv -", "blank high", 0.0, 0.0),
     Row("Hadamard: blind to a ramp",
@@ -42,6 +44,11 @@ ROWS = (
         "change_percent @ quantity=N", 0.0, 3.0),
     Row("two runs in one table", "analyze run1.csv run2.csv --coefficients -",
         "value @ file=run2.csv & term=N", 0.28458, 0.05),
+    Row("conclusion 5: K from the Hadamard deviation",
+        "deviation drift.npz --statistic ohdev --taus 100 --no-intervals --csv -",
+        ("deviation", "tau_s"), 0.3, 0.3, read=walk),
+    Row("conclusion 5: K by the likelihood", "analyze drift.npz --coefficients -", "value @ term=K", 0.3, 0.3),
+    Row("p. 149: the sign of the drift", "analyze drift.npz --coefficients -", "value @ term=R", -0.5, 0.1),
     Row("conclusion 5: R has a sign", COEFFICIENTS, "low @ term=R", 0.49998, 0.01),
     *(Row(f"sine and cosine of a resolver: {symbol}", "analyze resolver.csv --sincos az_sin,az_cos --coefficients -",
           f"value @ term={symbol}", value, tolerance) for symbol, value, tolerance in TRUTH),

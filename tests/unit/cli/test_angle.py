@@ -8,6 +8,7 @@ import os
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from scipy.io import savemat
 from tests.rows import rows
 
 import allanite as al
@@ -158,8 +159,9 @@ def test_refused(arguments, code, words, tmp_path, monkeypatch):
 
 @rows("options, code, words", [
     (["--difference", "z", "--latitude", 60], 2, "no column 'z'"),
-    (["--difference", "difference", "--rho", "rho"], 2, "give the latitude"),
-    (["--difference", "difference", "--latitude", 60], 2, "--nuisance A1,A2,A3"),
+    (["--difference", "difference", "--rho", "rho", "--latitude", 45], 0, "the motion of h and q gives the latitude"),
+    (["--difference", "difference", "--rho", "rho", "--h", "q_polar"], 2, "give the latitude"),
+    ([], 0, "from the motion of h and q"),
     (["--difference", "difference", "--latitude", 60, "--rho", "rho", "--turn-period", 300], 2, "the same rotation"),
     (["--difference", "difference", "--latitude", 60, "--turn-period", 0], 2, "positive number of s"),
     (["--difference", "difference", "--latitude", 60, "--rho", "rho", "--unit", "m"], 2, "cannot be converted"),
@@ -179,12 +181,53 @@ def test_broken_files(tmp_path, gimbal):
     cells = lines[9].split(",")
     broken.write_text("\n".join([*lines[:9], ",".join([cells[0], "nan", *cells[2:]]), *lines[10:]]))
     done = estimate(broken)
-    assert done.exit_code == 3
-    assert "the difference of cosines are not finite, the first at sample 8" in done.stderr
+    assert (done.exit_code, "1 row with a missing value is left out" in done.stdout) == (0, True)
     broken.write_text("\n".join([lines[0].replace("[rad]", ""), *lines[1:]]))
-    assert "the unit of column 'rho' is unknown" in estimate(broken).stderr
+    assert "'h', 'q', 'rho': the unit is unknown" in estimate(broken).stderr
+    broken.write_text("\n".join(line.rsplit(",", 1)[0] for line in lines))
+    assert "--nuisance A1,A2,A3" in run("estimate", broken).stderr
     broken.write_text("no numbers here\n")
     assert estimate(broken).exit_code == 3
+
+
+def test_any_format_and_header_is_read(gimbal, tmp_path):
+    """.npz and .mat whose names hold no unit, ``difference [1]``, and Russian tables; the same numbers from each."""
+    names, *lines = gimbal.read_text().splitlines()[1:]
+    data = dict(zip([name.split(" ")[0] for name in names.split(",")], np.loadtxt(lines, delimiter=",").T, strict=True))
+    np.savez(tmp_path / "a.npz", **data)
+    savemat(tmp_path / "a.mat", data)
+    (tmp_path / "one.csv").write_text("\n".join([names.replace("difference", "difference [1]"), *lines]))
+    russian = "\n".join([names, *lines]).replace(",", ";").replace(".", ",").replace("time [s]", "время, с")
+    (tmp_path / "r.csv").write_bytes(russian.encode("cp1251"))
+    expected = estimate(gimbal, "--csv", "-").stdout.splitlines()
+    for file, more in (
+        ("a.npz", ["--unit", "rad"]),
+        ("a.mat", ["--unit", "rad"]),
+        ("one.csv", []),
+        ("r.csv", ["--time", 1]),
+    ):
+        done = estimate(tmp_path / file, *more, "--csv", "-")
+        assert done.exit_code == 0, done.stderr
+        assert [line.split(",")[:5] for line in done.stdout.splitlines()] == [e.split(",")[:5] for e in expected], file
+
+
+def test_a_growing_file_is_watched(gimbal, tmp_path):
+    """The estimate of a live source, at its end, is that of its file; a row that is no number is passed over."""
+    lines = gimbal.read_text().splitlines()
+    path = tmp_path / "live.csv"
+    path.write_text("\n".join([*lines[:20], lines[20].replace(lines[20].split(",")[1], "nan"), *lines[21:], ""]))
+    choices = (path, "--difference", "difference", "--rho", "rho", "--csv", "-")
+    done, whole = run("watch", *choices, "--idle", "1.5 s"), run("estimate", *choices)
+    assert (done.exit_code, whole.exit_code) == (0, 0), done.stderr
+    shown, expected = (list(csv.DictReader(io.StringIO(d.stdout))) for d in (done, whole))
+    for one, other in zip(shown, expected, strict=True):
+        error = float(other["standard_error"])
+        assert one["true"] == other["true"]
+        assert float(one["value"]) == pytest.approx(float(other["value"]), abs=1e-4 * error)
+        assert float(one["high"]) == pytest.approx(float(other["high"]), abs=1e-3 * error)
+    assert "359 samples; harmonic 128 of h: 3." in done.stderr
+    path.write_text("nothing\n")
+    assert "sent no samples" in run("watch", *choices, "--idle", "0.5 s").stderr
 
 
 def test_the_recipe_repeats_the_run(gimbal, tmp_path):

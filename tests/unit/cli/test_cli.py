@@ -192,7 +192,7 @@ def test_help_and_its_summaries():
     # each option is declared in one file
     declared = {}
     for path in sorted((ROOT / "src" / "allanite" / "cli").glob("*.py")):
-        for name in re.findall(r'(?:click\.option\(\s*"--|_path\(")([a-z-]+)', path.read_text(encoding="utf-8")):
+        for name in re.findall(r'(?:click\.option\(\s*"--|path_option\(")([a-z-]+)', path.read_text(encoding="utf-8")):
             declared.setdefault(name, set()).add(path.name)
     assert {"lang", "model", "corrected"} < set(declared)
     assert {name: files for name, files in declared.items() if len(files) > 1} == {}

@@ -24,6 +24,18 @@ def test_the_list_and_an_unknown_paper():
     refused = run("example", "999")
     assert refused.exit_code == 2
     assert "unknown paper '999'; known papers: 00" in refused.stderr
+    assert all(row.short in listed and row.short in refused.stderr for row in map(paper, PAPERS))
+
+
+def test_a_paper_is_known_by_its_short_name_and_explained():
+    for row in map(paper, PAPERS):
+        assert paper(row.short.upper()) == row
+        explained = run("explain", row.name).stdout
+        ways = (f"allanite example {row.short}", row.page, *(f"allanite {line}" for line in row.own))
+        assert [way for way in ways if way not in explained] == []
+    told = run("explain", "GM").stdout
+    assert "allanite example stabilizer" in told
+    assert "did you mean suspended?" in run("example", "mscsg").stderr
 
 
 @rows("name", PAPERS)
@@ -40,7 +52,7 @@ def test_every_item_of_a_paper_has_the_verdict_that_is_expected(name, tmp_path, 
     folder = tmp_path / "made"
     done = run("example", name, folder)
     assert done.exit_code == 0, done.stderr
-    assert re.search(r"^ +paper +here +why$", done.stdout, re.MULTILINE), "the first screen has no room for all columns"
+    assert re.search(r"^ +paper or source +here +verdict\b", done.stdout, re.MULTILINE), "no room for the verdict"
     named = set(re.findall(SHOWN, " ".join(paper(name).commands))) | {"page.html", "paper.json"}
     assert named == {path.name for path in folder.iterdir()}
     found = json.loads((folder / "paper.json").read_text("utf-8"))["items"]

@@ -41,12 +41,27 @@ def test_quantization_is_made_by_rounding_on_request(tmp_path):
     assert run(path, "--model", "N 2 deg/sqrt(h)", "--rate", 10, "--samples", 500, "--rounding").exit_code == 2
 
 
+def test_an_effect_is_that_of_its_column(tmp_path):
+    path, plain = tmp_path / "out.npz", tmp_path / "plain.npz"
+    line = ("--model", "N 1 deg/sqrt(h)", "--rate", 10, "--samples", 500, "--channels", 2)
+    assert run(plain, *line).exit_code == 0
+    assert run(path, *line, "--effect", "temp 2 degC 40 s 3 deg/h", "--effect", "disp 1 um 7 s 1 deg/h").exit_code == 0
+    recording = al.read(path)
+    assert [(record.name, record.unit) for record in recording][2:] == [("temp", "degC"), ("disp", "um")]
+    *gyros, temp, disp = (record.values for record in recording)
+    np.testing.assert_allclose(temp, 2 * np.sin(2 * np.pi * np.arange(500) / 400), atol=1e-12)
+    for gyro, alone in zip(gyros, al.read(plain), strict=True):
+        np.testing.assert_allclose(gyro - alone.values, 1.5 * temp + disp, atol=1e-9)
+    for wrong in ("temp", "temp 2 degC", "temp 2 40 s 3 deg/h", ""):
+        assert "--effect has the form" in run(path, *line, "--force", "--effect", wrong).stderr, wrong
+
+
 def test_all_faults_at_once(tmp_path):
     path = tmp_path / "out.npz"
     result = run(
         path, "--model", "N 0.01 deg/sqrt(h), GM 0.1 deg/h 20 s", "--rate", 100, "--samples", 5000, "--constant",
-        "10 deg/h", "--low-pass", "20 Hz 2", "--noise-step", 2, "--outliers", "0.1% 20", "--clip", "300 deg/h",
-        "--quantize", "angle 0.1 arcsec", "--dither", "9 Hz 20", "--gaps", "1% 0.2s", "--json", "-",
+        "10 deg/h", "--low-pass", "20 Hz 2", "--noise-profile", "0:1, 25:1, 25:2", "--outliers", "0.1% 20", "--clip",
+        "300 deg/h", "--quantize", "angle 0.1 arcsec", "--dither", "9 Hz 20", "--gaps", "1% 0.2s", "--json", "-",
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
     truth = json.loads(result.stdout)
@@ -96,6 +111,8 @@ def test_names_units_and_progress_of_channels(tmp_path, monkeypatch):
     recording = al.read(tmp_path / "out.npz")
     assert recording.channels == ("a1", "a2", "a3", "a4")
     assert recording[0].unit == "ug"
+    run(tmp_path / "named.npz", "--sensor", "fog", "--rate", 50, "--samples", 500, "--channels", "azimuth,tilt")
+    assert al.read(tmp_path / "named.npz").channels == ("azimuth", "tilt")
     # progress is the share of the channels that are made
     told = []
     bar = contextlib.nullcontext(lambda _, share: told.append(share))

@@ -207,13 +207,17 @@ def test_limits_of_a_ratio_of_ramps_hold_the_share_that_they_state(level):
     assert shares == pytest.approx([(1 - level) / 2, (1 + level) / 2], abs=1e-5)
 
 
-def test_gauss_markov_noise_is_compared_at_one_time_constant():
+def test_gauss_markov_noise_is_compared_with_its_time_constant():
     model = al.N(0.3, "deg/sqrt(h)") + al.GM(60, "deg/h", time_constant=5.0)
-    found = al.compare(simulated(model, 1, n=40_000), scaled(simulated(model, 2, n=40_000), 1.3))
+    found = al.compare(simulated(model, 1, n=40_000), scaled(simulated(model, 2, n=40_000), 2.0))
     assert found["GM"].outcome == "larger"
-    assert found["GM"].interval()[0] < 30 < found["GM"].interval()[1]
+    assert found["GM"].interval()[0] < 100 < found["GM"].interval()[1]
+    (time,) = (change for change in found.terms if change.parameter)
+    assert (time.label, time.unit, time.sizes) == ("GM time constant", "s", [f["GM"].shape[0] for f in found[0].fits])
+    assert time.percent == pytest.approx(100 * (time.sizes[1] / time.sizes[0] - 1))
+    assert time.interval()[0] < 0 < time.interval()[1]
     assert found["B"].outcome == "not resolvable"
-    assert any("GM is compared with a common shape" in alert for alert in found.pairs[0].alerts)
+    assert any("GM has one shape in the common model" in alert for alert in found.pairs[0].alerts)
 
 
 SHAPED = {
@@ -232,7 +236,7 @@ def test_terms_with_shapes_of_any_kind_are_compared(first, second):
     assert found.refusal == ""
     assert found.changed or {first, second} == {"GM", "GML"}
     for e in (e for fit in found.fits for e in fit if e.shape):
-        assert any(f"{e.symbol} is compared with a common shape" in alert for alert in found.alerts)
+        assert any(f"{e.symbol} has one shape in the common model" in alert for alert in found.alerts)
 
 
 @pytest.mark.slow("seconds of analyses")
@@ -242,8 +246,10 @@ def test_a_damped_oscillation_is_pooled_and_held_against_its_beginning():
     pooled = al.comparison.pool(runs, terms="N,GM,GM2").channels[0]
     low, high = next(term for term in pooled.terms if term.symbol == "GM2").limits(0.95)
     assert low < model["GM2"].value < high
+    labels = [change.label for change in al.compare(*runs[:2]).terms]
+    assert {"GM2", "GM2 natural frequency", "GM2 damping ratio"} <= set(labels)  # although it was not asked for
     part = al.comparison.truncation(runs[0], 40.0, al.Recipe(terms="N,GM2")).pairs[0]
-    assert part["GM2"].limits(0.95)[0] < 1 < part["GM2"].limits(0.95)[1]
+    assert part["GM2"].limits(0.99)[0] < 1 < part["GM2"].limits(0.99)[1]
 
 
 @pytest.mark.slow("takes more than half a second")

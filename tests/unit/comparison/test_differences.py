@@ -12,11 +12,13 @@ from tests.rows import refused, rows
 
 import allanite as al
 from allanite.comparison.change import told
-from allanite.comparison.pooled import bartlett
-from allanite.comparison.ratio import Amplitude, LineContrast
+from allanite.comparison.contrast import IntervalContrast
+from allanite.comparison.ratio import sine
+from allanite.comparison.runs import CommonValue, bartlett
 from allanite.comparison.two_records import paired_homogeneity, paired_law, resemblance
+from allanite.core.units import SIGNALS
 from allanite.reporting import table
-from allanite.reporting.views.comparison import change_of
+from allanite.reporting.words import change_of
 
 RATE = 100.0
 WHITE = al.N(1, "deg/sqrt(h)")
@@ -80,16 +82,18 @@ def test_curves_that_differ_are_never_under_no_change():
     assert not some.changed  # 0.01 is nothing among fourteen
 
 
-def test_limits_of_a_ratio_of_amplitudes_are_fiellers():
-    contrast = LineContrast(12.0, Amplitude(2.0, 0.1, True), Amplitude(3.0, 0.1, True))
+def test_limits_of_a_ratio_of_amplitudes():
+    def against(first, second):
+        return IntervalContrast(*(sine(v, 0.1, SIGNALS[0], 12.0, significant=v > 0.4) for v in (first, second)))
+
+    contrast = against(2.0, 3.0)
     rng = np.random.default_rng(1)
     ratios = (3 + 0.1 * rng.standard_normal(100_000)) / (2 + 0.1 * rng.standard_normal(100_000))
     assert contrast.limits(0.95) == pytest.approx(np.quantile(ratios, [0.025, 0.975]), rel=0.01)
     # one that has gone: its change of -100 % belongs to the interval
-    gone = LineContrast(12.0, Amplitude(2.0, 0.1, True), Amplitude(0.3, 0.1, False))
+    gone = against(2.0, 0.3)
     assert gone.limits(0.95) == (gone.ratio, pytest.approx(0.25, rel=0.1))
-    weak = LineContrast(12.0, Amplitude(0.1, 0.1, False), Amplitude(3.0, 0.1, True))
-    low, high = weak.limits(0.95)
+    low, high = against(0.1, 3.0).limits(0.95)
     assert 5 < low < 30
     assert high == np.inf
 
@@ -243,7 +247,8 @@ def test_two_runs_have_common_coefficients_and_a_test_but_hardly_a_scatter(facto
     low, high = n.interval()
     first, second = (al.identify(one)["N"] for one in pair)
     assert first.value < n.value < second.value or second.value < n.value < first.value
-    assert high - low < np.subtract(*second.interval()[::-1])
+    assert (high - low < np.subtract(*second.interval()[::-1])) is np.bool_(alike)
+    assert alike or (low < first.value < high and low < second.value < high)
     assert (
         f"{1 / stats.chi2.isf(0.025, 1) ** 0.5:.2f} to {1 / stats.chi2.isf(0.975, 1) ** 0.5:.2g} times"
         in channel.alerts[-1]
@@ -308,6 +313,18 @@ def test_runs_of_unlike_lengths_and_rates():
     found = al.comparison.pool([run(1), run(2, n=9000), run(3, n=8192, rate=200.0)])["z"]
     assert found.band[1] == 50.0
     assert found.alike
+
+
+@rows(("values", "within", "between"), [
+    ((1.0, 2.0, 6.0), 1e-9, True), ((1.0, 2.0, 6.0), 0.5, True), ((1.0, 2.0, 3.0), 10.0, False), ((1.0, 9.0), 1.0, True)
+])  # fmt: skip
+def test_limits_of_runs_that_scatter_are_those_of_student(values, within, between):
+    n, mean, error = len(values), float(np.mean(values)), within / len(values) ** 0.5
+    common = CommonValue(np.array(values), np.full(n, within), mean, stats.norm(mean, error).interval)
+    low, high = stats.t(n - 1, mean, stats.sem(values)).interval(0.95)
+    assert bool(common.between) is between
+    assert common.value == pytest.approx(mean)
+    assert common.limits(0.95) == pytest.approx((low, high) if between else stats.norm(mean, error).interval(0.95))
 
 
 def test_bartlett_is_scipys():

@@ -155,6 +155,7 @@ def test_fits_are_plain_data():
     absent = data["terms"][3]
     assert (absent["value"], absent["low"]) == (None, 0.0)
     assert absent["high"] > absent["upper"]  # two-sided, and one-sided
+    assert absent["shown"]["high"] == pytest.approx(convert(absent["upper"], absent["unit"], absent["shown"]["unit"]))
     headings, rows = fit.rows()
     assert len(rows) == 5
     assert all(len(row) == len(headings) for row in rows)

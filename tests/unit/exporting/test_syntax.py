@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 import yaml
 from click.testing import CliRunner
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
+from hypothesis import example, given, settings, strategies as st
 from tests import ROOT, examples
 from tests.rows import rows
 from tests.unit.exporting.syntaxes import PARSERS

@@ -304,3 +304,10 @@ def test_clean_records_hold_nothing_beside_the_terms(seed):
     assert [c for c in fit.components if c.claimed] == []
     assert fit.scope.whole
     assert covered(fit, "N", N.value)
+
+
+@rows("end", [0, -1])
+def test_a_short_record_whose_first_or_last_sample_stands_out_is_searched(end):
+    y = np.random.default_rng(2).standard_normal(200)
+    y[end] += 4.5
+    assert identified(y)["N"].value is not None

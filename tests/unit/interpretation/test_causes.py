@@ -18,6 +18,7 @@ from allanite.core.units import convert, signal_named
 from allanite.core.validity import LowPass, Scope
 from allanite.interpretation.devices import GRADES, REFERENCES, bounds_of, grade_of
 from allanite.interpretation.sentences import least, meaning, sentences, spans
+from allanite.reporting import first_screen, page
 
 GYRO = signal_named("gyro")
 FIVE = {"Q", "N", "B", "K", "R"}
@@ -195,6 +196,21 @@ def recorded(tmp_path_factory):
     model = al.N(0.1, "deg/sqrt(h)") + al.R(3000.0, "deg/h^2")
     al.write(al.simulate(model, 6000, 10.0, rng=np.random.default_rng(1), name="gz"), path)
     return path
+
+
+@pytest.mark.slow("takes more than half a second")
+def test_a_loop_has_its_time_constant_and_is_drawn_without_the_ramp():
+    model = al.Model("N 0.3 arcsec*sqrt(s), GM 1.2 arcsec 2 s, R 0.5 arcsec/s")
+    study = al.analyze(al.simulate(model, 24_000, 40.0, rng=np.random.default_rng(2), name="azimuth"))
+    row = r"(?m)^T +time constant +s +[12]\.\d+ \([12]\.\d+ \.\. [23]\.\d+\)$"
+    assert re.search(row, first_screen(study))
+    assert re.search(r"GM arcsec: 1\.\d+ ± [\d.]+ %  T s: [12]\.\d+ \(", first_screen(study, brief=True))
+    told = replace(study, recipe=replace(study.recipe, device="stabilizer"))
+    assert "causes in a gyro stabilizer" in first_screen(told)
+    ramp = replace(study.channels[0], noise=replace(study.channels[0].noise, fit=al.identify(al.simulate(
+        al.Model("N 0.3 arcsec*sqrt(s), R 0.5 arcsec/s"), 4000, 40.0, rng=np.random.default_rng(1)))))  # fmt: skip
+    for each, drawn in ((study, True), (replace(study, channels=(ramp,)), False)):
+        assert ("blind to a ramp" in page(each)) is drawn
 
 
 def test_the_command_says_it_and_the_recipe_holds_it(recorded, tmp_path):

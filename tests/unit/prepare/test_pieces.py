@@ -4,8 +4,7 @@ from itertools import pairwise
 from unittest.mock import patch
 
 import numpy as np
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from tests import examples
 from tests.rows import rows
 

@@ -125,10 +125,10 @@ def test_columns_in_parts_are_those_of_the_whole(case, tmp_path):
     path = str(file_of(tmp_path, content))
     options = Options(**{k: tuple(v) if isinstance(v, list) else v for k, v in choices.items()})
     if case in REFUSED:
-        said = refusal(lambda: text.sheet_of(path))
+        said = refusal(lambda: text.columns_of(*text._opened(path)))
         assert refusal(lambda: joined(text.parts(path, options), [0, 1], 1000)) == said
         return
-    columns, notes = text.sheet_of(path)
+    columns, _, notes, _ = text.columns_of(*text._opened(path))
     parts = text.parts(path, options)
     assert parts.head.notes == notes
     wanted = [i for i, column in enumerate(columns) if not column.text]

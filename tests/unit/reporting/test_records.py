@@ -50,6 +50,10 @@ def test_axes_have_the_unit_of_the_samples_and_the_times_of_the_recording(made, 
     assert np.nanmax(x) <= ends[1]
     scale = 1.0 if made.kind == "count" else made.scale or 1.0
     assert (np.nanmin(y), np.nanmax(y)) == (np.nanmin(made.values) * scale, np.nanmax(made.values) * scale)
+    if made.kind == "count":  # a pulse of 0.1 arcsec, 10 times a second, is 1 deg/h
+        (right,) = ax.child_axes
+        ax.figure.draw_without_rendering()
+        assert (right.get_ylabel(), ax.get_ylim()) == ("°/h", pytest.approx(right.get_ylim()))
 
 
 def test_channels_are_panels_and_lines_break_where_samples_are_missing(tmp_path):

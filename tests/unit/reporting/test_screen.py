@@ -185,3 +185,10 @@ def test_a_gap_is_no_cause_of_a_misfit(name, blamed):
     channel = SimpleNamespace(record=SimpleNamespace(name="gx"), refusal="", noise=noise, quality=quality)
     (remark,) = doubts([channel])
     assert str(remark.clauses[0]) == ("the finding" if blamed else "the reason of the fit")
+
+
+def test_titles_give_way_before_a_channel_does():
+    cell = "0.2895 -> 0.2990  no change (+1.3 %)"
+    rows = [ChannelRow("white noise of the angle", "N", "arcsec*sqrt(s)", [cell] * 2)]
+    shown = render(First("file", answer=[Channels(["angle x", "angle y"], rows, "measured angle")]))
+    assert shown.count(cell) == 2

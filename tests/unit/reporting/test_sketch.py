@@ -7,8 +7,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
+from hypothesis import example, given, settings, strategies as st
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator
 from tests import examples
@@ -23,7 +22,7 @@ from allanite.reporting.figures.panels import MAX_HINTS, printed_model
 from allanite.reporting.matplotlib_svg import drawn
 from allanite.reporting.sheet import Drawing, Fold
 from allanite.reporting.sketch.axis import Side, Unsketched, plain
-from allanite.reporting.sketch.chart import Chart, Look
+from allanite.reporting.sketch.chart import Chart
 from allanite.reporting.sketch.panel import place_in
 from allanite.reporting.sketch.svg import wide
 from allanite.reporting.views import view_of
@@ -34,7 +33,7 @@ BLUE = "#2e5c94"
 
 def chart(width=5.0, height=3.0):
     """An empty figure."""
-    return Chart(width, height, Look("#1a1a1a", "#555b63"))
+    return Chart(width, height, "#1a1a1a", "#555b63")
 
 
 def texts(made):

@@ -89,8 +89,6 @@ def test_gaps_and_outliers_have_the_share_and_the_size():
 
 
 def test_a_step_and_a_profile_multiply_the_noise():
-    y = faults.noise_step(white()).values
-    assert y[20_000:].std() / y[:20_000].std() == pytest.approx(2, rel=0.03)
     record = white()
     end = record.size / record.rate
     y = faults.noise_profile(record, [0, end / 2, end / 2, end], [1, 3, 2, 2]).values
@@ -149,7 +147,6 @@ RNG = np.random.default_rng(1)
     (lambda: faults.Dither(0.0), "above 0"), (lambda: faults.clip(white(), -1.0, "deg/h"), "above 0"),
     (lambda: faults.gaps(white(), 1.5, 1.0, rng=RNG), "share from 0 to 1"),
     (lambda: faults.outliers(white(), -0.1, 1.0, rng=RNG), "between 0 and 1"),
-    (lambda: faults.noise_step(white(), at=1.0), "between 0 and 1"),
 ])  # fmt: skip
 def test_what_is_refused(fault, words):
     refused(al.UsageError, words, fault)

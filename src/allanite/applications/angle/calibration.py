@@ -12,12 +12,17 @@ from allanite.extending import DataError, Finding, FloatArray, UsageError, Value
 
 from .geometry import Gimbals, column
 from .harmonics import USUAL, Harmonics, Orders, amplitude_names, design, harmonic_set
+from .latitude import contradiction
+from .missing import missing
 from .solve import Solution, System, correlation_of, solve
 from .squareroot import SquareRoot
 
 ALIKE = 0.9  # correlation above which two amplitudes are hardly distinguished
 DISTURBED = 1.5  # growth of a standard error by the auto-compensating rotation above which it is reported
 UNTOLD = 0.8  # standard error over the prior's, above which the samples say little
+MAX_PHASE = 0.2  # phase shift of a harmonic by the error itself, rad, above which the linear model is doubtful
+
+Prior = tuple[float, float]
 
 
 def caveats(
@@ -76,13 +81,8 @@ def _alike(names: tuple[str, ...], correlation: FloatArray) -> Iterator[Finding]
     size = np.abs(np.triu(correlation[: len(names), : len(names)], 1))
     pairs = sorted(np.argwhere(size > ALIKE).tolist(), key=lambda ij: -size[ij[0], ij[1]])
     if pairs:
-        worst = [
-            say(
-                "{first} and {second} ({correlation:+.2f})", first=names[i], second=names[j],
-                correlation=float(correlation[i, j]),
-            )
-            for i, j in pairs[:3]
-        ]  # fmt: skip
+        worst = [say("{first} and {second} ({correlation:+.2f})", first=names[i], second=names[j],
+                     correlation=float(correlation[i, j])) for i, j in pairs[:3]]  # fmt: skip
         shown = say("hardly separable: {pairs}", pairs=join(", ", worst))
         more = say_count(len(pairs) - 3, "{shown} and {count} more pair", "{shown} and {count} more pairs", shown=shown)
         yield Finding("alike", more if len(pairs) > 3 else shown,
@@ -104,11 +104,6 @@ def _sparse(gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]) -> Itera
                           say("an error between the samples is not observed, and angle and cosine must be sampled at "
                               "the same instant"),
                           say("sample at least four times per period"))  # fmt: skip
-
-
-Prior = tuple[float, float]
-
-MAX_PHASE = 0.2  # phase shift of a harmonic by the error itself, rad, above which the linear model is doubtful
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -232,8 +227,19 @@ def estimate(
     names, rows = design(gimbals, harmonics, nuisance)
     before = prior_of(prior, harmonics, len(names))
     solution = solve(System(names, rows, z, gimbals.time), sigma=sigma, prior=before, method=method)
-    known = caveats(gimbals, harmonics, names, solution.known, before)
-    solution = replace(solution, findings=(*known, *too_large(tuple(_parts(solution, harmonics)))))
+    return examined(solution, rows, z, gimbals, harmonics)
+
+
+def examined(
+    solution: Solution, rows: FloatArray, z: FloatArray, gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]
+) -> Calibration:
+    """The harmonics of a solution, with what the samples say against it."""
+    slopes = gimbals.partials
+    sensors = {angle: (getattr(gimbals, angle), slopes[angle]) for angle in harmonics}
+    findings = (*missing(solution, rows, z, sensors, harmonics), *contradiction(gimbals), *solution.findings,
+                *caveats(gimbals, harmonics, solution.names, solution.known, solution.prior),
+                *too_large(tuple(_parts(solution, harmonics))))  # fmt: skip
+    solution = replace(solution, findings=findings)
     return Calibration(tuple(_parts(solution, harmonics)), solution, gimbals)
 
 

@@ -8,28 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from allanite.extending import (
-    DataError,
-    Finding,
-    FloatArray,
-    Record,
-    UnitError,
-    UsageError,
-    public,
-    say,
-    spelled,
-    unit_of,
-)
+from allanite.extending import (  # isort: skip
+    DataError, Finding, FloatArray, Record, UnitError, UsageError, public, say, spelled, unit_of
+)  # fmt: skip
 
 from .calibration import part, too_large
 from .geometry import column, demand_motion
 from .harmonics import Harmonics, orders_of, waves
+from .missing import missing
 from .solve import Solution, System, correlation_of, solve
 
-MAX_SECTORS = 4096
-"""Most parts of a turn in which what is left over is averaged, to look for harmonics up to a quarter as many."""
-
-FALSE_ALARM = 1e-3  # probability of a false detection of a further harmonic
 MAX_SCATTER = 0.5  # phase of the highest harmonic, rad, that the scatter of the two angles may amount to at most
 
 
@@ -110,8 +98,8 @@ def calibrate(
     system = System(names, rows, z, np.arange(angle.size, dtype=np.float64))
     solution = solve(system, sigma=None if sigma is None else sigma * factor)
     harmonics = part(solution, name or getattr(measured, "name", ""), chosen, 0)
-    residuals = z - rows @ solution.values
-    findings = (*_caveats(angle, chosen, solution), *_remaining(angle, residuals, chosen), *too_large([harmonics]))
+    more = missing(solution, rows, z, {harmonics.name: (angle, np.ones(angle.size))}, {harmonics.name: chosen})
+    findings = (*more, *solution.findings, *_caveats(angle, chosen, solution), *too_large([harmonics]))
     return replace(harmonics, solution=replace(solution, findings=findings))
 
 
@@ -127,28 +115,6 @@ def _angle(what: str, values: Any, unit: str) -> tuple[FloatArray, float]:
     if size.dimension != unit_of("rad").dimension:
         raise UnitError(f"{unit!r} is not a unit of an angle; for example rad, deg, arcsec")
     return column(what, values) * size.factor, size.factor
-
-
-def _remaining(angle: FloatArray, residuals: FloatArray, orders: tuple[int, ...]) -> Iterator[Finding]:
-    """The largest harmonic that was not requested, where the sensor has seen its whole turn."""
-    sectors = min(MAX_SECTORS, 1 << max(3, (angle.size // 8).bit_length() - 1))
-    place = np.floor(np.mod(angle, 2 * math.pi) * (sectors / (2 * math.pi))).astype(np.int64) % sectors
-    count = np.bincount(place, minlength=sectors)
-    # a turn that is not evenly covered mixes orders: then no finding is given
-    if count.min() < 0.2 * count.mean():
-        return
-    means = np.bincount(place, weights=residuals, minlength=sectors) / count
-    sizes = np.abs(np.fft.rfft(means))[: sectors // 4]
-    sizes[[0, *(k for k in orders if k < sizes.size)]] = 0.0
-    order, noise = int(sizes.argmax()), float(np.std(residuals))
-    # sectors only point at it: an order beyond them would look like another one
-    size = 2 * abs(complex((residuals * np.exp(-1j * order * angle)).mean()))
-    if noise > 0 and sizes.size * math.exp(-residuals.size * (size / noise) ** 2 / 4) < FALSE_ALARM:
-        yield Finding("order",
-                      say("harmonic {order} is also present, with an amplitude of about {amplitude:.3g} arcsec",
-                          order=order, amplitude=size * 648_000 / math.pi),
-                      say("it was not requested, and makes the standard errors of the others wrong"),
-                      say("add {order} to the orders", order=order))  # fmt: skip
 
 
 def _caveats(angle: FloatArray, orders: tuple[int, ...], solution: Solution) -> Iterator[Finding]:

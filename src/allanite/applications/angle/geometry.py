@@ -51,11 +51,9 @@ def demand_motion(name: str, span: float, orders: tuple[int, ...], remedy: str) 
     """Refuse an angle that stands still; `span` is how far it moves, rad."""
     period = 2 * math.pi / max(orders)
     if span < MIN_MOTION * period:
-        raise DataError(
-            f"{name} stays within {math.degrees(span):.3g} deg, but a period of its harmonic {max(orders)} is "
-            f"{math.degrees(period):.3g} deg: the harmonics of an angle that does not move cannot be separated from "
-            f"a constant. {remedy}"
-        )
+        raise DataError(f"{name} stays within {math.degrees(span):.3g} deg, but a period of its harmonic {max(orders)} "
+                        f"is {math.degrees(period):.3g} deg: the harmonics of an angle that does not move cannot be "
+                        f"separated from a constant. {remedy}")  # fmt: skip
 
 
 EARTH_RATE = 7.292115e-5  # rate of the earth against the stars, rad/s
@@ -80,9 +78,9 @@ def demand_angles(names: Iterable[str]) -> None:
 Pair = tuple[FloatArray, FloatArray]
 
 
-def _slopes(one: Pair, other: Pair) -> Pair:
+def _slopes(first: Pair, second: Pair) -> Pair:
     """Partial derivatives of the cosine between two vectors by h and q of the first."""
-    (h, q), (p, r) = one, other
+    (h, q), (p, r) = first, second
     by_h = np.cos(h) * np.sin(p) - np.sin(h) * np.cos(p) * np.cos(q - r)
     return np.asarray(by_h), np.asarray(-np.cos(h) * np.cos(p) * np.sin(q - r))
 
@@ -142,6 +140,11 @@ class Gimbals(Value):
         """The polar vector's h and q as seen from the equatorial gyro's ring."""
         return self._seen(self.h_polar, self.q_polar, self.mu)
 
+    @property
+    def base(self) -> Pair:
+        """The equatorial vector's h and q as they would be with the outer ring at 0."""
+        return self._seen(self.h, self.q, -np.asarray(self.mu))
+
     def _seen(self, h: FloatArray, q: FloatArray, mu: FloatArray | float) -> Pair:
         if not np.any(mu):
             return h, q
@@ -162,8 +165,7 @@ class Gimbals(Value):
     @property
     def partials(self) -> dict[str, FloatArray]:
         """Partial derivative of the cosine by each of `ANGLES`, shape (n,) each."""
-        base = self._seen(self.h, self.q, -np.asarray(self.mu))
-        polar = self.h_polar, self.q_polar
+        base, polar = self.base, (self.h_polar, self.q_polar)
         across = np.cross(horizontal(self.ring_heading), vector(*base), axisb=0)
         slopes = (*_slopes((self.h, self.q), self._polar), *_slopes(polar, base),
                   (across * vector(*polar).T).sum(axis=1))  # fmt: skip
@@ -246,10 +248,8 @@ def gimbals(
                          f"not {given(turn_period)}")  # fmt: skip
     H = EARTH_RATE * clock
     h, q = np.arcsin(math.cos(latitude) * np.sin(H)), Q_LAWS[q_law](H, latitude)
-    still = Gimbals(
-        clock, h, q, np.full(H.size, latitude), np.zeros(H.size),
-        rho=None if turn_period is None else 2 * math.pi / turn_period * clock,
-    )  # fmt: skip
+    still = Gimbals(clock, h, q, np.full(H.size, latitude), np.zeros(H.size),
+                    rho=None if turn_period is None else 2 * math.pi / turn_period * clock)  # fmt: skip
     swaying = sway_of(sway)
     if swaying is not None:
         swayed = [swaying.turn(vector(*pair), clock) for pair in ((h, q), (still.h_polar, still.q_polar))]

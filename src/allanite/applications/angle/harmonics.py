@@ -8,19 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from allanite.extending import (
-    Correction,
-    FloatArray,
-    Record,
-    Recording,
-    UsageError,
-    demand_name,
-    public,
-    read_key,
-    readout_noise,
-    say,
-    spelled,
-)
+from allanite.extending import (  # isort: skip
+    Correction, FloatArray, Record, Recording, UsageError, demand_name, public, read_key, readout_noise, say, spelled
+)  # fmt: skip
 
 from .geometry import ANGLES, EARTH_RATE, Gimbals, demand_angles, demand_motion
 from .solve import Solution, quantile
@@ -28,6 +18,8 @@ from .solve import Solution, quantile
 Orders = Sequence[int] | Mapping[str, Sequence[int]]
 
 EQUATORIAL = ("h", "q")  # the sensors that are estimated unless others are named
+MAX_P = 0.01  # p-value below which an amplitude is called identified
+COLUMNS = {"orders": "order", "sine": "S", "cosine": "C"}  # keys of a stored term, by the attribute
 
 
 class Nuisance(NamedTuple):
@@ -64,10 +56,8 @@ The rows of ax and az, ``f1 cos(rho) + g sin(rho)`` and ``-f1 sin(rho) + g cos(r
 fixed in the turning frame, seen along the measured direction. The literature names the two constants only.
 """
 
-POLAR = (
-    "The polar gyro's gimbals do not move on a fixed base (they stay at the latitude and 0): its sensors can be "
-    "estimated under sway only"
-)
+POLAR = ("The polar gyro's gimbals do not move on a fixed base (they stay at the latitude and 0): its sensors can be "
+         "estimated under sway only")  # fmt: skip
 EARTHLY = "Choose a longer interval, another part of the day, a latitude off the pole, or sway the base"
 REMEDIES = {"h_polar": POLAR, "q_polar": POLAR, "mu": "Turn the outer ring"}
 """What makes an angle move: of the equatorial gyro, and of those that do not move with the earth."""
@@ -93,22 +83,22 @@ def amplitude_names(harmonics: Mapping[str, tuple[int, ...]]) -> tuple[str, ...]
 
 
 def design(
-    gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]], nuisance: Sequence[str]
+    gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]], nuisance: Sequence[str], *, still: bool = False
 ) -> tuple[tuple[str, ...], FloatArray]:
-    """Names of the constants, and the rows by which the measured cosine depends on them, shape (n, p)."""
+    """Names of the constants, and the rows by which the measured cosine depends on them, shape (n, p).
+
+    Refuses angles that do not move, unless they may be `still`.
+    """
     for name in nuisance:
         demand_name("nuisance", name, NUISANCES)
     if len(set(nuisance)) < len(nuisance):
         raise UsageError(f"a nuisance is given twice: {', '.join(nuisance)}")
-    for angle, orders in harmonics.items():
+    for angle, orders in () if still else harmonics.items():
         demand_motion(f"the angle {angle}", gimbals.span(angle), orders, REMEDIES.get(angle, EARTHLY))
     f = gimbals.partials
     blocks = [f[a][:, None] * waves(getattr(gimbals, a), orders) for a, orders in harmonics.items()]
     columns = [NUISANCES[name].column(gimbals) for name in nuisance]
     return (*amplitude_names(harmonics), *nuisance), np.column_stack([*blocks, *columns])
-
-
-MAX_P = 0.01  # p-value below which an amplitude is called identified
 
 
 def waves(angle: FloatArray, orders: tuple[int, ...]) -> FloatArray:
@@ -126,9 +116,6 @@ def orders_of(orders: Any, what: str = "orders") -> tuple[int, ...]:
     if not fine or not whole or len(set(whole)) < len(whole):
         raise UsageError(f"{what} must be different positive whole numbers such as [128, 256], not {orders!r}")
     return whole
-
-
-COLUMNS = {"orders": "order", "sine": "S", "cosine": "C"}  # keys of a stored term, by the attribute
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -213,10 +200,8 @@ class Harmonics(Correction):
             The record does not contain angles: rates and increments do not determine the position of the sensor.
         """
         if record.kind != "angle" or record.signal.name != "gyro":
-            raise UsageError(
-                f"harmonics of an angle correct a record of kind 'angle' in rad or deg, but {record.name!r} is of kind "
-                f"{record.kind!r} in {record.unit}"
-            )
+            raise UsageError(f"harmonics of an angle correct a record of kind 'angle' in rad or deg, but "
+                             f"{record.name!r} is of kind {record.kind!r} in {record.unit}")  # fmt: skip
         return self.at(record.values * record.factor)
 
     @property
@@ -256,9 +241,10 @@ class Harmonics(Correction):
 
     def status(self, order: int) -> str:
         """Whether it is "identified", "absent", or "weak": significant, but the noise is not as assumed."""
-        if not self.found(order):
+        solution = self.solution
+        if not self.found(order) and (solution is None or solution.complete):
             return "absent"
-        sound = self.solution is None or all(check.passed for check in self.solution.checks)
+        sound = solution is None or (solution.complete and all(check.passed for check in solution.checks))
         return "identified" if sound else "weak"
 
     def upper(self, order: int) -> float:
@@ -277,6 +263,10 @@ class Harmonics(Correction):
         half = quantile(level, self.freedom) * float(self.amplitude_error[i])
         return max(0.0, float(self.amplitude[i]) - half), float(self.amplitude[i]) + half
 
+    def limits(self, order: int, level: float = 0.95) -> tuple[float | None, float | None]:
+        """The interval of an amplitude, rad; None where the model is not complete, so that it would not hold."""
+        return self.interval(order, level) if self.solution is None or self.solution.complete else (None, None)
+
     def _index(self, order: int) -> int:
         if order not in self.orders:
             raise UsageError(f"order {order!r} was not estimated; orders: {', '.join(map(str, self.orders))}")
@@ -288,7 +278,7 @@ class Harmonics(Correction):
         errors = np.sqrt(np.diag(self.covariance))
         columns = (self.sine, errors[::2], self.cosine, errors[1::2], self.amplitude)
         rows = [
-            [self.name, k, *numbers, *self.interval(k, level), phase, self.status(k)]
+            [self.name, k, *numbers, *self.limits(k, level), phase, self.status(k)]
             for k, phase, *numbers in zip(
                 self.orders, self.phase.tolist(), *(column.tolist() for column in columns), strict=True
             )
@@ -301,7 +291,8 @@ class Harmonics(Correction):
         keys = [heading.replace(" ", "_") for heading in headings]
         terms = [dict(zip(keys, row, strict=True)) for row in rows]
         for term in terms:
-            term["upper"] = self.upper(term["order"]) if term["status"] == "absent" else None
+            limited = term["status"] == "absent" and term["low"] is not None
+            term["upper"] = self.upper(term["order"]) if limited else None
         data: dict[str, Any] = {"allanite": 1, "type": "Harmonics", "name": self.name, "unit": "rad", "level": level,
                                 "terms": terms, "covariance": self.covariance.tolist(),
                                 "freedom": None if math.isinf(self.freedom) else self.freedom}  # fmt: skip

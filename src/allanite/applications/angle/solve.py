@@ -2,29 +2,24 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from allanite.extending import (
-    DataError,
-    Finding,
-    FloatArray,
-    IntArray,
-    UsageError,
-    Value,
-    chance,
-    demand_level,
-    demand_name,
-    join,
-    say,
-)
+from allanite.extending import (  # isort: skip
+    BoolArray, DataError, Finding, FloatArray, IntArray, UsageError, Value, chance, demand_level, demand_name, join,
+    say, say_count
+)  # fmt: skip
 
 from .squareroot import SquareRoot, batch
 
 PASSED = 0.01  # p-value below which a test has failed
+FALSE_ALARM = 1e-3  # probability, for a whole record of white noise, that a sample is omitted or a harmonic is named
+BROKEN = 1e-5  # p-value of a test below which limits would not hold
+MISSING = "order"  # name of a finding about a harmonic that the model lacks
+MOST_OMITTED = 0.1  # part of the samples beyond which what deviates is no outlier, but the noise
 
 
 @dataclass(frozen=True, repr=False)
@@ -48,12 +43,12 @@ class InnovationTest(Value):
         return join("", (self.title if self.passed else self.failed, f" ({chance(self.p)})"))
 
 
-def white(left: FloatArray) -> tuple[float, float, str]:
+def white(innovations: FloatArray) -> tuple[float, float, str]:
     """Ljung and Box: sum of squared autocorrelations at up to 20 lags."""
     from scipy.special import gammaincc
 
-    n, lags = left.size, max(1, min(20, left.size // 5))
-    centred = left - left.mean()
+    n, lags = innovations.size, max(1, min(20, innovations.size // 5))
+    centred = innovations - innovations.mean()
     r = np.array([centred[k:] @ centred[: n - k] for k in range(1, lags + 1)]) / (centred @ centred)
     q = float(n * (n + 2) * (r**2 / (n - np.arange(1, lags + 1))).sum())
     words = say("successive innovations are correlated ({correlation:+.2f}), so that the standard deviations are too "
@@ -62,49 +57,33 @@ def white(left: FloatArray) -> tuple[float, float, str]:
     return q, float(gammaincc(lags / 2, q / 2)), words
 
 
-def steady(left: FloatArray) -> tuple[float, float, str]:
+def steady(innovations: FloatArray) -> tuple[float, float, str]:
     """Brown, Durbin and Evans: the running sum of innovations against its two slanted limits."""
     from scipy.special import ndtr
 
-    r = np.arange(1, left.size + 1) / left.size
-    way = np.abs(np.cumsum(left)) / math.sqrt(left.size) / (1 + 2 * r)
+    r = np.arange(1, innovations.size + 1) / innovations.size
+    way = np.abs(np.cumsum(innovations)) / math.sqrt(innovations.size) / (1 + 2 * r)
     a = float(way.max())
     p = 2 * (ndtr(-3 * a) + math.exp(-4 * a * a) * ndtr(a))
     words = say("the running sum of the innovations exceeds its limits after {sample} of {samples} samples: the "
-                "constants changed, or the samples drift", sample=int(way.argmax()) + 1, samples=left.size)  # fmt: skip
+                "constants changed, or the samples drift", sample=int(way.argmax()) + 1, samples=r.size)  # fmt: skip
     return a, float(min(p, 1.0)), words
 
 
-def outlying(left: FloatArray) -> tuple[float, float, str]:
-    """The largest residual, against as many normal ones: an early innovation is small, for nothing is expected yet."""
-    from scipy.special import log_ndtr
-
-    at = int(np.abs(left).argmax())
-    worst = float(abs(left[at]))
-    tail = math.exp(math.log(2.0) + float(log_ndtr(-worst)))
-    p = -math.expm1(left.size * math.log1p(-min(tail, 1 - 1e-16)))
-    words = say("sample {sample} deviates by {deviation:.3g} standard deviations; inspect it, or omit it", sample=at,
-                deviation=worst)  # fmt: skip
-    return worst, p, words
-
-
-TESTS: dict[str, tuple[str, bool, Callable[[FloatArray], tuple[float, float, str]]]] = {
-    "white": (say("the innovations are uncorrelated"), True, white),
-    "steady": (say("the constants do not change"), True, steady),
-    "outlying": (say("no sample is an outlier"), False, outlying),
+TESTS: dict[str, tuple[str, Callable[[FloatArray], tuple[float, float, str]]]] = {
+    "white": (say("the innovations are uncorrelated"), white),
+    "steady": (say("the constants do not change"), steady),
 }
-"""Name: title, whether of innovations or of residuals, and these -> (statistic, p, words if it fails)."""
+"""Name: title, and innovations of unit variance -> (statistic, p, words if it fails)."""
 
 
-def checks(innovations: FloatArray, residuals: FloatArray) -> tuple[InnovationTest, ...]:
-    """Every test of `TESTS`; innovations and residuals of shape (n,), with unit variance."""
-    return tuple(
-        InnovationTest(name, title, *test(innovations if innovating else residuals))
-        for name, (title, innovating, test) in TESTS.items()
-    )
+def checks(innovations: FloatArray, squares: float, freedom: int, *, given: bool) -> tuple[InnovationTest, ...]:
+    """Every test of `TESTS`; of noise that was given, also whether `squares`, what is left, are as many."""
+    level = (_level(squares, freedom),) if given else ()
+    return (*level, *(InnovationTest(name, title, *test(innovations)) for name, (title, test) in TESTS.items()))
 
 
-def level_check(squares: float, freedom: int) -> InnovationTest:
+def _level(squares: float, freedom: int) -> InnovationTest:
     """Whether the noise is as large as was said: chi-square of what is left, both ways."""
     from scipy.special import gammainc, gammaincc
 
@@ -147,6 +126,8 @@ class Solution(Value):
         noise; what must be known beside the numbers.
     known : SquareRoot
         What further samples (divided by sigma) can be added to.
+    omitted : array of int
+        Samples that were omitted as outliers.
     """
 
     _keys: ClassVar[dict[str, str]] = {"given": "sigma_given"}
@@ -164,6 +145,16 @@ class Solution(Value):
     checks: tuple[InnovationTest, ...]
     known: SquareRoot
     findings: tuple[Finding, ...] = ()
+    omitted: IntArray = field(default_factory=lambda: np.empty(0, np.int64))
+
+    @property
+    def complete(self) -> bool:
+        """Whether limits can be stated: no harmonic is missing, and no test fails beyond doubt."""
+        return all(f.name != MISSING for f in self.findings) and all(c.p >= BROKEN for c in self.checks)
+
+    def limits(self, name: str, level: float = 0.95) -> tuple[float | None, float | None]:
+        """The interval of a constant; None where the model is not complete, so that it would not hold."""
+        return self.interval(name, level) if self.complete else (None, None)
 
     @property
     def errors(self) -> FloatArray:
@@ -201,9 +192,9 @@ class Solution(Value):
     def shown(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data of the result alone, SI: the constants with limits at `level`, without the way to them."""
         keys = ("name", "value", "standard_error", "low", "high")
-        rows = ((name, self[name], self.error(name), *self.interval(name, level)) for name in self.names)
+        rows = ((name, self[name], self.error(name), *self.limits(name, level)) for name in self.names)
         return {"sigma": self.sigma, "sigma_given": self.given, "readings": self.innovations.size,
-                "condition": self.condition, "level": level,
+                "condition": self.condition, "level": level, "omitted": self.omitted.tolist(),
                 "constants": [dict(zip(keys, row, strict=True)) for row in rows],
                 "correlation": self.correlation.tolist(), "checks": [check.to_dict() for check in self.checks],
                 "findings": [finding.to_dict() for finding in self.findings]}  # fmt: skip
@@ -233,6 +224,9 @@ def quantile(level: float, freedom: float) -> float:
 
 VAGUE = 1e7  # a prior deviation, in units of what one reading tells of a constant, that no result notices
 SINGULAR = 1e-12  # singular value over the largest, below which a combination of constants is not seen at all
+SEPARATE = 1e5  # condition above which that prior deviation grows with it, for the least certain combination
+ROBUST = 1.4826  # standard deviation of normal noise over its median size
+ROUNDS = 20  # times that the gate is applied again to what it has left
 CHECKPOINTS = 200  # instants of the history that are kept
 
 
@@ -248,18 +242,65 @@ class System(NamedTuple):
 def solve(
     system: System, *, sigma: float | None = None, prior: FloatArray | None = None, method: str = "recursive"
 ) -> Solution:
-    """Constants from samples."""
-    alone, spread, freedom = _alone(system, sigma, prior)
-    vague = prior if prior is not None else VAGUE * spread / np.sqrt((system.rows**2).mean(axis=0))
+    """Constants from samples without outliers."""
+    whole, (alone, spread, freedom) = system, _alone(system, sigma, prior)
+    kept = within_gate(system, alone, sigma)
+    if not kept.all():
+        system = System(system.names, *(part[kept] for part in system[1:]))
+        alone, spread, freedom = _alone(system, sigma, prior)
+    wide = VAGUE * max(1.0, alone.condition / SEPARATE) * spread / np.sqrt((system.rows**2).mean(axis=0))
+    vague = wide if prior is None else prior
     rows, values = system.rows / spread, system.values / spread
     demand_name("method", method, METHODS)
     end, history, innovations = METHODS[method](SquareRoot.before(vague), rows, values, system.time)
-    level = () if sigma is None else (level_check(alone.squares / spread**2, freedom),)
     return Solution(
         names=system.names, values=end.values, covariance=end.covariance, sigma=spread, given=sigma is not None,
         freedom=math.inf if sigma is not None else freedom, condition=alone.condition, prior=prior, history=history,
-        innovations=innovations, checks=(*level, *checks(innovations, values - rows @ end.values)), known=end,
+        innovations=innovations, known=end, omitted=np.flatnonzero(~kept),
+        checks=checks(innovations, alone.squares / spread**2, freedom, given=sigma is not None),
+        findings=omission(whole.time[~kept], kept.size, gate(kept.size)),
     )  # fmt: skip
+
+
+def within_gate(system: System, known: SquareRoot, sigma: float | None) -> BoolArray:
+    """Which samples are within the gate: the innovation of each, given all others that are."""
+    n, p = system.rows.shape
+    kept, limit = np.ones(n, dtype=bool), gate(n)
+    for _ in range(ROUNDS):
+        scale, direction = known.singular
+        length = np.linalg.norm(known.factor[:, :-1], axis=0)
+        used = scale > SINGULAR * scale[0]
+        basis = system.rows @ ((direction[used] / scale[used, None]) / np.where(length > 0, length, 1.0)).T
+        weight = (basis**2).sum(axis=1)
+        rest = system.values - basis @ (basis.T @ np.where(kept, system.values, 0.0))
+        rest /= np.sqrt(np.maximum(1 + np.where(kept, -weight, weight), 1e-6))
+        inside = np.abs(rest) <= limit * max(sigma or 0.0, ROBUST * float(np.median(np.abs(rest[kept]))))
+        if (inside == kept).all():
+            return kept
+        if inside.sum() <= max(p + 2, (1 - MOST_OMITTED) * n):
+            break
+        kept = inside
+        known = batch(system.rows[kept], system.values[kept])
+    return np.ones(n, dtype=bool)
+
+
+def gate(count: int) -> float:
+    """Standard deviations that white noise exceeds once in a thousand records of so many samples."""
+    from scipy.special import ndtri
+
+    return float(-ndtri(FALSE_ALARM / (2 * count)))
+
+
+def omission(at: FloatArray, count: int, threshold: float) -> tuple[Finding, ...]:
+    """A finding about outliers at these times, of a record of so many samples."""
+    if not at.size:
+        return ()
+    what = say_count(at.size, "{count} of {all} samples is omitted as an outlier (at {when:.6g} s)",
+                     "{count} of {all} samples are omitted as outliers (the first at {when:.6g} s)", all=count,
+                     when=float(at[0]))  # fmt: skip
+    effect = say("their innovations exceed {threshold:.2g} standard deviations, as noise does in one of 1000 records",
+                 threshold=threshold)  # fmt: skip
+    return (Finding("outliers", what, effect),)
 
 
 def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tuple[SquareRoot, float, int]:
@@ -283,8 +324,10 @@ def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tup
             "one of them, let the angles move further, or give a prior"
         )
     # a column in the span of others leaves rounding noise on the diagonal; least squares proper ignores it
-    x, *_ = np.linalg.lstsq(alone.factor[:, :-1], alone.factor[:, -1], rcond=SINGULAR)
-    squares = alone.squares + float(((alone.factor[:, -1] - alone.factor[:, :-1] @ x) ** 2).sum())
+    columns, rest = alone.factor[:, :-1], alone.factor[:, -1]
+    columns = columns / np.where((length := np.linalg.norm(columns, axis=0)) > 0, length, 1.0)
+    x, *_ = np.linalg.lstsq(columns, rest, rcond=SINGULAR)
+    squares = alone.squares + float(((rest - columns @ x) ** 2).sum())
     spread = math.sqrt(squares / (n - rank)) if sigma is None else sigma
     if spread == 0:
         raise DataError("the constants explain every sample exactly, so that the noise cannot be estimated; give sigma")

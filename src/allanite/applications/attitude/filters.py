@@ -6,32 +6,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.extending import DataError, FloatArray, UsageError, public, row_of, say, spelled
+from allanite.extending import DataError, FloatArray, public, row_of, say, spelled
 
 from .inertial import Inertial
 from .loop import Loop, SensorNoise
-from .optimum import best_first_order, best_kalman, best_second_order
+from .optimum import best_kalman, best_loop, best_second_order
 
 
 @public
-def rotation_vectors(increments: FloatArray, samples: int = 2) -> FloatArray:
-    """Rotation vectors over pairs of increments, corrected for coning, or over single ones as they are.
+def rotation_vectors(increments: FloatArray) -> FloatArray:
+    """Rotation vectors over pairs of increments, corrected for coning.
 
     Parameters
     ----------
     increments : array, shape (n, 3)
-        Angle increments, rad, in the axes of the body.
-    samples : int
-        Increments in a group, 1 or 2; with 1 nothing is corrected. An increment beyond the last pair is left out.
+        Angle increments, rad, in the axes of the body. One beyond the last pair is left out.
 
     Returns
     -------
-    array, shape (n // samples, 3)
+    array, shape (n // 2, 3)
 
     Raises
     ------
-    UsageError
-        There is no correction of so many samples.
     DataError
         The increments do not have the shape (n, 3).
 
@@ -44,13 +40,9 @@ def rotation_vectors(increments: FloatArray, samples: int = 2) -> FloatArray:
     >>> rotation_vectors(np.array([[1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0]]))[0].round(12).tolist()
     [0.001, 0.001, 6.66667e-07]
     """
-    if samples not in (1, 2):
-        raise UsageError(f"a coning correction takes 1 or 2 samples, not {samples!r}")
     increments = np.ascontiguousarray(increments, dtype=np.float64)
     if increments.ndim != 2 or increments.shape[1] != 3:
         raise DataError(f"increments have the shape (n, 3), not {increments.shape}")
-    if samples == 1:
-        return increments
     first, second = increments[: len(increments) // 2 * 2].reshape(-1, 2, 3).swapaxes(0, 1)
     return np.asarray(first + second + 2 / 3 * np.cross(first, second))
 
@@ -87,15 +79,12 @@ class Setting:
         Innovation of the angle, rad, above which the accelerometers are ignored.
     norm_gate : float, optional
         Deviation of the size of the specific force from its median, relative, above which they are ignored.
-    samples : int
-        Samples of the coning correction.
     """
 
     loop: Loop
     beta: float | None = None
     gate: float | None = None
     norm_gate: float | None = None
-    samples: int = 2
 
     @property
     def gates(self) -> FloatArray:
@@ -115,7 +104,7 @@ class AttitudeFilter:
     run: Callable[[Inertial, Setting], Angles]
     looped: bool = False  # whether `predicted_error` holds for it: a linear filter with the gains of a `Loop`
     estimates: bool = False  # whether it estimates the gyro bias
-    best: Callable[[Sequence[SensorNoise]], Loop] = best_first_order  # its gains for the noise of roll and of pitch
+    best: Callable[[Sequence[SensorNoise]], Loop] = best_loop  # its gains for the noise of roll and of pitch
 
 
 def _complementary(data: Inertial, setting: Setting) -> Angles:
@@ -153,11 +142,11 @@ def _tilts(up: FloatArray) -> FloatArray:
 
 
 def _bortz(data: Inertial, setting: Setting) -> Angles:
-    vectors = rotation_vectors(data.gyro * data.interval, setting.samples)
+    vectors = rotation_vectors(data.gyro * data.interval)
     w, a, b, c = attitudes(vectors, quaternion(data.start)).T
     angles = _tilts(np.stack([2 * (a * c - w * b), 2 * (w * a + b * c), 1 - 2 * (a * a + b * b)], axis=1))
-    # an attitude holds at the end of its group of samples; the samples before take that of the group before
-    index = (np.arange(len(data.gyro)) + 1) // setting.samples - 1
+    # an attitude holds at the end of its pair of samples; the sample before takes that of the pair before
+    index = (np.arange(len(data.gyro)) + 1) // 2 - 1
     return np.where(index[:, None] < 0, data.start, angles[np.maximum(index, 0)]), len(index)
 
 

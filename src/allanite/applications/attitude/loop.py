@@ -3,27 +3,17 @@
 # Derivation: docs/derivations.md.
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.extending import (
-    LARGEST,
-    FloatArray,
-    Model,
-    ModelLike,
-    Term,
-    UnitError,
-    UsageError,
-    Value,
-    convert,
-    given,
-    public,
-    spelled,
-    usable_model,
-)
+from allanite.extending import (  # isort: skip
+    LARGEST, FloatArray, Model, ModelLike, Term, UnitError, UsageError, Value, convert, given, public, spelled,
+    usable_model
+)  # fmt: skip
 
 GRAVITY = convert(1.0, "g", "m/s^2")
 SENSORS = ("gyro", "accelerometer")
@@ -88,10 +78,13 @@ class SensorNoise:
 
     @cached_property
     def noise(self) -> tuple[tuple[str, Term, FloatArray], ...]:
-        """Sensor, term and two-sided density at the nodes, of rate in rad^2/s and of tilt in rad^2 s."""
-        f, _ = self.nodes
+        """The densities at the nodes."""
+        return tuple(self.densities(self.nodes[0]))
+
+    def densities(self, f: FloatArray) -> Iterator[tuple[str, Term, FloatArray]]:
+        """Sensor, term and two-sided density at frequencies, of rate in rad^2/s and of tilt in rad^2 s."""
         terms = [(s, t) for s, m in zip(SENSORS, (self.gyro, self.accelerometer), strict=True) for t in m]
-        return tuple((s, t, scale(s) ** 2 * density(t, f, self.interval)) for s, t in terms if t.row.waveform is None)
+        return ((s, t, scale(s) ** 2 * density(t, f, self.interval)) for s, t in terms if t.row.waveform is None)
 
     def total(self, sensor: str, f: FloatArray) -> FloatArray:
         """Density of all noise of a sensor at other frequencies."""
@@ -242,19 +235,8 @@ def kalman(N: float, tilt: float, K: float = 0.0) -> Loop:
     >>> round(kalman(8.7266e-5, 1e-4).time_constant, 3)
     1.146
     """
-    _demand_noise(N, tilt, K)
-    return Loop(math.sqrt(N**2 + 2 * K * tilt) / tilt, K / tilt)
-
-
-@public
-def kalman_error(N: float, tilt: float, K: float = 0.0) -> float:
-    """Standard deviation of the angle of the steady `kalman` filter, rad: sqrt(tilt sqrt(N^2 + 2 K tilt))."""
-    _demand_noise(N, tilt, K)
-    return math.sqrt(tilt * math.sqrt(N**2 + 2 * K * tilt))
-
-
-def _demand_noise(N: float, tilt: float, K: float) -> None:
     if not tilt > 0:
         raise UsageError(f"the white noise of the tilt must be above 0, not {given(tilt)}")
     if not (N >= 0 and K >= 0):
         raise UsageError(f"N and K of the gyro must not be negative, unlike {given(N)}, {given(K)}")
+    return Loop(math.sqrt(N**2 + 2 * K * tilt) / tilt, K / tilt)

@@ -21,13 +21,16 @@ MIN_SETTLINGS = 10.0  # time constants of the bias of a filter of second order i
 Bias = tuple[float, float]  # constant biases of the gyro, rad/s, and of the accelerometer, m/s^2
 
 
-def best_loop(noises: Sequence[SensorNoise], bias: Sequence[Bias]) -> Loop:
+def _squares(noises: Sequence[SensorNoise], loop: Loop, bias: Bias) -> float:
+    return sum(predict(noise, loop, bias).rms ** 2 for noise in noises)
+
+
+def best_loop(noises: Sequence[SensorNoise], bias: Bias = (0.0, 0.0)) -> Loop:
     """The filter of first order with the least sum of squares of the errors of several angles."""
     from scipy.optimize import minimize_scalar
 
     def error(log: float) -> float:
-        loop = Loop.of(math.exp(log))
-        return math.log(sum(predict(n, loop, b).rms ** 2 for n, b in zip(noises, bias, strict=True)))
+        return math.log(_squares(noises, Loop.of(math.exp(log)), bias))
 
     shortest = max((n.interval or MIN_TIME_CONSTANT) for n in noises)
     grid = np.linspace(math.log(shortest), math.log(MAX_TIME_CONSTANT), GRID_POINTS)
@@ -43,7 +46,7 @@ def best_loop(noises: Sequence[SensorNoise], bias: Sequence[Bias]) -> Loop:
     return Loop.of(math.exp(minimum.x))
 
 
-def best_second(noises: Sequence[SensorNoise], bias: Sequence[Bias], first: Loop) -> Loop | None:
+def best_second(noises: Sequence[SensorNoise], first: Loop, bias: Bias = (0.0, 0.0)) -> Loop | None:
     """The filter of second order with the least sum of squares of several angles; None if `first` is as good."""
     # A bias is estimated in time: without a duration there is none, and with one its estimate settles ten times in it.
     from scipy.optimize import minimize
@@ -57,28 +60,18 @@ def best_second(noises: Sequence[SensorNoise], bias: Sequence[Bias], first: Loop
         k1, k2 = np.exp(np.clip(logs, -60.0, 20.0)).tolist()
         return Loop(k1, max(k2, k1 * settling))
 
-    def squares(loop: Loop) -> float:
-        return sum(predict(n, loop, b).rms ** 2 for n, b in zip(noises, bias, strict=True))
-
-    least = squares(first)
+    least = _squares(noises, first, bias)
     starts = [np.log([first.k1, first.k1**2 * share]) for share in (1e-4, 1e-2, 0.3)]
-    tries = (
-        minimize(lambda x: squares(loop_of(x)) / least, start, method="Nelder-Mead",
-                 options={"xatol": 1e-5, "fatol": 1e-10}) for start in starts
-    )  # fmt: skip
+    tries = (minimize(lambda x: _squares(noises, loop_of(x), bias) / least, start, method="Nelder-Mead",
+                      options={"xatol": 1e-5, "fatol": 1e-10}) for start in starts)  # fmt: skip
     nearest = min(tries, key=lambda result: float(result.fun))
     return None if nearest.fun > 1 - 2e-4 else loop_of(nearest.x)
 
 
-def best_first_order(noises: Sequence[SensorNoise]) -> Loop:
-    """`best_loop` without constant biases: the mean rates are subtracted."""
-    return best_loop(noises, [(0.0, 0.0)] * len(noises))
-
-
 def best_second_order(noises: Sequence[SensorNoise]) -> Loop:
     """`best_second` without constant biases, or the filter of first order where that is as good."""
-    first = best_first_order(noises)
-    return best_second(noises, [(0.0, 0.0)] * len(noises), first) or first
+    first = best_loop(noises)
+    return best_second(noises, first) or first
 
 
 def best_kalman(noises: Sequence[SensorNoise]) -> Loop:
@@ -212,15 +205,13 @@ class Optimum(Value):
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows: RMS by source of each filter, arcsec."""
-        headings = ["order", "k1", "k2", "sensor", "symbol", "term", "rms"]
-        predictions = [p for p in (self.first, self.second) if p is not None]
-        size = math.pi / 648_000
-        rows: list[list[Any]] = []
-        for p in predictions:
-            gains = [p.loop.order, p.loop.k1, p.loop.k2]
-            rows += [[*gains, s.sensor, s.symbol, s.text, s.rms / size] for s in p.sources]
-            rows.append([*gains, "all", "", "", p.rms / size])
-        return headings, rows
+        size, rows = math.pi / 648_000, list[list[Any]]()
+        for p in (self.first, self.second):
+            if p is not None:
+                gains = [p.loop.order, p.loop.k1, p.loop.k2]
+                rows += [[*gains, s.sensor, s.symbol, s.text, s.rms / size] for s in p.sources]
+                rows.append([*gains, "all", "", "", p.rms / size])
+        return ["order", "k1", "k2", "sensor", "symbol", "term", "rms"], rows
 
     def _summary(self) -> str:
         return f"{self.time_constant:.4g} s, {self.first.to('arcsec'):.4g} arcsec"
@@ -254,9 +245,9 @@ def optimal_time_constant(
 
 def optimum(noise: SensorNoise, bias: Bias = (0.0, 0.0)) -> Optimum:
     """`optimal_time_constant` of densities that were checked, with biases in SI."""
-    loop = best_loop([noise], [bias])
-    other = best_second([noise], [bias], loop)
+    loop = best_loop([noise], bias)
+    other = best_second([noise], loop, bias)
     first, second = predict(noise, loop, bias), None if other is None else predict(noise, other, bias)
-    alone = best_loop([noise], [(0.0, 0.0)]) if any(bias) else loop
+    alone = best_loop([noise]) if any(bias) else loop
     detuned = tuple((k, predict(noise, loop.scaled(k), bias).rms) for k in DETUNING)
     return Optimum(first, second, wiener_error(noise, alone), random_error(noise, alone), detuned)

@@ -6,21 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.extending import (
-    FloatArray,
-    Model,
-    ModelLike,
-    Term,
-    UnitError,
-    UsageError,
-    Value,
-    public,
-    say,
-    split_quantities,
-    unit_of,
-)
+from allanite.extending import (  # isort: skip
+    FloatArray, Model, ModelLike, Term, UnitError, UsageError, Value, public, say, split_quantities, unit_of
+)  # fmt: skip
 
-from .loop import SENSORS, Loop, SensorNoise, density, scale
+from .loop import SENSORS, Loop, SensorNoise, scale
 
 
 @dataclass(frozen=True, repr=False)
@@ -224,11 +214,5 @@ def steady(loop: Loop, sensor: str, interval: float | None) -> float:
 def error_density(found: Prediction, f: FloatArray) -> dict[str, FloatArray]:
     """Root of the one-sided density of the error by source, rad/sqrt(Hz), at frequencies in Hz, without sinusoids."""
     noise = SensorNoise.of(found.gyro, found.accelerometer, found.duration, found.rate)
-    gain = [np.abs(response) for response in found.loop.responses(f, noise.interval)]
-    lines = {}
-    for i, (sensor, model) in enumerate(zip(SENSORS, (found.gyro, found.accelerometer), strict=True)):
-        for t in model:
-            if t.row.waveform is None:
-                own = scale(sensor) ** 2 * density(t, f, noise.interval)
-                lines[f"{sensor} {t.symbol}"] = gain[i] * np.sqrt(2 * own)
-    return lines
+    gains = dict(zip(SENSORS, map(np.abs, found.loop.responses(f, noise.interval)), strict=True))
+    return {f"{sensor} {t.symbol}": gains[sensor] * np.sqrt(2 * own) for sensor, t, own in noise.densities(f)}

@@ -8,23 +8,11 @@ from typing import Any, ClassVar
 import numpy as np
 
 from allanite.applications.choices import VerticalChoices
-from allanite.extending import (
-    ChannelResult,
-    DataError,
-    Estimate,
-    FloatArray,
-    Header,
-    Job,
-    Model,
-    Record,
-    UsageError,
-    Value,
-    chosen,
-    described,
-    given,
-    say,
-    spelled,
-)
+
+from allanite.extending import (  # isort: skip
+    ChannelResult, DataError, Estimate, FloatArray, Header, Job, Model, Record, UsageError, Value, chosen, described,
+    given, say, spelled
+)  # fmt: skip
 
 from .filters import FILTERS, AttitudeFilter, filter_named
 from .inertial import Axes
@@ -47,8 +35,6 @@ class VerticalSettings(VerticalChoices, Value):
         A key of `FILTERS`.
     bias_time : float, optional
         1 / sqrt(k2), s, of a filter that estimates the gyro bias; by default five time constants where one is given.
-    samples : int
-        Samples of the coning correction, 1 (none) or 2.
     axes : str, optional
         Axes of the file that are forward, sideways and vertical, such as "y,-x,z"; by default "x,y,z", and a recording
         with gravity along another axis than z is refused.
@@ -93,10 +79,8 @@ class VerticalSettings(VerticalChoices, Value):
             return Loop(1 / self.time_constant, 0.0 if slow is None else slow**-2)
         if not noises:
             why = "; ".join(dict.fromkeys(filter(None, reasons))) or "the noise is not known"
-            raise DataError(
-                f"no time constant follows from the noise: {why}; give it with "
-                + spelled("--time-constant S, or the noise with --gyro and --accelerometer", "time_constant=...")
-            )
+            cure = spelled("--time-constant S, or the noise with --gyro and --accelerometer", "time_constant=...")
+            raise DataError(f"no time constant follows from the noise: {why}; give it with {cure}")
         first = self.row.best(noises)
         return first if self.bias_time is None else replace(first, k2=self.bias_time**-2)
 
@@ -136,10 +120,8 @@ class VerticalChannel(ChannelResult):
     @property
     def left_out(self) -> tuple[str, ...]:
         """`wrong` in sentences."""
-        return tuple(
-            say("{symbol} is left out of the prediction because its coefficient is not valid: {reason}",
-                symbol=e.symbol, reason=e.reason) for e in self.wrong
-        )  # fmt: skip
+        return tuple(say("{symbol} is left out of the prediction because its coefficient is not valid: {reason}",
+                         symbol=e.symbol, reason=e.reason) for e in self.wrong)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -105,10 +105,8 @@ def simulate_motion(scenario: Scenario, trial: Trial, *, rng: np.random.Generato
     # mean rates over each interval by Simpson's rule
     nodes = ((1.0, 0.0),) if trial.instant else ((1 / 6, 1.0), (4 / 6, 0.5), (1 / 6, 0.0))
     rates = sum(w * _rates(scenario, t - back / rate) for w, back in nodes)
-    noise = [
-        np.stack([simulate(model, n, rate, rng=rng).rate_values for _ in range(3)], axis=1)
-        for model in (trial.gyro, trial.accelerometer)
-    ]
+    models = (trial.gyro, trial.accelerometer)
+    noise = [np.stack([simulate(m, n, rate, rng=rng).rate_values for _ in range(3)], axis=1) for m in models]
     roll, pitch = scenario.angles(t)
     ahead = scenario.forward(t)
     along, up = ahead * np.cos(pitch) - GRAVITY * np.sin(pitch), ahead * np.sin(pitch) + GRAVITY * np.cos(pitch)
@@ -136,27 +134,20 @@ DROPPED = 0.2  # share of the run, from its start, that is not counted: filters 
 
 def compared() -> dict[str, tuple[str, Setting]]:
     """The filters that are compared: label, name in `FILTERS` and settings."""
-    slow = Setting(Loop.of(100.0))
+    fast, middle, slow = (Setting(Loop.of(tau)) for tau in (1.0, 10.0, 100.0))
+    narrow, wide, second = math.radians(1), math.radians(2), Setting(Loop(0.01, 1 / 500**2))
     return {
         say("accelerometer"): ("accelerometer", slow), "bortz": ("bortz", slow),
-        say("first order, {time:g} s", time=1): ("complementary", Setting(Loop.of(1.0))),
-        say("first order, {time:g} s", time=10): ("complementary", Setting(Loop.of(10.0))),
-        **{
-            say("{time:g} s, angle gate {gate:g} deg", time=10, gate=gate): (
-                "complementary",
-                Setting(Loop.of(10.0), gate=math.radians(gate)),
-            )
-            for gate in (1, 2)
-        },
+        say("first order, {time:g} s", time=1): ("complementary", fast),
+        say("first order, {time:g} s", time=10): ("complementary", middle),
+        say("{time:g} s, angle gate {gate:g} deg", time=10, gate=1): ("complementary", replace(middle, gate=narrow)),
+        say("{time:g} s, angle gate {gate:g} deg", time=10, gate=2): ("complementary", replace(middle, gate=wide)),
         say("first order, {time:g} s", time=100): ("complementary", slow),
         say("{time:g} s, norm gate {gate:g} g", time=100, gate=0.02): ("complementary", replace(slow, norm_gate=0.02)),
-        say("second order, {time:g} s, {slow:g} s", time=100, slow=500): (
-            "second-order",
-            Setting(Loop(0.01, 1 / 500**2)),
-        ),
+        say("second order, {time:g} s, {slow:g} s", time=100, slow=500): ("second-order", second),
         "mahony, 50 s": ("mahony", Setting(Loop.of(50.0))),
-        "madgwick, beta 0.033": ("madgwick", Setting(Loop.of(1.0), beta=0.033)),
-        "madgwick, beta 0.001": ("madgwick", Setting(Loop.of(1.0), beta=0.001)),
+        "madgwick, beta 0.033": ("madgwick", replace(fast, beta=0.033)),
+        "madgwick, beta 0.001": ("madgwick", replace(fast, beta=0.001)),
     }  # fmt: skip
 
 

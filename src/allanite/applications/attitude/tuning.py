@@ -7,23 +7,10 @@ from functools import partial
 
 import numpy as np
 
-from allanite.extending import (
-    FloatArray,
-    Inspected,
-    Progress,
-    Recipe,
-    Record,
-    Source,
-    UsageError,
-    each_channel,
-    join,
-    noise_of,
-    open_recording,
-    provenance_of,
-    public,
-    say,
-    spelled,
-)
+from allanite.extending import (  # isort: skip
+    FloatArray, Inspected, Progress, Recipe, Record, Source, UsageError, each_channel, join, noise_of, open_recording,
+    provenance_of, public, say, spelled
+)  # fmt: skip
 
 from .filters import Setting
 from .inertial import Axes, Inertial, inertial, six_channels
@@ -82,10 +69,9 @@ def vertical(
     loop = settings.loop(noises, [c.unknown for c in channels])
     if settings.row.looped:
         loop.demand_sampled(data.interval)
-    gate = None if settings.gate is None else math.radians(settings.gate)
-    setting = Setting(loop, gate=gate, samples=settings.samples)
+    setting = Setting(loop, gate=None if settings.gate is None else math.radians(settings.gate))
     values, held = settings.row.run(replace(data, gyro=data.gyro - bias), setting)
-    predictions = [predict(noise, loop) for noise in noises] if settings.row.looped else []
+    predictions = [predict(noise, loop) for noise in noises if settings.row.looped]
     angles = tuple(_angle(i, values[:, i], channels, noises, predictions) for i in range(2))
     falling = int((np.linalg.norm(data.force, axis=1) <= 0.1 * data.gravity).sum())
     biases = (*(bias * np.array(axes.sign))[:2].tolist(), 0.0, 0.0)
@@ -117,10 +103,8 @@ def _angle(
         best = optimum(noises[i]) if noises else None
     except UsageError as error:
         doubts.append(say("there is no best filter for this angle: {reason}", reason=str(error)))
-    return Angle(
-        ANGLES[i], record, float(values.mean()), float(values.std()), prediction, best, gyro.name, accelerometer.name,
-        tuple(doubts),
-    )  # fmt: skip
+    return Angle(ANGLES[i], record, float(values.mean()), float(values.std()), prediction, best, gyro.name,
+                 accelerometer.name, tuple(doubts))  # fmt: skip
 
 
 def _doubts(pair: Sequence[VerticalChannel], prediction: Prediction | None) -> Iterator[str]:
@@ -131,9 +115,8 @@ def _doubts(pair: Sequence[VerticalChannel], prediction: Prediction | None) -> I
     lacking = [join(" ", (", ".join(e.symbol for e in c.wrong), c.record.name)) for c in pair if c.wrong]
     if lacking and prediction is not None:
         gyro, tilt = (channel.fitted for channel in pair)
-        noise = SensorNoise.of(
-            gyro or prediction.gyro, tilt or prediction.accelerometer, prediction.duration, prediction.rate
-        )
+        models = gyro or prediction.gyro, tilt or prediction.accelerometer
+        noise = SensorNoise.of(*models, prediction.duration, prediction.rate)
         yield say("the prediction is a lower bound: it lacks terms whose coefficients are not valid ({terms}); with "
                   "these as they were fitted it would be {error:.3g} arcsec", terms=join("; ", lacking),
                   error=predict(noise, prediction.loop).to("arcsec"))  # fmt: skip

@@ -2,14 +2,7 @@
 
 from .compensating import compensate_file as compensate_file
 from .fit import compensate as compensate
-from .mixture import Gain as Gain
-from .mixture import Mixture as Mixture
-from .regression import Regression as Regression
-from .regression import gain_on as gain_on
-from .regression import load as load
-from .regression import save as save
-from .regressor import Effect as Effect
-from .regressor import Regressor as Regressor
-from .regressor import aligned as aligned
-from .settings import CompensationSettings as CompensationSettings
-from .settings import FitSettings as FitSettings
+from .mixture import Gain as Gain, Mixture as Mixture
+from .regression import Regression as Regression, gain_on as gain_on, load as load, save as save
+from .regressor import Effect as Effect, Regressor as Regressor, aligned as aligned
+from .settings import CompensationSettings as CompensationSettings, FitSettings as FitSettings

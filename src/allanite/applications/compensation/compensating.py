@@ -9,34 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from allanite.extending import (
-    SHORTEST,
-    Curve,
-    DataError,
-    Finding,
-    FloatArray,
-    Header,
-    Inspected,
-    Job,
-    Noise,
-    Progress,
-    Quality,
-    Recipe,
-    Record,
-    Recording,
-    RecordResult,
-    Source,
-    deviation,
-    inspect,
-    join,
-    noise_of,
-    open_recording,
-    public,
-    run_together,
-    say,
-    stretches,
-    trim,
-)
+from allanite.extending import (  # isort: skip
+    SHORTEST, Curve, DataError, Finding, FloatArray, Header, Inspected, Job, Noise, Progress, Quality, Recipe, Record,
+    Recording, RecordResult, Source, deviation, inspect, join, noise_of, open_recording, public, run_together, say,
+    stretches, trim
+)  # fmt: skip
 
 from .fit import compensate
 from .mixture import Gain
@@ -94,9 +71,6 @@ class CompensationStudy(Job[Compensated]):
         return super().choices() | self.settings.choices() | ({"apply_to": other} if other else {})
 
 
-PathLike = str | os.PathLike[str]
-
-
 @dataclass(frozen=True)
 class _Source:
     """The inertial channels of a file, and the regressors under the names that the user gave them."""
@@ -104,10 +78,6 @@ class _Source:
     signals: Recording
     along: Recording
     named: Mapping[str, str]
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        return tuple(dict.fromkeys((*self.signals.notes, *self.along.notes)))
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -122,7 +92,7 @@ class _Source:
 @public
 def compensate_file(
     source: Source, recipe: Recipe | None = None, settings: CompensationSettings | None = None, *,
-    apply_to: PathLike | None = None, progress: Progress | None = None,
+    apply_to: str | os.PathLike[str] | None = None, progress: Progress | None = None,
 ) -> CompensationStudy:  # fmt: skip
     """Fit every inertial channel of a file on other channels, and apply the regressions.
 
@@ -157,16 +127,13 @@ def compensate_file(
     here = _open(source, recipe, settings, keys)
 
     def fitted(record: Record) -> Regression:
-        return compensate(
-            record, here.along, here.columns(settings.regressors), degree=settings.degree, lags=settings.lags,
-            derivative_of=here.columns(settings.derivative_of), trend=settings.trend, settings=settings.fit,
-        )  # fmt: skip
+        return compensate(record, here.along, here.columns(settings.regressors), degree=settings.degree,
+                          lags=settings.lags, derivative_of=here.columns(settings.derivative_of), trend=settings.trend,
+                          settings=settings.fit)  # fmt: skip
 
     parts = 1 if apply_to is None else 2
-    study: CompensationStudy = _each(
-        partial(CompensationStudy, applied=(), settings=settings), here, saved or fitted, recipe, demand=True,
-        progress=_part(progress, 0, parts),
-    )  # fmt: skip
+    study: CompensationStudy = _each(partial(CompensationStudy, applied=(), settings=settings), here, saved or fitted,
+                                     recipe, demand=True, progress=_part(progress, 0, parts))  # fmt: skip
     if settings.beside is not None:
         beside = {"regressors": here.along.source, "sha256 regressors": here.along.digest}
         study = replace(study, provenance=study.provenance | beside)
@@ -175,9 +142,10 @@ def compensate_file(
     other = _open(apply_to, recipe, replace(settings, beside=None), keys)
     known = {regression.name: regression for regression in study.regressions}
     findings = (replace(f, what=join(": ", (other.signals.source, f.what))) for f in other.findings)
+    notes = dict.fromkeys((*study.notes, *other.signals.notes, *other.along.notes))
     return replace(
         study, applied=_each(lambda channels, *_: channels, other, known, recipe, progress=_part(progress, 1, parts)),
-        findings=(*study.findings, *findings), notes=tuple(dict.fromkeys((*study.notes, *other.notes))),
+        findings=(*study.findings, *findings), notes=tuple(notes),
         provenance=study.provenance | {"applied to": os.fspath(apply_to), "sha256 applied to": other.signals.digest},
     )  # fmt: skip
 
@@ -233,11 +201,9 @@ def _each(
         done = _corrected(seen.record, source.along, regression, recipe)
         return replace(done, gain=gain, alerts=(*done.alerts, *seen.alerts))
 
-    return run_together(
-        kind, (source.signals,), recipe, work, lambda seen, why: Compensated(seen.record, refusal=why),
-        findings=source.findings, notes=source.along.notes, look=look, doing="correcting" if held else "fitting",
-        demand=demand, progress=progress,
-    )  # fmt: skip
+    return run_together(kind, (source.signals,), recipe, work, lambda seen, why: Compensated(seen.record, refusal=why),
+                        findings=source.findings, notes=source.along.notes, look=look,
+                        doing="correcting" if held else "fitting", demand=demand, progress=progress)  # fmt: skip
 
 
 def _corrected(record: Record, along: Recording, regression: Regression, recipe: Recipe) -> Compensated:
@@ -254,10 +220,8 @@ def _corrected(record: Record, along: Recording, regression: Regression, recipe:
 
     before, after = longest(record), longest(corrected)
     if before.size < SHORTEST:
-        raise DataError(
-            say("no stretch of {least} samples is complete in {name!r} and its regressors", least=SHORTEST,
-                name=record.name)
-        )  # fmt: skip
+        raise DataError(say("no stretch of {least} samples is complete in {name!r} and its regressors", least=SHORTEST,
+                            name=record.name))  # fmt: skip
     # what the limits of the uncorrected curve suppose: all that is in it, the dependence as well
     noise, alerts = None, []
     try:

@@ -6,21 +6,11 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from allanite.extending import (
-    DataError,
-    FloatArray,
-    Likelihood,
-    Record,
-    Recording,
-    UsageError,
-    join,
-    say,
-    say_count,
-    spelled,
-    stretches,
-)
+from allanite.extending import (  # isort: skip
+    BoolArray, DataError, FloatArray, Likelihood, Record, Recording, UsageError, join, say, say_count, spelled,
+    stretches
+)  # fmt: skip
 
 from .mixture import Stretch, restricted
 from .regressor import TREND, Columns, Regressor, readings
@@ -40,7 +30,7 @@ class Design(Columns):
     size: FloatArray  # shape (p,)
     stretches: tuple[Stretch, ...]
     rate: float
-    optional: NDArray[np.bool_]  # shape (p,); columns that enter only where cross-validation wants them
+    optional: BoolArray  # shape (p,); columns that enter only where cross-validation wants them
     notes: tuple[str, ...]
 
     def only(self, kept: Sequence[int]) -> "Design":
@@ -65,7 +55,7 @@ class Design(Columns):
         rates = self.y if y is None else y
         return restricted(rates, self.X, parts or self.stretches, rate=self.rate, symbols=symbols)
 
-    def demand_separable(self, used: NDArray[np.bool_]) -> None:
+    def demand_separable(self, used: BoolArray) -> None:
         """Refuse columns of which one is, where the samples are used, a sum of others."""
         Z = self.X[used] - self.X[used].mean(axis=0)
         values, vectors = np.linalg.eigh(Z.T @ Z / used.sum())
@@ -76,23 +66,22 @@ class Design(Columns):
         listed = join(", ", [join("", ("'", name, "'")) for name in names])
         if share[self.trend].max(initial=0.0) <= 0.05:
             raise DataError(say("the regressors {regressors} are collinear: omit one of them", regressors=listed))
-        raise DataError(
-            say("{regressors} are collinear: the effect of a regressor that follows a straight line cannot be "
-                "separated from a rate ramp R; record until it returns to its initial value, or attribute the whole "
-                "drift to it with {option}", regressors=listed, option=spelled("--no-trend", "trend=False"))
-        )  # fmt: skip
+        raise DataError(say("{regressors} are collinear: the effect of a regressor that follows a straight line cannot "
+                            "be separated from a rate ramp R; record until it returns to its initial value, or "
+                            "attribute the whole drift to it with {option}", regressors=listed,
+                            option=spelled("--no-trend", "trend=False")))  # fmt: skip
 
 
 def design(record: Record, along: Recording, settings: CompensationSettings) -> Design:
     """The columns of a record."""
     named = dict.fromkeys((*settings.regressors, *settings.derivative_of))
-    channels = {name: _measured(name, record, along) for name in named}
-    listed = list(_regressors(record, channels, settings))
+    measured = {name: _measured(name, record, along) for name in named}
+    listed = list(_regressors(record, {name: regressor for name, (regressor, _) in measured.items()}, settings))
     regressors, optional = tuple(r for r, _ in listed), np.array([o for _, o in listed])
     X = np.column_stack([regressor.column(record, along) for regressor in regressors])
     y = record.rate_values
     # NaN of the named channels are losses, those of a lag are not
-    lost = int(np.isnan(y).sum()), sum(int(np.isnan(channel.x).sum()) for channel in channels.values())
+    lost = int(np.isnan(y).sum()), sum(count for _, count in measured.values())
     if any(lost) and not settings.fit.split_gaps:
         raise DataError(say("{samples} samples of {name!r} and {regressors} of its regressors are missing; use the "
                             "stretches between them, each with its own constant: {option}", samples=lost[0],
@@ -106,47 +95,32 @@ def design(record: Record, along: Recording, settings: CompensationSettings) -> 
     size = np.sqrt((inner**2).sum(axis=0) / used.sum())
     for regressor, rms in zip(regressors, size, strict=True):
         if not rms > 1e-12 * max(abs(regressor.centre), 1e-300):
-            raise DataError(
-                say("the regressor {regressor!r} is constant and cannot explain anything; omit it",
-                    regressor=regressor.label)
-            )  # fmt: skip
+            raise DataError(say("the regressor {regressor!r} is constant and cannot explain anything; omit it",
+                                regressor=regressor.label))  # fmt: skip
     made = Design(y, X / size, regressors, np.asarray(size), parts, record.rate, optional, notes)
     made.demand_separable(used)
     return made
 
 
-class _Readings(NamedTuple):
-    """Unit, mean, samples, least and greatest reading of a channel."""
-
-    unit: str
-    centre: float
-    x: FloatArray
-    span: tuple[float, float]
-
-
 def _regressors(
-    record: Record, channels: Mapping[str, _Readings], settings: CompensationSettings
+    record: Record, channels: Mapping[str, Regressor], settings: CompensationSettings
 ) -> Iterator[tuple[Regressor, bool]]:
     """Each column, and whether it is optional."""
-    for name in settings.regressors:
-        unit, centre, _, span = channels[name]
-        yield Regressor(name, unit, centre, span=span), False
+    yield from ((channels[name], False) for name in settings.regressors)
     for name in settings.derivative_of:
-        unit, _, _, span = channels[name]
-        yield Regressor(name, unit, smooth=settings.fit.smooth, span=span), False
-    for name in settings.regressors:
-        unit, centre, _, span = channels[name]
-        yield from ((Regressor(name, unit, centre, power, span=span), True) for power in range(2, settings.degree + 1))
+        yield replace(channels[name], centre=0.0, smooth=settings.fit.smooth), False
+    for channel in (channels[name] for name in settings.regressors):
+        yield from ((replace(channel, power=power), True) for power in range(2, settings.degree + 1))
         for lag in settings.lags:
             if round(lag * record.rate) < 1:
                 raise UsageError(f"a lag of {lag:g} s is shorter than the sample interval of {record.interval:g} s")
-            yield Regressor(name, unit, centre, lag=lag, span=span), False
+            yield replace(channel, lag=lag), False
     if settings.trend:
         yield Regressor(TREND, "s"), False
 
 
-def _measured(name: str, record: Record, along: Recording) -> _Readings:
-    """A channel; its mean rounded to four digits of its spread, so that it can be written down."""
+def _measured(name: str, record: Record, along: Recording) -> tuple[Regressor, int]:
+    """A channel about its mean, rounded to four digits of its spread so that it can be written down; its losses."""
     if name not in along.channels:
         raise UsageError(f"the regressor {name!r} is missing; channels: {', '.join(along.channels)}")
     channel = along[name]
@@ -161,16 +135,16 @@ def _measured(name: str, record: Record, along: Recording) -> _Readings:
             say("the regressor {regressor!r} is constant (always {value:g} {unit}) and cannot explain anything",
                 regressor=name, value=span[0], unit=unit)
         )  # fmt: skip
-    return _Readings(unit, round(mean, int(4 - np.floor(np.log10(spread)))), x, span)
+    centre = round(mean, int(4 - np.floor(np.log10(spread))))
+    return Regressor(name, unit, centre, span=span), int(np.isnan(x).sum())
 
 
-def _stretches(fine: NDArray[np.bool_], n: int) -> tuple[tuple[Stretch, ...], tuple[str, ...]]:
+def _stretches(fine: BoolArray, n: int) -> tuple[tuple[Stretch, ...], tuple[str, ...]]:
     kept = tuple((int(a), int(b)) for a, b in stretches(fine) if b - a >= MIN_STRETCH)
     count = sum(b - a for a, b in kept)
     if not kept:
-        raise DataError(
-            say("no stretch of {least} samples is complete in the record and its regressors", least=MIN_STRETCH)
-        )
+        raise DataError(say("no stretch of {least} samples is complete in the record and its regressors",
+                            least=MIN_STRETCH))  # fmt: skip
     if count == n:
         return kept, ()
     missing = say(
@@ -186,16 +160,10 @@ TRENDING = 0.5  # share of a ramp explained by the regressors from which on they
 BEYOND_DOUBT = 3.0  # standard errors from which on an effect is beyond doubt
 
 
-class Collinearity(NamedTuple):
-    """Scaled condition number, variance inflation of each column, and warnings."""
-
-    condition: float
-    inflation: FloatArray
-    notes: tuple[str, ...]
-
-
-def collinearity(design: Design, likelihood: Likelihood, theta: FloatArray, symbols: str) -> Collinearity:
-    """Collinearity of the columns of a design under the noise theta of some terms."""
+def collinearity(
+    design: Design, likelihood: Likelihood, theta: FloatArray, symbols: str
+) -> tuple[float, FloatArray, tuple[str, ...]]:
+    """Scaled condition number and variance inflation of the columns under a noise theta of some terms; warnings."""
     A = information(likelihood, theta)
     size = np.sqrt(np.diag(A))
     values = np.linalg.eigvalsh(A / np.outer(size, size))
@@ -209,7 +177,7 @@ def collinearity(design: Design, likelihood: Likelihood, theta: FloatArray, symb
                          "{limit:g}; variance inflation {worst}. Their sum may be accurate although none of them is",
                          condition=condition, limit=CONDITION, worst=worst or say("spread over all")))  # fmt: skip
     if design.trend:
-        return Collinearity(condition, inflation, tuple(notes))
+        return condition, inflation, tuple(notes)
     # the share of a ramp that the columns explain, whitened, and the ramp beside them over its standard error
     ramp = np.linspace(-1.0, 1.0, design.y.size)
     wider = replace(design, X=np.column_stack((design.X, ramp))).likelihood(symbols)
@@ -224,7 +192,7 @@ def collinearity(design: Design, likelihood: Likelihood, theta: FloatArray, symb
                   "for their effect", t=abs(t))  # fmt: skip
     if why:
         notes.append(join("; ", (why, say("omit {option}", option=spelled("--no-trend", "trend=False")))))
-    return Collinearity(condition, inflation, tuple(notes))
+    return condition, inflation, tuple(notes)
 
 
 def information(likelihood: Likelihood, theta: FloatArray) -> FloatArray:
@@ -268,13 +236,10 @@ class HeldBlock:
         size = np.sqrt(np.maximum(np.diag(A), 1e-300))
         return np.asarray(np.linalg.lstsq(A / np.outer(size, size), b / size, rcond=1e-10)[0] / size)
 
-    def misfit(self, kept: list[int]) -> float:
-        """Whitened sum of squares of the held block less what the rest predicts of it."""
-        return self.whitened.misfit(self.coefficients(kept), kept) if kept else self.whitened.squares
-
-    def squares(self, kept: list[int]) -> float:
-        """Sum of squares of the held block, about its mean, less what the rest predicts of it."""
-        return self.plain.misfit(self.coefficients(kept), kept) if kept else self.plain.squares
+    def misfit(self, kept: list[int], *, plain: bool = False) -> float:
+        """Sum of squares, whitened or plain (about its mean), of the held block less what the rest predicts of it."""
+        block = self.plain if plain else self.whitened
+        return block.misfit(self.coefficients(kept), kept) if kept else block.squares
 
 
 def folds(design: Design, theta: FloatArray, symbols: str, blocks: int) -> list[HeldBlock]:
@@ -312,7 +277,9 @@ def choose(design: Design, folds: Sequence[HeldBlock]) -> list[int]:
         for size in sorted({len(step) for step in steps}):
             some = [step for step in steps if len(step) == size]
             gains = [base - [fold.misfit([*kept, *step]) for fold in folds] for step in some]
-            good = [(float(g.mean()), step) for g, step in zip(gains, some, strict=True) if _clear(g)]
+            errors = [g.std(ddof=1) / np.sqrt(g.size) for g in gains]
+            tried = zip([float(g.mean()) for g in gains], errors, some, strict=True)
+            good = [(mean, step) for mean, error, step in tried if mean > error]
             if good:
                 kept += max(good)[1]
                 break
@@ -320,10 +287,6 @@ def choose(design: Design, folds: Sequence[HeldBlock]) -> list[int]:
             return sorted(kept)
 
 
-def _below(one: tuple[str, int], other: tuple[str, int]) -> bool:
+def _below(column: tuple[str, int], other: tuple[str, int]) -> bool:
     """Whether a column is a lower power of the same channel."""
-    return one[0] == other[0] and 1 < one[1] < other[1]
-
-
-def _clear(gains: FloatArray) -> bool:
-    return bool(gains.mean() > gains.std(ddof=1) / np.sqrt(gains.size))
+    return column[0] == other[0] and 1 < column[1] < other[1]

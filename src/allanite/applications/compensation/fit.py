@@ -5,23 +5,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from allanite.extending import (
-    SHORTEST,
-    TERMS,
-    DataError,
-    FloatArray,
-    Likelihood,
-    Model,
-    Record,
-    Recording,
-    Term,
-    UsageError,
-    join,
-    public,
-    say,
-    say_count,
-    spelled,
-)
+from allanite.extending import (  # isort: skip
+    SHORTEST, TERMS, DataError, FloatArray, Likelihood, Model, Record, Recording, Term, UsageError, join, public, say,
+    say_count, spelled
+)  # fmt: skip
 
 from .design import Design, choose, collinearity, design, folds
 from .mixture import Gain, about_line, mixture
@@ -29,7 +16,6 @@ from .regression import Regression
 from .settings import CompensationSettings, FitSettings
 
 MIN_RESIDUAL = 1e-11  # residual, relative to the record, at which only rounding errors remain
-
 
 USUAL = FitSettings()
 
@@ -108,10 +94,8 @@ def compensate(
     residuals = whole.y - whole.X @ _plain(whole)
     size, rest = (max(float(np.ptp(y[a:b])) for a, b in whole.stretches) for y in (whole.y, residuals))
     if size == 0:
-        raise DataError(
-            say("{name!r} is constant (always {value:g} SI): check the sensor", name=record.name,
-                value=float(whole.y[whole.stretches[0][0]]))
-        )  # fmt: skip
+        raise DataError(say("{name!r} is constant (always {value:g} SI): check the sensor", name=record.name,
+                            value=float(whole.y[whole.stretches[0][0]])))  # fmt: skip
     if rest < MIN_RESIDUAL * size:
         raise DataError(
             say("{regressors} explain {name!r} completely: no noise remains. Is the record, or something derived from "
@@ -127,7 +111,7 @@ def compensate(
     kept = list(range(len(whole.regressors))) if settings.every else choose(whole, blocks)
     # mean squares of the held-back blocks, less a trend alone, and less all columns
     ramp = [i for i in kept if i in whole.trend]
-    before, after = (sum(fold.squares(columns) for fold in blocks) for columns in (ramp, kept))
+    before, after = (sum(fold.misfit(columns, plain=True) for fold in blocks) for columns in (ramp, kept))
     return _regression(record, whole, kept, settings, held=Gain(before / whole.count, after / whole.count, 0.0))
 
 
@@ -140,7 +124,7 @@ def _regression(
     # the bins of the spectrum lose digits where an effect is many thousand times the noise: most of it is removed
     likelihood = part.likelihood(settings.symbols, y=part.y - part.X @ first)
     theta, mean, coefficients = mixture(likelihood, settings.symbols)
-    alike = collinearity(part, likelihood, theta, settings.symbols)
+    condition, inflation, alike = collinearity(part, likelihood, theta, settings.symbols)
     inside = _inside(part, likelihood, theta, coefficients.values + first)
     effective = _effective(part, likelihood, theta)
     if effective < settings.least * len(part.taken):
@@ -161,11 +145,9 @@ def _regression(
     noise = [Term(s, math.sqrt(v) * record.rate ** -TERMS[s].power, record.signal) for s, v in sizes if v > 0]
     return Regression(
         record.signal, record.name, part.regressors, coefficients.scaled(1 / part.size, first),
-        chosen=tuple(bool(o) and not settings.every for o in part.optional),
-        candidates=int(whole.optional.sum()),
-        inflation=alike.inflation, condition=alike.condition,
-        noise=Model(tuple(noise)), effective=effective,
-        inside=inside, held=held, notes=(*part.notes, *notes, *alike.notes),
+        chosen=tuple(bool(o) and not settings.every for o in part.optional), candidates=int(whole.optional.sum()),
+        inflation=inflation, condition=condition, noise=Model(tuple(noise)), effective=effective, inside=inside,
+        held=held, notes=(*part.notes, *notes, *alike),
     )  # fmt: skip
 
 

@@ -9,17 +9,9 @@ from typing import Any, Self
 
 import numpy as np
 
-from allanite.extending import (
-    TERMS,
-    DataError,
-    FloatArray,
-    Likelihood,
-    NormalMixture,
-    Record,
-    Value,
-    likelihood,
-    spectrum,
-)
+from allanite.extending import (  # isort: skip
+    TERMS, DataError, FloatArray, Likelihood, NormalMixture, Record, Value, likelihood, spectrum
+)  # fmt: skip
 
 Stretch = tuple[int, int]
 
@@ -166,8 +158,8 @@ def mixture(likelihood: Likelihood, symbols: str) -> tuple[FloatArray, FloatArra
     slow = [i for i, symbol in enumerate(symbols) if TERMS[symbol].slope >= 0]
     axes = []
     for i in slow:
-        # from zero to where, above the best value, 2 L has risen by `REACH` or a little more
-        high = float(best[i]) + 3 / math.sqrt(likelihood.information(best)[i, i])
+        # up to where 2 L has risen by `REACH` or a little more; rounding may turn the sign of what alike columns leave
+        high = float(best[i]) + 3 / math.sqrt(abs(likelihood.information(best)[i, i]))
         while 2 * (likelihood.minimise(every, best, (i, high))[1] - least) < REACH:
             high *= 1.6
         axes.append(np.linspace(0.0, math.sqrt(high), NODES))

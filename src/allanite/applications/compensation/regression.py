@@ -9,22 +9,10 @@ from typing import Any, Self
 
 import numpy as np
 
-from allanite.extending import (
-    AllaniteError,
-    Correction,
-    Covariance,
-    DataError,
-    FloatArray,
-    Model,
-    Record,
-    Recording,
-    Signal,
-    UsageError,
-    join,
-    public,
-    say,
-    write,
-)
+from allanite.extending import (  # isort: skip
+    AllaniteError, Correction, Covariance, DataError, FloatArray, Model, Record, Recording, Signal, UsageError, join,
+    public, say, write
+)  # fmt: skip
 
 from .design import BEYOND_DOUBT, TRENDING
 from .mixture import Gain, Mixture, about_line
@@ -158,10 +146,9 @@ class Regression(Columns, Correction):
         if record.kind != "angle":
             return rate / record.rate
         if np.isnan(rate).any():
-            raise DataError(
-                say("{samples} samples of the regressors are missing, and therefore every later angle; correct the "
-                    "rates or increments instead", samples=int(np.isnan(rate).sum()))
-            )  # fmt: skip
+            raise DataError(say("{samples} samples of the regressors are missing, and therefore every later angle; "
+                                "correct the rates or increments instead",
+                                samples=int(np.isnan(rate).sum())))  # fmt: skip
         return np.concatenate(([0.0], np.cumsum(rate / record.rate)))
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:

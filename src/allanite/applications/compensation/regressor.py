@@ -5,20 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from allanite.extending import (
-    DataError,
-    FloatArray,
-    Record,
-    Recording,
-    UnitError,
-    UsageError,
-    Value,
-    convert,
-    public,
-    say,
-    say_count,
-    spelled,
-)
+from allanite.extending import (  # isort: skip
+    DataError, FloatArray, Record, Recording, UnitError, UsageError, Value, convert, public, say, say_count, spelled
+)  # fmt: skip
 
 MIN_WINDOW = 60.0  # seconds of a window; in a shorter one the steps of a digital thermometer are what changes
 
@@ -77,9 +66,8 @@ def aligned(along: Recording, record: Record) -> Recording:
     records = []
     for other in along:
         if other.integrated:
-            raise DataError(
-                say("{name!r} is of kind {kind}; only plain samples can be resampled", name=other.name, kind=other.kind)
-            )
+            raise DataError(say("{name!r} is of kind {kind}; only plain samples can be resampled", name=other.name,
+                                kind=other.kind))  # fmt: skip
         x, faster = np.asarray(other.values, dtype=np.float64), other.rate > record.rate
         when = at + ((record.start or 0.0) - (other.start or 0.0))
         if faster:
@@ -87,16 +75,13 @@ def aligned(along: Recording, record: Record) -> Recording:
         else:
             values = np.interp(when, np.arange(x.size) / other.rate, x, left=np.nan, right=np.nan)
         if np.isnan(values).all():
-            raise DataError(
-                say("{first!r} and {second!r} do not overlap in time", first=other.name, second=record.name)
-            )
+            raise DataError(say("{first!r} and {second!r} do not overlap in time", first=other.name,
+                                second=record.name))  # fmt: skip
         way = say("means") if faster else say("linear interpolation")
         what = say("resampled from {rate:.9g} Hz to the times of {name!r} by {way}",
                    rate=other.rate, name=record.name, way=way)  # fmt: skip
-        records.append(Record(
-            values, record.rate, other.unit, scale=other.scale, name=other.name, start=record.start,
-            history=(*other.history, what),
-        ))  # fmt: skip
+        records.append(Record(values, record.rate, other.unit, scale=other.scale, name=other.name, start=record.start,
+                              history=(*other.history, what)))  # fmt: skip
     return replace(along, records=tuple(records))
 
 

@@ -66,10 +66,8 @@ class CompensationSettings(CompensationChoices, Value):
                 "name at least one regressor, for example " + spelled("--regressors temp", "regressors=('temp',)")
             )
         if self.use is not None and named:
-            raise UsageError(
-                "a saved regression has its own regressors: omit "
-                + spelled("--regressors and --derivative-of", "regressors and derivative_of")
-            )
+            raise UsageError("a saved regression has its own regressors: omit "
+                             + spelled("--regressors and --derivative-of", "regressors and derivative_of"))  # fmt: skip
         for names in (self.regressors, self.derivative_of):
             if len(set(names)) < len(names):
                 raise UsageError(f"a regressor is named twice: {', '.join(names)}")

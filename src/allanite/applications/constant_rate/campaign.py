@@ -4,40 +4,15 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from allanite.applications.choices import RateChoices
-from allanite.extending import (
-    SHORTEST,
-    TERMS,
-    ChannelResult,
-    DataError,
-    Finding,
-    Fit,
-    Inspected,
-    Job,
-    Model,
-    Noise,
-    Progress,
-    Recipe,
-    Record,
-    Signal,
-    Source,
-    Term,
-    UsageError,
-    Value,
-    automatic,
-    block_means,
-    described,
-    join,
-    noise_of,
-    open_recording,
-    public,
-    run_together,
-    say,
-    say_count,
-    spelled,
-    unit_of,
-    written,
-)
+
+from allanite.extending import (  # isort: skip
+    SHORTEST, TERMS, ChannelResult, DataError, Finding, Fit, Inspected, Job, Model, Noise, Progress, Recipe, Record,
+    Signal, Source, Term, UsageError, Value, automatic, block_means, described, join, noise_of, open_recording, public,
+    run_together, say, say_count, spelled, unit_of, written
+)  # fmt: skip
 
 from .earth import North, earth_rate, north
 from .estimates import RateEstimate, reversal, subtract_bias
@@ -51,7 +26,6 @@ used.
 """
 
 MIN_RATIO = 1.2  # ratio of standard errors from which noise that was not identified is mentioned
-
 
 FAST = ("quantized", "resampled", "lines", "slope")
 """Findings about single samples: where the noise is that of blocks, its alert says so already."""
@@ -169,17 +143,14 @@ class RateSettings(RateChoices, Value):
     def experiment_on(self, record: Record) -> ExperimentSettings:
         """The settings of the experiment on a record, whose reference may be the earth's rate."""
         if self.signal is not None and self.signal is not record.signal:
-            raise DataError(
-                say("the given true rate or bias belongs to another type of sensor: {sensor}",
-                    sensor=self.signal.name)
-            )  # fmt: skip
+            raise DataError(say("the given true rate or bias belongs to another type of sensor: {sensor}",
+                                sensor=self.signal.name))  # fmt: skip
         interval = self.experiment.interval
         if interval > record.duration and interval != ExperimentSettings.interval:
             too_long = f"the interval of {interval:g} s is longer than the record of {record.duration:g} s"
-            option = spelled(f"--interval {record.duration / 10:.3g}", f"interval={record.duration / 10:.3g}")
-            raise UsageError(
-                f"{too_long}; give a shorter one, as {option}", cure=(f"{interval:g}", f"{record.duration / 10:.3g}")
-            )
+            shorter = f"{record.duration / 10:.3g}"
+            option = spelled(f"--interval {shorter}", f"interval={shorter}")
+            raise UsageError(f"{too_long}; give a shorter one, as {option}", cure=(f"{interval:g}", shorter))
         if self.latitude is None or self.horizontal or record.signal.name != "gyro":
             return self.experiment
         return replace(self.experiment, reference=earth_rate(self.latitude))
@@ -214,6 +185,8 @@ class RateChannel(ChannelResult):
     estimates: tuple[RateEstimate, ...] = ()
     bias: RateEstimate | None = None
     north: North | None = None
+    by_reversal: Experiment | None = None
+    whole: RateEstimate | None = None
     alerts: tuple[str, ...] = ()
 
     @property
@@ -295,11 +268,12 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
     asked = settings.durations != DURATIONS
     durations = tuple(d for d in settings.durations if asked or d * MIN_INTERVALS <= record.duration)
     short = [d for d in durations if asked and not fits(record, d)]
-    methods = measured.methods if measured.start.size == 1 else ()
-    estimates = tuple(_whole(record, method, model, chosen) for method in methods)
+    methods = measured.methods[: None if measured.start.size == 1 else 1] if np.isfinite(record.values).all() else ()
+    wholes = tuple(_whole(record, method, model, chosen) for method in methods)
+    estimates = wholes if measured.start.size == 1 else ()
     if any(e.limits is not None for e in estimates):  # an ideal staircase has no noise that could be identified
         noise, alerts, settled = None, (), (*settled, "short")
-    heading = bias = None
+    heading = bias = turned = None
     if len(seen.records) > 1 or settings.horizontal:
         method = settings.position_method if model is not None else "mean"
         first, *rest = (_whole(position, method, model, settings.experiment) for position in seen.records)
@@ -310,20 +284,21 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
         else:
             rate, bias = reversal(first, second)
             estimates = (rate,)
+            other = experiment(seen.records[1], model, chosen)
+            alike = (other.methods, other.duration) == (measured.methods, measured.duration)
+            turned = measured.reversed_by(other) if alike else None
     warned = (
         say("second recording: {finding}", finding=str(f)) if i else str(f)
         for i, quality in enumerate(seen.qualities)
         for f in quality.warnings
         if f.name not in settled
     )
-    unfit = (
-        say("{time:g} s is not measured: it needs three samples, and has to fit into {length:g} s",
-            time=d, length=record.duration)
-        for d in short
-    )  # fmt: skip
+    unfit = (say("{time:g} s is not measured: it needs three samples, and has to fit into {length:g} s",
+                 time=d, length=record.duration) for d in short)  # fmt: skip
     return RateChannel(
         record, seen.quality, noise, experiment=measured, by_duration=by_duration(record, durations, model, chosen),
-        estimates=estimates, bias=bias, north=heading, alerts=(*alerts, *map(str, measured.findings), *unfit, *warned),
+        estimates=estimates, bias=bias, north=heading, by_reversal=turned,
+        whole=next(iter(wholes), None), alerts=(*alerts, *map(str, measured.findings), *unfit, *warned),
     )  # fmt: skip
 
 

@@ -136,11 +136,9 @@ def north(
     reach = (rate.interval(level)[1] - rate.value) * error / rate.standard_error if error > 0 else 0.0
     if abs(value) > abs(scale) + reach:
         unit = rate.signal.sheet[0]
-        raise DataError(
-            say("the rate {rate:.6g} {unit} is more than the earth turns about a horizontal axis at latitude "
-                "{latitude:g}; subtract the gyro's bias, or measure in two positions", rate=rate.to(unit), unit=unit,
-                latitude=latitude)
-        )  # fmt: skip
+        raise DataError(say("the rate {rate:.6g} {unit} is more than the earth turns about a horizontal axis at "
+                            "latitude {latitude:g}; subtract the gyro's bias, or measure in two positions",
+                            rate=rate.to(unit), unit=unit, latitude=latitude))  # fmt: skip
     # of the two solutions of sin(psi + half) = sine the one nearest to `near`, and its limits
     sine, reach = value / scale, reach / abs(scale)
     s = max(-1.0, min(1.0, sine))
@@ -148,7 +146,10 @@ def north(
     falling = math.degrees(math.pi - math.asin(s) - half) % 360
     first, other = sorted((rising, falling), key=lambda psi: abs((psi - near + 180) % 360 - 180))
     slope = 1.0 if first == rising else -1.0
-    ends = [slope * math.degrees(math.asin(max(-1.0, min(1.0, sine + k * reach))) - math.asin(s)) for k in (-1, 1)]
+    low, high = (math.degrees(math.asin(max(-1.0, min(1.0, sine + k * reach)))) for k in (-1, 1))
+    # limits that contain the largest rate go on beyond it, where the heading turns back
+    low, high = -180 - high if sine - reach < -1 else low, 180 - low if sine + reach > 1 else high
+    ends = [slope * (end - math.degrees(math.asin(s))) for end in (low, high)]
     cosine = math.sqrt(1 - s * s)
     spread = math.degrees(error / abs(scale) / cosine) if cosine > 0 else math.inf
     return North(first, other, spread, first + min(ends), first + max(ends), level, 1 if second is None else 2)

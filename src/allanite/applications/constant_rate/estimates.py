@@ -17,6 +17,11 @@ def rate_factor(unit: str, signal: Signal) -> float:
     return size.factor
 
 
+def sheet_unit(signal: Signal) -> tuple[str, float]:
+    """The unit of data sheets of a signal, and its size in SI."""
+    return signal.sheet[0], unit_of(signal.sheet[0]).factor
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class RateEstimate(Value):
     """A constant rate measured in a short time, SI.
@@ -83,19 +88,15 @@ class RateEstimate(Value):
         factor = rate_factor(unit, self.signal)
         low, high = (v / factor for v in self.interval(level))
         if not math.isfinite(low):
-            return say(
-                "{value:.8g} {unit} (no standard error: give a noise model)", value=self.value / factor, unit=unit
-            )
+            return say("{value:.8g} {unit} (no standard error: give a noise model)", value=self.to(unit), unit=unit)
         half = (high - low) / 2
         digits = max(0, 1 - math.floor(math.log10(half))) if half > 0 else 9
         return f"{self.value / factor:.{digits}f} ({low:.{digits}f} .. {high:.{digits}f}) {unit}"
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI, with the limits at `level` and the data-sheet form under "shown"."""
-        low, high = self.interval(level)
-        unit = self.signal.sheet[0]
+        (low, high), (unit, factor) = self.interval(level), sheet_unit(self.signal)
         numbers = {"value": self.value, "low": low, "high": high, "standard_error": self.standard_error}
-        factor = rate_factor(unit, self.signal)
         shown = {**{key: finite(number / factor) for key, number in numbers.items()}, "unit": unit}
         limits = {"low": finite(low), "high": finite(high), "level": level, "unit": self.unit}
         return super().to_dict(level) | limits | {"certain": self.limits is not None, "shown": shown}
@@ -127,12 +128,11 @@ def subtract_bias(estimate: RateEstimate, bias: float, unit: str, standard_error
     factor = rate_factor(unit, estimate.signal)
     if not (math.isfinite(bias) and math.isfinite(standard_error) and standard_error >= 0):
         raise UsageError(f"a bias and its standard error are finite numbers, not {bias!r} and {standard_error!r}")
-    limits = estimate.limits if standard_error == 0 else None
-    return replace(estimate, value=estimate.value - bias * factor,
+    shift, limits = bias * factor, estimate.limits if standard_error == 0 else None
+    history = (*estimate.history, say("bias of {bias:g} {unit} subtracted", bias=bias, unit=unit))
+    return replace(estimate, value=estimate.value - shift, history=history,
                    standard_error=math.hypot(estimate.standard_error, standard_error * factor),
-                   limits=None if limits is None else (limits[0] - bias * factor, limits[1] - bias * factor),
-                   history=(*estimate.history,
-                            say("bias of {bias:g} {unit} subtracted", bias=bias, unit=unit)))  # fmt: skip
+                   limits=None if limits is None else (limits[0] - shift, limits[1] - shift))  # fmt: skip
 
 
 @public

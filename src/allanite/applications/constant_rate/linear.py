@@ -4,25 +4,22 @@ import math
 
 import numpy as np
 
-from allanite.extending import BoolArray, Covariance, FloatArray, UsageError, say, spelled
+from allanite.extending import BoolArray, Covariance, FloatArray, UsageError, say
 
-from .row import Interval, RateEstimator, RateMeasurement, Task, linear
+from .row import EstimatorSettings, Interval, RateEstimator, RateMeasurement, Task, linear
 
 MAX_AWAY = 2 * 1.4826
 """Median absolute deviations from the median within which a line's slope is kept: two standard deviations."""
 
 
 def _window(task: Task) -> FloatArray:
-    n, name = task.size, task.options.window
-    if name == "hamming":
-        weights = np.hamming(n)
-    else:
-        from scipy.signal import get_window
+    from scipy.signal import get_window
 
-        try:
-            weights = get_window(name, n, fftbins=False)
-        except ValueError as error:
-            raise UsageError(f"unknown window {name!r}: {error}; for example hamming, hann, blackman") from None
+    n, name = task.size, task.options.window
+    try:
+        weights = get_window(name, n, fftbins=False)
+    except ValueError as error:
+        raise UsageError(f"unknown window {name!r}: {error}; for example hamming, hann, blackman") from None
     total = float(weights.sum())
     if not total > 0:
         raise UsageError(f"the window {name!r} of {n} samples has no positive sum")
@@ -126,10 +123,7 @@ def white_and_angle(n: int, kappa: float) -> FloatArray:
 
 
 def _optimal(task: Task) -> FloatArray:
-    model = task.needed_model
-    if not task.settled and not task.wandering:
-        return np.full(task.size, 1 / task.size)
-    sizes = {t.row.alpha: t.value for t in model if t.value != 0}
+    sizes = {t.row.alpha: t.value for t in task.model or () if t.value != 0}
     if set(sizes) <= {0, 2} and not task.dither:  # white noise of the rate and of the angle
         ratio = sizes.get(0, 0.0) / math.sqrt(task.rate) / sizes[2] if 2 in sizes else math.inf
         return white_and_angle(task.size, 2 * math.asinh(ratio / 2))
@@ -160,12 +154,14 @@ OPTIMAL = RateEstimator(
 
 
 MAX_WORK = 7e6  # samples that the search may look at before it gives its best so far: some 40 ms
-GRID = (0.4, 0.01)  # steps of the descent that comes first, from and to, pulses
+MAX_STEPS = 100  # of a descent, and of the search for an ideal staircase
+DIFFERENCES = 0.4, 0.01  # of the descent, pulses: in place of a gradient, first and last
+STOP = 1e-3  # last step of the descent, pulses
+SHARES = 2.0 ** np.arange(-4, 4.5, 0.5)  # of its gradient over the samples, tried as the next step
 NEIGHBOURHOOD = 0.1  # half the side of the box that is searched about the end of the descent, pulses
 DITHERED = 0.3  # angle noise, quanta, from which the staircase's error can be predicted
 
-TOUCHING, MAX_STEPS = 1e-12, 100
-"""Gap, pulses, within which a line only touches the corners of steps: rounding; and most steps to find it."""
+TOUCHING = 1e-12  # gap, pulses, within which a line only touches the corners of steps: rounding
 
 CUBE_ROOT = 2.2
 """Standard deviation of (staircase - regression) at the end of n samples, over (angle noise)^(2/3) n^(-1/3) in quanta:
@@ -174,7 +170,7 @@ CUBE_ROOT = 2.2
 
 def _staircase(interval: Interval, _: FloatArray, task: Task) -> RateMeasurement:
     y, line = _steps_and_line(interval)
-    p, q, least, bound, slopes = _search(y, line, math.inf if task.options.certified else MAX_WORK)
+    p, q, least, bound, slopes = _search(y, line, task.options)
     slope = (line[-1] - line[0] + q - p) / (y.size - 1)
     details = {"misfit": least, "least possible misfit": max(bound, 0.0), "phase": float(line[0] + p) % 1.0,
                "RMS residual": math.sqrt(least / y.size), "pulses": float(y[-1]),
@@ -212,32 +208,57 @@ def _ideal(rest: FloatArray) -> tuple[float, float] | None:
     return (ends[0], ends[1]) if gap(sum(ends) / 2)[0] < -TOUCHING else None
 
 
-def recognized(interval: Interval, *, certified: bool = False) -> tuple[FloatArray, FloatArray]:
-    """The angle in quanta, and the line whose floor is the staircase nearest to it."""
+def recognized(interval: Interval, options: EstimatorSettings) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The angle in quanta, the line whose floor is the staircase nearest to it, the rates of a descent in samples."""
     y, line = _steps_and_line(interval)
-    p, q, *_ = _search(y, line, math.inf if certified else MAX_WORK)
-    return y, line + p + (q - p) * np.linspace(0.0, 1.0, y.size)
+    p, q, *_ = _search(y, line, options)
+    path = np.empty(0) if options.descent is None else _descent(y, line, options.descent)[:, 0]
+    rates = (path + line[-1] - line[0]) / (y.size - 1) * interval.pulse - interval.offset
+    return y, line + p + (q - p) * np.linspace(0.0, 1.0, y.size), rates
+
+
+def _descent(y: FloatArray, line: FloatArray, most: int) -> FloatArray:
+    """Rise and phase less those of `line` after each step of steepest descent, from the interval's own count."""
+    from allanite.kernels.staircase import misfit
+
+    samples, steps = _about(y, line, np.linspace(0.0, 1.0, y.size)), DIFFERENCES[0] * np.eye(2)
+
+    def missed(x: FloatArray) -> float:
+        return float(misfit(*samples, (x[1], x[1] + x[0])))
+
+    path = [np.array([y[-1] - line[-1] + line[0], 0.5 - line[0]])]
+    for _ in range(most):
+        gradient = np.array([missed(path[-1] + step) - missed(path[-1] - step) for step in steps]) / (2 * steps.max())
+        path.append(min((path[-1], *(path[-1] - z / y.size * gradient for z in SHARES)), key=missed))
+        if np.abs(path[-1] - path[-2]).max() < STOP:
+            steps = steps * 0.7
+            if steps.max() < DIFFERENCES[1]:
+                break
+    return np.array(path)
 
 
 def _search(
-    y: FloatArray, line: FloatArray, work: float
+    y: FloatArray, line: FloatArray, options: EstimatorSettings
 ) -> tuple[float, float, float, float, tuple[float, float] | None]:
     """Heights p, q over the ends of `line` at which the staircase is nearest, its misfit, the least possible one."""
-    # Of an ideal staircase also the limits of its slope, and no search; else a descent on a grid, the whole
-    # neighbourhood of where it ends, then whatever could be better.
-    slopes = _ideal(y - line)
+    # Of an ideal staircase also the limits of its slope, and no search; else a descent, the whole neighbourhood of
+    # where it ends, then whatever could be better.
+    slopes = _ideal(y - line) if options.descent is None else None
     if slopes is not None:
         steep, reach = sum(slopes) / 2, (y.size - 1) / 2
         free = y - line - steep * np.linspace(-reach, reach, y.size)
         middle = float(free.max() + free.min() + 1) / 2
         slope = float(line[-1] - line[0]) / (y.size - 1)
         return middle - steep * reach, middle + steep * reach, 0.0, 0.0, (slope + slopes[0], slope + slopes[1])
-    from allanite.kernels.staircase import compass, misfit, nearest_staircase
+    from allanite.kernels.staircase import misfit, nearest_staircase
 
-    right = np.linspace(0.0, 1.0, y.size)
+    right, work = np.linspace(0.0, 1.0, y.size), math.inf if options.certified else MAX_WORK
     samples = _about(y, line, right)
     whole = math.sqrt(misfit(*samples, (0.0, 0.0)))
-    p, q, least = compass(samples, *GRID)
+    rise, p = _descent(y, line, MAX_STEPS if options.descent is None else options.descent)[-1]
+    q, least = p + rise, misfit(*samples, (p, p + rise))
+    if options.descent is not None:
+        return p, q, least, 0.0, None
     near = _about(y, line + p + (q - p) * right, right)
     p_, q_, least, _, looked = nearest_staircase(near, (0.0, 0.0, least), NEIGHBOURHOOD, work)
     known = (p + p_, q + q_, least)
@@ -257,12 +278,6 @@ def _about(y: FloatArray, line: FloatArray, right: FloatArray) -> tuple[FloatArr
 
 def _steps_and_line(interval: Interval) -> tuple[FloatArray, FloatArray]:
     """The angle in quanta, and the line through the middles of its steps."""
-    if not math.isfinite(interval.pulse):
-        raise UsageError(
-            "the staircase needs counts, or samples and the step of their angle: pass "
-            + spelled("--quantum", "quantum=...")
-            + (" in the record's unit (for a rate: times s)")
-        )
     angle = np.concatenate(([0.0], np.cumsum((interval.steps + interval.offset) / interval.pulse)))
     # whole quanta, except for the rounding of samples that are multiples of one
     near = np.rint(angle)
@@ -275,7 +290,7 @@ def _excess(task: Task) -> float:
     """What the steps add to the regression's variance: n^(-1/3) pulses; unknown where no angle noise blurs them."""
     # J. Kim, D. Pollard, Ann. Statist. 18 (1990) 191, for the power of n; the factor is simulated (benchmarks/rate.py)
     noise = next((t.value for t in task.settled if t.row.alpha == 2), 0.0) / task.pulse
-    if not noise >= DITHERED:
+    if not noise >= DITHERED or task.options.descent is not None:
         return math.nan
     ends = CUBE_ROOT * noise ** (2 / 3) * (task.size + 1) ** (-1 / 3)
     return float((ends * task.pulse / task.duration) ** 2)

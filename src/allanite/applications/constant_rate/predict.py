@@ -4,25 +4,12 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-
-from allanite.extending import (
-    Covariance,
-    FloatArray,
-    Model,
-    ModelLike,
-    Signal,
-    Value,
-    public,
-    row_of,
-    say,
-    size_and_rate,
-    unit_of,
-    usable_model,
-)
+from allanite.extending import (  # isort: skip
+    Covariance, FloatArray, Model, ModelLike, Signal, Value, public, row_of, say, size_and_rate, unit_of, usable_model
+)  # fmt: skip
 
 from .linear import CONDITIONAL, HAMMING, MEAN, OPTIMAL, REGRESSION, STAIRCASE
-from .row import EstimatorSettings, RateEstimator, Task
+from .row import EstimatorSettings, RateEstimator, Task, without_dither
 
 RATE_ESTIMATORS: dict[str, RateEstimator] = {
     row.name: row for row in (MEAN, HAMMING, REGRESSION, CONDITIONAL, STAIRCASE, OPTIMAL)
@@ -54,19 +41,9 @@ def variance(weights: FloatArray, task: Task) -> float:
     return max(total, 0.0)
 
 
-def through_dither(weights: FloatArray, task: Task) -> FloatArray:
-    """The weights on the raw rates of an estimator that is given rates without their dither sinusoids."""
-    X = task.sinusoids
-    if not X.shape[1]:
-        return weights
-    centred = X - X.mean(axis=0)
-    back = np.linalg.solve(centred.T @ centred, X.T @ weights)
-    return np.asarray(weights - centred @ back)
-
-
 def standard_error(row: RateEstimator, weights: FloatArray, task: Task) -> float:
     """Standard error of an estimator with these weights, SI; NaN if it cannot be predicted."""
-    return math.sqrt(variance(through_dither(weights, task), task) + row.excess(task))
+    return math.sqrt(variance(without_dither(weights, task, weights=True), task) + row.excess(task))
 
 
 @public
@@ -143,23 +120,25 @@ class Ranking(Value):
         return self.errors[method] / self.best if self.best > 0 else math.nan
 
     @property
+    def chosen(self) -> str:
+        """The simplest method within `MAX_LOSS` of the bound; empty where nothing is to choose."""
+        if not self.best > 0:
+            return ""
+        return next((m for m in self.errors if self.ratio(m) <= 1 + MAX_LOSS and m != "optimal"), "optimal")
+
+    @property
     def verdict(self) -> str:
         """Which method to use, in a sentence."""
-        if not self.best > 0:
+        use = self.chosen
+        if not use:
             return say("under this model the rate is measured without error")
-        loss = self.ratio("mean") - 1
-        if loss <= MAX_LOSS:
-            return say(
-                "for this gyro averaging is already within {percent:.2g} % of the optimum", percent=max(100 * loss, 0.1)
-            )
-        simple = [m for m in self.errors if self.ratio(m) <= 1 + MAX_LOSS and m != "optimal"]
-        use = simple[0] if simple else "optimal"
+        if use == "mean":
+            percent = max(100 * (self.ratio("mean") - 1), 0.1)
+            return say("for this gyro averaging is already within {percent:.2g} % of the optimum", percent=percent)
         gain = self.errors["mean"] / self.errors[use]
         if use == "optimal" and self.ratio("regression") < self.ratio("mean"):
-            return say(
-                "use {method}: {gain:.3g} times better than averaging, and {percent:.2g} % better than regression",
-                method=use, gain=gain, percent=100 * (self.ratio("regression") - 1),
-            )  # fmt: skip
+            return say("use {method}: {gain:.3g} times better than averaging, and {percent:.2g} % better than "
+                       "regression", method=use, gain=gain, percent=100 * (self.ratio("regression") - 1))  # fmt: skip
         return say("use {method}: {gain:.3g} times better than averaging", method=use, gain=gain)
 
     def rows(self, unit: str | None = None) -> tuple[list[str], list[list[Any]]]:
@@ -171,9 +150,8 @@ class Ranking(Value):
         return ["method", f"standard error, {unit}", "over the bound"], rows
 
 
-def ranking(task: Task) -> Ranking:
+def ranking(task: Task, model: Model) -> Ranking:
     """Predicted standard errors of all methods under a task with a model."""
-    model = task.needed_model
     errors = {name: standard_error(row, row.weights(task), task) for name, row in RATE_ESTIMATORS.items()}
     return Ranking(model.signal, task.duration, model, errors)
 
@@ -191,7 +169,8 @@ def rank(
     >>> rank(N(0.003, "deg/sqrt(h)"), size=48000, rate=400.0).verdict
     'for this gyro averaging is already within 0.1 % of the optimum'
     """
-    return ranking(_expected(model, size_and_rate(size, rate, duration), target=target, options=options))
+    model = usable_model(model)
+    return ranking(_expected(model, size_and_rate(size, rate, duration), target=target, options=options), model)
 
 
 def _expected(

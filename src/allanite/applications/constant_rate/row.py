@@ -2,29 +2,18 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from allanite.applications.choices import EstimatorChoices
-from allanite.extending import (
-    DataError,
-    Finding,
-    FloatArray,
-    Model,
-    Record,
-    Term,
-    UsageError,
-    Value,
-    demand_name,
-    described,
-    say,
-    say_count,
-    spelled,
-    windowing,
-)
+
+from allanite.extending import (  # isort: skip
+    DataError, Finding, FloatArray, Model, Record, Term, UsageError, Value, demand_name, described, say, say_count,
+    spelled, windowing
+)  # fmt: skip
 
 
 @described
@@ -44,9 +33,16 @@ class EstimatorSettings(EstimatorChoices, Value):
         standard deviation of the slopes if omitted (the paper gives no value).
     quantum : float, optional
         For "staircase": size of a step of the angle, in the record's unit (for a rate: times s); counts need none.
+    descent : int, optional
+        For "staircase": most steps of the descent of Enin and Saneev, from the interval's own count, which replaces
+        the search.
     """
 
     allowed: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.descent is not None and (self.descent < 0 or self.certified):
+            raise UsageError("a descent has a number of steps, 0 or more, and proves no optimum: omit certified")
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,15 +81,6 @@ class Task:
     def duration(self) -> float:
         """Measuring time, s."""
         return self.size / self.rate
-
-    @property
-    def needed_model(self) -> Model:
-        """The model, or the words that it is needed."""
-        if self.model is None:
-            raise UsageError(
-                "this needs a noise model: pass model=allanite.identify(record), or that of the data sheet"
-            )
-        return self.model
 
     @cached_property
     def wandering(self) -> tuple[Term, ...]:
@@ -188,7 +175,8 @@ def pulse_of(record: Record, options: EstimatorSettings) -> float:
             raise UsageError(f"a quantum must be a positive number of {record.unit}, not {options.quantum!r}")
         readings = options.quantum / (1.0 if record.scale is None else record.scale)
         return readings if record.integrated else readings * record.rate
-    return 1.0 if record.kind == "count" else math.nan
+    counted = record.kind == "count" or (record.kind == "increment" and record.scale is not None)
+    return 1.0 if counted and not np.any(record.values % 1 > 0) else math.nan  # counts with gaps are increments
 
 
 def reading_size(record: Record) -> float:
@@ -206,24 +194,29 @@ def demand_whole(record: Record) -> None:
                             split=spelled("--split-gaps", "gaps=split"), window=windowing()))  # fmt: skip
 
 
-def interval_of(record: Record, task: Task) -> Interval:
-    """The samples of each sample interval, a constant and the dither's sinusoids subtracted."""
-    values = record.values
+def readings_of(record: Record, options: EstimatorSettings) -> Interval:
+    """The samples of each sample interval, a constant subtracted."""
     if record.kind == "angle":
-        steps, offset = np.diff(values).astype(np.float64), 0.0
+        steps, offset = np.diff(record.values).astype(np.float64), 0.0
     else:
         offset = float(record.constant)
-        steps = np.asarray(values - record.constant, dtype=np.float64)
-    return Interval(without_dither(steps, task), offset, reading_size(record), pulse_of(record, task.options))
+        steps = np.asarray(record.values - record.constant, dtype=np.float64)
+    return Interval(steps, offset, reading_size(record), pulse_of(record, options))
 
 
-def without_dither(steps: FloatArray, task: Task) -> FloatArray:
-    """The samples less the sinusoids that fit them best, beside a constant."""
+def interval_of(readings: Interval, task: Task, start: int = 0) -> Interval:
+    """Those of a measurement that begins with one of them, the dither's sinusoids subtracted."""
+    return replace(readings, steps=without_dither(readings.steps[start : start + task.size], task))
+
+
+def without_dither(values: FloatArray, task: Task, *, weights: bool = False) -> FloatArray:
+    """Samples less the sinusoids that fit them beside a constant; or, of weights on those, the ones on raw samples."""
     X = task.sinusoids
     if not X.shape[1]:
-        return steps
+        return values
     centred = X - X.mean(axis=0)
-    return np.asarray(steps - X @ np.linalg.solve(centred.T @ centred, centred.T @ steps))
+    taken, fitted = (centred, X) if weights else (X, centred)
+    return np.asarray(values - taken @ np.linalg.solve(centred.T @ centred, fitted.T @ values))
 
 
 def findings_of(record: Record) -> tuple[Finding, ...]:

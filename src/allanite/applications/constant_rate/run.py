@@ -7,45 +7,21 @@ from typing import Unpack
 import numpy as np
 
 from allanite.applications.choices import IntervalChoices
-from allanite.extending import (
-    KINDS,
-    BoolArray,
-    DataError,
-    FloatArray,
-    IntArray,
-    ModelLike,
-    Record,
-    Samples,
-    Sampling,
-    Signal,
-    UnitError,
-    UsageError,
-    Value,
-    as_record,
-    described,
-    given,
-    join,
-    public,
-    say,
-    say_count,
-    usable_model,
-)
+
+from allanite.extending import (  # isort: skip
+    KINDS, BoolArray, DataError, FloatArray, IntArray, ModelLike, Record, Samples, Sampling, Signal, UnitError,
+    UsageError, Value, as_record, described, given, join, public, say, say_count, usable_model
+)  # fmt: skip
 
 from .estimates import RateEstimate
 from .experiments import Experiment
 from .linear import recognized, regression_lines
 from .predict import RATE_ESTIMATORS, estimator_named, ranking, standard_error
-from .row import (
-    EstimatorSettings,
-    Interval,
-    RateMeasurement,
-    Task,
-    demand_whole,
-    findings_of,
-    interval_of,
-    pulse_of,
-    reading_size,
-)
+
+from .row import (  # isort: skip
+    EstimatorSettings, Interval, RateMeasurement, Task, demand_whole, findings_of, interval_of, pulse_of, reading_size,
+    readings_of
+)  # fmt: skip
 
 
 @public
@@ -97,7 +73,9 @@ def estimate(
     record = as_record(record, "constant_rate.estimate", sampling)
     demand_whole(record)
     row, task = estimator_named(method), task_of(record, model, target, dither=dither, options=options)
-    weights, interval = row.weights(task), interval_of(record, task)
+    if lacking := row.lacks(task):
+        raise UsageError(f"{method}: {lacking}")
+    weights, interval = row.weights(task), interval_of(readings_of(record, task.options), task)
     measurement = in_si(row.measure(interval, weights, task), interval)
     return RateEstimate(
         value=measurement.value, standard_error=math.nan if task.model is None else standard_error(row, weights, task),
@@ -212,9 +190,9 @@ def experiment(
     if not rows:
         raise UsageError("; ".join(f"{method}: {why}" for method, why in left_out.items()))
     weights = {method: row.weights(task) for method, row in rows.items()}
-    rates = np.empty((len(rows), starts.size))
+    rates, readings = np.empty((len(rows), starts.size)), readings_of(record, settings.options)
     for i, start in enumerate(starts):
-        interval = interval_of(piece(record, int(start), size), task)
+        interval = interval_of(readings, task, int(start))
         for j, (method, row) in enumerate(rows.items()):
             rates[j, i] = in_si(row.measure(interval, weights[method], task), interval).value
     rates = rates - settings.bias
@@ -225,7 +203,7 @@ def experiment(
         reference=float(rates[-1].mean()) if settings.reference is None else settings.reference,
         known=settings.reference is not None,
         predicted=np.array([standard_error(row, weights[m], task) if known else math.nan for m, row in rows.items()]),
-        ranking=ranking(task) if known else None, left_out=left_out, notes=notes,
+        ranking=None if task.model is None else ranking(task, task.model), left_out=left_out, notes=notes,
         findings=() if settings.gaps == "split" else findings_of(record),
     )  # fmt: skip
 
@@ -242,10 +220,8 @@ def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[In
         for start in range(int(omitted), int(right) - extra - size + 1, size)
     ])  # fmt: skip
     if not starts.size:
-        raise DataError(
-            say("no interval of {interval:g} s fits between the {missing} missing samples of {name!r}",
-                interval=size / record.rate, missing=lost.size, name=record.name)
-        )  # fmt: skip
+        raise DataError(say("no interval of {interval:g} s fits between the {missing} missing samples of {name!r}",
+                            interval=size / record.rate, missing=lost.size, name=record.name))  # fmt: skip
     notes = []
     if rest := record.size - starts.size * size:
         omitted = say("{rest:.6g} s of {length:.6g} s do not fill an interval and are omitted",
@@ -254,10 +230,8 @@ def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[In
         notes.append(join("; ", (omitted, missing)) if lost.size else omitted)
     if settings.most is not None and starts.size > settings.most:
         starts = starts[np.linspace(0, starts.size - 1, settings.most).astype(np.int64)]
-        notes.append(
-            say_count(settings.most, "{count} interval, spread over the record, was measured",
-                      "{count} intervals, spread over the record, were measured")
-        )  # fmt: skip
+        notes.append(say_count(settings.most, "{count} interval, spread over the record, was measured",
+                               "{count} intervals, spread over the record, were measured"))  # fmt: skip
     return starts, tuple(notes)
 
 
@@ -306,6 +280,8 @@ class Closeup(Value):
         The angle in quanta at every sample, from 0; empty without a quantum.
     line : array, shape (n + 1,)
         The straight line whose floor is the staircase nearest to the counts; empty without a quantum.
+    descent : array, shape (steps + 1,)
+        The rates at which a descent begins and after each of its steps, SI; empty if none was chosen.
     """
 
     name: str
@@ -317,6 +293,7 @@ class Closeup(Value):
     kept: BoolArray
     counts: FloatArray
     line: FloatArray
+    descent: FloatArray
 
     @property
     def misfit(self) -> FloatArray:
@@ -361,13 +338,11 @@ def closeup(record: Record, settings: ExperimentSettings | None = None, *, start
     part = piece(record, first, size)
     demand_whole(part)
     task = task_of(part, None, settings.target, dither=settings.dither, options=settings.options)
-    interval = interval_of(part, task)
+    interval = interval_of(readings_of(part, task.options), task)
     slopes, kept = regression_lines(interval, task)
-    counts, line = np.empty(0), np.empty(0)
+    counts = line = descent = np.empty(0)
     if math.isfinite(interval.pulse):
-        counts, line = recognized(interval, certified=settings.options.certified)
-    rates = (slopes + interval.offset) * interval.size - settings.bias
-    return Closeup(
-        record.name, record.signal, first / record.rate, size / record.rate, record.rate, rates, kept,
-        counts, line,
-    )  # fmt: skip
+        counts, line, descent = recognized(interval, settings.options)
+    rates, descent = ((each + interval.offset) * interval.size - settings.bias for each in (slopes, descent))
+    span = first / record.rate, size / record.rate
+    return Closeup(record.name, record.signal, *span, record.rate, rates, kept, counts, line, descent)

@@ -8,25 +8,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from allanite.extending import (
-    DataError,
-    Inspected,
-    Job,
-    Noise,
-    Progress,
-    Recipe,
-    Record,
-    Recording,
-    RecordResult,
-    Source,
-    UsageError,
-    Value,
-    public,
-    run,
-    say,
-    unit_of,
-    whole_recording,
-)
+from allanite.extending import (  # isort: skip
+    DataError, Inspected, Job, Noise, Progress, Recipe, Record, Recording, RecordResult, Source, UsageError, Value,
+    public, run, say, unit_of, whole_recording
+)  # fmt: skip
 
 from .rounding_noise import Budget, budget
 from .stage import Stage, TorqueScale, demand_in_range, factor_of
@@ -43,18 +28,6 @@ class Mixed(NamedTuple):
     clipped: tuple[int, ...]
 
 
-def demand_axes(axes: Sequence[float]) -> tuple[float, float, float, float]:
-    """The matrix (xx, xy, yx, yy), once it is one that tells both rates."""
-    if len(axes) != 4 or not all(math.isfinite(v) for v in axes):
-        raise UsageError(
-            f"the axes of two torquers are four numbers XX,XY,YX,YY, for example 0,-1,1,0, not {list(axes)!r}"
-        )
-    xx, xy, yx, yy = (float(v) for v in axes)
-    if abs(xx * yy - xy * yx) <= 1e-9 * math.hypot(xx, xy) * math.hypot(yx, yy):
-        raise UsageError(f"the axes {list(axes)!r} give both rates from the same current: the matrix is singular")
-    return xx, xy, yx, yy
-
-
 def mixed(currents: Recording, axes: Sequence[float], stages: Sequence[Stage] = ()) -> tuple[Mixed, Mixed]:
     r"""Combine the currents of the x and the y torquer.
 
@@ -66,7 +39,13 @@ def mixed(currents: Recording, axes: Sequence[float], stages: Sequence[Stage] = 
     given as a current of unit weight and its length, so that rounding errors of both converters, which are independent
     and alike, are those of one converter of that scale.
     """
-    xx, xy, yx, yy = demand_axes(axes)
+    if len(axes) != 4 or not all(math.isfinite(v) for v in axes):
+        raise UsageError(
+            f"the axes of two torquers are four numbers XX,XY,YX,YY, for example 0,-1,1,0, not {list(axes)!r}"
+        )
+    xx, xy, yx, yy = (float(v) for v in axes)
+    if abs(xx * yy - xy * yx) <= 1e-9 * math.hypot(xx, xy) * math.hypot(yx, yy):
+        raise UsageError(f"the axes {list(axes)!r} give both rates from the same current: the matrix is singular")
     names = ", ".join(repr(record.name) for record in currents)
     if len(currents.records) != 2:
         raise DataError(say("the axes of two torquers need two currents, but there are {channels}", channels=names))
@@ -191,7 +170,6 @@ def budget_file(
         alerts = tuple(str(f) for f in seen.quality.warnings if f.name not in told)
         return BudgetChannel(seen.record, result, (*result.alerts, *alerts))
 
-    return run(
-        partial(BudgetStudy, settings=settings), whole, recipe, work,
-        lambda seen, why: BudgetChannel(seen.record, refusal=why), doing="measuring", progress=progress,
-    )  # fmt: skip
+    return run(partial(BudgetStudy, settings=settings), whole, recipe, work,
+               lambda seen, why: BudgetChannel(seen.record, refusal=why), doing="measuring",
+               progress=progress)  # fmt: skip

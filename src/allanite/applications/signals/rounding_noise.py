@@ -5,28 +5,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
-from allanite.extending import (
-    NO_DITHER,
-    TERMS,
-    Finding,
-    Fit,
-    Noise,
-    Recipe,
-    Record,
-    RecordResult,
-    Signal,
-    UsageError,
-    Value,
-    View,
-    coefficient_factor,
-    noise_of,
-    public,
-    rounding,
-    say,
-    say_count,
-    spelled,
-    unit_of,
-)
+from allanite.extending import (  # isort: skip
+    NO_DITHER, TERMS, Finding, Fit, Noise, Recipe, Record, RecordResult, Signal, UsageError, Value, View,
+    coefficient_factor, noise_of, public, rounding, say, say_count, spelled, unit_of
+)  # fmt: skip
 
 from .stage import Codes, Stage, TorqueScale, ampere_of, codes, converted, demand_in_range, electric, factor_of, gain_of
 
@@ -167,7 +149,8 @@ def budget(
     record : Record
         A rate (angle, increments, counts), or a current, a voltage or codes with what makes a rate of them.
     stages : sequence of Stage
-        Stages in the order of the signal path; the first one defines the size of codes.
+        Stages in the order of the signal path; the first one defines the size of codes. A current or a voltage becomes
+        a rate without them, too.
     scale : TorqueScale or float, optional
         Scale of the torquer, or rad/s per A; required for currents.
     sense : float, optional
@@ -200,7 +183,7 @@ def budget(
     >>> [round(found.stages[0].to(found.stages[0].coefficient), 3), found.stages[0].matters]
     [0.134, False]
     """
-    if not stages:
+    if not stages and record.signal.inertial:
         raise UsageError(
             "name at least one stage, for example " + spelled("--stage 'ADC 12 5V'", "Stage('ADC', 12, 5.0, 'V')")
         )
@@ -208,11 +191,10 @@ def budget(
     rate, needs = record, spelled("--torquer or --torque-scale", "scale=...")
     if not record.signal.inertial:
         if scale is None:
-            raise UsageError(
-                f"{record.name!r} is in {record.unit!r}: give its relation to a rate, by the torquer's constants or "
-                f"scale factor ({needs})"
-            )
-        rate = converted(record, factor_of(scale), ampere_of(record, sense, stages[0]), counts[0])
+            raise UsageError(f"{record.name!r} is in {record.unit!r}: give its relation to a rate, by the torquer's "
+                             f"constants or scale factor ({needs})")  # fmt: skip
+        ampere = ampere_of(record, sense, next(iter(stages), None))
+        rate = converted(record, factor_of(scale), ampere, next(iter(counts), 0))
     noise = noise_of(rate, recipe or Recipe())
     rows = []
     for stage, count in zip(stages, counts, strict=True):

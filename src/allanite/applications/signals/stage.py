@@ -4,26 +4,11 @@ import math
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
-from allanite.extending import (
-    DataError,
-    Record,
-    UnitError,
-    UsageError,
-    Value,
-    convert,
-    join,
-    public,
-    say,
-    say_count,
-    signal_with,
-    spelled,
-    unit_of,
-    windowing,
-)
-
-FloatArray = NDArray[np.float64]
+from allanite.extending import (  # isort: skip
+    DataError, FloatArray, Record, UnitError, UsageError, Value, convert, join, public, say, say_count, signal_with,
+    spelled, unit_of, windowing
+)  # fmt: skip
 
 MAX_CLIPPED = 1e-3  # share of clipped samples above which noise coefficients are meaningless
 MAX_OFF_GRID = 0.05  # distance from the grid, in steps, up to which a reading printed with rounding lies on it
@@ -82,10 +67,8 @@ class Stage(Value):
     def __post_init__(self) -> None:
         if isinstance(self.bits, bool) or not isinstance(self.bits, (int, np.integer)) or not 1 <= self.bits <= 64:
             raise UsageError(f"the bits of {self.name!r} must be a whole number from 1 to 64, not {self.bits!r}")
-        if not (math.isfinite(self.full_scale) and self.full_scale > 0):
-            raise UsageError(f"the full scale of {self.name!r} must be a positive number, not {self.full_scale!r}")
-        if not (math.isfinite(self.gain) and self.gain > 0):
-            raise UsageError(f"the gain before {self.name!r} must be a positive number, not {self.gain!r}")
+        positive(self.full_scale, f"full scale of {self.name!r}")
+        positive(self.gain, f"gain before {self.name!r}")
         dimension = unit_of(self.unit).dimension
         signals = signal_with(dimension), signal_with(dimension, 1)
         if not (signals[0] or (signals[1] and signals[1].inertial)):
@@ -104,7 +87,7 @@ class Stage(Value):
         at -= number[:at][-1:] in ("e", "E")
         try:
             return cls(name, int(bits), float(number[:at]), number[at:].strip() or "1", float(gain or 1))
-        except (UsageError, UnitError):
+        except UsageError:
             raise
         except ValueError:
             raise UsageError(
@@ -339,10 +322,8 @@ def converted(record: Record, factor: float, ampere: tuple[float, str], clipped:
         words = join(", ", (words, say_count(clipped, "{count} reading clipped", "{count} readings clipped")))
     readings = record.values if record.kind == "count" else np.asarray(record.values, dtype=np.float64)
     worth = 1.0 if record.scale is None else record.scale
-    return Record(
-        readings * (worth * per_unit * factor), record.rate, "rad/s", name=record.name, start=record.start,
-        history=(*record.history, words),
-    )  # fmt: skip
+    return Record(readings * (worth * per_unit * factor), record.rate, "rad/s", name=record.name, start=record.start,
+                  history=(*record.history, words))  # fmt: skip
 
 
 def ampere_of(record: Record, sense: float | None, stage: Stage | None) -> tuple[float, str]:
@@ -372,10 +353,8 @@ def gain_of(unit: str, sense: float | None) -> float:
     if unit_of(unit).dimension != unit_of("V").dimension:
         return 1.0
     if sense is None:
-        raise UsageError(
-            "converting a voltage to a current needs the gain of its sensor in V per A: pass "
-            + spelled("--sense 0.5", "sense=0.5")
-        )
+        raise UsageError("converting a voltage to a current needs the gain of its sensor in V per A: pass "
+                         + spelled("--sense 0.5", "sense=0.5"))  # fmt: skip
     return positive(sense, "sense gain", "V per A")
 
 

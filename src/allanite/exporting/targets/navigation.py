@@ -2,8 +2,7 @@
 
 from dataclasses import replace
 
-from allanite.core.syntax import MATLAB as MATLAB_SYNTAX
-from allanite.core.syntax import PYTHON
+from allanite.core.syntax import MATLAB as MATLAB_SYNTAX, PYTHON
 from allanite.exporting.content import JSON_COMMENT, JsonLayout, LineLayout
 from allanite.exporting.target import ACCELEROMETER, DENSITY, GYRO, TIME, WALK, Target, TargetField, pair, sectioned
 from allanite.phrases.phrase import say
@@ -29,9 +28,7 @@ KF_GINS = Target(
 
 NAVEGO = Target(
     name="navego", title=say("IMU errors of NaveGo, in SI"),
-    fields=(
-        *pair("arw", "vrw", *DENSITY), *pair("gb_psd", "ab_psd", *WALK), *pair("gb_corr", "ab_corr", *TIME),
-    ),
+    fields=(*pair("arw", "vrw", *DENSITY), *pair("gb_psd", "ab_psd", *WALK), *pair("gb_corr", "ab_corr", *TIME)),
     forms={".m": LineLayout("imu.{name} = [{triple}];", syntax=MATLAB_SYNTAX)},
     source="ins_gnss.m: kf.Q = diag([arw, vrw, gb_psd, ab_psd].^2), of continuous time; F_update.m: the bias "
     "decays with -1/gb_corr. conversions/imu_si_errors.m computes gb_psd = gb_dyn sqrt(gb_corr), or "
@@ -56,10 +53,7 @@ PSINS = Target(
     forms={
         ".m": LineLayout(
             "{name} = {value};", syntax=MATLAB_SYNTAX, start=("% constant biases are not noise", "eb = 0; db = 0;"),
-            end=(
-                "TauG = inf; TauA = inf;",
-                "imuerr = imuerrset(eb, db, web, wdb, sqrtR0G, TauG, sqrtR0A, TauA);",
-            ),
+            end=("TauG = inf; TauA = inf;", "imuerr = imuerrset(eb, db, web, wdb, sqrtR0G, TauG, sqrtR0A, TauA);"),
         )
     },
     source="imuerrset.m: with TauG = inf, sqrtR0G is the rate random walk in deg/h/sqrt(h); wdb in ug/sqrt(Hz) "
@@ -69,8 +63,7 @@ PSINS = Target(
 )  # fmt: skip
 
 GNSS_INS_SIM = Target(
-    name="gnss-ins-sim",
-    title=say("IMU error model of gnss-ins-sim"),
+    name="gnss-ins-sim", title=say("IMU error model of gnss-ins-sim"),
     fields=(
         TargetField("gyro_arw", GYRO, "N", "deg/sqrt(h)"),
         TargetField("gyro_b_stability", GYRO, "K", "deg/h", weight=0.5, time=1),
@@ -80,17 +73,9 @@ GNSS_INS_SIM = Target(
     ),
     forms={
         ".py": LineLayout(
-            "    '{name}': np.array([{triple}]),",
-            PYTHON,
-            start=(
-                "import numpy as np",
-                "",
-                "imu_err = {",
-                "    # constant biases are not noise",
-                "    'gyro_b': np.zeros(3),",
-                "    'accel_b': np.zeros(3),",
-            ),
-            end=("}",),
+            "    '{name}': np.array([{triple}]),", PYTHON,
+            start=("import numpy as np", "", "imu_err = {", "    # constant biases are not noise",
+                   "    'gyro_b': np.zeros(3),", "    'accel_b': np.zeros(3),"), end=("}",),
         )
     },
     simulates=True,
@@ -101,8 +86,7 @@ GNSS_INS_SIM = Target(
         "imu = imu_model.IMU(accuracy=imu_err, axis=6)",
         say("there is no random walk: T is much longer than a run"),
     ),
-    markov=True,
-    each=True,
+    markov=True, each=True,
 )  # fmt: skip
 
 MATLAB = Target(
@@ -120,10 +104,8 @@ MATLAB = Target(
         say(
             "NoiseType must be single-sided: with the default, double-sided, imuSensor makes N and K smaller by sqrt(2)"
         ),
-        say(
-            "BiasInstability is flicker only with BiasInstabilityCoefficients = fractalcoef(n, 1), n at least f times "
-            "the longest averaging time"
-        ),
+        say("BiasInstability is flicker only with BiasInstabilityCoefficients = fractalcoef(n, 1), n at least f times "
+            "the longest averaging time"),
     ),
     each=True, comments=JSON_COMMENT,
 )  # fmt: skip
@@ -197,31 +179,22 @@ WHITE = TargetField("", GYRO, "N", "(rad/s)^2/Hz", power=2)
 BIAS = TargetField("", GYRO, "K", "(rad/s^2)^2/Hz", power=2)
 
 GTSAM = Target(
-    name="gtsam",
-    synonyms=("combinedimufactor",),
-    title=say("parameters of GTSAM's CombinedImuFactor, in Python"),
+    name="gtsam", synonyms=("combinedimufactor",), title=say("parameters of GTSAM's CombinedImuFactor, in Python"),
     fields=(
         *pair("setGyroscopeCovariance", "setAccelerometerCovariance", WHITE, "(m/s^2)^2/Hz"),
         *pair("setBiasOmegaCovariance", "setBiasAccCovariance", BIAS, "(m/s^3)^2/Hz"),
     ),
     forms={
         ".py": LineLayout(
-            "params.{name}({value} * np.eye(3))",
-            PYTHON,
-            start=(
-                "import gtsam",
-                "import numpy as np",
-                "",
-                "params = gtsam.PreintegrationCombinedParams.MakeSharedU(9.80665)  # local gravity; z axis up",
-            ),
+            "params.{name}({value} * np.eye(3))", PYTHON,
+            start=("import gtsam", "import numpy as np", "",
+                   "params = gtsam.PreintegrationCombinedParams.MakeSharedU(9.80665)  # local gravity; z axis up"),
         )
     },
     source="gtsam/navigation/CombinedImuFactor.h and PreintegrationParams.h: covariances of continuous time, "
     "which the integration divides by dt. The division was not read in the version of today",
     notes=(
-        say(
-            "setIntegrationCovariance, the error of the numerical integration, is not an Allan coefficient; "
-            "neither is setBiasAccOmegaInt (its name differs between versions), the covariance of the initial biases"
-        ),
+        say("setIntegrationCovariance, the error of the numerical integration, is not an Allan coefficient; "
+            "neither is setBiasAccOmegaInt (its name differs between versions), the covariance of the initial biases"),
     ),
-)
+)  # fmt: skip

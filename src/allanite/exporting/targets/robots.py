@@ -4,18 +4,10 @@ from dataclasses import replace
 
 from allanite.core.syntax import PARAMETERS, XML
 from allanite.exporting.content import JSON_COMMENT, Content, JsonLayout, LineLayout, number, spread, told
-from allanite.exporting.target import (
-    ACCELEROMETER,
-    DENSITY,
-    GYRO,
-    TIME,
-    WALK,
-    Target,
-    TargetField,
-    ThermalTarget,
-    pair,
-    sectioned,
-)
+
+from allanite.exporting.target import (  # isort: skip
+    ACCELEROMETER, DENSITY, GYRO, TIME, WALK, Target, TargetField, ThermalTarget, pair, sectioned
+)  # fmt: skip
 from allanite.phrases.phrase import say
 
 
@@ -111,10 +103,8 @@ PX4 = Target(
     source="src/modules/ekf2/EKF/covariance.cpp: variances of a step (dt EKF2_GYR_NOISE)^2 and (dt "
     "EKF2_GYR_B_NOISE)^2 with dt = 10 ms (EKF2_PREDICT_US); ranges of the parameters",
     notes=(
-        say(
-            "the defaults of PX4 are 10 to 100 times as large, since they cover vibration in flight: values of a bench "
-            "are lower bounds"
-        ),
+        say("the defaults of PX4 are 10 to 100 times as large, since they cover vibration in flight: values of a "
+            "bench are lower bounds"),
     ),
     step=0.01,
 )  # fmt: skip
@@ -186,10 +176,8 @@ PEGASUS = Target(
     "samples, and the gyro has the correlation time of the accelerometer",
     notes=(
         "config = json.load(open(file)); config.pop('comment'); IMU(config)",
-        say(
-            "Isaac Sim itself has no noise of an IMU; in Isaac Lab the standard deviation of a step is N sqrt(f), "
-            "without drift"
-        ),
+        say("Isaac Sim itself has no noise of an IMU; in Isaac Lab the standard deviation of a step is N sqrt(f), "
+            "without drift"),
     ),
     rated=True, comments=JSON_COMMENT,
 )  # fmt: skip

@@ -13,7 +13,7 @@ from allanite.core.model import Term, coefficient_factor
 from allanite.core.validity import LowPass, Scope
 from allanite.identification.likelihood.filters import FILTERS
 from allanite.identification.likelihood.spectrum import WELL_KNOWN, surroundings
-from allanite.phrases.phrase import join, say
+from allanite.phrases.phrase import join, say, spelled
 from allanite.terms import TERMS
 
 from .components import CLAIMED, COMPONENTS, LONGEST_MARKOV, Part
@@ -243,7 +243,12 @@ def _no_walk(answer: Answer, estimates: dict[str, Estimate]) -> Iterator[str]:
     walk = next(walks, None)
     if walk and walk in estimates and estimates[walk].claimed and "GM" not in frame.asked:
         least = least_time_constant(answer, frame.powers.index(walk))
-        if least is not None:
+        if least is not None and "GM" in estimates:
+            terms = ",".join([s for s, e in estimates.items() if e.claimed and s != walk] + ["GM"])
+            yield say("{walk} may as well be a second Gauss-Markov noise, with a time constant of more than {time:.2g} "
+                      "s ({option})", walk=walk, time=least / answer.scale.rate,
+                      option=spelled(f"--terms {terms}", f"terms={terms!r}"))  # fmt: skip
+        elif least is not None:
             yield say("{walk} may as well be Gauss-Markov noise with a time constant of more than {time:.2g} s",
                       walk=walk, time=least / answer.scale.rate)  # fmt: skip
 

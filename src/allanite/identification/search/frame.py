@@ -13,17 +13,10 @@ from allanite.core.plain import Portable
 from allanite.identification.likelihood.filters import FILTERS
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.spectrum import BinnedSpectrum
-from allanite.identification.likelihood.whittle import (
-    Pair,
-    column,
-    directions_of,
-    gain_of,
-    in_bins,
-    likelihood,
-    step_coefficients,
-    table_column,
-    warm_up_direction,
-)
+
+from allanite.identification.likelihood.whittle import (  # isort: skip
+    Pair, column, directions_of, gain_of, in_bins, likelihood, step_coefficients, table_column, warm_up_direction
+)  # fmt: skip
 from allanite.terms import TERMS, WHITE
 
 # Derivation: docs/derivations.md.

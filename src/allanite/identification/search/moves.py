@@ -9,21 +9,10 @@ from allanite.core.arrays import FloatArray
 from allanite.identification.likelihood.filters import FILTERS
 from allanite.identification.likelihood.whittle import Pair, step_coefficients, warm_up_direction
 
-from .components import (
-    AT_BOUND,
-    BROAD,
-    COMPONENTS,
-    HIDING,
-    INSIDE,
-    LEAST_MARKOV,
-    LONGEST_MARKOV,
-    LONGEST_WARM_UP,
-    PERIODS,
-    QUICKEST_MARKOV,
-    SHORTEST_WARM_UP,
-    Part,
-    cost_of,
-)
+from .components import (  # isort: skip
+    AT_BOUND, BROAD, COMPONENTS, HIDING, INSIDE, LEAST_MARKOV, LONGEST_MARKOV, LONGEST_WARM_UP, PERIODS,
+    QUICKEST_MARKOV, SHORTEST_WARM_UP, Part, cost_of
+)  # fmt: skip
 from .fitting import Fitted, fitted
 from .frame import LOW, Frame
 from .refining import CANDIDATES, FAR, Local, Move
@@ -68,11 +57,11 @@ def steps(at: Local) -> Iterator[State]:
     apart = frame.size / (PLACES + 1)
     places, gain = apart * np.arange(1, PLACES + 1), np.zeros(1)
     for _ in range(2):
+        places = places[(places > 1) & (places < frame.size - 1)]
         D = step_coefficients(frame.size, places)[:, : y.size] / root
         gain = _gains(D, y, Q)
         best = float(places[int(gain.argmax())])
         places = best + apart * np.linspace(-1, 1, FINE_PLACES + 2)[1:-1]
-        places = places[(places > 1) & (places < frame.size - 1)]
     if at.able(float(gain.max()), COMPONENTS["step"].cost(frame.size)):
         yield state.having(Part("step", "", (best,)))
 

@@ -9,18 +9,10 @@ import numpy as np
 from allanite.core.arrays import BoolArray, FloatArray
 
 from .components import Part
-from .fitting import (
-    Fitted,
-    admissible,
-    bounds_of,
-    column_of_part,
-    factor_basis,
-    fitted,
-    place_of,
-    valued,
-    values_of,
-    with_values,
-)
+
+from .fitting import (  # isort: skip
+    Fitted, admissible, bounds_of, column_of_part, factor_basis, fitted, place_of, valued, values_of, with_values
+)  # fmt: skip
 from .state import State
 
 REACH = 8.0  # states up to this above the least score are kept: a weight of e^-4

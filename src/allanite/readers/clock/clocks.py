@@ -128,12 +128,10 @@ def _by_name(columns: list[FileColumn]) -> tuple[FileColumn | None, str]:
         return (clocks[0][1], "") if clocks else (None, "")
     judged = [(steadiness(column.values), rank, i, column) for i, (rank, column) in enumerate(clocks)]
     best = min(judged, key=lambda item: (item[0].trouble, item[1], round(item[0].scatter, 1), item[2]))
-    candidates = join(
-        ", ", (say("{column} {quality}", column=column.label, quality=how.words) for how, _, _, column in judged)
-    )
+    told = (say("{column} {quality}", column=column.label, quality=how.words) for how, _, _, column in judged)
     return best[3], say(
         "{column} is used as the clock, of {count} candidates in the file: {candidates}",
-        column=best[3].label, count=len(clocks), candidates=candidates,
+        column=best[3].label, count=len(clocks), candidates=join(", ", told),
     )  # fmt: skip
 
 
@@ -212,7 +210,5 @@ def counted_grid(column: FileColumn | None, interval: float) -> SampleGrid | Non
     where = None if column is None else places(column)
     if column is None or where is None:
         return None
-    return SampleGrid(
-        interval, None, where,
-        (lost_samples(where, interval, say("according to the counter {column}", column=column.label)),),
-    )  # fmt: skip
+    source = say("according to the counter {column}", column=column.label)
+    return SampleGrid(interval, None, where, (lost_samples(where, interval, source),))

@@ -126,70 +126,43 @@ def _refined(elapsed: FloatArray, rows: Places, interval: float, slack: float) -
     return Pace(interval, *followed(elapsed / interval, rows, STAMPS_AHEAD[-1], slack))
 
 
-_CLOCK = ("--time COLUMN", "time=...")
+def _without_stamps(_: str) -> str:
+    option = spelled(say("--time none --rate HZ"), say("time='none', rate=..."))
+    return say("choose a window without them, or ignore the time stamps: {option}", option=option)
 
 
 def _use_sensor(option: str) -> str:
     return say("use the clock of the sensor ({option}) if the file has it", option=option)
 
 
-FAULTS: dict[str, tuple[str, Callable[[str], str], tuple[str, str]]] = {
-    say("missing samples"): (
-        say("they are marked as gaps, nothing is put in their place"),
-        lambda option: say("choose a window without them, or ignore the time stamps: {option}", option=option),
-        (say("--time none --rate HZ"), say("time='none', rate=...")),
-    ),
+FAULTS: dict[str, tuple[str, Callable[[str], str]]] = {
+    say("missing samples"): (say("they are marked as gaps, nothing is put in their place"), _without_stamps),
     "jitter": (
-        say(
-            "if the sensor itself was sampled so unevenly, the deviations at the shortest averaging times are "
-            "wrong; if only the time stamps were late, the results are right"
-        ),
-        _use_sensor,
-        _CLOCK,
-    ),
+        say("if the sensor itself was sampled so unevenly, the deviations at the shortest averaging times are "
+            "wrong; if only the time stamps were late, the results are right"), _use_sensor),
     say("bursty time stamps"): (
-        say(
-            "they tell when samples arrived, not when they were taken: only their mean rate is used, and "
-            "missing samples remain undetected"
-        ),
-        _use_sensor,
-        _CLOCK,
-    ),
+        say("they tell when samples arrived, not when they were taken: only their mean rate is used, and "
+            "missing samples remain undetected"), _use_sensor),
     say("coarse time stamps"): (
-        say(
-            "the rate is counted from the first change of the time stamp to the last, and single missing "
-            "samples remain undetected"
-        ),
-        lambda _: say("log finer time stamps, or the counter of the sensor"),
-        _CLOCK,
-    ),
+        say("the rate is counted from the first change of the time stamp to the last, and single missing "
+            "samples remain undetected"), lambda _: say("log finer time stamps, or the counter of the sensor")),
     say("duplicate time stamps"): (
         say("the rows are used one after the other, in the order of the file"),
-        lambda _: say("check the logger: samples that are written twice make the noise look smaller"),
-        _CLOCK,
-    ),
+        lambda _: say("check the logger: samples that are written twice make the noise look smaller")),
     say("reversed time stamps"): (
         say("the rows are used in the order of the file"),
-        lambda _: say("check the logger; if the rows are out of order, sort the file by time stamp"),
-        _CLOCK,
-    ),
+        lambda _: say("check the logger; if the rows are out of order, sort the file by time stamp")),
     say("damaged time stamps"): (
         say("each is set by its neighbours"),
-        lambda _: say("check the logger, and the cable or card that it writes to"),
-        _CLOCK,
-    ),
+        lambda _: say("check the logger, and the cable or card that it writes to")),
     say("constant time stamps"): (
         say("the clock gives no information, and missing samples remain undetected"),
-        lambda option: say("use another clock ({option})", option=option),
-        _CLOCK,
-    ),
+        lambda option: say("use another clock ({option})", option=option)),
     say("clock drift"): (
         say("averaging times are accurate only to that part"),
-        lambda option: say("let the sensor and the logger warm up, or use another clock ({option})", option=option),
-        _CLOCK,
-    ),
-}
-"""Name, consequence and remedy of each finding about time stamps; the option and the argument that the remedy names."""
+        lambda option: say("let the sensor and the logger warm up, or use another clock ({option})", option=option)),
+}  # fmt: skip
+"""Name, consequence and remedy of each finding about time stamps; a remedy may name the option of another clock."""
 
 UNSTEADY = 0.1  # RMS deviation of time stamps from an even grid, in intervals, above which they are called jittered
 DRIFT = 1e-4  # relative change of rate within a record that is reported; noise coefficients are less sensitive
@@ -234,8 +207,8 @@ def finding(
     name: str, what: str, place: tuple[float, float] | None = None, *, consequence: str = "", remedy: str = ""
 ) -> Finding:
     """A finding of the table; texts given here replace those of the table."""
-    usual, advice, choice = FAULTS[name]
-    return Finding(name, what, consequence or usual, remedy or advice(spelled(*choice)), place)
+    usual, advice = FAULTS[name]
+    return Finding(name, what, consequence or usual, remedy or advice(spelled("--time COLUMN", "time=...")), place)
 
 
 def lost_samples(places: Places, interval: float, source: str) -> Finding:
@@ -268,11 +241,9 @@ class Holes:
         """The finding about them."""
         first, longest = (Hole(size, at * interval) for size, at in (self.first, self.longest))
         samples = say_count(self.lost, "{count} sample", "{count} samples")
-        missing = say(
-            "{samples} ({share}) missing in {gaps}, {source}",
-            samples=samples, share=percent(self.lost / self.size), source=source,
-            gaps=say_count(self.count, "{count} gap", "{count} gaps"),
-        )  # fmt: skip
+        missing = say("{samples} ({share}) missing in {gaps}, {source}",
+                      samples=samples, share=percent(self.lost / self.size), source=source,
+                      gaps=say_count(self.count, "{count} gap", "{count} gaps"))  # fmt: skip
         what = [missing, say("the first at {time:.6g} s", time=first.at)]
         if first.size > 1:
             what[1] = say("the first of {length:.4g} s at {time:.6g} s", length=first.size * interval, time=first.at)
@@ -287,26 +258,21 @@ def duplicates(stamps: Stamps) -> tuple[Finding, ...]:
     equal = stamps.steps == 0
     if not equal.any():
         return ()
-    what = say_count(
-        int(equal.sum()),
-        "{count} stamp of {column} is equal to the previous one, although the samples differ; the first is in row "
-        "{row} of the data",
-        "{count} stamps of {column} are equal to the previous one, although the samples differ; the first is in row "
-        "{row} of the data",
-        column=stamps.label, row=int(np.argmax(equal)) + 2,
-    )  # fmt: skip
+    what = say_count(int(equal.sum()),
+                     "{count} stamp of {column} is equal to the previous one, although the samples differ; the first "
+                     "is in row {row} of the data",
+                     "{count} stamps of {column} are equal to the previous one, although the samples differ; the "
+                     "first is in row {row} of the data",
+                     column=stamps.label, row=int(np.argmax(equal)) + 2)  # fmt: skip
     return (finding("duplicate time stamps", what),)
 
 
 def bursty(stamps: Stamps, mean: float) -> Finding:
     """Steps whose median gives another rate than their mean."""
     steps = stamps.steps
-    what = say(
-        "bursty time stamps in {column}: {median:.4g} Hz from the median step, {mean:.6g} Hz from the mean; steps from "
-        "{shortest} to {longest}",
-        column=stamps.label, median=1 / float(np.median(steps)), mean=1 / mean,
-        shortest=duration(float(steps.min())), longest=duration(float(steps.max())),
-    )  # fmt: skip
+    what = say("bursty time stamps in {column}: {median:.4g} Hz from the median step, {mean:.6g} Hz from the mean; "
+               "steps from {shortest} to {longest}", column=stamps.label, median=1 / float(np.median(steps)),
+               mean=1 / mean, shortest=duration(float(steps.min())), longest=duration(float(steps.max())))  # fmt: skip
     return finding("bursty time stamps", what)
 
 
@@ -325,11 +291,9 @@ def jitter(stamps: Stamps, departure: FloatArray, interval: float) -> tuple[Find
     if rms < UNSTEADY:
         return ()
     low, high = (duration(float(step)) for step in (stamps.steps.min(), stamps.steps.max()))
-    what = say(
-        "the time stamps of {column} scatter by {scatter:.2g} intervals RMS; steps from {low} to {high} instead of "
-        "{interval}",
-        column=stamps.label, scatter=rms, low=low, high=high, interval=duration(interval),
-    )  # fmt: skip
+    what = say("the time stamps of {column} scatter by {scatter:.2g} intervals RMS; steps from {low} to {high} "
+               "instead of {interval}",
+               column=stamps.label, scatter=rms, low=low, high=high, interval=duration(interval))  # fmt: skip
     return (finding("jitter", what),)
 
 
@@ -345,11 +309,13 @@ def drift(stamps: Stamps, departure: FloatArray) -> tuple[Finding, ...]:
     bend = float(np.ptp(means - np.linspace(means[0], means[-1], PARTS)))
     if change < DRIFT + 10 * noise or bend < 0.75:
         return ()
-    what = say(
-        "the clock of {column} changes its rate by {change:.2g} ppm within the record",
-        column=stamps.label, change=change * 1e6,
-    )  # fmt: skip
-    return (finding("clock drift", what),)
+    return (drifting(stamps.label, change),)
+
+
+def drifting(label: str, change: float) -> Finding:
+    """A rate that changes by this part of itself."""
+    return finding("clock drift", say("the clock of {column} changes its rate by {change:.2g} ppm within the record",
+                                      column=label, change=change * 1e6))  # fmt: skip
 
 
 def duration(seconds: float) -> str:

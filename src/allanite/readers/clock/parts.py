@@ -13,7 +13,7 @@ from allanite.phrases.phrase import say
 from allanite.readers.columns.table import Sense, repeated
 
 from .clocks import unwrapped
-from .findings import DRIFT, PARTS, Holes, Places, SampleGrid, finding
+from .findings import DRIFT, PARTS, Holes, Places, SampleGrid, drifting
 from .sampling_rate import Beat, Stamped, settled, stamped
 from .stamps import Damage, fit, mended, seconds_since
 
@@ -155,9 +155,7 @@ class Clock:
         change = float(np.ptp(rates) / rates.mean())
         if change < DRIFT or isinstance(self.head, Beat):
             return ()
-        what = say("the clock of {column} changes its rate by {change:.2g} ppm within the record",
-                   column=self.head.column.label, change=change * 1e6)  # fmt: skip
-        return (finding("clock drift", what),)
+        return (drifting(self.head.column.label, change),)
 
 
 def _pieces(grid: SampleGrid, places: Places, columns: Sequence[NDArray[Any]], known: int) -> Iterator[Piece]:

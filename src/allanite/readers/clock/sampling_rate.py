@@ -88,18 +88,15 @@ def stamped(sources: ClockSources, rate: float | None) -> Stamped | Beat:
     column.demand_numbers()
     whole, damaged = mended(column.values)
     stamps, wrapped = unwrapped(whole)
-    again = (
-        (say("{column} wraps around at 2^{bits}: it was continued", column=column.label, bits=wrapped),)
-        if wrapped
-        else ()
-    )
+    continued = say("{column} wraps around at 2^{bits}: it was continued", column=column.label, bits=wrapped)
     unit, guessed = _unit(sources, stamps, given or sources.stated)
     if not unit:
         _demand_counter(column, rate)
         known = Beat(given or 0.0, notes=first, contradictions=against)
         return known if given else Beat(questions=(_ask_unit(column),))
-    return Stamped(column, stamps, unit, sources, rate, given, first, again, guessed, against,
-                   Damage().add(damaged, column.values))  # fmt: skip
+    again = (continued,) if wrapped else ()
+    damage = Damage().add(damaged, column.values)
+    return Stamped(column, stamps, unit, sources, rate, given, first, again, guessed, against, damage)
 
 
 def _demand_counter(column: FileColumn, rate: float | None) -> None:
@@ -107,13 +104,9 @@ def _demand_counter(column: FileColumn, rate: float | None) -> None:
     rates = readings(column.values)
     if rate and rates and abs(rates[0][1] - 1) > SAME:
         raise UsageError(
-            say(
-                "the rate given, {rate} Hz, contradicts the time stamps of {column} ({readings}): omit it, or ignore "
-                "the time stamps with {option}",
-                rate=_shown(rate), column=column.label, readings=_listed(rates),
-                option=spelled("--time none", "time='none'"),
-            ),
-            choice="time", cure=("", "--time none"),
+            say("the rate given, {rate} Hz, contradicts the time stamps of {column} ({readings}): omit it, or ignore "
+                "the time stamps with {option}", rate=_shown(rate), column=column.label, readings=_listed(rates),
+                option=spelled("--time none", "time='none'")), choice="time", cure=("", "--time none"),
         )  # fmt: skip
 
 
@@ -121,10 +114,8 @@ def settled(seen: Stamped, grid: SampleGrid, lost: int) -> Beat:
     """The beat of time stamps by their grid, on which so many samples are missing."""
     given, label = seen.given, seen.column.label
     if grid.trouble and not given:
-        raise DataError(say(
-            "{trouble}; {advice}, or {option} for another column",
-            trouble=grid.trouble, advice=_rows(), option=spelled("--time COLUMN", "time=..."),
-        ))  # fmt: skip
+        raise DataError(say("{trouble}; {advice}, or {option} for another column", trouble=grid.trouble, advice=_rows(),
+                            option=spelled("--time COLUMN", "time=...")))  # fmt: skip
     if grid.trouble:
         return Beat(
             float(given or 0),
@@ -134,13 +125,10 @@ def settled(seen: Stamped, grid: SampleGrid, lost: int) -> Beat:
     measured = 1 / grid.interval
     if seen.rate and _apart(seen.rate, measured, REFUSED):
         raise UsageError(
-            say(
-                "the rate given, {rate} Hz, contradicts the time stamps of {column}, {measured} Hz{guessed}: omit it, "
-                "or ignore the time stamps with {option}",
-                rate=_shown(seen.rate), column=label, measured=_shown(measured),
-                guessed=f" ({seen.guessed})" if seen.guessed else "", option=spelled("--time none", "time='none'"),
-            ),
-            choice="time", cure=("", "--time none"),
+            say("the rate given, {rate} Hz, contradicts the time stamps of {column}, {measured} Hz{guessed}: omit it, "
+                "or ignore the time stamps with {option}", rate=_shown(seen.rate), column=label,
+                measured=_shown(measured), guessed=f" ({seen.guessed})" if seen.guessed else "",
+                option=spelled("--time none", "time='none'")), choice="time", cure=("", "--time none"),
         )  # fmt: skip
     notes, differing = _notes(label, (given, measured), seen.guessed, lost)
     stated = seen.sources.stated
@@ -168,15 +156,11 @@ def _apart(rate: float, other: float | None, limit: float = SAME) -> bool:
 def _contradiction(rate: float, other: float, source: str, told: Sequence[str] = ()) -> Finding:
     """The warning that one rate is used although something else gives another."""
     high, low = max(rate, other), min(rate, other)
-    apart = (
-        say("a factor of {factor:.4g} apart", factor=high / low)
-        if high >= 2 * low
-        else say("{share} apart", share=percent(high / low - 1))
-    )
-    used = say(
-        "rate {rate} Hz is used, but {source} gives {other} Hz, {apart}",
-        rate=_shown(rate), source=source, other=_shown(other), apart=apart,
-    )  # fmt: skip
+    apart = say("{share} apart", share=percent(high / low - 1))
+    if high >= 2 * low:
+        apart = say("a factor of {factor:.4g} apart", factor=high / low)
+    used = say("rate {rate} Hz is used, but {source} gives {other} Hz, {apart}",
+               rate=_shown(rate), source=source, other=_shown(other), apart=apart)  # fmt: skip
     return Finding(
         say("given rate"), join(", ", (used, *told)),
         say("if the other is right, averaging times are wrong by that ratio, and coefficients by a power of it"),
@@ -196,11 +180,8 @@ def _unstamped(sources: ClockSources, given: float | None, notes: tuple[str, ...
         return Beat(questions=(join(": ", (several, _ask())),))
     if column is None:
         return Beat(questions=(say("the sampling rate is not in the file: {advice}", advice=_ask()),))
-    asked = say(
-        "the sampling rate is not in the file (the counter {column} shows which samples are missing, but not their "
-        "rate): {advice}",
-        column=column.label, advice=_ask(),
-    )  # fmt: skip
+    asked = say("the sampling rate is not in the file (the counter {column} shows which samples are missing, but not "
+                "their rate): {advice}", column=column.label, advice=_ask())  # fmt: skip
     return Beat(questions=(asked,))
 
 
@@ -217,10 +198,7 @@ def _notes(
 
 
 def _ask() -> str:
-    return spelled(
-        say("pass --rate HZ, or --time COLUMN"),
-        say("pass rate=100 (in Hz), or time='stamp[us]'"),
-    )
+    return spelled(say("pass --rate HZ, or --time COLUMN"), say("pass rate=100 (in Hz), or time='stamp[us]'"))
 
 
 def _rows() -> str:
@@ -257,12 +235,9 @@ def _listed(readings: list[tuple[str, float]]) -> str:
 def _ask_unit(column: FileColumn) -> str:
     rates = readings(column.values)
     if not rates:
-        return say(
-            "the last time stamp of {column} is not later than the first: {advice}", column=column.label, advice=_ask()
-        )
+        return say("the last time stamp of {column} is not later than the first: {advice}",
+                   column=column.label, advice=_ask())  # fmt: skip
     address = addressed(column)
-    return say(
-        "the unit of the integer time stamps of {column} is unknown ({readings}): pass {option}",
-        column=column.label, readings=_listed(rates),
-        option=spelled(f"--time '{address}', or --rate {RATE}", f"time='{address}', or rate=100"),
-    )  # fmt: skip
+    return say("the unit of the integer time stamps of {column} is unknown ({readings}): pass {option}",
+               column=column.label, readings=_listed(rates),
+               option=spelled(f"--time '{address}', or --rate {RATE}", f"time='{address}', or rate=100"))  # fmt: skip

@@ -12,19 +12,9 @@ from allanite.core.units import unit_of
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import say, say_count
 
-from .findings import (
-    Places,
-    SampleGrid,
-    Stamps,
-    bursty,
-    drift,
-    duplicates,
-    duration,
-    finding,
-    lost_samples,
-    pace,
-    unsteady,
-)
+from .findings import (  # isort: skip
+    Places, SampleGrid, Stamps, bursty, drift, duplicates, duration, finding, lost_samples, pace, unsteady
+)  # fmt: skip
 
 FAR = 3.0
 """Distance of a stamp from the middle of its neighbours, in intervals, above which it is damaged: no logger is so late
@@ -80,14 +70,12 @@ class Damage:
 
     def findings(self, label: str) -> tuple[Finding, ...]:
         """The finding about them, if there are any."""
-        what = say_count(
-            self.count,
-            "{count} time stamp of {column} is damaged, {value} in row {row} of the data: its neighbours are evenly "
-            "spaced without it",
-            "{count} time stamps of {column} are damaged, the first, {value}, in row {row} of the data: their "
-            "neighbours are evenly spaced without them",
-            column=label, row=self.row + 1, value=self.value,
-        )  # fmt: skip
+        what = say_count(self.count,
+                         "{count} time stamp of {column} is damaged, {value} in row {row} of the data: its neighbours "
+                         "are evenly spaced without it",
+                         "{count} time stamps of {column} are damaged, the first, {value}, in row {row} of the data: "
+                         "their neighbours are evenly spaced without them",
+                         column=label, row=self.row + 1, value=self.value)  # fmt: skip
         return (finding("damaged time stamps", what),) if self.count else ()
 
 
@@ -116,17 +104,13 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
     bad = ~np.isfinite(elapsed)
     if bad.any():
         where = say("the first in row {row} of the data", row=int(np.argmax(bad)) + 1)
-        trouble = say(
-            "{column} has no time stamp in {count} of {size} rows, {where}",
-            column=label, count=int(bad.sum()), size=bad.size, where=where,
-        )  # fmt: skip
-        return SampleGrid(trouble=trouble)
+        return SampleGrid(trouble=say("{column} has no time stamp in {count} of {size} rows, {where}", column=label,
+                                      count=int(bad.sum()), size=bad.size, where=where))  # fmt: skip
     if np.abs(elapsed).max() > LONGEST_TIME:
         row = int(np.argmax(np.abs(elapsed[1:] / 2 - elapsed[:-1] / 2)))  # halves, whose difference is finite
         step = 2 * (elapsed[row + 1] / 2 - elapsed[row] / 2)
-        trouble = say("the time stamps of {column} jump by {step:.3g} s before row {row} of the data", column=label,
-                      step=step, row=row + 2)  # fmt: skip
-        return SampleGrid(trouble=trouble)
+        return SampleGrid(trouble=say("the time stamps of {column} jump by {step:.3g} s before row {row} of the data",
+                                      column=label, step=step, row=row + 2))  # fmt: skip
     stamps = Stamps(elapsed, label)
     if not stamps.steps.any():
         what = say("all time stamps of {column} are equal", column=label)
@@ -141,9 +125,8 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
             elapsed.size - rows.size,
             "{count} row is identical to the previous one, time stamp and samples, the first in row {row} of the data",
             "{count} rows are identical to the previous one, time stamp and samples, the first in row {row} of the "
-            "data",
-            row=first + 1,
-        )
+            "data", row=first + 1,
+        )  # fmt: skip
         duplicate = finding("duplicate time stamps", what, consequence=say("each is used once"))
         return replace(grid, rows=rows if grid.rows is None else rows[grid.rows], findings=(duplicate, *grid.findings))
     return _reversed(stamps) if stamps.steps.min() < 0 else _forward(stamps)
@@ -209,28 +192,19 @@ def _in_ticks(stamps: Stamps) -> SampleGrid:
     elapsed, label = stamps.elapsed, stamps.label
     changes = np.flatnonzero(stamps.steps > 0) + 1
     if changes.size < 3:
-        what = say(
-            "the time stamps of {column} change {count} times in {size} rows",
-            column=label, count=changes.size, size=elapsed.size,
-        )  # fmt: skip
-        return SampleGrid(
-            findings=(finding("coarse time stamps", what),), trouble=say("{what}: too coarse for the rate", what=what)
-        )
+        what = say("the time stamps of {column} change {count} times in {size} rows",
+                   column=label, count=changes.size, size=elapsed.size)  # fmt: skip
+        coarse = finding("coarse time stamps", what)
+        return SampleGrid(findings=(coarse,), trouble=say("{what}: too coarse for the rate", what=what))
     fitted = pace(elapsed[changes], changes, 1 + EVEN)
     each = f"{elapsed.size / (changes.size + 1):.3g}"
     if stamps.resolution > 0.5 * fitted.interval and not fitted.bursts:
-        coarse = finding(
-            "coarse time stamps",
-            say(
-                "time stamps with a resolution of {length} in {column}, {each} rows per step",
-                length=duration(stamps.resolution), column=label, each=each,
-            ),
-        )  # fmt: skip
+        what = say("time stamps with a resolution of {length} in {column}, {each} rows per step",
+                   length=duration(stamps.resolution), column=label, each=each)  # fmt: skip
+        coarse = finding("coarse time stamps", what)
     else:
-        coarse = finding(
-            "bursty time stamps",
-            say("bursty time stamps in {column}: groups of {each} equal ones", column=label, each=each),
-        )
+        what = say("bursty time stamps in {column}: groups of {each} equal ones", column=label, each=each)
+        coarse = finding("bursty time stamps", what)
     if fitted.bursts or float((np.abs(fitted.residual) > 1 + EVEN).mean()) > 0.05:
         span = float(elapsed[changes[-1]] - elapsed[changes[0]])
         return SampleGrid(span / int(changes[-1] - changes[0]), findings=(coarse,))
@@ -245,25 +219,17 @@ def _with_losses(stamps: Stamps, interval: float, places: Places, found: tuple[F
     """The grid with its gaps, unless they are implausible."""
     gaps = np.diff(places)
     if gaps.min() < 1:
-        what = say(
-            "up to row {row} of the data there are more rows than the time stamps of {column} allow",
-            row=int(np.argmin(gaps)) + 2, column=stamps.label,
-        )  # fmt: skip
+        what = say("up to row {row} of the data there are more rows than the time stamps of {column} allow",
+                   row=int(np.argmin(gaps)) + 2, column=stamps.label)  # fmt: skip
         return SampleGrid(findings=(*found, finding("duplicate time stamps", what)), trouble=what)
     lost, row = int(places[-1]) + 1 - places.size, int(np.argmax(gaps))
     if lost > MOST_LOST * places[-1]:
-        what = say(
-            "the time stamps of {column} jump by {step:.6g} s before row {row} of the data, and {share:.4g} % "
-            "of all samples would be missing: the clock was set, or the logger was stopped",
-            column=stamps.label, step=stamps.steps[row], row=row + 2, share=100 * lost / int(places[-1]),
-        )  # fmt: skip
-        closed = finding(
-            "missing samples", what, consequence=say("the rows are assumed to be evenly spaced, the jump is ignored")
-        )
-        return SampleGrid(findings=(*found, closed), trouble=what)
-    holes = (
-        (lost_samples(places, interval, say("according to the time stamps of {column}", column=stamps.label)),)
-        if lost
-        else ()
-    )
-    return SampleGrid(interval, None, places if lost else None, (*holes, *found))
+        what = say("the time stamps of {column} jump by {step:.6g} s before row {row} of the data, and {share:.4g} % "
+                   "of all samples would be missing: the clock was set, or the logger was stopped", column=stamps.label,
+                   step=stamps.steps[row], row=row + 2, share=100 * lost / int(places[-1]))  # fmt: skip
+        ignored = say("the rows are assumed to be evenly spaced, the jump is ignored")
+        return SampleGrid(findings=(*found, finding("missing samples", what, consequence=ignored)), trouble=what)
+    if not lost:
+        return SampleGrid(interval, findings=found)
+    source = say("according to the time stamps of {column}", column=stamps.label)
+    return SampleGrid(interval, None, places, (lost_samples(places, interval, source), *found))

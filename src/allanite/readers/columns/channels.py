@@ -211,9 +211,7 @@ def _applies(column: FileColumn, options: Options) -> bool:
     if options.unit is None or not _said(column):
         return True
     theirs, mine = unit_of(column.unit).dimension, unit_of(options.unit).dimension
-    return [p for base, p in zip(BASES, theirs, strict=True) if base != "time"] == [
-        p for base, p in zip(BASES, mine, strict=True) if base != "time"
-    ]
+    return all(one == other or base == "time" for base, one, other in zip(BASES, theirs, mine, strict=True))
 
 
 def _resolved(column: FileColumn, options: Options, *, applies: bool) -> SignalColumn | Left:
@@ -227,17 +225,34 @@ def _resolved(column: FileColumn, options: Options, *, applies: bool) -> SignalC
     if not unit:
         return Left(column, say("the unit is unknown"), _ask_unit(None), open=True)
     known, scale = (column.kind, column.scale) if unit == column.unit else ("", None)
-    kind = own.kind or known
     fits = kinds_of(unit)
+    counts = own.worth is not None and "rate" not in fits and "count" in fits and _counts(column)
+    kind = own.kind or known or ("count" if counts else "")
     if not fits:
         return Left(column, _strange(unit), _ask_unit(own.unit), open=True)
-    meanings = offered(unit, integers=column.values.dtype.kind == "i")
+    meanings = offered(unit, integers=_whole(column))
     if (kind or "rate") not in fits:
         unclear = say("{unit!r} does not determine what a sample is", unit=unit)
         reason = say("{unit!r} does not match kind {kind!r}", unit=unit, kind=kind) if kind else unclear
         return Left(column, reason, say("pass what a sample is: {meanings}", meanings=meanings))
     scale = scale if own.worth is None else own.worth
     return SignalColumn(column, unit, kind or fits[0], scale, _source(column, options, unit, applies))
+
+
+@np.errstate(all="ignore")
+def _whole(column: FileColumn) -> bool:
+    """Whether all samples that are not missing are whole numbers."""
+    values = column.values
+    return bool(np.all(np.isnan(values) | (np.isfinite(values) & (np.rint(values) == values))))
+
+
+@np.errstate(all="ignore")
+def _counts(column: FileColumn) -> bool:
+    """Whether whole numbers are as independent as the counts of each sample interval, which their sum is not."""
+    values = column.values.astype(np.float64)
+    kept, squares = values[np.isfinite(values)], np.square(np.diff(values))
+    squares = squares[np.isfinite(squares)]
+    return bool(_whole(column) and squares.size and squares.mean() > 0.2 * kept.var() > 0)
 
 
 def _source(column: FileColumn, options: Options, unit: str, applies: bool) -> str:

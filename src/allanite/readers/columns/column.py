@@ -37,10 +37,8 @@ class FileColumn:
     def demand_numbers(self) -> None:
         """Refuse a column of text."""
         if self.text:
-            raise DataError(say(
-                "{column} holds text ({text!r}) instead of numbers; select another column",
-                column=self.label, text=self.text,
-            ))  # fmt: skip
+            raise DataError(say("{column} holds text ({text!r}) instead of numbers; select another column",
+                                column=self.label, text=self.text))  # fmt: skip
 
 
 def headed(values: NDArray[Any], position: int, header: str, *, unit: str = "", text: str = "") -> FileColumn:
@@ -69,7 +67,8 @@ def lookup(columns: tuple[FileColumn, ...], key: str, choice: str = "channels") 
     exact = [column for column in columns if wanted in (column.name, column.header)]
     alike = [column for column in columns if wanted.lower() in (column.name.lower(), column.header.lower())]
     placed = [column for column in columns if wanted == str(column.position)]
-    for column in (*exact, *alike, *placed):
+    bare = [c for c in columns if wanted.lower() == headers.without_number(c.name).lower()]
+    for column in (*exact, *alike, *placed, *bare[: len(bare) == 1]):
         return column
     names = [f"{column.position}: {column.header or column.name}" for column in columns]
     meant = nearest(wanted, [column.name for column in columns])
@@ -109,9 +108,8 @@ def split(name: str, array: NDArray[Any], names: tuple[str, ...] = ()) -> Iterat
         numbered = [f"{stem} {i}{name[len(stem) :]}" if name else "" for i in range(1, upright.shape[1] + 1)]
         yield from zip(names if len(names) == upright.shape[1] else numbered, upright.T, strict=True)
     elif array.ndim > 2:
-        what = say(
-            "array {name!r} has the shape {shape}; expected one column per channel", name=name, shape=array.shape
-        )
+        what = say("array {name!r} has the shape {shape}; expected one column per channel",
+                   name=name, shape=array.shape)  # fmt: skip
         raise DataError(what)
 
 

@@ -90,11 +90,9 @@ def _only(streams: Sequence[Stream]) -> Stream:
     fitting = [stream for stream in streams if stream.likely]
     if not fitting:  # the longest of those that cannot be decoded may have signals
         first = max(streams, key=lambda stream: (bool(stream.why), stream.count))
-        none = say(
-            "no table of the file has inertial signals by its name or units; it contains {names}; select one with "
-            "{option}",
-            names=_listed(streams), option=_option(first.name if first.why else "NAME"),
-        )  # fmt: skip
+        none = say("no table of the file has inertial signals by its name or units; it contains {names}; select one "
+                   "with {option}",
+                   names=_listed(streams), option=_option(first.name if first.why else "NAME"))  # fmt: skip
         raise UsageError(join("; ", (_undecoded(first), none) if first.why else (none,)))
     long = [stream for stream in fitting if stream.count >= SHORTEST] or fitting
     best = max(stream.likely for stream in long)
@@ -125,11 +123,8 @@ def _single(by_key: list[list[Stream]]) -> Stream:
     """The stream that keys name; refused if they name several."""
     named = list(dict.fromkeys(_one_of(candidates) for candidates in by_key if candidates))
     if len(named) > 1:
-        raise UsageError(say(
-            "the channels belong to {number} tables of the file, each with its own clock ({names}); analyze one "
-            "after the other",
-            number=len(named), names=_listed(named),
-        ))  # fmt: skip
+        raise UsageError(say("the channels belong to {number} tables of the file, each with its own clock ({names}); "
+                             "analyze one after the other", number=len(named), names=_listed(named)))  # fmt: skip
     return named[0]
 
 
@@ -166,11 +161,9 @@ def _one_of(streams: Sequence[Stream]) -> Stream:
     """The only one of these; refused if there are several."""
     if len(streams) == 1:
         return streams[0]
-    raise UsageError(say(
-        "the file contains {number} tables that may be meant, each with its own clock ({names}); select one with "
-        "{option}",
-        number=len(streams), names=_listed(streams), option=_option(streams[0].name),
-    ))  # fmt: skip
+    raise UsageError(say("the file contains {number} tables that may be meant, each with its own clock ({names}); "
+                         "select one with {option}",
+                         number=len(streams), names=_listed(streams), option=_option(streams[0].name)))  # fmt: skip
 
 
 def _option(name: str) -> str:

@@ -45,10 +45,8 @@ def parsed(words: Any, pattern: str, label: str, first: int = 0, american: bool 
     wrong = pc.and_(pc.and_(pc.is_valid(text), pc.not_equal(text, "")), pc.is_null(fields))
     if pc.any(wrong).as_py():
         row = pc.index(wrong, True).as_py()
-        raise DataError(say(
-            "row {row} of the data, {column}: {text!r} is not a date or time of the same format as the others",
-            row=first + row + 1, column=label, text=text[row].as_py()[:40],
-        ))  # fmt: skip
+        raise DataError(say("row {row} of the data, {column}: {text!r} is not a date or time of the same format as "
+                            "the others", row=first + row + 1, column=label, text=text[row].as_py()[:40]))  # fmt: skip
 
     def part(name: str) -> Values:
         if f"<{name}>" not in pattern:
@@ -94,10 +92,8 @@ def _days(year: Values, month: Values, day: Values, label: str, american: bool) 
     if american:
         month, day = day, month
     if month.max(initial=1) > 12 or day.max(initial=1) > 31:
-        raise DataError(say(
-            "{column} holds dates with a month {month} or a day {day}",
-            column=label, month=month.max(), day=day.max(),
-        ))  # fmt: skip
+        raise DataError(say("{column} holds dates with a month {month} or a day {day}",
+                            column=label, month=month.max(), day=day.max()))  # fmt: skip
     months = (year - 1970) * 12 + np.maximum(month, 1) - 1
     days = (np.maximum(day, 1) - 1).astype("timedelta64[D]")
     return np.asarray(months.astype("datetime64[M]").astype("datetime64[D]") + days)

@@ -97,25 +97,23 @@ class Doubt(NamedTuple):
 
 def doubts(signals: Sequence[SignalColumn], rate: float) -> Iterator[Doubt]:
     """The doubts about the units of signals at a rate in Hz."""
-    of: dict[str, dict[FileColumn, SignalColumn]] = {"accelerometer": {}, "gyro": {}}
-    for signal in signals:
-        sensor = headers.inertial(signal.unit)
-        if sensor is not None and signal.kind in ("rate", "increment"):
-            of[sensor.name][signal.column] = signal
-    axes = of["accelerometer"]
+    gyros, accelerometers = _inertial(signals, "rate", "increment")
+    axes = {signal.column: signal for signal in accelerometers}
     for three in [list(axes)] if len(axes) == 3 else triples(list(axes)):
         yield from _of_gravity(three, axes[three[0]], rate)
-    yield from _of_noise(tuple(of["gyro"].values()), rate)
+    yield from _of_noise(gyros, rate)
+
+
+def _inertial(signals: Sequence[SignalColumn], *kinds: str) -> Iterator[list[SignalColumn]]:
+    """Those of gyros, and those of accelerometers, whose samples are of these kinds."""
+    sensors = [(headers.inertial(signal.unit), signal) for signal in signals if signal.kind in kinds]
+    for name in ("gyro", "accelerometer"):
+        yield [signal for sensor, signal in sensors if sensor is not None and sensor.name == name]
 
 
 def earth(signals: Sequence[SignalColumn], rate: float) -> Iterator[Phrase]:
     """A note where three gyros that are quiet enough show the rate of the earth, with its angle to gravity."""
-    of: dict[str, list[SignalColumn]] = {"gyro": [], "accelerometer": []}
-    for signal in signals:
-        sensor = headers.inertial(signal.unit)
-        if sensor is not None and signal.kind in ("rate", "increment", "count"):
-            of[sensor.name].append(signal)
-    gyros, axes = of["gyro"], of["accelerometer"]
+    gyros, axes = _inertial(signals, "rate", "increment", "count")
     if len(gyros) != 3:
         return
     means = [_mean_of(signal, "deg/h", rate) for signal in gyros]
@@ -153,9 +151,8 @@ def contradiction(signals: Sequence[SignalColumn], rate: float) -> tuple[Phrase,
     units = ({"gyro": UNIT} if gyros else {}) | {doubt.sensor: doubt.unit for doubt in wrong}
     families = ", ".join(sorted({convention.family for convention in wrong.values()}))
     why = say("this contradicts the unit that {family} defines; state the unit", family=families)
-    return join("; ", (*(doubt.what for doubt in wrong), why)), ",".join(
-        f"{name}={unit}" for name, unit in units.items()
-    )
+    stated = ",".join(f"{name}={unit}" for name, unit in units.items())
+    return join("; ", (*(doubt.what for doubt in wrong), why)), stated
 
 
 def _of_gravity(three: Sequence[FileColumn], signal: SignalColumn, rate: float) -> Iterator[Doubt]:
@@ -169,10 +166,8 @@ def _of_gravity(three: Sequence[FileColumn], signal: SignalColumn, rate: float) 
     fits = off < math.log1p(NAMED) and unit_of(fit).factor != unit_of(signal.unit).factor
     if not fits and ratio < REMOVED:
         return
-    what = say(
-        "{columns}: at rest the mean has a length of {length:.4g} {unit}, which is {ratio:.3g} times gravity",
-        columns=_names(three), length=length, unit=signal.unit, ratio=ratio,
-    )  # fmt: skip
+    what = say("{columns}: at rest the mean has a length of {length:.4g} {unit}, which is {ratio:.3g} times gravity",
+               columns=_names(three), length=length, unit=signal.unit, ratio=ratio)  # fmt: skip
     what = say("{what}, and is gravity in {unit}", what=what, unit=fit) if fits else what
     yield Doubt(tuple(three), what, fit if fits else UNIT, "accel")
 
@@ -181,7 +176,7 @@ def _names(columns: Sequence[FileColumn]) -> Phrase:
     return some([repr(column.header or column.name) for column in columns], 6)
 
 
-def _of_noise(signals: tuple[SignalColumn, ...], rate: float) -> Iterator[Doubt]:
+def _of_noise(signals: Sequence[SignalColumn], rate: float) -> Iterator[Doubt]:
     """A doubt about gyros all of which are noisier than any sensor, or quieter."""
     levels = [_noise_of(signal, rate) for signal in signals]
     if not levels or not all(most for _, most in levels):
@@ -191,10 +186,8 @@ def _of_noise(signals: tuple[SignalColumn, ...], rate: float) -> Iterator[Doubt]
         return
     level, columns = NOISIEST if loud else QUIETEST, tuple(signal.column for signal in signals)
     limit = f"> {level:.2g} deg/s/sqrt(Hz)" if loud else f"< {level:.2g} deg/s/sqrt(Hz)"
-    what = say(
-        "{columns}: in {unit} the white noise is {limit}, beyond that of any gyro",
-        columns=_names(columns), unit=signals[0].unit, limit=limit,
-    )  # fmt: skip
+    what = say("{columns}: in {unit} the white noise is {limit}, beyond that of any gyro",
+               columns=_names(columns), unit=signals[0].unit, limit=limit)  # fmt: skip
     yield Doubt(columns, what, UNIT, "gyro")
 
 

@@ -97,12 +97,17 @@ def split(header: str) -> tuple[str, str]:
             return name, ""
         if not (unit.isdigit() or unit.lower() in ("x", "y", "z")):
             return name or header, latin(unit)
-    tokens = re.sub(r"[\[(]\w*[\])]$| \d+$", "", header).lower().replace(".", "_").split("_")
+    tokens = re.sub(r" \d+$", "", without_number(header)).lower().replace(".", "_").split("_")
     for count in range(min(4, len(tokens) - 1), 0, -1):
         unit = SUFFIXES.get("_".join(tokens[-count:]))
         if unit:
             return header, unit
     return header, ""
+
+
+def without_number(header: str) -> str:
+    """A header without a number, or a letter of an axis, in brackets at its end: ``difference [1]``."""
+    return re.sub(r"\s*[\[(]\w*[\])]$", "", header)
 
 
 def _bracketed(header: str) -> tuple[str, str | None]:

@@ -104,10 +104,8 @@ def find(data: bytes) -> Layout:
     """The layout of a text; refused if there are no rows of numbers near the beginning, or more names than columns."""
     lines = numbered_lines(data)
     if not lines:
-        raise DataError(say(
-            "the first line is longer than {size} bytes; expected one row per sample, each on its own line",
-            size=HEAD,
-        ))  # fmt: skip
+        raise DataError(say("the first line is longer than {size} bytes; expected one row per sample, each on its own "
+                            "line", size=HEAD))  # fmt: skip
     delimiter, decimal = _style_of([text for _, _, text in lines if text])
     marks = marks_of(delimiter)
     # a line with a word is not one of numbers
@@ -308,10 +306,8 @@ def _names(row: list[str], width: int, delimiter: str) -> tuple[str, ...] | None
     while len(row) > width and not row[-1]:
         row = row[:-1]
     if len(row) > width:
-        raise DataError(say(
-            "the header names {count} columns ({names}..) but the rows below have {width}",
-            count=len(row), names=", ".join(row[:8]), width=width,
-        ))  # fmt: skip
+        raise DataError(say("the header names {count} columns ({names}..) but the rows below have {width}",
+                            count=len(row), names=", ".join(row[:8]), width=width))  # fmt: skip
     return tuple(row + [""] * (width - len(row))) if len(row) > 1 or width == 1 else None
 
 
@@ -328,10 +324,8 @@ def _commented(text: str, width: int, delimiter: str, decimal: str) -> tuple[str
 def _passed(count: int, row: Row) -> tuple[str, ...]:
     if count <= 0:
         return ()
-    skipped = say_count(
-        count,
-        "skipped {count} line above the numbers, the first {text!r}",
-        "skipped {count} lines above the numbers, the first {text!r}",
-        text=row.cells[0][:40],
-    )
+    skipped = say_count(count,
+                        "skipped {count} line above the numbers, the first {text!r}",
+                        "skipped {count} lines above the numbers, the first {text!r}",
+                        text=row.cells[0][:40])  # fmt: skip
     return (skipped,)

@@ -120,10 +120,8 @@ def clean_rows(data: bytes, layout: Layout, *, last: bool = True) -> tuple[bytes
     count = len(cells(end, layout.delimiter))
     if start == 0 or count >= layout.width:
         return body, ()
-    note = say(
-        "the last line ({text!r}) has {count} of {width} columns and was left out",
-        text=end[:40], count=count, width=layout.width,
-    )  # fmt: skip
+    note = say("the last line ({text!r}) has {count} of {width} columns and was left out",
+               text=end[:40], count=count, width=layout.width)  # fmt: skip
     return body[: len(body) - min(len(body), 65536) + start], (note,)
 
 
@@ -253,17 +251,13 @@ def _blame(body: bytes | memoryview, layout: Layout, otherwise: str) -> NoReturn
             continue
         where = say("line {line}", line=layout.line + i)
         if len(row) != layout.width:
-            raise DataError(say(
-                "{where} has {count} columns instead of {width}: {line!r}",
-                where=where, count=len(row), width=layout.width, line=line[:60],
-            ))  # fmt: skip
+            raise DataError(say("{where} has {count} columns instead of {width}: {line!r}",
+                                where=where, count=len(row), width=layout.width, line=line[:60]))  # fmt: skip
         for place, cell in enumerate(row):
             if place not in layout.text and not is_number(cell, layout.decimal) and cell.lower() not in MISSING:
                 name = layout.names[place] or say("column {position}", position=place + 1)
-                raise DataError(say(
-                    "{where}, column {name!r}: {cell!r} is not a number; correct or remove the line",
-                    where=where, name=name, cell=cell[:40],
-                ))  # fmt: skip
+                raise DataError(say("{where}, column {name!r}: {cell!r} is not a number; correct or remove the line",
+                                    where=where, name=name, cell=cell[:40]))  # fmt: skip
     raise DataError(say("the rows of numbers cannot be read: {reason}", reason=otherwise.splitlines()[0][:200]))
 
 

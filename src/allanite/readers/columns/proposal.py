@@ -38,9 +38,8 @@ def clock(columns: Sequence[FileColumn], sources: ClockSources) -> Proposal:
     words = spelled(f"--time '{address}'", f"time='{address}'")
     if not unit or sources.stamps:
         return Proposal(words, rate=rates.get(unit, 0.0))
-    why = say(
-        "{column} rises as a clock of {rate:.6g} Hz in {unit} does", column=column.label, rate=rates[unit], unit=unit
-    )
+    why = say("{column} rises as a clock of {rate:.6g} Hz in {unit} does",
+              column=column.label, rate=rates[unit], unit=unit)  # fmt: skip
     return Proposal(words, (why,), rates[unit])
 
 

@@ -67,12 +67,10 @@ def _loud(size: FloatArray, sine: Record, name: str) -> tuple[IntArray, list[Fin
     loud = np.flatnonzero(known & ~wrong)
     if not count:
         return loud, []
-    what = say_count(
-        count,
-        "{name}: {count} sample without the amplitude of sine and cosine, the first at {start:.6g} s",
-        "{name}: {count} samples without the amplitude of sine and cosine, the first at {start:.6g} s",
-        name=name, start=int(wrong.argmax()) / sine.rate,
-    )  # fmt: skip
+    what = say_count(count,
+                     "{name}: {count} sample without the amplitude of sine and cosine, the first at {start:.6g} s",
+                     "{name}: {count} samples without the amplitude of sine and cosine, the first at {start:.6g} s",
+                     name=name, start=int(wrong.argmax()) / sine.rate)  # fmt: skip
     return loud, [Finding("amplitude", what, say("they are treated as missing"))]
 
 
@@ -92,12 +90,10 @@ def _unwrapped(wrapped: FloatArray, there: IntArray, rate: float, name: str) -> 
     speed = float(np.abs(means).max(initial=0.0))
     wide = np.flatnonzero((apart > 1) & (np.maximum(speed * apart, np.abs(steps)) > LARGEST_STEP))
     if wide.size:
-        raise DataError(say(
-            "{name}: the angle may have turned by more than 90 deg while samples are missing, from {start:.6g} s "
-            "to {end:.6g} s, so that its turns cannot be counted; read the parts before and after as files of "
-            "their own",
-            name=name, start=there[wide[0]] / rate, end=there[wide[0] + 1] / rate,
-        ))  # fmt: skip
+        raise DataError(say("{name}: the angle may have turned by more than 90 deg while samples are missing, from "
+                            "{start:.6g} s to {end:.6g} s, so that its turns cannot be counted; read the parts before "
+                            "and after as files of their own",
+                            name=name, start=there[wide[0]] / rate, end=there[wide[0] + 1] / rate))  # fmt: skip
     return np.concatenate((wrapped[:1], wrapped[0] + np.cumsum(steps)))
 
 
@@ -122,13 +118,9 @@ def _errors(angle: FloatArray, size: FloatArray, name: str) -> tuple[list[Findin
     if max(errors) < max(5 * noise, LEAST_ERROR):
         return [], read
     once, twice = (math.degrees(error) * 3600 for error in errors)
-    what = say(
-        "{name}: offsets of {sine:.3g} % (sine) and {cosine:.3g} % (cosine) of the amplitude, gains different by "
-        "{gain:.3g} %, phase {phase:.3g} deg from 90 deg",
-        name=name, sine=100 * sin1, cosine=100 * cos1, gain=200 * cos2, phase=math.degrees(2 * sin2),
-    )  # fmt: skip
-    effect = say(
-        "errors of the angle of up to {once:.3g} arcsec once and {twice:.3g} arcsec twice per turn",
-        once=once, twice=twice,
-    )  # fmt: skip
+    what = say("{name}: offsets of {sine:.3g} % (sine) and {cosine:.3g} % (cosine) of the amplitude, gains different "
+               "by {gain:.3g} %, phase {phase:.3g} deg from 90 deg", name=name, sine=100 * sin1, cosine=100 * cos1,
+               gain=200 * cos2, phase=math.degrees(2 * sin2))  # fmt: skip
+    effect = say("errors of the angle of up to {once:.3g} arcsec once and {twice:.3g} arcsec twice per turn",
+                 once=once, twice=twice)  # fmt: skip
     return [Finding("imbalance", what, effect, say("correct sine and cosine before they are recorded"))], read

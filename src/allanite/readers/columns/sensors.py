@@ -32,7 +32,7 @@ def turns(columns: list[FileColumn], tags: dict[int, Tags]) -> Turns | None:
     """The column that distinguishes the rows of several sensors; None if all rows belong to one."""
     # A column of a few words is one if they change often; a column of numbers if its header says so, or if they repeat
     # in the same order, which samples do not.
-    for place, column in enumerate(columns):
+    for place, column in enumerate(columns if len(columns) > 1 else ()):
         named = bool(_ID.search(column.header.lower()))
         if place in tags:
             ids, codes = tags[place]

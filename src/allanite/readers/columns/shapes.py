@@ -41,11 +41,9 @@ def thinned(records: Sequence[Record], first: int, step: int) -> tuple[Record, .
 
 def note(records: Sequence[Record], step: int) -> str:
     """The note on their rate."""
-    return say(
-        "rate {rate:.7g} Hz, since only one row in {step} has samples of {names}; if others were lost rather than "
-        "averaged, N is too large by up to sqrt({step})",
-        rate=records[0].rate / step, step=step, names=", ".join(record.name for record in records),
-    )  # fmt: skip
+    return say("rate {rate:.7g} Hz, since only one row in {step} has samples of {names}; if others were lost rather "
+               "than averaged, N is too large by up to sqrt({step})",
+               rate=records[0].rate / step, step=step, names=", ".join(record.name for record in records))  # fmt: skip
 
 
 WIDEST_LINE = 1000  # numbers per line above which the line is a channel and not a sample
@@ -116,10 +114,8 @@ def _joined(data: bytes) -> tuple[bytes, tuple[str, ...]]:
     mark = delimiter if delimiter != " " else "  "
     rows = [mark.join(kept[i : i + period]) for i in range(first, len(kept), period)]
     names = [mark.join(kept[:first])] if first == period else kept[:first]
-    note = say(
-        "{count} lines of {sizes} numbers are used as one row per sample",
-        count=period, sizes=", ".join(map(str, numeric[:period])),
-    )  # fmt: skip
+    note = say("{count} lines of {sizes} numbers are used as one row per sample",
+               count=period, sizes=", ".join(map(str, numeric[:period])))  # fmt: skip
     return "\n".join([*above, *names, *rows, ""]).encode(), (note,)
 
 

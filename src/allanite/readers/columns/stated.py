@@ -36,10 +36,8 @@ def of_columns(columns: tuple[FileColumn, ...], options: Options) -> Callable[[F
             column = lookup(columns, name)
             column.demand_numbers()
             of_names[column] = unit
-    own = {
-        column: Stated(replace(plain, unit=unit), column in of_names)
-        for column, unit in (of_sensors | of_names).items()
-    }
+    units = (of_sensors | of_names).items()
+    own = {column: Stated(replace(plain, unit=unit), column in of_names) for column, unit in units}
     return lambda column: own.get(column, Stated(plain))
 
 
@@ -89,16 +87,11 @@ def against_headers(used: Iterable[tuple[FileColumn, str]]) -> Iterator[Finding]
         if contradicts(column, unit):
             pairs.setdefault((unit, column.unit), []).append(repr(column.header or column.name))
     for (unit, theirs), names in pairs.items():
-        what = say(
-            "unit {unit} is used as requested, but according to the file it is {theirs} for {columns}",
-            unit=unit, columns=some(names, 12), theirs=theirs,
-        )  # fmt: skip
+        what = say("unit {unit} is used as requested, but according to the file it is {theirs} for {columns}",
+                   unit=unit, columns=some(names, 12), theirs=theirs)  # fmt: skip
         effect = say("if the file is right, the coefficients are wrong")
         remedy = say("omit {option} if the file is right", option=spelled(f"--unit {unit}", f"unit={unit!r}"))
         ours, other = unit_of(unit), unit_of(theirs)
-        apart = (
-            say("that is another quantity")
-            if ours.dimension != other.dimension
-            else say("that is a factor of {factor:.6g}", factor=ours.factor / other.factor)
-        )
+        apart = say("that is a factor of {factor:.6g}", factor=ours.factor / other.factor)
+        apart = apart if ours.dimension == other.dimension else say("that is another quantity")
         yield Finding(say("given unit"), join(": ", (what, apart)), effect, remedy)

@@ -18,8 +18,7 @@ from allanite.core.record import Record, Recording
 from allanite.core.syntax import identifiers
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import join, say, spelled
-from allanite.readers.clock import clocks
-from allanite.readers.clock import sampling_rate as clock
+from allanite.readers.clock import clocks, sampling_rate as clock
 from allanite.readers.options import Options
 
 from . import channels, conventions, gravity, proposal, resolver, sensors, shapes, stated
@@ -48,9 +47,8 @@ class FileTable:
         """The channels as records with common sample times."""
         if options.sincos:
             plain = replace(options, sincos=None, unit="1", kind="value")
-            return resolver.with_angles(
-                self._unmarked(plain).recording(plain), len(options.sincos) // 2, options.kind or "value"
-            )
+            waves = self._unmarked(plain).recording(plain)
+            return resolver.with_angles(waves, len(options.sincos) // 2, options.kind or "value")
         if max((len(column.values) for column in self.columns), default=0) < 2:
             raise DataError(
                 say("the file contains fewer than 2 rows of numbers; a record needs thousands, one row per sample")
@@ -175,12 +173,11 @@ def _record(signal: channels.SignalColumn, beat: clock.Beat, stated: float | Non
     start, history = stated if beat.start is None else beat.start, signal.column.history
     # a float this large becomes another integer without an error
     if signal.kind == "count" and values.dtype.kind == "f" and np.any(np.abs(values) >= 2.0**63):
-        raise DataError(say(
-            "{column} contains counts beyond the range of 64-bit integers; use {option}",
-            column=signal.column.label, option=spelled("--kind increment", "kind=increment"),
-        ))  # fmt: skip
+        raise DataError(say("{column} contains counts beyond the range of 64-bit integers; use {option}",
+                            column=signal.column.label,
+                            option=spelled("--kind increment", "kind=increment")))  # fmt: skip
     put, kind = beat.grid.put(values), signal.kind
-    if beat.grid.lost and kind == "count":  # a gap is not an integer: the same numbers, as increments
+    if kind == "count" and np.isnan(put).any():  # a gap is not an integer: the same numbers, as increments
         kind = "increment"
     history = (*history, *beat.grid.history)
     return Record(put, beat.rate, signal.unit, kind, signal.scale, name=name, start=start, history=history)
@@ -189,19 +186,13 @@ def _record(signal: channels.SignalColumn, beat: clock.Beat, stated: float | Non
 def _demand_rows(columns: list[FileColumn]) -> None:
     lengths = {column.label: len(column.values) for column in columns}
     if len(set(lengths.values())) > 1:
-        which = join(
-            ", ", (say("{column} has {length}", column=label, length=length) for label, length in lengths.items())
-        )
-        raise DataError(say(
-            "the columns have different lengths ({which}); select columns of one length with {option}",
-            which=which, option=spelled("--channels", "channels=..."),
-        ))  # fmt: skip
+        each = (say("{column} has {length}", column=label, length=length) for label, length in lengths.items())
+        raise DataError(say("the columns have different lengths ({which}); select columns of one length with {option}",
+                            which=join(", ", each), option=spelled("--channels", "channels=...")))  # fmt: skip
     for label, length in lengths.items():
         if length < 2:
-            raise DataError(say(
-                "{column} contains {length} numbers; a record needs thousands, one row per sample",
-                column=label, length=length,
-            ))  # fmt: skip
+            raise DataError(say("{column} contains {length} numbers; a record needs thousands, one row per sample",
+                                column=label, length=length))  # fmt: skip
 
 
 def described(recording: Recording, headers: Sequence[str]) -> str:
@@ -236,9 +227,8 @@ def restored(table: FileTable, text: str | bytes) -> FileTable:
     try:
         description = json.loads(text)
         columns = list[FileColumn]()
-        for column, channel in zip(
-            _ordered(table.columns, description["channels"]), description["channels"], strict=True
-        ):
+        written = description["channels"]
+        for column, channel in zip(_ordered(table.columns, written), written, strict=True):
             kind, unit, scale = str(channel["kind"]), str(channel["unit"]), channel["scale"]
             if signal_of_kind(unit, kind) is None or column.text:
                 raise ValueError(unit)
@@ -250,14 +240,11 @@ def restored(table: FileTable, text: str | bytes) -> FileTable:
                 history=tuple(join("", [str(step)]) for step in history),
             ))  # fmt: skip
         start = None if description["start"] is None else float(description["start"])
-        return replace(
-            table, columns=tuple(columns), rate=_positive(description["rate"]), rate_source=SOURCE, start=start
-        )
+        rate = _positive(description["rate"])
+        return replace(table, columns=tuple(columns), rate=rate, rate_source=SOURCE, start=start)
     except (AllaniteError, ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError):
-        note = say(
-            "{source} does not match its columns (were they changed since it was written?) and is ignored",
-            source=SOURCE,
-        )
+        note = say("{source} does not match its columns (were they changed since it was written?) and is ignored",
+                   source=SOURCE)  # fmt: skip
         return replace(table, notes=(*table.notes, note))
 
 

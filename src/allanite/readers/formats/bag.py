@@ -69,21 +69,17 @@ def _blocks(topic: "_Topic", path: str, rows: int) -> Iterator[dict[str, NDArray
         for part in process.parts(f"{topic.name} ({topic.type})", (topic.count,), topic.dtype, rows):
             values = _ordered({name: part[name] for name in topic.units})
             if last is not None and values[first][0] < last:
-                raise DataError(say(
-                    "messages of {topic} are stored before earlier ones, over more than a part of the bag; sort "
-                    "it (rosbag, ros2 bag convert, mcap sort), or read it as a whole with {option}",
-                    topic=topic.name, option=spelled("--memory", "memory="),
-                ))  # fmt: skip
+                raise DataError(say("messages of {topic} are stored before earlier ones, over more than a part of the "
+                                    "bag; sort it (rosbag, ros2 bag convert, mcap sort), or read it as a whole with "
+                                    "{option}", topic=topic.name, option=spelled("--memory", "memory=")))  # fmt: skip
             last = values[first][-1]
             yield values
 
 
 def _demand_bag(path: str) -> None:
     if head_of(path).startswith(ZSTD) and not os.path.isdir(path):
-        raise DataError(say(
-            "the file is compressed with zstd; of a ROS 2 bag, give the folder that holds it and its "
-            "metadata.yaml; unpack any other file with zstd -d"
-        ))  # fmt: skip
+        raise DataError(say("the file is compressed with zstd; of a ROS 2 bag, give the folder that holds it and its "
+                            "metadata.yaml; unpack any other file with zstd -d"))  # fmt: skip
 
 
 @dataclass(frozen=True)

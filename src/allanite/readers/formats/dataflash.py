@@ -195,9 +195,8 @@ def units(log: Log) -> dict[int, Units]:
     """The units of fields by the number of the kind of message, as far as the log says them by FMTU, UNIT and MULT."""
     about = [named(log, name) for name in ("FMTU", "UNIT", "MULT")]
     needed = ({"FmtType", "UnitIds", "MultIds"}, {"Id", "Label"}, {"Id", "Mult"})
-    if any(
-        kind is None or not fields <= set(kind.dtype.names or ()) for kind, fields in zip(about, needed, strict=True)
-    ):
+    pairs = zip(about, needed, strict=True)
+    if any(kind is None or not fields <= set(kind.dtype.names or ()) for kind, fields in pairs):
         return {}
     kinds_of_units, labels, factors = (log.rows(kind) for kind in about if kind is not None)
     label = {chr(int(row["Id"]) % 256): _LABELS.get(word(row["Label"]), "") for row in labels}
@@ -327,9 +326,8 @@ def _unrolled(about: Rows, parts: Rows, unit: str) -> FileTable:
     used = place < about["smp_cnt"][:, np.newaxis]
     step = 1e9 / about["smp_rate"].astype(np.float64)
     # as integers: the time since the start may have lost its last digits as a float
-    stamps = about["SampleUS"].astype(np.int64)[:, np.newaxis] * 1000 + np.rint(place * step[:, np.newaxis]).astype(
-        np.int64
-    )
+    stamps = about["SampleUS"].astype(np.int64)[:, np.newaxis] * 1000
+    stamps = stamps + np.rint(place * step[:, np.newaxis]).astype(np.int64)
     scale = 1 / about["mul"].astype(np.float64)[:, np.newaxis]
     made = [FileColumn((parts[axis] * scale)[used], i, axis, unit, header=axis) for i, axis in enumerate("xyz", 2)]
     number = np.unique(about["SampleUS"]).size

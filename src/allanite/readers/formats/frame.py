@@ -50,6 +50,6 @@ def _parsed(name: str, values: Any) -> parse.Parsed:
         words = column.cast(pa.string())
     except pa.ArrowException:
         return "objects"
-    return (
-        np.full(len(values), np.nan) if column.null_count == len(values) else parse.words_of(words, f"column {name!r}")
-    )
+    if column.null_count == len(values):
+        return np.full(len(values), np.nan)
+    return parse.words_of(words, f"column {name!r}")

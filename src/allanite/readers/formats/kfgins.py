@@ -53,17 +53,13 @@ def read(path: str, options: Options) -> Recording:
             option=spelled("--dtype kfgins", "dtype='kfgins'"), other=spelled("--dtype 7f8", "dtype='7f8'"),
         ))  # fmt: skip
     if (options.columns, options.offset) != (None, None):
-        raise UsageError(say(
-            "KF-GINS binary has rows of seven doubles and no header; omit {option}",
-            option=spelled("--columns and --offset", "columns and offset"),
-        ))  # fmt: skip
+        raise UsageError(say("KF-GINS binary has rows of seven doubles and no header; omit {option}",
+                             option=spelled("--columns and --offset", "columns and offset")))  # fmt: skip
     count, rest = divmod(os.path.getsize(path), _WIDTH)
     rows = np.fromfile(path, "<f8", 7 * count).reshape(count, 7)
     columns = [FileColumn(np.ascontiguousarray(rows[:, 0]), 1, "time", "s", header="time")]
-    for place, (name, unit) in enumerate(_CHANNELS, 1):
-        columns.append(
-            FileColumn(np.ascontiguousarray(rows[:, place]), place + 1, name, unit, "increment", header=name)
-        )
+    for i, (name, unit) in enumerate(_CHANNELS, 1):
+        columns.append(FileColumn(np.ascontiguousarray(rows[:, i]), i + 1, name, unit, "increment", header=name))
     notes = [say("rows of seven doubles are read as KF-GINS binary: time in s, increments in rad and m/s")]
     if rest:
         notes.append(say("the last {bytes} bytes are no whole row and are left out", bytes=rest))

@@ -62,9 +62,8 @@ def _table(arrays: list[tuple[str, NDArray[Any]]], notes: list[str]) -> FileTabl
     text = next((str(a) for name, a in arrays if name == KEY and a.ndim == 0 and a.dtype.kind == "U"), "")
     arrays = [(name, array) for name, array in arrays if name != KEY]
     columns = list[FileColumn]()
-    rate = next(
-        (float(a) for name, a in arrays if name.lower() in RATE_NAMES and a.ndim == 0 and a.dtype.kind in "iuf"), None
-    )
+    single = (array for name, array in arrays if name.lower() in RATE_NAMES and array.ndim == 0)
+    rate = next((float(array) for array in single if array.dtype.kind in "iuf"), None)
     for name, array in arrays:
         for header, values in split(name, array):
             columns.append(column(header, values, len(columns) + 1))

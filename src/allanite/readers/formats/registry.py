@@ -101,13 +101,8 @@ READERS: dict[str, Format] = {  # tried in this order; plugins come before text,
 TYPES = ("kfgins",)  # formats without a signature: each is read if its name is given as the type of raw binary
 
 WRITERS: dict[str, str] = {
-    ".csv": "text",
-    ".npz": "numpy_file",
-    ".parquet": "parquet",
-    ".h5": "hdf5",
-    ".hdf5": "hdf5",
-    ".mat": "mat",
-}
+    ".csv": "text", ".npz": "numpy_file", ".parquet": "parquet", ".h5": "hdf5", ".hdf5": "hdf5", ".mat": "mat",
+}  # fmt: skip
 """Suffix of a file: the module that writes it."""
 
 

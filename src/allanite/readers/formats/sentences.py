@@ -79,14 +79,9 @@ def read(path: str, options: Options) -> Recording:
                 streams.append(Stream(name, len(right), names, load, likely=fits))
     if not streams:
         raise DataError(say("no sentence has a valid checksum; {count} are damaged", count=bad))
-    notes = [
-        say_count(
-            bad,
-            "{count} sentence has a wrong checksum or is incomplete, and is left out",
-            "{count} sentences have a wrong checksum or are incomplete, and are left out",
-        )
-    ]
-    return stream_recording(streams, options, notes if bad else [])
+    note = say_count(bad, "{count} sentence has a wrong checksum or is incomplete, and is left out",
+                     "{count} sentences have a wrong checksum or are incomplete, and are left out")  # fmt: skip
+    return stream_recording(streams, options, [note] if bad else [])
 
 
 def _sorted(data: bytes) -> tuple[dict[str, _Kind], int]:

@@ -3,24 +3,21 @@
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.arrays import FloatArray
-from allanite.core.errors import DataError, UnitError, UsageError
+from allanite.core.errors import DataError
 from allanite.core.record import Recording
-from allanite.core.units import unit_of
-from allanite.phrases.phrase import say, spelled
+from allanite.phrases.phrase import say
 from allanite.readers.columns import dates, encoding, layout, lines, parse, sensors, shapes
-from allanite.readers.columns.column import FileColumn, headed, lookup, unique
+from allanite.readers.columns.column import FileColumn, headed
 from allanite.readers.columns.lines import Parts
 from allanite.readers.columns.table import KEY, FileTable, described, restored, with_units
 from allanite.readers.options import Options
-from allanite.readers.sandbox.source import checked, digest_of
 
 TITLE = "text or CSV: columns of numbers, with or without a header"
 
@@ -124,12 +121,6 @@ def write(recording: Recording, path: str) -> None:
         csv.write_csv(table, file, csv.WriteOptions(include_header=False, quoting_style="none"))
 
 
-def sheet_of(path: str) -> tuple[list[FileColumn], tuple[str, ...]]:
-    """The columns of a text file, of any kind, and the assumptions; errors are those of `read`."""
-    parsed = columns_of(*_opened(path))
-    return parsed.columns, parsed.notes
-
-
 def columns_of(data: bytes, notes: tuple[str, ...] = ()) -> Parsed:
     """The columns of a text in UTF-8, after these notes."""
     form = _layout(data)
@@ -181,16 +172,8 @@ def _dated(values: list[parse.Parsed], names: list[str]) -> tuple[list[parse.Par
             label = " ".join(filter(None, (names[first], names[second])))
             values = [stamps if i == first else None if i == second else v for i, v in enumerate(values)]
             names = [label if i == first else name for i, name in enumerate(names)]
-            return (
-                values,
-                names,
-                (
-                    say(
-                        "columns {first} and {second} are used as date and time of day",
-                        first=first + 1, second=second + 1,
-                    ),
-                ),
-            )  # fmt: skip
+            return values, names, (say("columns {first} and {second} are used as date and time of day",
+                                       first=first + 1, second=second + 1),)  # fmt: skip
     return values, names, ()
 
 
@@ -214,42 +197,3 @@ def _stamps(values: parse.Values) -> parse.Values:
     stamps = dates.past_midnight(values) if values.dtype.kind == "m" else values.astype(np.int64)
     missing = np.isnat(values)
     return np.where(missing, np.nan, stamps) if missing.any() else stamps
-
-
-@dataclass(frozen=True, eq=False)
-class FileSheet:
-    """The columns of a file, its path, its sha256, and the assumptions."""
-
-    columns: tuple[FileColumn, ...]
-    source: str = ""
-    digest: str = ""
-    notes: tuple[str, ...] = ()
-
-    def values(self, key: str, unit: str, *, given: str | None = None) -> FloatArray:
-        """The column `key` (name, header, or position from 1) in `unit`, float64 of shape (n,); empty cells are NaN."""
-        # `given` is the unit of the column and overrides its header. A missing column or unknown unit raises
-        # `UsageError`, another quantity `UnitError`, text `DataError`.
-        column = lookup(self.columns, key)
-        column.demand_numbers()
-        stated = given or column.unit
-        if not stated and unit != "1":
-            raise UsageError(f"the unit of {column.label} is unknown: write it in the header as in '{column.name} "
-                             f"[deg]', or pass {spelled('--unit deg', 'given=deg')}")  # fmt: skip
-        size, wanted = unit_of(stated or "1"), unit_of(unit)
-        # the difference of a cosine is a number, but may also be written as a small angle
-        if size.dimension != wanted.dimension and not (unit == "1" and size.dimension == unit_of("rad").dimension):
-            raise UnitError(f"{column.label} is in {stated!r}, which cannot be converted to {unit!r}")
-        return np.asarray(column.values, dtype=np.float64) * (size.factor / wanted.factor)
-
-
-def sheet(path: str) -> FileSheet:
-    """Read the columns of a text or CSV file; `DataError` if it does not exist or contains no rows of numbers."""
-    name, _ = checked(path)
-    try:
-        columns, notes = sheet_of(name)
-    except DataError:
-        raise DataError(f"{name}: no rows of numbers are found; a text or CSV file is expected, with the names of its "
-                        "columns above rows of numbers") from None  # fmt: skip
-    except OSError as error:
-        raise DataError(f"{name}: the file cannot be read ({error.strerror or error})") from None
-    return FileSheet(unique(tuple(columns)), name, digest_of(name), notes)

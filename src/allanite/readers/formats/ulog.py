@@ -62,12 +62,10 @@ def read(path: str, options: Options) -> Recording:
             streams = [_topic(item, process) for item in process.contents["datasets"]]
             # what the log says about its own losses
             drops = [float(milliseconds) for milliseconds in process.contents["dropouts"]]
-            lost = say_count(
-                len(drops),
-                "the log reports a dropout of its writer, of {total:.4g} s",
-                "the log reports {count} dropouts of its writer, of {total:.4g} s in all",
-                total=sum(drops) / 1e3,
-            )
+            lost = say_count(len(drops),
+                             "the log reports a dropout of its writer, of {total:.4g} s",
+                             "the log reports {count} dropouts of its writer, of {total:.4g} s in all",
+                             total=sum(drops) / 1e3)  # fmt: skip
             damaged = say("the log is damaged in places; the messages there are left out")
             notes = [note for note, holds in ((lost, drops), (damaged, process.contents["damaged"])) if holds]
         return stream_recording(streams, options, notes)

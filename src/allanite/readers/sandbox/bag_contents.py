@@ -176,10 +176,8 @@ class Chunks(Reader1):
         """Open it, and count the messages of each connection."""
         super().open()
         counts = [chunk.connection_counts for chunk in self.chunk_infos]
-        self.connections = [
-            connection._replace(msgcount=sum(count.get(connection.id, 0) for count in counts))
-            for connection in self.connections
-        ]
+        totals = [sum(count.get(connection.id, 0) for count in counts) for connection in self.connections]
+        self.connections = [c._replace(msgcount=total) for c, total in zip(self.connections, totals, strict=True)]
 
     def read_index_data(self, pos: int, indexes: Any) -> None:
         """Nothing."""

@@ -73,13 +73,8 @@ class Listing:
     def _dataset(self, dataset: Any, path: str) -> None:
         attributes = self._attributes(dataset, path)
         kind = dataset.dtype
-        if (
-            dataset.shape is None
-            or dataset.is_virtual
-            or dataset.external
-            or "matlab_empty" in attributes
-            or attributes.get("matlab_class") in ("char", "cell", "struct", "function_handle", "logical")
-        ):
+        other = attributes.get("matlab_class") in ("char", "cell", "struct", "function_handle", "logical")
+        if other or "matlab_empty" in attributes or dataset.shape is None or dataset.is_virtual or dataset.external:
             self.contents["left"].append(path)
         elif kind.kind in "iuf" and dataset.size == 1:
             self.contents["numbers"][path] = float(np.asarray(dataset[()]).reshape(-1)[0])

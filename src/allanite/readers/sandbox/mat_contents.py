@@ -29,9 +29,8 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
         if type(leaf) is not np.ndarray or leaf.dtype.kind not in "iufU":
             contents["left"].append(where)
         elif leaf.dtype.kind == "U":
-            contents["description"] = (
-                str(leaf[0]) if where == names["text"] and leaf.size == 1 else contents["description"]
-            )
+            if where == names["text"] and leaf.size == 1:
+                contents["description"] = str(leaf[0])
         elif leaf.size == 1:
             contents["numbers"][where] = float(leaf.item())
         else:

@@ -57,9 +57,8 @@ def _list(contents: dict[str, Any], file: Any, at: tuple[int, int, Any], about: 
         return
     unit = file.get_channel_unit(group=number, index=place) or ""
     length = int(file.groups[number].channel_group.cycles_nr)
-    contents["datasets"].append(
-        about | {"path": f"{number}/{place}", "name": channel.name, "unit": unit, "length": length}
-    )
+    own = {"path": f"{number}/{place}", "name": channel.name, "unit": unit, "length": length}
+    contents["datasets"].append(about | own)
 
 
 def _linear(file: Any, channel: Any) -> tuple[float, float] | None:

@@ -86,10 +86,8 @@ def worded(what: str = "the file") -> Iterator[None]:
 def demand_start(head: bytes, starts: tuple[bytes, ...], what: str) -> None:
     """Refuse a file whose first bytes are none of `starts`, which files of a format begin with."""
     if not head.startswith(starts):
-        raise DataError(say(
-            "the file does not begin like {what} (it begins with {head!r}); check that it is complete",
-            what=what, head=head[:8],
-        ))  # fmt: skip
+        raise DataError(say("the file does not begin like {what} (it begins with {head!r}); check that it is complete",
+                            what=what, head=head[:8]))  # fmt: skip
 
 
 Progress = Callable[[float], None]

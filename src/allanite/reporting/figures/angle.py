@@ -30,7 +30,6 @@ PALETTE = ("#0072B2", "#C1272D", "#008F6B", "#AA4499", "#B97700", "#555B63", "#5
 
 MAX_INNOVATIONS = 3000  # innovations that are drawn
 MAX_PERIODS = 60  # periods of an error that can be told apart in one panel
-
 LAGS = 40
 
 
@@ -45,13 +44,7 @@ def plot_errors(new_figure: style.NewFigure, result: Result, level: float = 0.95
         period = 2 * math.pi / common
         angle = np.linspace(0, period, max(400, 16 * max(harmonics.orders) // common))
         error, half = _error(harmonics, angle, level)
-        style.grid(ax)
-        ax.fill_between(
-            np.degrees(angle), error - half, error + half, color=style.DATA, alpha=0.2, lw=0,
-            label=say("{share} band", share=percent(level)),
-        )  # fmt: skip
-        ax.plot(np.degrees(angle), error, color=style.DATA, lw=1.4, label=say("error"))
-        ax.axhline(0, color=style.INK, lw=0.8)
+        _draw_error(ax, np.degrees(angle), error, half, level, lw=1.4, label=say("error"))
         style.title(ax, harmonics.name or say("angle"))
         ax.set(xlabel=say("angle (deg), one period"), ylabel=say("error (arcsec)"), xlim=(0, math.degrees(period)))
         ax.legend(loc="best")
@@ -70,14 +63,10 @@ def plot_error_in_time(
         keep = part[np.linspace(0, part.size - 1, min(part.size, MAX_INNOVATIONS)).astype(np.int64)]
         time, angle = gimbals.time[keep] / 60, np.asarray(getattr(gimbals, sensor.name))[keep]
         error, half = _error(sensor, angle, level)
-        style.grid(ax)
         crowded = part.size == gimbals.time.size and len(panels) > len(harmonics)
-        ax.plot(time, error, color=style.DATA, lw=0.5 if crowded else 1.1)
+        _draw_error(ax, time, error, half, level, lw=0.5 if crowded else 1.1)
         if half.any():
-            band = say("{share} band", share=percent(level))
-            ax.fill_between(time, error - half, error + half, color=style.DATA, alpha=0.2, lw=0, label=band)
             ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-        ax.axhline(0, color=style.INK, lw=0.8)
         ax.set(ylabel=say("error (arcsec)"), xlim=(time[0], time[-1]))
         low, high = (f"{v:.2f}".replace("-", "−") for v in np.degrees((angle.min(), angle.max())))
         orders = ", ".join(map(str, sensor.orders))
@@ -88,17 +77,27 @@ def plot_error_in_time(
     return figure
 
 
+def _draw_error(ax: Axes, x: FloatArray, error: FloatArray, half: FloatArray, level: float, **look: Any) -> None:
+    style.grid(ax)
+    if half.any():
+        band = say("{share} band", share=percent(level))
+        ax.fill_between(x, error - half, error + half, color=style.DATA, alpha=0.2, lw=0, label=band)
+    ax.plot(x, error, color=style.DATA, **look)
+    ax.axhline(0, color=style.INK, lw=0.8)
+
+
 def _error(sensor: Harmonics, angle: FloatArray, level: float) -> tuple[FloatArray, FloatArray]:
-    """The error at angles and the half width of its band, arcsec."""
+    """The error at angles and the half width of its band, arcsec; 0 where its limits would not hold."""
+    complete = sensor.solution is None or sensor.solution.complete
     rows = waves(angle, sensor.orders)
     spread = np.sqrt(np.einsum("ij,jk,ik->i", rows, sensor.covariance, rows))
-    return sensor.at(angle) / ARCSEC, quantile(level, sensor.freedom) * spread / ARCSEC
+    return sensor.at(angle) / ARCSEC, complete * quantile(level, sensor.freedom) * spread / ARCSEC
 
 
-def _parts(gimbals: Gimbals, found: Harmonics) -> list[NDArray[np.int64]]:
+def _parts(gimbals: Gimbals, sensor: Harmonics) -> list[NDArray[np.int64]]:
     """Samples of the panels of an error: all, or of more than `MAX_PERIODS` periods the first and the last."""
-    whole, order = np.arange(gimbals.time.size), max(found.orders)
-    period, length = gimbals.mean_period(found.name, order), gimbals.time[-1] - gimbals.time[0]
+    whole, order = np.arange(gimbals.time.size), max(sensor.orders)
+    period, length = gimbals.mean_period(sensor.name, order), gimbals.time[-1] - gimbals.time[0]
     if length < MAX_PERIODS * period:
         return [whole]
     near = MAX_PERIODS / 5 * period
@@ -110,7 +109,7 @@ def _parts(gimbals: Gimbals, found: Harmonics) -> list[NDArray[np.int64]]:
 def plot_history(new_figure: style.NewFigure, result: Result, solution: Solution, level: float = 0.95) -> Figure:
     """Convergence of every amplitude, with its confidence band."""
     sensors = parts_of(result)
-    half = quantile(level, math.inf)
+    half, numbered = quantile(level, math.inf) * solution.complete, "offset" in solution.names
     figure = new_figure(7.2, 2.1 + 1.5 * len(sensors))
     axes = figure.subplots(len(sensors), 1, sharex=True, squeeze=False)[:, 0]
     first = 0
@@ -118,7 +117,7 @@ def plot_history(new_figure: style.NewFigure, result: Result, solution: Solution
         count = 2 * len(harmonics.orders)
         which = range(first, first + count)
         way = solution.history
-        x = way.time if _numbered(solution) else way.time / 60
+        x = way.time if numbered else way.time / 60
         style.grid(ax)
         # what is not known yet is anywhere: the scale is that of the last half, and nothing wider is drawn
         late = slice(len(x) // 2, None)
@@ -133,12 +132,8 @@ def plot_history(new_figure: style.NewFigure, result: Result, solution: Solution
         ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
         style.title(ax, harmonics.name or say("angle"))
         first += count
-    axes[-1].set_xlabel(say("samples") if _numbered(solution) else say("time (min)"))
+    axes[-1].set_xlabel(say("samples") if numbered else say("time (min)"))
     return figure
-
-
-def _numbered(solution: Solution) -> bool:
-    return "offset" in solution.names
 
 
 @style.plotted
@@ -202,20 +197,19 @@ MAX_LINE_POINTS = 4000  # points of a line over time
 
 
 @style.plotted
-def plot_optima(new_figure: style.NewFigure, found: Sequence[tuple[str, Optimum]]) -> Figure:
+def plot_optima(new_figure: style.NewFigure, optima: Sequence[tuple[str, Optimum]]) -> Figure:
     """A column for each angle: both paths of the filter, the error by source, and the cost of detuning."""
-    figure = new_figure(6.8 if len(found) == 1 else 5.6 * len(found), 9.0)
-    grid = figure.subplots(3, len(found), squeeze=False)
-    for column, (name, optimum) in zip(grid.T, found, strict=True):
+    figure = new_figure(6.8 if len(optima) == 1 else 5.6 * len(optima), 9.0)
+    grid = figure.subplots(3, len(optima), squeeze=False)
+    for column, (name, optimum) in zip(grid.T, optima, strict=True):
         ax, f = column[0], _frequencies(optimum)
         predictions = [p for p in (optimum.first, optimum.second) if p is not None]
         for prediction, dash in zip(predictions, ("-", (0, (5, 3))), strict=False):
             _, tilt = prediction.loop.responses(f, None if prediction.rate is None else 1 / prediction.rate)
-            order = prediction.loop.order
-            ax.plot(f, np.abs(1 - tilt), color=style.SERIES[0], ls=dash, lw=1.3,
-                    label=say("gyro path, order {order}", order=order))  # fmt: skip
-            ax.plot(f, np.abs(tilt), color=style.SERIES[1], ls=dash, lw=1.3,
-                    label=say("accelerometer path, order {order}", order=order))  # fmt: skip
+            gyro = say("gyro path, order {order}", order=prediction.loop.order)
+            accelerometer = say("accelerometer path, order {order}", order=prediction.loop.order)
+            ax.plot(f, np.abs(1 - tilt), color=style.SERIES[0], ls=dash, lw=1.3, label=gyro)
+            ax.plot(f, np.abs(tilt), color=style.SERIES[1], ls=dash, lw=1.3, label=accelerometer)
         ax.set(xscale="log", yscale="log", xlabel=say("frequency (Hz)"), ylabel=say("gain"), ylim=(1e-3, 3))
         _finish(ax)
         _draw_sources(column[1], optimum)
@@ -235,16 +229,16 @@ def plot_optima(new_figure: style.NewFigure, found: Sequence[tuple[str, Optimum]
     return figure
 
 
-def _frequencies(found: Optimum) -> np.ndarray:
-    corner = found.first.loop.k1 / (2 * math.pi)
-    top = corner * 1e3 if found.first.rate is None else found.first.rate / 2 * 0.999
-    low = corner * 1e-4 if found.first.duration is None else 1 / (2 * found.first.duration)
-    return np.geomspace(min(low, corner / 100), max(top, corner * 10) if found.first.rate is None else top, 400)
+def _frequencies(optimum: Optimum) -> np.ndarray:
+    corner = optimum.first.loop.k1 / (2 * math.pi)
+    top = corner * 1e3 if optimum.first.rate is None else optimum.first.rate / 2 * 0.999
+    low = corner * 1e-4 if optimum.first.duration is None else 1 / (2 * optimum.first.duration)
+    return np.geomspace(min(low, corner / 100), max(top, corner * 10) if optimum.first.rate is None else top, 400)
 
 
-def _draw_sources(ax: Axes, found: Optimum) -> None:
-    f = _frequencies(found)
-    lines = error_density(found.best, f)
+def _draw_sources(ax: Axes, optimum: Optimum) -> None:
+    f = _frequencies(optimum)
+    lines = error_density(optimum.best, f)
     dash: Any
     for label, density in lines.items():
         sensor, symbol = label.split()
@@ -292,16 +286,16 @@ def plot_angles(new_figure: style.NewFigure, angles: Sequence[Angle]) -> Figure:
 
 
 @style.plotted
-def plot_scenarios(new_figure: style.NewFigure, found: ScenarioErrors) -> Figure:
+def plot_scenarios(new_figure: style.NewFigure, errors: ScenarioErrors) -> Figure:
     """RMS error of every filter in every scenario."""
-    figure = new_figure(7.2, 0.32 * len(found.filters) + 1.4)
+    figure = new_figure(7.2, 0.32 * len(errors.filters) + 1.4)
     ax = figure.subplots()
-    places = np.arange(len(found.filters))[::-1]
-    for i, scenario in enumerate(found.scenarios):
-        ax.plot(np.degrees(found.rms[:, i]), places, style.MARKERS[i], color=style.SERIES[i], ms=6, label=scenario)
-    ax.set_yticks(places, found.filters)
+    places = np.arange(len(errors.filters))[::-1]
+    for i, scenario in enumerate(errors.scenarios):
+        ax.plot(np.degrees(errors.rms[:, i]), places, style.MARKERS[i], color=style.SERIES[i], ms=6, label=scenario)
+    ax.set_yticks(places, errors.filters)
     ax.set(xscale="log", xlabel=say("RMS error of roll and pitch (deg)"))
     style.grid(ax)
     style.plain_ticks(ax.xaxis)
-    figure.legend(loc="outside upper center", ncols=len(found.scenarios))
+    figure.legend(loc="outside upper center", ncols=len(errors.scenarios))
     return figure

@@ -9,6 +9,7 @@ from matplotlib.ticker import MaxNLocator
 
 from allanite.applications.compensation.compensating import Compensated
 from allanite.applications.constant_rate import RATE_ESTIMATORS, Closeup, Experiment
+from allanite.applications.constant_rate.estimates import sheet_unit
 from allanite.applications.signals import Budget
 from allanite.core.arrays import FloatArray
 from allanite.core.model import Model
@@ -119,19 +120,17 @@ def plot_rates(new_figure: style.NewFigure, channels: Sequence[tuple[Experiment,
     figure = new_figure(7.2 if len(channels) == 1 else 5.2 * len(channels), 3.2 if rows == 1 else 5.6)
     grid = figure.subplots(rows, len(channels), squeeze=False)
     for column, (experiment, series) in zip(grid.T, channels, strict=True):
-        ax = column[0]
-        unit = experiment.signal.sheet[0]
+        ax, (unit, factor) = column[0], sheet_unit(experiment.signal)
         t = (experiment.start + experiment.duration / 2) / 60
         style.grid(ax)
         ax.axhline(0.0, color=style.INK, lw=0.8, zorder=2)
         marker = "o" if t.size <= MAX_MARKED else ""
-        for method, errors in zip(experiment.methods, experiment.errors / unit_of(unit).factor, strict=True):
-            ax.plot(
-                t, errors, color=RATE_ESTIMATORS[method].color, lw=0.9, marker=marker, ms=2.5, label=method, zorder=3
-            )
+        for method, errors in zip(experiment.methods, experiment.errors / factor, strict=True):
+            color = RATE_ESTIMATORS[method].color
+            ax.plot(t, errors, color=color, lw=0.9, marker=marker, ms=2.5, label=method, zorder=3)
         ax.set(xlabel=say("time after the start of the record (min)"), ylabel=with_unit(say("error"), unit))
         ax.legend(ncols=len(experiment.methods), loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.0)
-        column[0].set_title(printable(experiment.name), loc="left", fontweight="bold", parse_math=False, pad=22)
+        ax.set_title(printable(experiment.name), loc="left", fontweight="bold", parse_math=False, pad=22)
         if series:
             _draw_accuracy(column[1], series)
         elif rows > 1:
@@ -140,18 +139,15 @@ def plot_rates(new_figure: style.NewFigure, channels: Sequence[tuple[Experiment,
 
 
 def _draw_accuracy(ax: Axes, series: tuple[Experiment, ...]) -> None:
-    unit = series[0].signal.sheet[0]
-    factor = unit_of(unit).factor
+    unit, factor = sheet_unit(series[0].signal)
     style.grid(ax)
     for method in series[0].methods:
         kept = [(e.duration, e.scatter(method)) for e in series if method in e.methods]
-        times = [time for time, _ in kept]
-        measured, predicted = (
-            np.array([getattr(s, key) for _, s in kept]) / factor for key in ("deviation", "predicted")
-        )
-        ax.plot(times, measured, "o", color=RATE_ESTIMATORS[method].color, ms=3.5, label=method, zorder=4)
+        times, measured, predicted = np.array([(time, s.deviation, s.predicted) for time, s in kept]).T
+        color = RATE_ESTIMATORS[method].color
+        ax.plot(times, measured / factor, "o", color=color, ms=3.5, label=method, zorder=4)
         if np.isfinite(predicted).any():
-            ax.plot(times, predicted, color=RATE_ESTIMATORS[method].color, lw=1.0, zorder=3)
+            ax.plot(times, predicted / factor, color=color, lw=1.0, zorder=3)
     # how far B, K and R move the rate itself from interval to interval: measured scatter includes it
     ranking = series[0].ranking
     terms = () if ranking is None else tuple(t for t in ranking.model if t.row.slope >= 0)
@@ -173,7 +169,7 @@ MAX_COUNTS = 6000  # counts whose residuals are drawn
 
 @style.plotted
 def plot_closeups(new_figure: style.NewFigure, closeups: Sequence[Closeup]) -> Figure:
-    """A column for each interval: slopes; below, if there are counts, their first steps and all that is left over."""
+    """A column for each interval: slopes, or a descent; below, of counts, their first steps and what is left over."""
     rows = 3 if any(closeup.counts.size for closeup in closeups) else 1
     width = 7.2 if len(closeups) == 1 else 5.4 * len(closeups)
     figure = new_figure(width, 3.2 if rows == 1 else 7.8)
@@ -181,7 +177,7 @@ def plot_closeups(new_figure: style.NewFigure, closeups: Sequence[Closeup]) -> F
     for column, closeup in zip(grid.T, closeups, strict=True):
         for ax in column:
             style.grid(ax)
-        _draw_slopes(column[0], closeup)
+        (_draw_descent if closeup.descent.size else _draw_slopes)(column[0], closeup)
         if closeup.counts.size:
             _draw_stairs(column[1], closeup)
             kept = np.linspace(0, closeup.misfit.size - 1, min(closeup.misfit.size, MAX_COUNTS)).astype(np.int64)
@@ -196,9 +192,8 @@ def plot_closeups(new_figure: style.NewFigure, closeups: Sequence[Closeup]) -> F
 
 
 def _draw_slopes(ax: Axes, found: Closeup) -> None:
-    unit = found.signal.sheet[0]
-    start = np.arange(found.slopes.size) / found.rate
-    rates = found.slopes / unit_of(unit).factor
+    unit, factor = sheet_unit(found.signal)
+    start, rates = np.arange(found.slopes.size) / found.rate, found.slopes / factor
     middle = float(rates[found.kept].mean())
     rates = rates - middle
     color = RATE_ESTIMATORS["conditional"].color
@@ -213,6 +208,15 @@ def _draw_slopes(ax: Axes, found: Closeup) -> None:
     title = join("   ", [part for part in (printable(found.name), when) if part])
     ax.set_title(title, loc="left", fontsize=9.5, pad=22, parse_math=False)
     ax.legend(ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+
+
+def _draw_descent(ax: Axes, found: Closeup) -> None:
+    (unit, factor), color = sheet_unit(found.signal), RATE_ESTIMATORS["staircase"].color
+    ax.plot(found.descent / factor, "o-", ms=3.5, lw=1.1, color=color)
+    ax.set(xlabel=say("step of the descent"), ylabel=with_unit(say("rate"), unit))
+    ax.ticklabel_format(axis="y", useOffset=False)
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+    style.title(ax, found.name)
 
 
 def _draw_stairs(ax: Axes, found: Closeup) -> None:

@@ -55,21 +55,18 @@ def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: tuple[Axe
     above, below = axes
     ratios = pair.ratios
     assert ratios is not None  # noqa: S101 - the caller has looked
-    for i, curve, name in zip(COLORS, (ratios.before, ratios.after), map(printable, names), strict=True):
+    before, after = map(printable, names)
+    for i, curve, name in zip(COLORS, (ratios.before, ratios.after), (before, after), strict=True):
         draw_curve(above, curve, (i, name), level)
     frame_curves(above, ratios.before, pair.name, [ratios.before, ratios.after])
     apart = ratios.p <= pair.alpha
-    low, high = ratios.interval(level)
-    ratio = ratios.ratio
+    (low, high), ratio = ratios.interval(level), ratios.ratio
     _ratio_frame(below, ratios.tau, ratio, apart)
     for chosen, color, label in ((~apart, style.OTHER, say("no change")), (apart, style.ALARM, say("changed"))):
         if chosen.any():
             error = np.abs(np.array([low[chosen], high[chosen]]) - ratio[chosen])
-            below.errorbar(
-                ratios.tau[chosen], ratio[chosen], error, fmt="o", ms=3.6, mew=0, color=color, elinewidth=1.0,
-                capsize=2.0, zorder=3, label=label,
-            )  # fmt: skip
-    before, after = map(printable, names)
+            below.errorbar(ratios.tau[chosen], ratio[chosen], error, fmt="o", ms=3.6, mew=0, color=color,
+                           elinewidth=1.0, capsize=2.0, zorder=3, label=label)  # fmt: skip
     below.set_ylabel(say("variance of {after}\nover {before}", after=after, before=before), parse_math=False)
 
 
@@ -79,10 +76,8 @@ def draw_curve(ax: Axes, curve: Curve, called: tuple[int, str], level: float) ->
     shown = curve.to(readable_unit(curve.unit))
     low, high = shown.interval(level)
     color, marker = style.SERIES[i % len(style.SERIES)], style.MARKERS[i % len(style.MARKERS)]
-    ax.fill_between(
-        shown.tau, low, high, color=color, alpha=0.16, lw=0, zorder=2,
-        label=say("{share} confidence", share=words.percent(level)) if i == 0 else None,
-    )  # fmt: skip
+    label = say("{share} confidence", share=words.percent(level)) if i == 0 else None
+    ax.fill_between(shown.tau, low, high, color=color, alpha=0.16, lw=0, zorder=2, label=label)
     ax.plot(shown.tau, shown.deviation, color=color, lw=1.1, marker=marker, ms=3.4, mew=0, zorder=3, label=name)
 
 
@@ -116,10 +111,9 @@ def _draw_pooled(channel: PooledChannel, names: tuple[str, ...], level: float, a
     frame_curves(above, whole, channel.name, channel.curves)
     low, high = channel.curves[0].interval(level)
     size = channel.curves[0].variance
-    below.fill_between(
-        whole.tau, size / high**2, size / low**2, color=style.DATA, alpha=0.16, lw=0, zorder=2,
-        label=say("where {share} of equal runs lie", share=words.percent(level)),
-    )  # fmt: skip
+    label = say("where {share} of equal runs lie", share=words.percent(level))
+    limits = whole.tau, size / high**2, size / low**2
+    below.fill_between(*limits, color=style.DATA, alpha=0.16, lw=0, zorder=2, label=label)
     ratios = np.concatenate([curve.variance / whole.variance for curve in channel.curves])
     _ratio_frame(below, np.concatenate([curve.tau for curve in channel.curves]), ratios)
     below.set_ylabel(say("variance of a run\nover that of all"))

@@ -87,7 +87,7 @@ def _scaled(spans: Sequence[Span], wide: float) -> tuple[Span, float, float]:
 def _draw_panel(ax: Axes, panel: CurvePanel, level: float) -> None:
     style.grid(ax)
     placed = _draw_landmarks(ax)
-    drawn = points(panel, level)
+    drawn, title = points(panel, level), statistic_named(panel.curve.statistic).title
     if panel.model is None:
         if drawn.low is not None and drawn.high is not None:
             label = words.interval(level)
@@ -97,10 +97,7 @@ def _draw_panel(ax: Axes, panel: CurvePanel, level: float) -> None:
         size = 3.4 if drawn.tau.size <= 150 else 0.0
         ax.plot(drawn.tau, drawn.deviation, color=style.DATA, lw=0.9, zorder=4)
         dots: dict[str, Any] = {"ls": "-" if size == 0 else "", "marker": "o", "color": style.DATA, "zorder": 4}
-        ax.plot(
-            drawn.tau[~few], drawn.deviation[~few], ms=size, mew=0, label=statistic_named(panel.curve.statistic).title,
-            **dots,
-        )  # fmt: skip
+        ax.plot(drawn.tau[~few], drawn.deviation[~few], ms=size, mew=0, label=title, **dots)
         if few.any():
             label = say("below {count:g} degrees of freedom", count=MIN_FILLED_EDF)
             ax.plot(drawn.tau[few], drawn.deviation[few], ms=3.6, mfc="white", mew=0.8, label=label, **dots)
@@ -115,7 +112,7 @@ def _draw_panel(ax: Axes, panel: CurvePanel, level: float) -> None:
     draw_model(ax, panel, drawn, placed, level)
     if not panel.brief:
         _hint(ax, {"": panel}, level)
-    ax.set_ylabel(drawing.with_unit(statistic_named(panel.curve.statistic).title, panel.unit))
+    ax.set_ylabel(drawing.with_unit(title, panel.unit))
 
 
 def _hint(ax: Axes, panels: dict[str, CurvePanel], level: float) -> None:
@@ -209,7 +206,6 @@ def _draw_curve(ax: Axes, panel: CurvePanel, label: tuple[int, str], level: floa
 
 
 MAX_BAND_POINTS = 200  # values that are drawn as points in a band; more are a line, and its band would hide it
-
 
 SIDED = {"one": say("one-sided"), "two": say("two-sided")}  # words for the sides of a spectrum
 

@@ -150,7 +150,7 @@ def plot_plans(new_figure: style.NewFigure, plans: Sequence[tuple[str, Recording
     return figure
 
 
-TIMES_PER_DECADE, MIN_DRIFT_SHARE = 12, 1e-3  # times of a decade; the least share of the largest drift that is drawn
+TIMES_PER_DECADE = 12  # times of a decade that are drawn
 
 
 @style.plotted

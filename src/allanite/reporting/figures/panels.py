@@ -62,13 +62,11 @@ class CurvePanel(NamedTuple):
         """The deviation expected under a model or term, in the unit that is shown; NaN where it does not hold."""
         scope = None if self.fit is None else self.fit.scope
         holds = True if scope is None else scope.holds(tau)
-        curve, row = self.curve, statistic_named(self.curve.statistic)
+        curve, row, factor = self.curve, statistic_named(self.curve.statistic), unit_of(self.unit).factor
         scaled = not any(t.row.per_sample or t.row.transient for t in model_of(model))
         if row.differences and not row.summed and not row.power and scaled:
             variance = expected(model, row.name, tau)
-            return np.where(
-                holds, np.sqrt(np.where(variance > 0, variance, np.nan)) / unit_of(self.unit).factor, np.nan
-            )
+            return np.where(holds, np.sqrt(np.where(variance > 0, variance, np.nan)) / factor, np.nan)
         try:
             at = curve.tau[thinned(curve.tau.size)]
             variance = expected(model, row.name, at, rate=curve.rate or None, size=curve.size or None)
@@ -76,7 +74,7 @@ class CurvePanel(NamedTuple):
             return np.full_like(tau, np.nan)
         with np.errstate(divide="ignore"):
             between = np.interp(np.log(tau), np.log(at), np.log(variance), np.nan, np.nan)
-        return np.where(holds, np.exp(between / 2) / unit_of(self.unit).factor, np.nan)
+        return np.where(holds, np.exp(between / 2) / factor, np.nan)
 
     def shown(self, values: FloatArray) -> FloatArray:
         """Values of the curve in the unit that is shown."""

@@ -19,8 +19,9 @@ from allanite.core.errors import UsageError
 from allanite.core.fit import Goodness, chance
 from allanite.core.record import Record
 from allanite.core.residuals import Residuals
+from allanite.core.units import unit_of
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
-from allanite.phrases.phrase import Phrase, join, say
+from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
 from allanite.reporting.digits import printable, printed_unit
 from allanite.statistics import statistic_named
@@ -68,13 +69,6 @@ def envelope(record: Record, count: int) -> Envelope:
     return Envelope((edges[:-1] + edges[1:] - 1) / 2, low * scale, mean * scale, high * scale, broken)
 
 
-def quantity_of(record: Record) -> Phrase:
-    """What the samples of a record are, for an ordinate."""
-    if record.kind == "count":
-        return say("pulses of {size}", size=f"{record.scale:g} {printed_unit(record.unit)}")
-    return join("", [printed_unit(record.unit)])
-
-
 @style.plotted
 def plot_records(new_figure: style.NewFigure, records: Sequence[Record]) -> Figure:
     """Records over the time of the whole recording, a panel each: the range of short stretches, and their means."""
@@ -108,7 +102,13 @@ def _draw_record(ax: Axes, record: Record, size: float) -> None:
         gaps = time[ranges.broken]
         ax.plot(gaps, np.full(gaps.size, 0.03), "|", color=style.ALARM, ms=6, label=say("missing samples"),
                 transform=ax.get_xaxis_transform())  # fmt: skip
-    ax.set_ylabel(quantity_of(record))
+    ax.set_ylabel(join("", [printed_unit(record.unit)]))
+    if record.kind == "count":
+        ax.set_ylabel(say("pulses of {size}", size=f"{record.scale:g} {printed_unit(record.unit)}"))
+        unit = record.signal.sheet[0]
+        pulse = record.factor * record.rate / unit_of(unit).factor
+        conversions: Any = (lambda count: count * pulse, lambda rate: rate / pulse)
+        ax.secondary_yaxis("right", functions=conversions).set_ylabel(printed_unit(unit))
     style.title(ax, record.name)
 
 
@@ -199,9 +199,7 @@ def _draw_curves(ax: Axes, tau: FloatArray, deviation: FloatArray, time: FloatAr
     style.plain_ticks(ax.xaxis, ax.yaxis)
     style.grid(ax)
     lines = [np.column_stack([tau, row]) for row in deviation]
-    look: dict[str, Any] = {
-        "cmap": TIME_COLORS, "norm": norm, "lw": 0.9, "alpha": 0.75, "zorder": 2, "rasterized": True,
-    }  # fmt: skip
+    look: Any = {"cmap": TIME_COLORS, "norm": norm, "lw": 0.9, "alpha": 0.75, "zorder": 2, "rasterized": True}
     ax.add_collection(LineCollection(lines, array=time, **look))
     ax.plot(tau, np.nanmedian(deviation, axis=0), color=style.ALARM, lw=1.8, zorder=3, label=say("median over time"))
 
@@ -211,10 +209,8 @@ def _draw_ratios(ax: Axes, tau: FloatArray, deviation: FloatArray, time: FloatAr
     extreme = np.nanpercentile(np.abs(np.log(ratio)), 98)
     end = next((r for r in RATIOS if np.log(r) >= extreme), RATIOS[-1])
     ax.set(yscale="log")
-    mesh = ax.pcolormesh(
-        _edges(time), np.exp(_edges(np.log(tau))), ratio.T, norm=LogNorm(1 / end, end), cmap=RATIO_COLORS,
-        rasterized=True,
-    )  # fmt: skip
+    x, y, norm = _edges(time), np.exp(_edges(np.log(tau))), LogNorm(1 / end, end)
+    mesh = ax.pcolormesh(x, y, ratio.T, norm=norm, cmap=RATIO_COLORS, rasterized=True)
     ax.set_facecolor("#BFC4CA")
     style.plain_ticks(ax.yaxis)
     return mesh
@@ -244,35 +240,22 @@ def _draw_goodness(figure: Any, goodness: Goodness, named: tuple[str, str], colo
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
     title = join("   ", filter(None, (printable(named[0]), named[1])))
     upper.set_title(title, loc="left", fontweight="bold", color=color, parse_math=False)
-    draw_ratio(upper, goodness)
-    draw_surprise(lower, goodness)
-    lower.set(xlabel=say("frequency (Hz)"), xlim=goodness.frequency[[0, -1]])
-    style.plain_ticks(lower.xaxis)
-
-
-def draw_ratio(ax: Axes, goodness: Goodness) -> None:
-    """Observed over expected power of every cell."""
-    ax.set(xscale="log", ylabel=say("observed /\nexpected power"))
+    upper.set(xscale="log", ylabel=say("observed /\nexpected power"))
+    lower.set(xscale="log", ylabel=say("standard\ndeviations"))
     low, high = goodness.frequency[:-1], goodness.frequency[1:]
     odd = np.abs(goodness.z) > MIN_MARKED_SIGMAS
     # a cell of one coefficient may be as good as empty by chance
-    ratio = ratio_axis(ax, np.sqrt(low * high), np.nan_to_num(goodness.ratio), odd)
-    for where, color in ((~odd, style.DATA), (odd, style.ALARM)):
-        ax.hlines(ratio[where], low[where], high[where], color=color, lw=2.2, zorder=3)
-
-
-def draw_surprise(ax: Axes, goodness: Goodness) -> None:
-    """The same in standard deviations."""
-    ax.set(xscale="log", ylabel=say("standard\ndeviations"))
-    style.grid(ax, fine=False)
-    ax.axhspan(-2, 2, color=style.DATA, alpha=0.14, lw=0, zorder=1)
-    ax.axhline(0.0, color=style.INK, lw=1.0, zorder=2)
-    low, high = goodness.frequency[:-1], goodness.frequency[1:]
-    odd = np.abs(goodness.z) > MIN_MARKED_SIGMAS
-    for where, color in ((~odd, style.DATA), (odd, style.ALARM)):
-        ax.bar(low[where], goodness.z[where], (high - low)[where], align="edge", color=color, alpha=0.85, zorder=3)
+    ratio = ratio_axis(upper, np.sqrt(low * high), np.nan_to_num(goodness.ratio), odd)
+    style.grid(lower, fine=False)
+    lower.axhspan(-2, 2, color=style.DATA, alpha=0.14, lw=0, zorder=1)
+    lower.axhline(0.0, color=style.INK, lw=1.0, zorder=2)
+    for where, shade in ((~odd, style.DATA), (odd, style.ALARM)):
+        a, b = low[where], high[where]
+        upper.hlines(ratio[where], a, b, color=shade, lw=2.2, zorder=3)
+        lower.bar(a, goodness.z[where], b - a, align="edge", color=shade, alpha=0.85, zorder=3)
     reach = max(4.0, 1.15 * float(np.nanmax(np.abs(goodness.z), initial=0.0)))
-    ax.set_ylim(-reach, reach)
+    lower.set(xlabel=say("frequency (Hz)"), xlim=goodness.frequency[[0, -1]], ylim=(-reach, reach))
+    style.plain_ticks(lower.xaxis)
 
 
 MAX_QUANTILES = 70  # quantiles that are drawn, about
@@ -326,9 +309,8 @@ def _draw_tests(axes: Any, residuals: Residuals) -> None:
     ends = residuals.expected[[0, -1]]
     ax.plot(ends, ends, color=style.INK, lw=1.0)
     some = slice(None, None, max(residuals.expected.size // MAX_QUANTILES, 1))
-    ax.plot(
-        residuals.expected[some], residuals.observed[some], ".", color=_color(residuals, "kurtosis"), ms=3, zorder=3
-    )
+    expected, observed = residuals.expected[some], residuals.observed[some]
+    ax.plot(expected, observed, ".", color=_color(residuals, "kurtosis"), ms=3, zorder=3)
     ax.set(xlabel=say("normal quantile"), xticks=range(-4, 5, 2))
     ax.set_title(say("quantiles"), loc="left")
 
@@ -350,8 +332,6 @@ def _draw_series(ax: Axes, residuals: Residuals) -> None:
         ax.stairs(level, edges, baseline=None, color=color, lw=1.4)
         ax.errorbar((edges[:-1] + edges[1:]) / 2, level, error, fmt="none", ecolor=color, lw=1.0)
     reach = max(5.0, 1.1 * float(max(residuals.high.max(), -residuals.low.min())))
-    ax.set(
-        xlabel=say("time ({unit})", unit=unit), ylabel=say("standard deviations"), xlim=(0, length / size),
-        ylim=(-reach, reach),
-    )  # fmt: skip
+    ax.set(xlabel=say("time ({unit})", unit=unit), xlim=(0, length / size), ylim=(-reach, reach))
+    ax.set_ylabel(say("standard deviations"))
     ax.set_title(say("over time"), loc="left")

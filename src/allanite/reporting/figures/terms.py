@@ -16,21 +16,9 @@ from allanite.reporting import style, words
 from allanite.reporting.digits import digits, printed_unit
 from allanite.terms import TERMS
 
-from .drawing import (
-    MODEL,
-    REDUCED,
-    LabelBox,
-    by_share,
-    color_of,
-    dashes,
-    draw_label,
-    fractions,
-    freedom,
-    label_of,
-    label_size,
-    pairs,
-    place,
-    together,
+from .drawing import (  # isort: skip
+    MODEL, REDUCED, LabelBox, by_share, color_of, dashes, draw_label, fractions, freedom, label_of, label_size, pairs,
+    place, together,
 )  # fmt: skip
 from .panels import CurvePanel, DrawnPoints
 
@@ -96,9 +84,8 @@ def _lines(ax: Axes, panel: CurvePanel, model: Model) -> ModelLines:
     parts = {symbol: panel.expected(part, tau) for symbol, part in terms.items()}
     whole = panel.whole(tau)
     for line in (whole, *parts.values()):
-        for start, end in (
-            np.flatnonzero(np.diff(np.isfinite(line), prepend=False, append=False)).reshape(-1, 2).tolist()
-        ):
+        runs = np.flatnonzero(np.diff(np.isfinite(line), prepend=False, append=False)).reshape(-1, 2)
+        for start, end in runs.tolist():
             if end - start < MIN_RUN:
                 line[start:end] = np.nan
     return ModelLines(tau, whole, parts)

@@ -59,7 +59,7 @@ class PanelFrame:
                 share = self.panel.xaxis.share(np.array(self.across.major))
                 half = np.array([ink.size_of(ink.shown(text), TICK)[0] / 2 for text in self.across.labels])
                 right = float(((share - 1) * self.box.width + half).max(initial=PAD))
-        titles = [ink.size_of(ink.shown(t.text), t.size)[1] for t in self.panel.titles.values() if t.text]
+        titles = [ink.size_of(ink.shown(text), size)[1] for text, size, *_ in self.panel.titles.values() if text]
         above = TITLE_PAD + max(titles) if titles else 2.0
         if self.up.beside:
             above = max(above, TICK + PAD)
@@ -81,13 +81,11 @@ class PanelFrame:
             free = self.box.width - key.width
             at = (free - IN_CORNER, IN_CORNER / LEADING) if corner else (free / 2, -key.height)
             legend = key.svg(self.box.left + at[0], self.box.top + at[1], self.panel.ink)
-        return "".join(
-            (
-                f'<clipPath id="c{number}"><rect{rectangle}/></clipPath>', *self._grid(),
-                f'<g clip-path="url(#c{number})">', *(mark.draw(place) for mark in marks), "</g>", *self._ticks(),
-                f"<rect{rectangle} {ink.stroke(self.edge, EDGE_WIDTH)}/>", *self._names(), legend,
-            )
-        )  # fmt: skip
+        return "".join((
+            f'<clipPath id="c{number}"><rect{rectangle}/></clipPath>', *self._grid(),
+            f'<g clip-path="url(#c{number})">', *(mark.draw(place) for mark in marks), "</g>", *self._ticks(),
+            f"<rect{rectangle} {ink.stroke(self.edge, EDGE_WIDTH)}/>", *self._names(), legend,
+        ))  # fmt: skip
 
     def _at(self, places: list[float], *, across: bool) -> list[float]:
         side = self.panel.xaxis if across else self.panel.yaxis
@@ -157,17 +155,15 @@ def arranged(
     grid: Grid, ratios: tuple[Sequence[float], Sequence[float]], page: tuple[float, float, float]
 ) -> list[tuple[Panel, Box]]:
     """The boxes of all panels of a grid."""
-    width, height, above = page
-    rows, columns = len(grid), len(grid[0])
-    room = np.full((rows, columns, 4), 20.0)
+    room = np.full((len(grid), len(grid[0]), 4), 20.0)
     for _ in range(ROUNDS):
-        boxes = _boxes(room, ratios, (width, height, above))
+        boxes = _boxes(room, ratios, page)
         boxes = [[_fitted(p, box) for p, box in zip(*pair, strict=True)] for pair in zip(grid, boxes, strict=True)]
         room = np.array(
             [[PanelFrame(p, box, "").room() if p.axison else (0, 0, 0, 0) for p, box in zip(*pair, strict=True)]
              for pair in zip(grid, boxes, strict=True)]
         )  # fmt: skip
-    boxes = _boxes(room, ratios, (width, height, above))
+    boxes = _boxes(room, ratios, page)
     pairs = (pair for row in zip(grid, boxes, strict=True) for pair in zip(*row, strict=True))
     return [(panel, _fitted(panel, box)) for panel, box in pairs]
 
@@ -211,19 +207,12 @@ def _fitted(panel: Panel, box: Box) -> Box:
 POINTS = 72.0  # points of an inch
 
 
-class Look(NamedTuple):
-    """Colors of a figure: of letters, and of axes."""
-
-    ink: str
-    edge: str
-
-
 @limited
 class Chart:
-    """The part of matplotlib's `Figure` that figures of a page use."""
+    """The part of matplotlib's `Figure` that figures of a page use; with the colors of letters and of axes."""
 
-    def __init__(self, width: float, height: float, look: Look) -> None:
-        self.width, self.height, self.look = width * POINTS, height * POINTS, look
+    def __init__(self, width: float, height: float, ink: str, edge: str) -> None:
+        self.width, self.height, self.ink, self.edge = width * POINTS, height * POINTS, ink, edge
         self.grid: list[list[Panel]] = []
         self.ratios: tuple[list[float], list[float]] = ([], [])
         self.key: Legend | None = None
@@ -251,15 +240,12 @@ class Chart:
         across = [Side(across=True) for _ in range(columns)]
         for i in range(rows):
             sides = across if sharex else [Side(across=True) for _ in range(columns)]
-            self.grid.append([Panel(side, self.look.ink, (rows, columns)) for side in sides])
+            self.grid.append([Panel(side, self.ink, (rows, columns)) for side in sides])
             for panel in self.grid[-1]:
                 panel.figure = self
                 panel.labelled = not sharex or i == rows - 1
         self.ratios = (list(width_ratios or [1.0] * columns), list(height_ratios or [1.0] * rows))
-        panels = np.empty((rows, columns), dtype=object)
-        for i, row in enumerate(self.grid):
-            for j, panel in enumerate(row):
-                panels[i, j] = panel
+        panels = np.array(self.grid, dtype=object)
         if not squeeze:
             return panels
         return panels.item() if panels.size == 1 else panels.squeeze()
@@ -279,12 +265,12 @@ class Chart:
         boxes = arranged(self.grid, self.ratios, (self.width, self.height, top))
         wide, high = (f"{length:g}" for length in (round(self.width, 1), round(self.height, 1)))
         ground = ink.element(f"M0 0H{wide}V{high}H0Z", ink.fill("#ffffff"))
-        parts = [
+        head = (
             f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide}pt" height="{high}pt" viewBox="0 0 {wide} {high}">'
-            + ground
-        ]
+        )
+        parts = [head, ground]
         for i, (panel, box) in enumerate((p, b) for p, b in boxes if p.axison):
-            parts.append(PanelFrame(panel, box, self.look.edge).svg(i))
+            parts.append(PanelFrame(panel, box, self.edge).svg(i))
         if self.key is not None and self.key.labels:
-            parts.append(self.key.svg((self.width - self.key.width) / 2, TICK, self.look.ink))
+            parts.append(self.key.svg((self.width - self.key.width) / 2, TICK, self.ink))
         return "".join([*parts, "</svg>"])

@@ -1,7 +1,7 @@
 """A panel of a figure: what is drawn in it, its axes and titles."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -13,23 +13,6 @@ from .marks import AXES, BLEND, DASHES, DATA, DOT, EDGE, Area, Artist, Boxes, Hi
 CORNER, ABOVE = "upper right", "lower center"  # where a legend stands: of a panel in its corner, or of a point above it
 
 
-class GridLines(NamedTuple):
-    """Lines of a grid: color, width, opacity."""
-
-    color: str
-    width: float
-    alpha: float | None
-
-
-class Title(NamedTuple):
-    """A title above a panel: text, size, color, whether it is bold."""
-
-    text: str
-    size: float
-    color: str
-    bold: bool
-
-
 @limited
 class Panel:
     """The part of matplotlib's `Axes` that figures of a page use; lengths in points."""
@@ -37,8 +20,8 @@ class Panel:
     def __init__(self, x: Side, ink: str, geometry: tuple[int, int]) -> None:
         self.xaxis, self.yaxis, self.ink = x, Side(across=False), ink
         self.marks: list[Artist] = []
-        self.grids: dict[str, GridLines] = {}
-        self.titles: dict[str, Title] = {}
+        self.grids: dict[str, tuple[str, float, float | None]] = {}  # color, width, opacity
+        self.titles: dict[str, tuple[str, float, str, bool]] = {}  # text, size, color, whether it is bold
         self.legends: tuple[Legend, bool] | None = None  # and whether it stands in the corner
         self.axison, self.labelled, self.equal = True, True, False
         self.minor_length = 2.0
@@ -124,7 +107,7 @@ class Panel:
 
     def grid(self, *, which: str, color: str, linewidth: float, alpha: float | None = None) -> None:
         """Lines at major or minor ticks."""
-        self.grids[which] = GridLines(color, linewidth, alpha)
+        self.grids[which] = color, linewidth, alpha
 
     def tick_params(self, *, which: str = "", length: float = 2.0, labelbottom: bool | None = None) -> None:
         """Length of minor ticks; whether the abscissa has labels."""
@@ -140,7 +123,7 @@ class Panel:
         """A title at the left, right or middle."""
         if parse_math:
             raise Unsketched("formulas")
-        self.titles[loc] = Title(text, float(fontsize), color or self.ink, fontweight == "bold")
+        self.titles[loc] = text, float(fontsize), color or self.ink, fontweight == "bold"
 
     def legend(
         self, handles: Sequence[Artist] | None = None, labels: Sequence[str] = (), *, loc: str, ncols: int = 1,
@@ -172,10 +155,8 @@ class Panel:
         zorder: float = 1.0,
     ) -> None:  # fmt: skip
         """What lies between two lines."""
-        if lw:
-            raise Unsketched("edge of an area")
         x, low, high = np.broadcast_arrays(*(np.asarray(part, dtype=float) for part in (x, low, high)))
-        self._add(Area(x, low, high, color, alpha, zorder, label))
+        self._add(Area(x, low, high, color, alpha, zorder, label), wide=bool(lw))
 
     def axhspan(self, low: float, high: float, *, color: str, alpha: float, lw: float = 0, zorder: float = 1.0) -> None:
         """A strip across the panel."""
@@ -277,7 +258,7 @@ class Panel:
 
     def _add(self, mark: Artist, *, wide: bool = False) -> None:
         if wide:
-            raise Unsketched("edge of a strip")
+            raise Unsketched("edge of an area")
         x, y = mark.extent()
         self.xaxis.known.append(x)
         self.yaxis.known.append(y)

@@ -57,7 +57,6 @@ MAX_COORDINATE = 20_000.0
 
 _POWER = re.compile(r"\$(×?)10\^\{(-?\d+)\}\$")
 
-
 _BLANKS = re.compile(" {2,}")
 
 

@@ -31,14 +31,13 @@ class View:
 
     def through(self, part: Callable[[Any], Any]) -> "View":
         """The view of values that are shown by what `part` makes of each."""
-        face, plot, rows, coefficients, first = self.face, self.plot, self.rows, self.coefficients, self.first
-        return View(
-            lambda value, level: face(part(value), level),
-            plot and (lambda values, fit, level: plot([part(value) for value in values], fit, level)),
-            rows and (lambda value, level: rows(part(value), level)),
-            coefficients and (lambda value, level: coefficients(part(value), level)),
-            first and (lambda value, level: first(part(value), level)),
-        )
+
+        def of(form: Any) -> Any:
+            return form and (lambda value, level: form(part(value), level))
+
+        plot = self.plot
+        draw = plot and (lambda values, fit, level: plot([part(value) for value in values], fit, level))
+        return View(of(self.face), draw, of(self.rows), of(self.coefficients), of(self.first))
 
 
 def view(

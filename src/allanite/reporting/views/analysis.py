@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from allanite.core.display_units import readable_unit
+from allanite.core.encoding import finite
 from allanite.core.errors import DataError, UndrawnError
 from allanite.core.estimate import STATUSES
 from allanite.core.fit import Fit
@@ -28,7 +29,7 @@ from allanite.study.results import Channel, Study
 from . import Rows, view
 from .channels import first_of
 from .datasheet import DATA_SHEET, alternative, data_sheet_table
-from .expectation import causes, meaning_notes, meaning_of, meanings
+from .expectation import beside_allan, causes, meaning_notes, meaning_of, meanings
 from .export import filter_parts
 from .fit import coefficients, definitions, goodness_parts
 from .jobs import channel_sheet, job_face, mean_and_spread, remark_notes, source_of
@@ -39,10 +40,6 @@ def _records(value: Record | Recording) -> Sequence[Record]:
     return value.records if isinstance(value, Recording) else (value,)
 
 
-def _plot_records(values: Sequence[Record | Recording], _: Fit | None, __: float) -> Plot:
-    return figures.plot_records([record for value in values for record in _records(value)])
-
-
 def _samples(value: Record | Recording, _: float) -> Rows:
     """Time and samples."""
     records = _records(value)
@@ -51,7 +48,7 @@ def _samples(value: Record | Recording, _: float) -> Rows:
     return heads, [list(row) for row in zip(*columns, strict=False)]
 
 
-@view(_plot_records, _samples)
+@view(lambda values, _, __: figures.plot_records([r for value in values for r in _records(value)]), _samples)
 def record_view(value: Record | Recording, _: float) -> Face:
     """What each record is, and its samples."""
     sheets = [
@@ -73,16 +70,6 @@ SPECTRUM = say(
     "One-sided amplitude spectral density with its confidence band (Welch's method, ten values per decade). The level "
     "of white noise is sqrt(2) N."
 )
-
-
-def overlay(panels: Sequence[figures.CurvePanel], level: float) -> Iterator[Part]:
-    """The curves of all channels in one figure."""
-    if len(panels) < 2:
-        return
-    names = ", ".join(panel.name for panel in panels)
-    title = statistic_named(panels[0].curve.statistic).title
-    label = say("{statistic} of {channels} in one panel", statistic=title, channels=names)
-    yield Drawing(lambda: figures.plot_overlay(panels, level=level), label)
 
 
 def details(
@@ -120,10 +107,7 @@ def fitness(channel: Channel) -> str:
     if isinstance(record, Header):
         return ""
     unit, (mean, deviation) = record.signal.sheet[0], mean_and_spread(record)
-    facts = say(
-        "mean {mean:.6g}, standard deviation {deviation:.4g} {unit}",
-        mean=mean, deviation=deviation, unit=unit,
-    )  # fmt: skip
+    facts = say("mean {mean:.6g}, standard deviation {deviation:.4g} {unit}", mean=mean, deviation=deviation, unit=unit)
     if channel.refusal:
         return facts
     fit = say("fit for analysis, with caution") if channel.quality.warnings else say("fit for analysis")
@@ -162,35 +146,29 @@ def _raw(record: Record, channel: Channel, level: float) -> Iterator[Part]:
 BRAND = say("noise coefficients of an inertial sensor")
 
 EXPLAINED = {
-    "whittle": (
-        say(
-            "The rate record is transformed by the orthonormal discrete cosine transform (DCT-II), which removes "
-            "the constant bias and does not leak where the two ends of the record differ. Each squared "
-            "coefficient has a chi-square distribution with one degree of freedom about the power expected under the "
-            "model: the sum of the squared noise coefficients, each times the known spectrum of its term (Whittle "
-            "likelihood). The model is the set of terms, none negative, with the highest likelihood; a ramp is "
-            "estimated jointly, with its sign."
-        ),
-        say(
-            "A noise term is identified only where it lowers twice the negative log-likelihood by more than 4 "
-            "and its interval excludes zero, so that about one record in twenty shows a term that is absent. "
-            "Which terms are present is never certain: each coefficient is averaged over all sets of terms that have "
-            "it, weighted by their Akaike criterion, with the other coefficients following. The value is the median "
-            "of that distribution, which is flat in the coefficient where nothing is known, and the interval lies "
-            "between its quantiles. A term that is not identified has a one-sided 95 % upper limit instead of a value."
-        ),
-    ),
-    "gls": (
-        say(
-            "The squares of the noise coefficients, none below zero, are fitted to the variance at octaves of the "
-            "averaging time up to a quarter of the record, or up to half of the longest one of the statistic if that "
-            "is more, with the covariance that the fitted model itself gives the points (generalized least squares, "
-            "iterated). Standard errors come from the same covariance. Limits are the coefficients that a likelihood "
-            "ratio test does not reject, with the covariance and the degrees of freedom at the coefficient tested; a "
-            "term is identified where the ratio against its absence exceeds 4."
-        ),
-    ),
-}
+    "whittle": (say(
+        "The rate record is transformed by the orthonormal discrete cosine transform (DCT-II), which removes the "
+        "constant bias and does not leak where the two ends of the record differ. Each squared coefficient has a "
+        "chi-square distribution with one degree of freedom about the power expected under the model: the sum of the "
+        "squared noise coefficients, each times the known spectrum of its term (Whittle likelihood). The model is the "
+        "set of terms, none negative, with the highest likelihood; a ramp is estimated jointly, with its sign."
+    ), say(
+        "A noise term is identified only where it lowers twice the negative log-likelihood by more than 4 and its "
+        "interval excludes zero, so that about one record in twenty shows a term that is absent. Which terms are "
+        "present is never certain: each coefficient is averaged over all sets of terms that have it, weighted by their "
+        "Akaike criterion, with the other coefficients following. The value is the median of that distribution, which "
+        "is flat in the coefficient where nothing is known, and the interval lies between its quantiles. A term that "
+        "is not identified has a one-sided 95 % upper limit instead of a value."
+    )),
+    "gls": (say(
+        "The squares of the noise coefficients, none below zero, are fitted to the variance at octaves of the "
+        "averaging time up to a quarter of the record, or up to half of the longest one of the statistic if that is "
+        "more, with the covariance that the fitted model itself gives the points (generalized least squares, "
+        "iterated). Standard errors come from the same covariance. Limits are the coefficients that a likelihood ratio "
+        "test does not reject, with the covariance and the degrees of freedom at the coefficient tested; a term is "
+        "identified where the ratio against its absence exceeds 4."
+    ),),
+}  # fmt: skip
 """How a method works, in a few sentences; without them its title is enough."""
 
 CURVE_ALONE = say("The curve is estimated independently and shown for comparison: no coefficient was read off it.")
@@ -230,6 +208,7 @@ def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None", m
         caption = say("{sentence}.", sentence=words.capital(supposed)) if supposed else ""
         label = alternative(channel, channel.curve, level)
         yield Drawing(lambda: figures.plot_panels([panel], level=level, titled=False), label, caption)
+    yield from beside_allan(channel, meant, level)
     yield from meaning_notes(meant, say("what it means"), "page")
     yield replace(data_sheet_table(channel, level), where="" if channel.explained else "page")
     if channel.readings is not None:
@@ -241,7 +220,11 @@ def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None", m
 
 def _together(study: Study, panels: "Sequence[figures.CurvePanel]", first: First, level: float) -> Iterator[Part]:
     """All channels in one figure, their values for a filter, the remarks of the first screen, the correlation."""
-    yield from overlay(panels, level)
+    if len(panels) > 1:
+        names = ", ".join(panel.name for panel in panels)
+        title = statistic_named(panels[0].curve.statistic).title
+        label = say("{statistic} of {channels} in one panel", statistic=title, channels=names)
+        yield Drawing(lambda: figures.plot_overlay(panels, level=level), label)
     yield from filter_parts(study)
     yield from remark_notes(first.remarks)
     if study.shared is not None:
@@ -293,6 +276,11 @@ def _coefficients(study: Study, level: float) -> Rows:
             shown, title = e.to_dict(level)["shown"].values(), words.title(e.symbol, e.signal)
             remark = ", ".join([*words.shapes(e, level), *(["without sign"] if words.symbol(e) != e.symbol else [])])
             rows.append([name, e.symbol, title, *shown, e.status, "", e.value, e.unit, remark])
+            rows += [
+                [name, f"{e.symbol}.{p.name}", p.title, *map(finite, size), p.unit, e.status, "", size[0], p.unit, ""]
+                for p, *size in e.shaped(level)
+                if e.value is not None
+            ]
         for title, tau, *size, si, si_unit, remark in channel.readings.rows(level)[1] if channel.readings else ():
             term = MINIMUM if title == minimum_title(channel.record.signal) else ""
             rows.append([name, term, title, *size, "reading", tau, si, si_unit, remark])

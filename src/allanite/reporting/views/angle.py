@@ -11,6 +11,7 @@ from allanite.applications.angle import AnglePlan, Calibration, Harmonics, Scan,
 from allanite.applications.angle.calibration import Result, parts_of
 from allanite.applications.angle.harmonics import NUISANCES
 from allanite.applications.angle.plans import AngleStudy
+from allanite.applications.angle.solve import MISSING
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.syntax import toml
@@ -39,15 +40,13 @@ OTHERS = (
 
 MARKS: dict[str, Mark] = {"identified": "", "weak": "weak", "absent": "quiet"}
 STATUSES = {"identified": say("identified"), "weak": say("weak"), "absent": say("absent")}
-KEY = say(
-    "S and C with one standard error, arcsec. Identified: without the harmonic, an amplitude as large would have a "
-    "probability below 1 %. Absent: not identified; the limit is the 95 % upper limit. Weak: identified, but the "
-    "residuals are not the noise that the errors and intervals assume."
-)
-INNOVATIONS = say(
-    "Innovations: each sample minus its prediction from the samples before it, in standard deviations, and their "
-    "autocorrelation. For white noise 99 of 100 values lie in the shaded band."
-)
+KEY = say("S and C with one standard error, arcsec. Identified: without the harmonic, an amplitude as large would have "
+          "a probability below 1 %. Absent: not identified; the limit is the 95 % upper limit. Weak: identified, but "
+          "the residuals are not the noise that the errors and intervals assume. Harmonics that were not requested are "
+          "looked for: of 1000 records of white noise, one shows one by chance, and one an outlier.")  # fmt: skip
+INNOVATIONS = say("Innovations: each sample minus its prediction from the samples before it, in standard deviations, "
+                  "and their autocorrelation. For white noise 99 of 100 values lie in the shaded band.")  # fmt: skip
+UNLIMITED = say("Limits of the amplitudes are not shown: they would hold only if the residuals were white noise.")
 IN_TIME = say("Error of each sensor at the angles of the record, which move with time, with its confidence band.")
 GIMBAL = say(
     "The measured cosine of the angle between the two gyros' momentum vectors minus the computed one is modeled as the "
@@ -55,29 +54,18 @@ GIMBAL = say(
     "the errors of the auto-compensating rotation, a daily and a steady drift, and white noise. The columns of ax and "
     "az are an assumption: a small vector fixed in the rotating frame."
 )
-AGAINST = say(
-    "The measured angle minus the reference, wrapped to half a turn, is modeled as a sum of sines and cosines of "
-    "multiples of the measured angle, a constant, and white noise."
-)
+AGAINST = say("The measured angle minus the reference, wrapped to half a turn, is modeled as a sum of sines and "
+              "cosines of multiples of the measured angle, a constant, and white noise.")  # fmt: skip
 RECURSIVE = say(
     "The constants are estimated recursively in square-root form: each sample is rotated into the triangular factor of "
     "the information matrix, which gives the least-squares estimate, its covariance, and the innovation of each sample."
-)
-INFORMED = say(
-    "The constants are estimated recursively in square-root form: each sample is rotated into the triangular factor of "
-    "the information matrix, which gives the least-squares estimate with what was known before, its covariance, and "
-    "the innovation of each sample."
 )
 
 
 def _verdict(result: Result, level: float, doubt: bool) -> str:
     rows = [(h, k) for h in parts_of(result) for k in h.orders]
-    amplitudes = [
-        say("harmonic {order} of {angle}: {amplitude} arcsec", order=k, angle=h.name or say("the angle"),
-            amplitude=_amplitude(h, k, level)[0])
-        for h, k in rows
-        if h.found(k)
-    ]  # fmt: skip
+    amplitudes = [say("harmonic {order} of {angle}: {amplitude} arcsec", order=k, angle=h.name or say("the angle"),
+                      amplitude=_amplitude(h, k, level)[0]) for h, k in rows if h.found(k)]  # fmt: skip
     present = join(", ", amplitudes)
     absent = [say("{order} of {angle}", order=k, angle=h.name or say("the angle")) for h, k in rows if not h.found(k)]
     if not present:
@@ -92,43 +80,37 @@ def _verdict(result: Result, level: float, doubt: bool) -> str:
 
 def _compared(result: Result, solution: Solution, level: float) -> Iterator[Part]:
     """How many of the true constants, where they are known, the intervals contain."""
-    if truth := _truth(result):
+    if (truth := _truth(result)) and solution.complete:
         limits = {name: solution.interval(name, level) for name in truth}
-        inside = say_count(
-            len(limits), "{inside} of {count} true amplitude lies within its {level} limits.",
-            "{inside} of {count} true amplitudes lie within their {level} limits.",
-            inside=sum(limits[name][0] <= true <= limits[name][1] for name, true in truth.items()),
-            level=words.percent(level),
-        )  # fmt: skip
+        inside = say_count(len(limits), "{inside} of {count} true amplitude lies within its {level} limits.",
+                           "{inside} of {count} true amplitudes lie within their {level} limits.",
+                           inside=sum(limits[name][0] <= true <= limits[name][1] for name, true in truth.items()),
+                           level=words.percent(level))  # fmt: skip
         yield Note(inside, "strong")
 
 
 def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
-    yield from (Note(warning, "warning") for warning in solution.warnings)
+    missing = [str(finding) for finding in solution.findings if finding.name == MISSING]
+    yield from (Note(finding, "strong") for finding in missing)
+    if not solution.complete:
+        yield Note(UNLIMITED, "strong")
+    yield from (Note(warning, "warning") for warning in solution.warnings if warning not in missing)
     yield from (Note(str(check), "good") for check in solution.checks if check.passed)
     yield from _compared(result, solution, level)
     yield _harmonics(result, level)
     share = words.percent(level)
-    caption = say(
-        "Error of each sensor over one common period of its harmonics, with its {level} confidence band. Subtract it "
-        "from the measured angles to correct them.",
-        level=share,
-    )
+    caption = say("Error of each sensor over one common period of its harmonics, with its {level} confidence band. "
+                  "Subtract it from the measured angles to correct them.", level=share)  # fmt: skip
     yield Drawing(lambda: figures.plot_errors(result, level), say("error over the angle"), caption)
     if len(solution.history.count) > 1:
-        caption = say(
-            "Convergence of the estimates, with their {level} bands. Once a band stops narrowing, more samples from "
-            "the same range add no information.",
-            level=share,
-        )
+        caption = say("Convergence of the estimates, with their {level} bands. Once a band stops narrowing, more "
+                      "samples from the same range add no information.", level=share)  # fmt: skip
         label = say("convergence of the amplitudes")
         yield Drawing(lambda: figures.plot_history(result, solution, level), label, caption)
     if isinstance(result, Calibration):
-        calibrated = result
-        yield Drawing(
-            lambda: figures.plot_error_in_time(calibrated.gimbals, calibrated.harmonics, level), say("error over time"),
-            IN_TIME,
-        )  # fmt: skip
+        gimbals, sensors = result.gimbals, result.harmonics
+        label = say("error over time")
+        yield Drawing(lambda: figures.plot_error_in_time(gimbals, sensors, level), label, IN_TIME)
     label, title = say("innovations and their autocorrelation"), say("are the residuals white?")
     yield Drawing(lambda: figures.plot_innovations(solution), label, INNOVATIONS, title)
     rows = []
@@ -145,24 +127,20 @@ def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
 def _harmonics(result: Result, level: float) -> Table:
     """S, C and amplitude of every harmonic."""
     truth = _truth(result)
-    true = Column(say("true"))
-    heads = (
-        Column(say("harmonic"), "symbol"), Column("S [arcsec]", aside=True), Column(say("error"), aside=True),
-        *([replace(true, aside=True)] if truth else []), Column("C [arcsec]", aside=True),
-        Column(say("error"), aside=True), *([replace(true, aside=True)] if truth else []), Column(say("amplitude")),
-        Column(words.interval(level), "interval"), *([true] if truth else []), Column(say("phase [deg]")),
-        Column("", "name"),
-    )  # fmt: skip
+    true, error = [Column(say("true"))] * bool(truth), Column(say("error"), aside=True)
+    aside = [replace(column, aside=True) for column in true]
+    heads = (Column(say("harmonic"), "symbol"), Column("S [arcsec]", aside=True), error, *aside,
+             Column("C [arcsec]", aside=True), error, *aside, Column(say("amplitude [arcsec]")),
+             Column(words.interval(level), "interval"), *true, Column(say("phase [deg]")),
+             Column("", "name"))  # fmt: skip
     rows, marks = [], []
     for h in parts_of(result):
         for name, order, *constants, _, _, _, phase, status in h.rows(level)[1]:
             sine, sine_error, cosine, cosine_error = (v / ARCSEC for v in constants)
             pair = [truth[f"{wave}{order} {name}"] / ARCSEC for wave in "SC"] if truth else []
             known = [[f"{v:.4g}"] for v in (*pair, math.hypot(*pair))] if truth else [[], [], []]
-            shown = [
-                *_constant(sine, sine_error), *known[0], *_constant(cosine, cosine_error), *known[1],
-                *_amplitude(h, order, level), *known[2],
-            ]  # fmt: skip
+            shown = [*_constant(sine, sine_error), *known[0], *_constant(cosine, cosine_error), *known[1],
+                     *_amplitude(h, order, level), *known[2]]  # fmt: skip
             angle = "" if status == "absent" else f"{math.degrees(phase):.0f}"
             rows.append([join(" ", (name or say("angle"), str(order))), *shown, angle, STATUSES[status]])
             marks.append(MARKS[status])
@@ -170,11 +148,14 @@ def _harmonics(result: Result, level: float) -> Table:
 
 
 def _amplitude(h: Harmonics, order: int, level: float) -> tuple[str, str]:
-    """Amplitude and interval, arcsec; of one that was not found its limit."""
+    """Amplitude and interval, arcsec; of one that was not found its limit; no limits of a model that is incomplete."""
+    low, high = h.limits(order, level)
+    if low is None or high is None:
+        return f"{h.amplitude[h.orders.index(order)] / ARCSEC:.3g}", ""
     if not h.found(order):
         return say("below {limit}", limit=upper_limit(h.upper(order) / ARCSEC).plain()[0]), ""
     size = float(h.amplitude[h.orders.index(order)])
-    return digits(size / ARCSEC, *(v / ARCSEC for v in h.interval(order, level))).plain()
+    return digits(size / ARCSEC, low / ARCSEC, high / ARCSEC).plain()
 
 
 def _constant(value: float, error: float) -> tuple[str, str]:
@@ -186,10 +167,10 @@ def _constant(value: float, error: float) -> tuple[str, str]:
 def _constants(result: Result, solution: Solution, level: float) -> tuple[list[str], list[list[Any]]]:
     """All constants with limits, SI; the true ones of a simulated record."""
     truth = _truth(result)
-    rows: list[list[Any]] = [
-        [name, value, error, *solution.interval(name, level), *([truth.get(name, "")] if truth else [])]
-        for name, value, error in zip(solution.names, solution.values.tolist(), solution.errors.tolist(), strict=True)
-    ]
+    rows: list[list[Any]] = []
+    for name, value, error in zip(solution.names, solution.values.tolist(), solution.errors.tolist(), strict=True):
+        limits = ("" if limit is None else limit for limit in solution.limits(name, level))
+        rows.append([name, value, error, *limits, *([truth.get(name, "")] if truth else [])])
     return ["constant", "value", "standard_error", "low", "high", *(["true"] if truth else [])], rows
 
 
@@ -229,50 +210,29 @@ def result_view(result: Result, level: float) -> Face:
     if solution is None:
         sheet = Sheet(names, (say("known, not estimated"),), (_harmonics(result, level),))
         return Face(title, BRAND, (sheet,))
-    noise = say(
-        "noise of one sample {sigma:.4g} arcsec, {origin}; condition {condition:.4g}", sigma=solution.sigma / ARCSEC,
-        origin=say("given") if solution.given else say("estimated from what is left over"),
-        condition=solution.condition,
-    )  # fmt: skip
+    noise = say("noise of one sample {sigma:.4g} arcsec, {origin}; condition {condition:.4g}",
+                sigma=solution.sigma / ARCSEC,
+                origin=say("given") if solution.given else say("estimated from what is left over"),
+                condition=solution.condition)  # fmt: skip
     about = [say_count(solution.innovations.size, "{count} sample", "{count} samples"), noise]
     if isinstance(result, Calibration):
         angles = {name: np.degrees(getattr(result.gimbals, name)) for name in result.angles}
-        spans = [
-            say("{angle} from {low:.2f} to {high:.2f} deg", angle=name, low=float(a.min()), high=float(a.max()))
-            for name, a in angles.items()
-        ]
+        spans = [say("{angle} from {low:.2f} to {high:.2f} deg", angle=name, low=float(a.min()), high=float(a.max()))
+                 for name, a in angles.items()]  # fmt: skip
         about.append(join("; ", spans))
     doubt = bool(solution.warnings)
     verdicts = (_verdict(result, level, doubt),)
     sheet = Sheet(names, about, tuple(_parts(result, solution, level)), verdicts, "alert" if doubt else "")
     model = GIMBAL if isinstance(result, Calibration) else AGAINST
-    return Face(title, BRAND, (sheet,), how=(Note(model), Note(RECURSIVE if solution.prior is None else INFORMED)))
+    return Face(title, BRAND, (sheet,), how=(Note(model), Note(RECURSIVE)))
 
 
 LAWS = {"exact": say("exact"), "linear": say("linear")}
 
-PLANNED = say(
-    "No data and no random numbers are involved: the design matrix follows from latitude, time and sway; its "
-    "information, together with the prior, gives the covariance of the estimate."
-)
-SCANNED = say(
-    "Sum of the expected standard deviations of the amplitudes, and condition of the problem, by the start of the "
-    "interval."
-)
-
-
-def _periods(plan: AnglePlan) -> Table:
-    """Of each harmonic, at the start and over the interval."""
-    heads = (Column(say("harmonic"), "symbol"), Column(say("at the start [min]")), Column(say("mean [min]")))
-    rows = [[name, _minutes(first), _minutes(plan.mean_periods[name])] for name, first in plan.periods.items()]
-    return Table(heads, rows, say("periods of the harmonics"))
-
-
-def _mean_periods(scan: Scan) -> Table:
-    """Of each harmonic by start."""
-    rows = [[name, *map(_minutes, periods)] for name, periods in scan.mean_periods.items()]
-    title = say("mean periods of the harmonics by range of h, min")
-    return Table((Column(say("mean period [min]"), "symbol"), *_ranges(scan)), rows, title)
+PLANNED = say("No data and no random numbers are involved: the design matrix follows from latitude, time and sway; its "
+              "information, together with the prior, gives the covariance of the estimate.")  # fmt: skip
+SCANNED = say("Sum of the expected standard deviations of the amplitudes, and condition of the problem, by the start "
+              "of the interval.")  # fmt: skip
 
 
 def _ranges(scan: Scan) -> Iterator[Column]:
@@ -291,39 +251,35 @@ def _plan_sheet(plan: AnglePlan, title: str, compared: Scan | None = None) -> Sh
         prior = say("nothing known before")
     else:
         prior = say("known before to {amplitudes:g} (amplitudes) and {rest:g}", amplitudes=known[0], rest=known[1])
-    when = say(
-        "from {start} after h = 0 for {length}, every {interval:g} s: h from {low:.2f} to {high:.2f} deg",
-        start=words.duration(plan.start), length=words.duration(chosen.duration), interval=chosen.interval, low=low,
-        high=high,
-    )  # fmt: skip
-    where = say(
-        "latitude {latitude:.6g} deg, q by the {law} law, noise of one sample {sigma:g}; {prior}; condition "
-        "{condition:.4g}",
-        latitude=math.degrees(chosen.latitude), law=LAWS[chosen.q_law], sigma=chosen.sigma, prior=prior,
-        condition=plan.condition,
-    )  # fmt: skip
+    when = say("from {start} after h = 0 for {length}, every {interval:g} s: h from {low:.2f} to {high:.2f} deg",
+               start=words.duration(plan.start), length=words.duration(chosen.duration), interval=chosen.interval,
+               low=low, high=high)  # fmt: skip
+    where = say("latitude {latitude:.6g} deg, q by the {law} law, noise of one sample {sigma:g}; {prior}; condition "
+                "{condition:.4g}", latitude=math.degrees(chosen.latitude), law=LAWS[chosen.q_law], sigma=chosen.sigma,
+                prior=prior, condition=plan.condition)  # fmt: skip
     alerts = [Note(str(finding), "warning") for finding in plan.findings]
-    total = say_count(
-        plan.amplitudes, "sum over the {count} amplitude: {total:.4g} (all in the unit of sigma)",
-        "sum over the {count} amplitudes: {total:.4g} (all in the unit of sigma)", total=plan.total,
-    )  # fmt: skip
+    total = say_count(plan.amplitudes, "sum over the {count} amplitude: {total:.4g} (all in the unit of sigma)",
+                      "sum over the {count} amplitudes: {total:.4g} (all in the unit of sigma)",
+                      total=plan.total)  # fmt: skip
     if chosen.sway is not None and not isinstance(chosen.sway, tuple):
-        sway = say(
-            "sway of {roll:.3g} deg in roll and {pitch:.3g} deg in pitch, period {period:g} s",
-            roll=math.degrees(chosen.sway.roll), pitch=math.degrees(chosen.sway.pitch), period=chosen.sway.period,
-        )  # fmt: skip
+        sway = say("sway of {roll:.3g} deg in roll and {pitch:.3g} deg in pitch, period {period:g} s",
+                   roll=math.degrees(chosen.sway.roll), pitch=math.degrees(chosen.sway.pitch),
+                   period=chosen.sway.period)  # fmt: skip
         where = join("; ", (where, sway))
     if (ring := chosen.ring) is not None:
-        turned = say(
-            "outer ring turned at {rate:.4g} deg/min between {low:.4g} and {high:.4g} deg about an axis at "
-            "{heading:.4g} deg from north",
-            rate=math.degrees(ring.rate) * 60, low=math.degrees(ring.low), high=math.degrees(ring.high),
-            heading=math.degrees(ring.heading),
-        )  # fmt: skip
+        turned = say("outer ring turned at {rate:.4g} deg/min between {low:.4g} and {high:.4g} deg about an axis at "
+                     "{heading:.4g} deg from north", rate=math.degrees(ring.rate) * 60, low=math.degrees(ring.low),
+                     high=math.degrees(ring.high), heading=math.degrees(ring.heading))  # fmt: skip
         steps = [say("in steps of {step:.4g} deg", step=math.degrees(ring.step))] if ring.step else []
         where = join("; ", (where, join(", ", (turned, *steps))))
-    accuracy = Table(CONSTANTS, plan.rows()[1], details=compared is not None)
-    tables = (accuracy, _periods(plan)) if compared is None else (_mean_periods(compared), accuracy)
+    tables = [Table(CONSTANTS, plan.rows()[1], details=compared is not None)]
+    if compared is None:
+        rows = [[name, _minutes(first), _minutes(plan.mean_periods[name])] for name, first in plan.periods.items()]
+        tables.append(Table(PERIODS, rows, say("periods of the harmonics")))
+    else:
+        rows = [[name, *map(_minutes, periods)] for name, periods in compared.mean_periods.items()]
+        heads = (Column(say("mean period [min]"), "symbol"), *_ranges(compared))
+        tables.insert(0, Table(heads, rows, say("mean periods of the harmonics by range of h, min")))
     return Sheet(title, (when, where), (*alerts, *tables, Note(total)))
 
 
@@ -331,6 +287,7 @@ def _degrees(angle: float) -> str:
     return f"{math.degrees(angle):.2f}"
 
 
+PERIODS = (Column(say("harmonic"), "symbol"), Column(say("at the start [min]")), Column(say("mean [min]")))
 CONSTANTS = (Column(say("constant"), "symbol"), Column(say("expected standard deviation"), form=".4g"))
 WINDOWS = (
     Column(say("start [min]"), form=lambda start: f"{start / 60:.1f}"), Column(say("h from [deg]"), form=_degrees),

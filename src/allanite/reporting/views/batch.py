@@ -45,13 +45,10 @@ def first_of_batch(batch: Batch, level: float) -> First:
     told: Note = summary(batch)
     remarks = [Remark.of(batch.label(unit), unit.error, grave=True) for unit in batch if unit.error]
     for outcome in (FAIL, NOT_DECIDED):
-        remarks += [
-            Remark.of(
-                join(" ", (batch.label(unit), j.channel, symbol_of(j.limit.symbol), OUTCOME_WORDS[outcome])),
-                j.reason, say("limit {limit}", limit=j.limit.words()), grave=outcome == FAIL,
-            )
-            for unit in batch for j in unit.judgements if j.outcome == outcome
-        ]  # fmt: skip
+        for file, j in ((batch.label(unit), j) for unit in batch for j in unit.judgements if j.outcome == outcome):
+            what = join(" ", (file, j.channel, symbol_of(j.limit.symbol), OUTCOME_WORDS[outcome]))
+            limit = say("limit {limit}", limit=j.limit.words())
+            remarks.append(Remark.of(what, j.reason, limit, grave=outcome == FAIL))
     if len(batch) == 1 and batch[0].study is not None:
         own = first_of(batch[0].study, level)
         limits = say("limits: {outcome}", outcome=OUTCOME_WORDS[batch[0].outcome]) if batch[0].outcome else ""
@@ -160,17 +157,8 @@ def _parts(batch: Batch, level: float) -> Iterator[Part]:
 
 
 def _judged(batch: Batch) -> Iterator[Part]:
-    """What the limits say."""
-    if batch.specification is not None:
-        yield from _limits_table(batch)
-        yield Note(RULE, "quiet", where="page")
-
-
-def _limits_table(batch: Batch) -> Iterator[Part]:
-    """What fails or is not decided."""
+    """What fails or is not decided by the limits, and the rule."""
     judged = [(unit, j) for unit in batch for j in unit.judgements if j.outcome in (FAIL, NOT_DECIDED)]
-    if not judged:
-        return
     judged.sort(key=lambda pair: OUTCOMES.index(pair[1].outcome))
     heads = (
         Column(say("file"), "name"), Column(say("channel"), "name"), Column(say("term"), "symbol"),
@@ -181,7 +169,10 @@ def _limits_table(batch: Batch) -> Iterator[Part]:
         for u, j in judged
     ]
     marks = [MARKS.get(j.outcome, "") for _, j in judged]
-    yield Table(heads, rows, say("limits that are exceeded or not decided"), marks, most=ALL_ROWS)
+    if judged:
+        yield Table(heads, rows, say("limits that are exceeded or not decided"), marks, most=ALL_ROWS)
+    if batch.specification is not None:
+        yield Note(RULE, "quiet", where="page")
 
 
 def _main(batch: Batch, signal: Signal, level: float) -> Table:

@@ -27,10 +27,9 @@ HOW = (
         "no grid of this step, because they were filtered, averaged or rounded again behind it."
     ),
 )
-CAPTION = say(
-    "What each stage adds, by its bits; below the dashed line its share of the variance of the measured noise is less "
-    "than 1 %."
-)
+WITHOUT = say("no stage is named: --rates writes the rate, --stage 'NAME BITS SCALE' computes what a converter adds")
+CAPTION = say("What each stage adds, by its bits; below the dashed line its share of the variance of the measured "
+              "noise is less than 1 %.")  # fmt: skip
 COLUMNS = (
     Column(say("stage"), "name"), Column(say("bits")), Column(say("full scale"), aside=True),
     Column(say("step"), aside=True), Column(say("makes"), "symbol"), Column(say("adds"), form=known(".4g")),
@@ -49,10 +48,8 @@ HEADINGS = (
 def sentence(s: StageNoise) -> str:
     """What the budget says of a stage."""
     unit = s.sheet_unit
-    adds = say(
-        "{stage} adds {term} = {value} {unit}", stage=printable(s.stage.name), term=s.symbol,
-        value=_number(s.to(s.coefficient)), unit=unit,
-    )  # fmt: skip
+    adds = say("{stage} adds {term} = {value} {unit}", stage=printable(s.stage.name), term=s.symbol,
+               value=_number(s.to(s.coefficient)), unit=unit)  # fmt: skip
     if s.measured is None:
         if not s.limit:
             return join("", (adds, "."))
@@ -64,10 +61,8 @@ def sentence(s: StageNoise) -> str:
         fate = say_count(s.enough or 0, "{count} bit would bring it below 1 %", "{count} bits would bring it below 1 %")
     else:
         fate = say("more bits would change nothing")
-    return say(
-        "{adds}, {share} of the measured variance: {fate}.", adds=adds,
-        share="" if s.share is None else words.percent(s.share, 2), fate=fate,
-    )  # fmt: skip
+    return say("{adds}, {share} of the measured variance: {fate}.", adds=adds,
+               share="" if s.share is None else words.percent(s.share, 2), fate=fate)  # fmt: skip
 
 
 def _number(value: float | None) -> str:
@@ -79,8 +74,9 @@ def _sheet(channel: BudgetChannel) -> Sheet:
     if budget is None:
         refused = say("{channel}: no result: {reason}", channel=name, reason=channel.refusal)
         return channel_sheet(channel, (), (refused,), "alert")
-    named = tuple(join(": ", (name or say("channel"), sentence(s))) for s in budget.stages)
-    sentences = (Note(sentence(s), where="text") for s in budget.stages)
+    told = [sentence(s) for s in budget.stages] or [WITHOUT]
+    named = tuple(join(": ", (name or say("channel"), each)) for each in told)
+    sentences = (Note(each, where="text") for each in told)
     drawing = Drawing(lambda: figures.plot_budgets([budget]), say("noise of rounding by bits"), CAPTION)
     rows = []
     for s in budget.stages:
@@ -90,7 +86,7 @@ def _sheet(channel: BudgetChannel) -> Sheet:
         rows.append([stage, bits, f"+-{s.stage.reach:g} {unit}", f"{step:.4g} {unit}", symbol, size, measured, *rest])
     table = Table(COLUMNS, rows)
     table = table.only([i for i in range(len(COLUMNS)) if any(row[i] for row in table.rows)])  # not those without cells
-    parts: tuple[Part, ...] = (*sentences, table, drawing)
+    parts: tuple[Part, ...] = (*sentences, *((table, drawing) if rows else ()))
     return channel_sheet(channel, parts, named, LEVELS.get(budget.noise.validity, ""))
 
 
@@ -105,11 +101,9 @@ def _rows(budgets: Sequence[Budget]) -> Rows:
 
 def _numbers(s: StageNoise) -> list[Any]:
     codes = (None, None) if s.codes is None else (s.codes.distinct, s.codes.missing)
-    return [
-        s.stage.name, s.stage.bits, s.stage.full_scale, s.stage.step, s.stage.unit, s.symbol,
-        s.to(s.coefficient), s.to(s.measured), s.sheet_unit, None if s.share is None else 100 * s.share, s.enough,
-        *codes, s.clipped,
-    ]  # fmt: skip
+    return [s.stage.name, s.stage.bits, s.stage.full_scale, s.stage.step, s.stage.unit, s.symbol, s.to(s.coefficient),
+            s.to(s.measured), s.sheet_unit, None if s.share is None else 100 * s.share, s.enough, *codes,
+            s.clipped]  # fmt: skip
 
 
 @view(lambda values, fit, level: figures.plot_budgets(_found(*values)), lambda study, level: _rows(_found(study)))
@@ -128,7 +122,5 @@ def study_view(study: BudgetStudy, level: float) -> Face:
 @view(lambda values, fit, level: figures.plot_budgets(values), lambda budget, level: _rows([budget]))
 def budget_view(budget: Budget, _: float) -> Face:
     """The stages of one channel."""
-    return Face(
-        say("Rounding in {source}", source=budget.record.name or say("a record")), BRAND,
-        (_sheet(BudgetChannel(budget.record, budget, budget.alerts)),),
-    )  # fmt: skip
+    return Face(say("Rounding in {source}", source=budget.record.name or say("a record")), BRAND,
+                (_sheet(BudgetChannel(budget.record, budget, budget.alerts)),))  # fmt: skip

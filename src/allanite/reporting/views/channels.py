@@ -12,11 +12,11 @@ from allanite.core.model import coefficient_factor
 from allanite.core.plain import Header
 from allanite.core.readings import FALLING_SIGN, IN_RUN
 from allanite.core.record import Record
-from allanite.core.units import Signal
 from allanite.core.validity import APPROXIMATE, ROUGHLY, UNEXPLAINED
+from allanite.interpretation.devices import DEVICES
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import words
-from allanite.reporting.digits import rounded
+from allanite.reporting.digits import digits, rounded
 from allanite.reporting.first import FIGURES, PLUS_MINUS, Answer, ChannelRow, Channels, First, plus_minus
 from allanite.study.job import Job
 from allanite.study.results import Channel, Noise, Study
@@ -41,13 +41,19 @@ def first_of(study: Study, level: float) -> First:
     if not fitted:
         return _seen(study)
     lost = any(e.status == "absent" and e.symbol in MAIN for channel in fitted for e in channel.fit or ())
-    answer: list[Answer] = [*_channels(channels, level), *filter_line(study)]
+    answer: list[Answer] = [
+        *(Channels(names_of(alike), list(_quantities(alike, level)), alike[0].record.signal.sensor)
+          for alike in by_sensor(channels)), *filter_line(study),
+    ]  # fmt: skip
     inertial = any(channel.record.signal.inertial for channel in fitted)
+    device, meaning = study.recipe.device, MEANING[1]
+    if device is not None:
+        meaning = say("intervals, densities, meaning, causes in a {device}", device=DEVICES[device].title)
     return First(
         title_of(study), _verdict(channels), answer,
         without_repeats(doubts(channels), [*reservations(channels), *weighed(alerts(study))]),
         list(_legend(level).items()), how_read(study),
-        [FIGURES, MEANING, *([EXPORT] if inertial else []), *([LONGER] if lost else [])],
+        [FIGURES, (MEANING[0], meaning), *([EXPORT] if inertial else []), *([LONGER] if lost else [])],
     )  # fmt: skip
 
 
@@ -66,9 +72,8 @@ def _contents(records: Sequence[Record | Header]) -> Iterator[str]:
 
 def how_read(study: Job[Any]) -> list[str]:
     """How the file was read, the assumptions first that numbers depend on."""
-    kinds = dict.fromkeys(
-        say("{kind} in {unit}", kind=KIND_WORDS[r.kind], unit=r.unit) for r in (c.record for c in study.channels)
-    )
+    records = (channel.record for channel in study.channels)
+    kinds = dict.fromkeys(say("{kind} in {unit}", kind=KIND_WORDS[r.kind], unit=r.unit) for r in records)
     digest = study.provenance.get("sha256", "")
     first = say("read as {kinds}", kinds=join(", ", kinds))
     return [first, *study.notes[:1], *([f"sha256 {digest[:8]}…"] if digest else []), *study.notes[1:]]
@@ -79,6 +84,8 @@ def _verdict(channels: Sequence[Channel]) -> Phrase:
     fits = [channel.noise for channel in channels if channel.noise is not None and channel.explained]
     part = sum(any(_part(n)) or any(e.status == "not valid" for e in n.fit) for n in fits)
     good, every = len(fits) - part, len(channels)
+    if fits and not any(fit.validity for fit in fits):
+        return say("model not tested")
     if good == every:
         return say_count(good, "model fits", "model fits all {count} channels")
     partial = say("model fits {good} of {count} channels", good=good, count=every)
@@ -98,14 +105,9 @@ def names_of(channels: Iterable[Any]) -> list[str]:
     return [channel.record.name or say("channel") for channel in channels]
 
 
-def _channels(channels: Sequence[Channel], level: float) -> Iterator[Channels]:
-    """A table for each kind of sensor."""
-    for alike in by_sensor(channels):
-        signal = alike[0].record.signal
-        yield Channels(names_of(alike), list(_quantities(alike, signal, level)), signal.sensor)
-
-
-def _quantities(channels: Sequence[Channel], signal: Signal, level: float) -> Iterator[ChannelRow]:
+def _quantities(channels: Sequence[Channel], level: float) -> Iterator[ChannelRow]:
+    """The coefficients of channels of one kind of sensor, with the minimum of their curves and how well models fit."""
+    signal = channels[0].record.signal
     fits = [{e.symbol: e for e in channel.fit or ()} if channel.explained else {} for channel in channels]
     for symbol in names_in_order(symbol for fit in fits for symbol in fit):
         estimates = [fit[symbol] for fit in fits if symbol in fit]
@@ -115,6 +117,7 @@ def _quantities(channels: Sequence[Channel], signal: Signal, level: float) -> It
             marks = [fit[symbol].status.replace(" ", "-") if symbol in fit else "" for fit in fits]
             unit = estimates[0].sheet_unit
             yield ChannelRow(words.title(symbol, signal), symbol, unit, cells, rank, marks=marks)
+            yield from _shapes(symbol, [fit.get(symbol) for fit in fits], level)
     unit = next((c.readings.shown_unit(0) for c in channels if c.readings is not None), signal.sheet[0])
     least = [lowest_cell(channel, level) for channel in channels]
     if any(least):
@@ -123,6 +126,16 @@ def _quantities(channels: Sequence[Channel], signal: Signal, level: float) -> It
     words_of = [fit_words(channel.noise, channel.refusal) for channel in channels]
     grades = ["alert" if c.refusal else LEVELS.get(c.noise.validity, "") if c.noise else "" for c in channels]
     yield ChannelRow(say("model fit"), "", "", words_of, short=say("model"), marks=grades)
+
+
+def _shapes(symbol: str, estimates: Sequence[Estimate | None], level: float) -> Iterator[ChannelRow]:
+    """The parameters of a term beside its values: a time constant, or a frequency and a damping ratio."""
+    sizes = [[size for _, *size in e.shaped(level)] if e is not None and e.valued else [] for e in estimates]
+    for i, row in enumerate(TERMS[symbol].parameters):
+        cells = [digits(*size[i]).words() if i < len(size) else "" for size in sizes]
+        if any(cells):
+            narrow = [cell.split(" (")[0] for cell in cells]
+            yield ChannelRow(row.title, row.letter, row.unit, cells, narrow=narrow)
 
 
 def names_in_order(symbols: Iterable[str]) -> list[str]:
@@ -198,11 +211,8 @@ def _seen(study: Study) -> First:
         ]
         tables.append(Channels(names_of(alike), rows, alike[0].record.signal.sensor))
     count = len(study.channels)
-    verdict = (
-        say("fit for analysis")
-        if good == count
-        else say("{good} of {count} channels are fit for analysis", good=good, count=count)
-    )
+    some = say("{good} of {count} channels are fit for analysis", good=good, count=count)
+    verdict = say("fit for analysis") if good == count else some
     after = [
         ("allanite analyze FILE", say("the noise")), ("--plot raw.png", say("figure")),
         ("--details", say("all that was found")),

@@ -34,28 +34,22 @@ AT_MOST = ("--at-most", say("the claim as upper bounds"))
 _OUTCOMES = say("agrees"), say("differs"), say("exceeds"), say("not claimed"), say("not decided")
 OUTCOME_WORDS: dict[str, Phrase] = {word: word for word in _OUTCOMES}
 
-HOW = (
-    say(
-        "Exact values: the likelihood of the record (binned powers of the cosine transform) is maximized over the "
-        "coefficients of the terms that are claimed, with the claimed correlation time; the interval of a factor is "
-        "that of its profile. The correlation time is that of all channels of a sensor together. Other noise is there "
-        "if it raises the likelihood significantly. The Allan deviation at each octave is held against the one that "
-        "is claimed, with the distribution that it has under the claim. Light tails of the residuals show numbers that "
-        "are not Gaussian."
-    ),
-    say(
-        "Upper bounds: the interval of each coefficient that was identified, or its upper limit, is held against the "
-        "bound."
-    ),
-    say(
-        "Low-pass filter: the -3 dB frequency over all models that are consistent with the record, whether they have a "
-        "filter or not. Rate: the sampling rate, less the samples that repeat the one before periodically."
-    ),
-    say(
-        "All comparisons of a record share the chance of a false alarm, which is one minus the confidence level in "
-        "all. A convention is named if its factor lies in the interval."
-    ),
-)
+HOW = (say(
+    "Exact values: the likelihood of the record (binned powers of the cosine transform) is maximized over the "
+    "coefficients of the terms that are claimed, with the claimed correlation time; the interval of a factor is that "
+    "of its profile. The correlation time is that of all channels of a sensor together. Other noise is there if it "
+    "raises the likelihood significantly. The Allan deviation at each octave is held against the one that is claimed, "
+    "with the distribution that it has under the claim. Light tails of the residuals show numbers that are not "
+    "Gaussian."
+), say(
+    "Upper bounds: the interval of each coefficient that was identified, or its upper limit, is held against the bound."
+), say(
+    "Low-pass filter: the -3 dB frequency over all models that are consistent with the record, whether they have a "
+    "filter or not. Rate: the sampling rate, less the samples that repeat the one before periodically."
+), say(
+    "All comparisons of a record share the chance of a false alarm, which is one minus the confidence level in all. A "
+    "convention is named if its factor lies in the interval."
+))  # fmt: skip
 
 
 def _title(row: CheckedTerm) -> Phrase | str:

@@ -39,10 +39,8 @@ def verdict(channel: Compensated, shown: Callable[[str], str] = str) -> str:
     limits = shown(f"{expected} ({_share(gain.low, gain)} .. {_share(gain.high, gain)})")
     if gain.met:
         return say("{effect}; {limits} could be expected.", effect=effect, limits=limits)
-    return say(
-        "{effect}; {limits} could be expected, and it does not: the dependence is another one here.", effect=effect,
-        limits=limits,
-    )  # fmt: skip
+    return say("{effect}; {limits} could be expected, and it does not: the dependence is another one here.",
+               effect=effect, limits=limits)  # fmt: skip
 
 
 def found(name: str, regression: Regression, shown: Callable[[str], str] = str) -> str:
@@ -50,35 +48,24 @@ def found(name: str, regression: Regression, shown: Callable[[str], str] = str) 
     own = [e for e in regression if e.taken_off]
     undecided = []
     if regression.ambiguous:  # the regressors and a linear drift explain the record alike
-        undecided.append(
-            say(
-                "the effect of {regressors} can hardly be separated from a rate ramp R in this record: the two share "
-                "{share} of their variance, and either alone fits about as well. Record until {regressors} returns to "
-                "its initial value.",
-                regressors=_names(own), share=words.percent(regression.shared),
-            )
-        )  # fmt: skip
+        undecided.append(say("the effect of {regressors} can hardly be separated from a rate ramp R in this record: "
+                             "the two share {share} of their variance, and either alone fits about as well. Record "
+                             "until {regressors} returns to its initial value.", regressors=_names(own),
+                             share=words.percent(regression.shared)))  # fmt: skip
     if not regression.significant and undecided:
         return join(": ", (name, *undecided))
     if not regression.significant:
-        return say(
-            "{channel} shows no dependence on {regressors}: the correction would only remove noise.", channel=name,
-            regressors=_names(own),
-        )  # fmt: skip
+        return say("{channel} shows no dependence on {regressors}: the correction would only remove noise.",
+                   channel=name, regressors=_names(own))  # fmt: skip
     gain, held = regression.inside, regression.held
     also = [say("about a linear drift")] if regression.trend else []
     # by chance the sum of squares falls a little even where nothing is found
     also += [say("{share} expected by chance", share=shown(_share(gain.expected, gain)))]
     if held is not None:
         also.append(say("{share} in cross-validation", share=shown(f"{100 * held.explained:.3g} %")))
-    sentences = [
-        say(
-            "{channel} depends on {regressors}. The correction reduces the variance by {share} ({also}).", channel=name,
-            regressors=_names([e for e in own if e.significant]), share=shown(f"{100 * gain.explained:.3g} %"),
-            also=join("; ", also),
-        ),
-        *undecided,
-    ]  # fmt: skip
+    sentences = [say("{channel} depends on {regressors}. The correction reduces the variance by {share} ({also}).",
+                     channel=name, regressors=_names([e for e in own if e.significant]),
+                     share=shown(f"{100 * gain.explained:.3g} %"), also=join("; ", also)), *undecided]  # fmt: skip
     rest = _names([e for e in own if not (e.chosen or e.significant)])
     sentences += [say("Leave out {regressors}: no dependence on it is shown.", regressors=rest)] if rest else []
     if not regression.harmless:
@@ -96,11 +83,9 @@ def _share(part: float, gain: Gain) -> str:
 
 
 BRAND = say("compensation by regressors")
-KEY = say(
-    "Found: if there were no dependence, a coefficient as far from zero would have a probability (p) below 5 %; for a "
-    "column that cross-validation chose, p is multiplied by the number of columns it was chosen from. VIF: variance "
-    "inflation factor, by which the other regressors widen the variance."
-)
+KEY = say("Found: if there were no dependence, a coefficient as far from zero would have a probability (p) below 5 %; "
+          "for a column that cross-validation chose, p is multiplied by the number of columns it was chosen from. VIF: "
+          "variance inflation factor, by which the other regressors widen the variance.")  # fmt: skip
 HOW = (
     say(
         "The rate is modeled as a constant, a sum of coefficients times regressors (each minus its mean), and noise. "
@@ -128,12 +113,10 @@ HEADINGS = (
 
 def coefficients(regression: Regression, level: float) -> Table:
     """Every coefficient of a regression."""
-    heads = (
-        Column(say("regressor"), "name"), Column(say("sensitivity")), Column(words.interval(level), "interval"),
-        Column(say("unit"), "unit"), Column(say("status"), "text"), Column(say("std. error"), aside=True),
-        Column("t", aside=True, form="+.1f"), Column("p", aside=True, form=lambda p: words.probability(p, 1e-4)),
-        Column(say("VIF"), aside=True, form=".3g"),
-    )  # fmt: skip
+    heads = (Column(say("regressor"), "name"), Column(say("sensitivity")), Column(words.interval(level), "interval"),
+             Column(say("unit"), "unit"), Column(say("status"), "text"), Column(say("std. error"), aside=True),
+             Column("t", aside=True, form="+.1f"), Column("p", aside=True, form=lambda p: words.probability(p, 1e-4)),
+             Column(say("VIF"), aside=True, form=".3g"))  # fmt: skip
     effects = [regression.effect(i, level) for i in range(len(regression.regressors))]
     rows, scale = [], 1 / unit_of(regression.signal.sheet[0]).factor
     for e in effects:
@@ -151,11 +134,9 @@ def coefficients(regression: Regression, level: float) -> Table:
 
 def _beside(regression: Regression) -> str:
     """The noise of a regression."""
-    return say(
-        "Noise, identified with the coefficients: {model}; {effective:.4g} effective samples; scaled condition number "
-        "{condition:.3g}.",
-        model=str(regression.noise), effective=regression.effective, condition=regression.condition,
-    )  # fmt: skip
+    return say("Noise, identified with the coefficients: {model}; {effective:.4g} effective samples; scaled condition "
+               "number {condition:.3g}.", model=str(regression.noise), effective=regression.effective,
+               condition=regression.condition)  # fmt: skip
 
 
 def _sheet(channel: Compensated, level: float, source: str = "") -> Sheet:
@@ -179,11 +160,9 @@ def _parts(channel: Compensated, level: float) -> Iterator[Part]:
     yield Note(verdict(channel), "strong", where="text")
     if channel.gain is None:
         yield from _regression_parts(regression, level)
-    caption = say(
-        "Overlapping Allan deviation before and after with {level} bands, and the rate over time less "
-        "its bias: what was recorded, what the regressors explain, what is left.",
-        level=words.percent(level),
-    )
+    caption = say("Overlapping Allan deviation before and after with {level} bands, and the rate over time less its "
+                  "bias: what was recorded, what the regressors explain, what is left.",
+                  level=words.percent(level))  # fmt: skip
     yield Drawing(lambda: _draw([channel], level), say("deviation and rate before and after"), caption)
     # the deviations before and after, with their limits
     rows = []
@@ -196,10 +175,8 @@ def _parts(channel: Compensated, level: float) -> Iterator[Part]:
         Column(say("after")), Column(say("limits after"), "interval", aside=True),
         Column(say("after / before"), form=known(".3f")), Column(say("edf after"), form=known(".3g")),
     )  # fmt: skip
-    title = say(
-        "overlapping Allan deviation in {unit}, with {level} limits", unit=channel.record.signal.sheet[0],
-        level=words.percent(level),
-    )  # fmt: skip
+    title = say("overlapping Allan deviation in {unit}, with {level} limits", unit=channel.record.signal.sheet[0],
+                level=words.percent(level))  # fmt: skip
     yield Table(heads, rows, title, details=True)
 
 
@@ -225,14 +202,11 @@ def first_of_study(study: CompensationStudy, level: float) -> First:
     own = [(c.record.name, alert) for c in shown if c.regression for alert in (*c.regression.notes, *c.alerts)]
     about = merged(Remark.of(name, alert, grave=True) for name, alert in own)
     others = [remark for remark in first.remarks if remark.clauses[0] not in [alert for _, alert in own]]
-    axes = [_channels([c for c in shown if c.record.signal.name == sensor], level) for sensor in sensors]
+    axes = []
+    for own_kind in ([c for c in shown if c.record.signal.name == sensor] for sensor in sensors):
+        effects = [(c.record.name, *cell) for c in own_kind if c.regression for cell in _effects(c.regression, level)]
+        axes.append(Channels.of([c.record.name for c in own_kind], effects, own_kind[0].record.signal.sensor))
     return replace(first, answer=axes, remarks=[*others, *doubted, *about])
-
-
-def _channels(channels: Sequence[Compensated], level: float) -> Channels:
-    """Coefficients, the channels of a sensor side by side."""
-    effects = [(c.record.name, *cell) for c in channels if c.regression for cell in _effects(c.regression, level)]
-    return Channels.of([c.record.name for c in channels], effects, channels[0].record.signal.sensor)
 
 
 def _effects(regression: Regression, level: float) -> Iterator[tuple[str, str, str]]:

@@ -116,13 +116,9 @@ def _models(value: DataSheet) -> Iterator[str]:
 
 
 def _sheet_rows(value: DataSheet) -> Rows:
-    heads = [
-        "name", "maker", "document", "sensor", "quantity", "printed", "value", "unit", "limit", "conditions", "place",
-    ]  # fmt: skip
-    return heads, [
-        [value.name, value.maker, value.document, c.sensor, c.quantity, c.printed, c.value, c.unit, c.limit,
-         c.conditions, c.place] for c in value.claims
-    ]  # fmt: skip
+    own = ("sensor", "quantity", "printed", "value", "unit", "limit", "conditions", "place")
+    rows = [[value.name, value.maker, value.document, *(getattr(c, key) for key in own)] for c in value.claims]
+    return ("name", "maker", "document", *own), rows
 
 
 def _size(claim: Claim) -> tuple[str, str]:

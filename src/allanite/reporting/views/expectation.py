@@ -7,17 +7,18 @@ from typing import TYPE_CHECKING
 from allanite.core.display_units import readable_unit
 from allanite.core.fit import Fit
 from allanite.core.model import model_of
+from allanite.core.record import Record
 from allanite.core.syntax import toml
 from allanite.core.units import convert
 from allanite.interpretation.devices import DEVICES, REFERENCES
-from allanite.interpretation.sentences import Meaning, meaning
+from allanite.interpretation.sentences import Meaning, lasting, meaning
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.first import DETAILS, Answer, First
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Sheet, Table, Where, one_sheet
 from allanite.reporting.text import spread
 from allanite.simulation.record import Simulation
-from allanite.statistics import Expectation, Expectations, expectation, statistic_named
+from allanite.statistics import Expectation, Expectations, deviation, expectation, statistic_named
 from allanite.study.results import Channel
 
 from . import view
@@ -156,6 +157,32 @@ def meaning_notes(found: Meaning | None, head: str, where: Where = "") -> Iterat
     """What the coefficients of a channel mean, a line each."""
     if found is not None and found.sentences:
         yield Note(head, "strong", where, found.sentences)
+
+
+LESS_RAMP = say(
+    "The Hadamard deviation is blind to a ramp: what else there is at long averaging times, the hump of a loop or a "
+    "random walk, stands out in it."
+)
+
+
+def beside_allan(channel: Channel, meant: Meaning | None, level: float) -> Iterator[Part]:
+    """The Allan deviation and that of Hadamard, which the device calls for, or a loop beside a ramp."""
+    found = [e for e in channel.fit or () if e.claimed]
+    loop = any(e.symbol == "R" for e in found) and any(e.shape and lasting(e) for e in found)
+    named = meant is not None and bool(meant.symbols) and DEVICES[meant.device].hadamard
+    record, curve, name = channel.record, channel.curve, "ohdev"
+    if not (named or loop) or curve is None or not isinstance(record, Record):
+        return
+
+    def drawn() -> Plot:
+        other = deviation(record, name, taus="log", noise=channel.fit)
+        return figures.plot_overlay(
+            [panel for each in (curve, other) for panel in figures.panels_of(each, channel.fit)], level=level
+        )
+
+    titles = [statistic_named(each).title for each in (curve.statistic, name)]
+    label = say("{first} and {second} of {channel}", first=titles[0], second=titles[1], channel=record.name)
+    yield Drawing(drawn, label, LESS_RAMP, say("without the ramp"))
 
 
 def meanings(each: Sequence[Meaning | None]) -> Iterator[Part]:

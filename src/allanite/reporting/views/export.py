@@ -31,6 +31,7 @@ from allanite.study.results import Study
 from allanite.terms import TERMS, WHITE
 
 from . import view
+from .papers import about
 
 BRAND = say("noise coefficients for a filter")
 KEY = say(
@@ -223,11 +224,9 @@ def first_of_explanation(value: Explanation, level: float) -> First:
         notes = [Remark.of("", note) for note in row_of_file(value.target).notes]
         return replace(condensed(explanation_view.face(value, level)), remarks=notes)
     lines = [say("{table}: {names}", table=title, names=", ".join(rows)) for title, rows in _tables().items()]
-    after = (
-        ("allanite explain NAME", say("what one of them means; abbreviations too")),
-        DETAILS,
-    )
-    return First(say("targets, statistics, noise terms and data sheets"), "", lines, after=after)
+    after = ("allanite explain NAME", say("what one of them means; abbreviations too")), DETAILS
+    title, papers = say("targets, statistics, noise terms and data sheets"), say("papers: allanite example")
+    return First(title, papers, lines, after=after)
 
 
 @view(first=first_of_explanation)
@@ -258,18 +257,21 @@ def explanation_view(value: Explanation, _: float) -> Face:
     return one_sheet(row.title, BRAND, row.title, parts)
 
 
-def _worded(value: Word) -> Table:
-    """The formula, the example and the related words."""
-    rows = [(say("formula"), value.formula), (say("example"), value.example), (say("see also"), ", ".join(value.see))]
+def _worded(value: Word, *more: tuple[str, str]) -> Table:
+    """The formula, the example and the related words, and more."""
+    own = (say("formula"), value.formula), (say("example"), value.example), (say("see also"), ", ".join(value.see))
+    rows = [*own, *((why, command) for command, why in more)]
     return Table((Column("", "name"), Column("", "text")), [row for row in rows if row[1]])
 
 
 @view(
-    first=lambda value, _: First(value.name, ", ".join(value.synonyms[:4]), [value.meaning, _worded(value)], after=())
+    first=lambda value, _: First(
+        value.name, ", ".join(value.synonyms[:4]), [value.meaning, _worded(value)], after=about(*value.synonyms)
+    )
 )
 def word_view(value: Word, _: float) -> Face:
     """The same as a page."""
-    about = (", ".join(value.synonyms),) if value.synonyms else ()
+    names, ways = (", ".join(value.synonyms),) if value.synonyms else (), about(*value.synonyms)
     return one_sheet(
-        value.name, say("words of the field"), value.name, (Note(value.meaning), _worded(value)), about=about
+        value.name, say("words of the field"), value.name, (Note(value.meaning), _worded(value, *ways)), about=names
     )

@@ -153,8 +153,6 @@ def residuals_view(residuals: Residuals, _: float) -> Face:
     """What a model leaves over."""
     return one_sheet(
         say("Residuals"), say("residuals of a noise model"), say("residuals"),
-        (
-            *statement_note(residuals.statement), _checks(residuals),
-            Drawing(lambda: figures.plot_residuals(residuals), say("residuals"), RESIDUALS_CAPTION),
-        ),
+        (*statement_note(residuals.statement), _checks(residuals),
+         Drawing(lambda: figures.plot_residuals(residuals), say("residuals"), RESIDUALS_CAPTION)),
     )  # fmt: skip

@@ -14,7 +14,7 @@ from allanite.core.units import convert
 from allanite.core.validity import APPROXIMATE, EXPLAINED, MOTION, UNEXPLAINED, Finding
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import words
-from allanite.reporting.first import ABOVE, Remark, channels_named, kinds, shown, told_of
+from allanite.reporting.first import ABOVE, Remark, channels_named, kinds, merged, shown, told_of
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of
 from allanite.study.job import Job
 from allanite.study.results import Channel, Noise
@@ -177,6 +177,14 @@ def reservations(channels: Sequence[Channel]) -> Iterator[Remark]:
     noises = [(c.record.name, c.noise) for c in channels if c.explained and c.noise is not None]
     every = [(name, (*n.fit.findings, *(n.residuals.findings if n.residuals else ()))) for name, n in noises]
     yield from told_of([(name, finding) for name, findings in every for finding in findings], len(channels))
+    fits = [(c.record.name, c.fit) for c in channels if c.explained and c.fit and not c.record.signal.inertial]
+    claimed = {name: ",".join([*(e.symbol for e in fit if e.claimed), "GM2"]) for name, fit in fits}
+    loops = [(name, part.words) for name, fit in fits for part in fit.components if part.loop]
+    yield from merged(
+        Remark.of(name, say("{resonance}, as broad as that of a control loop, is a term on request ({option})",
+                            resonance=part, option=f"--terms {claimed[name]}"))
+        for name, part in loops
+    )  # fmt: skip
 
 
 def mean_and_spread(record: Record) -> tuple[float, float]:

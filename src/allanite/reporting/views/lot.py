@@ -29,7 +29,6 @@ TREND_KEY = say(
     "a trend by chance."
 )
 
-
 TERM, UNIT = (Column(say("channel"), "name"), Column(say("term"), "symbol")), Column("", "unit")
 
 

@@ -11,7 +11,7 @@ from allanite.core.fit import Fit
 from allanite.core.model import Model, coefficient_factor
 from allanite.interpretation.glossary import named_words
 from allanite.phrases.phrase import join, say, say_count
-from allanite.planning.bound import Bound, name_of, parameter_title
+from allanite.planning.bound import Bound, name_of
 from allanite.planning.plan import Properties, RecordingPlan
 from allanite.planning.selfcheck import SelfCheck
 from allanite.reporting import figures, words
@@ -27,6 +27,7 @@ from allanite.terms import TERMS
 
 from . import Rows, View, view
 from .jobs import job_face, source_of, warnings
+from .papers import about
 
 
 class ModelledForm(NamedTuple):
@@ -103,7 +104,7 @@ def expected_values(model: Model, channel: Modelled | None = None) -> dict[str, 
         shown = f"{t.to(unit):.4g}" if name not in known else words.brief(known[name], 0.95)
         expected[name] = shown, unit
         for parameter, value in zip(t.row.parameters, t.shape, strict=True):
-            expected[f"{name} {parameter_title(parameter)}"] = (f"{value:.4g}", parameter.unit)
+            expected[f"{name} {parameter.title}"] = (f"{value:.4g}", parameter.unit)
     return expected
 
 
@@ -204,13 +205,7 @@ CHECK, CHECKS = ModelledForm(
 ).views()  # fmt: skip
 
 
-@view(
-    None,
-    lambda bound, _: (
-        ["parameter", "relative_error"],
-        [*map(list, zip(bound.names, bound.errors.tolist(), strict=True))],
-    ),
-)
+@view(rows=lambda bound, _: (["parameter", "relative_error"], [[name, bound[name]] for name in bound.names]))
 def bound_view(bound: Bound, _: float) -> Face:
     """Least standard errors of the parameters of a model."""
     values = expected_values(bound.model)
@@ -237,7 +232,6 @@ HADAMARD = say("Hadamard variance over the expected variance of the statistic")
 FREEDOM = say("equivalent degrees of freedom")
 EXACT = say("exact for each noise alone; the relative standard deviation of the variance is sqrt(2 / edf)")
 
-
 MAX_TIMES = 8  # averaging times of a first screen
 
 
@@ -252,7 +246,7 @@ def first_of_properties(value: Properties, _: float) -> First:
     word = named_words().get(value.statistic)
     sample = say("{what}, {n} samples, by tau in sampling intervals:", what=FREEDOM, n=value.size)
     answer: list[Answer] = [*([word.meaning, word.formula] if word else ()), sample, table, span]
-    return First(statistic_named(value.statistic).title, "", answer, after=[DETAILS])
+    return First(statistic_named(value.statistic).title, "", answer, after=[*about(value.statistic), DETAILS])
 
 
 def _ratio(value: Properties) -> str:
@@ -298,12 +292,10 @@ def _space_parts(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
     yield from (Note(note) for note in space.notes)
     scope = channel.fit.scope if channel is not None and channel.fit is not None else None
     if scope is not None and scope.filter is not None:
-        yield Note(
-            say(
-                "the low-pass filter is not among the states: samples closer together than {time:.2g} s are correlated",
-                time=1 / scope.filter.cutoff,
-            )
-        )
+        yield Note(say(
+            "the low-pass filter is not among the states: samples closer together than {time:.2g} s are correlated",
+            time=1 / scope.filter.cutoff,
+        ))  # fmt: skip
     headings, rows = space.rows()
     numbers = (Column(heading, form=".6g") for heading in headings[2:])
     heads = (Column(""), Column(say("state"), "name"), Column(say("unit"), "unit"), *numbers)

@@ -2,20 +2,12 @@
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
 from typing import Any
 
-from allanite.applications.constant_rate import (
-    RATE_ESTIMATORS,
-    Closeup,
-    Experiment,
-    Ranking,
-    RateEstimate,
-    closeup,
-    estimate,
-    subtract_bias,
-)
+from allanite.applications.constant_rate import RATE_ESTIMATORS, Closeup, Experiment, Ranking, RateEstimate, closeup
 from allanite.applications.constant_rate.campaign import DURATIONS, RateChannel, RateSettings, RateStudy
-from allanite.applications.constant_rate.estimates import rate_factor
+from allanite.applications.constant_rate.estimates import sheet_unit
 from allanite.core.errors import UndrawnError
 from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
@@ -24,8 +16,7 @@ from allanite.reporting.digits import digits, rounded
 from allanite.reporting.first import DETAILS, FIGURES, PLUS_MINUS, Answer, ChannelRow, Channels, First, Remark, merged
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Table, known, one_sheet
 
-from . import Rows, view
-from . import rate_experiment as experiments
+from . import Rows, rate_experiment as experiments, view
 from .channels import by_sensor, fit_words, how_read, names_of, title_of
 from .jobs import alerts, channel_sheet, doubts, job_face, source_of, warned
 
@@ -42,18 +33,17 @@ def first_of_rates(study: RateStudy, level: float) -> First:
         own += [Remark.of(name, text) for text in (apart, *told_here) if text]
     remarks += merged(own, len(study.channels))
     answer: list[Answer] = [_channels(alike, study, level) for alike in by_sensor(study.channels)]
-    ranked = [c.experiment.ranking for c in study.channels if c.experiment is not None]
-    answer += dict.fromkeys(experiments.told(ranking) for ranking in ranked if ranking is not None)
-    answer += dict.fromkeys(
-        text for channel in study.channels for text in experiments.certain_limits(channel.estimates)
-    )
+    measured = [c.by_reversal or c.experiment for c in study.channels if c.experiment is not None]
+    for experiment in measured[: len(study.channels) == 1]:
+        answer += [experiments.table_of(experiment, level), *filter(None, [experiments.told(experiment)])]
+    answer += dict.fromkeys(experiments.certain_limits([e for channel in study.channels for e in channel.estimates]))
     if study.settings.durations not in (DURATIONS, ()):
-        answer += [
-            next(experiments.by_time(experiments.series_of(c)))
-            for c in study.channels
-            if any(e.start.size > 1 for e in c.by_duration)
-        ]
-    legend = [(PLUS_MINUS, say("±: {share} half width.", share=words.percent(level)))]
+        answer += [table for channel in study.channels for table in islice(experiments.by_time(channel), 1)]
+    half = say("±: {share} half width.", share=words.percent(level))
+    if any(e.ranking is None and e.start.size > 1 for e in measured):
+        half = say("±: {share} half width; without a model, by Student's t from the scatter of the intervals.",
+                   share=words.percent(level))  # fmt: skip
+    legend = [(PLUS_MINUS, half)]
     return First(title_of(study), "", answer, [*remarks, *alerts(study)], legend, how_read(study), [FIGURES, DETAILS])
 
 
@@ -69,21 +59,21 @@ def _unsteady(experiment: Experiment) -> str:
 
 def _channels(channels: Sequence[RateChannel], study: RateStudy, level: float) -> Channels:
     signal, unit = channels[0].record.signal, channels[0].record.signal.sheet[0]
-    length, rows = words.duration(channels[0].record.duration), list[ChannelRow]()
-    cells = [_rate(_whole(channel, study), channel, level) for channel in channels]
-    rows.append(ChannelRow(say("rate, mean over {length}", length=length), "", unit, cells, short=say("rate")))
-    norths = ["" if c.north is None else _number(c.north.heading, c.north.low, c.north.high) for c in channels]
-    biases = ["" if c.bias is None else _size(c.bias, level) for c in channels]
+    length, cells = words.duration(channels[0].record.duration), [_rate(channel, level) for channel in channels]
+    rows = [ChannelRow(say("rate, mean over {length}", length=length), "", unit, cells, short=say("rate"))]
     experiments = [channel.experiment for channel in channels]
     several = [e for e in experiments if e is not None and e.start.size > 1]
-    if several:
+    if several and len(study.channels) > 1:
         time = words.duration(several[0].duration)
-        scatters = [None if e is None else e.scatter(e.methods[0]) for e in experiments]
-        factor = rate_factor(unit, signal)
-        shown = ["" if s is None else rounded(s.deviation / factor) for s in scatters]
-        predicted = ["" if s is None or math.isnan(s.predicted) else rounded(s.predicted / factor) for s in scatters]
+        scatters = [None if e is None else e.scatters()[0] for e in experiments]
+        shown = ["" if s is None else rounded(s.deviation) for s in scatters]
+        predicted = ["" if s is None or math.isnan(s.predicted) else rounded(s.predicted) for s in scatters]
         rows.append(ChannelRow(say("scatter of {time} means", time=time), "", unit, shown, short=say("scatter")))
         rows.append(ChannelRow(say("predicted for {time}", time=time), "", unit, predicted, 2, say("predicted")))
+        best = ["" if e is None else (e.ranking or e).chosen for e in experiments]
+        rows.append(ChannelRow(say("method for {time}", time=time), "", "", best, short=say("method")))
+    norths = ["" if c.north is None else _number(c.north.heading, c.north.low, c.north.high) for c in channels]
+    biases = ["" if c.bias is None else _size(c.bias, level) for c in channels]
     rows.append(ChannelRow(say("north"), "", "deg", norths))
     rows.append(ChannelRow(say("bias by reversal"), "", unit, biases, short=say("bias")))
     fits = [fit_words(channel.noise, channel.refusal) for channel in channels]
@@ -91,30 +81,24 @@ def _channels(channels: Sequence[RateChannel], study: RateStudy, level: float) -
     return Channels(names_of(channels), [row for row in rows if any(row.cells)], signal.sensor)
 
 
-def _whole(channel: RateChannel, study: RateStudy) -> RateEstimate | None:
-    """The rate over the record: as measured, or of several intervals by the first method."""
-    if channel.estimates or channel.experiment is None or not isinstance(channel.record, Record):
-        return next(iter((*channel.certain, *channel.estimates)), None)
-    chosen, model = study.settings.experiment_on(channel.record), study.settings.noise
-    if model is None and channel.noise is not None and channel.noise.explained:
-        model = channel.noise.fit.usable()
-    method = channel.experiment.methods[0]
-    rate = estimate(channel.record, method, model=model, dither=chosen.dither, options=chosen.options)
-    return subtract_bias(rate, chosen.bias, channel.record.signal.unit) if chosen.bias else rate
+def _rate(channel: RateChannel, level: float) -> str:
+    """The rate over the record: its error is that under the noise model, or else by the scatter of intervals alike."""
+    found = next(iter((*channel.certain, *channel.estimates)), channel.whole)
+    measured = channel.by_reversal or channel.experiment
+    apart = found is not None and measured is not None and found.method not in measured.methods
+    if measured is None or (found is not None and (apart or math.isfinite(found.interval(level)[0]))):
+        return "" if found is None else _size(found, level)
+    method = measured.methods[0] if found is None else found.method
+    value = float(measured.rates[measured.methods.index(method)].mean()) if found is None else found.value
+    half = measured.half_width(method, level) / math.sqrt(measured.start.size)
+    half = math.nan if measured.drift or not half > 0 else half
+    _, factor = sheet_unit(measured.signal)
+    return _number(*(v / factor for v in (value, value - half, value + half)))
 
 
-def _rate(found: RateEstimate | None, channel: RateChannel, level: float) -> str:
-    if found is not None:
-        return _size(found, level)
-    if channel.experiment is None:
-        return ""
-    return rounded(channel.experiment.reference / rate_factor(channel.record.signal.sheet[0], channel.record.signal))
-
-
-def _size(found: RateEstimate, level: float) -> str:
-    factor = rate_factor(found.signal.sheet[0], found.signal)
-    low, high = (limit / factor for limit in found.interval(level))
-    return _number(found.value / factor, low, high)
+def _size(estimate: RateEstimate, level: float) -> str:
+    _, factor = sheet_unit(estimate.signal)
+    return _number(*(v / factor for v in (estimate.value, *estimate.interval(level))))
 
 
 def _number(value: float, low: float, high: float) -> str:
@@ -135,15 +119,12 @@ def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterat
     if experiment is None:
         return
     yield from experiments.sentences(experiment)
-    if channel.bias is not None:
-        yield Note(say("rate by reversal: {rate}", rate=channel.estimates[0].words(level=level)), "strong")
-        yield Note(say("bias by reversal: {bias}", bias=channel.bias.words(level=level)))
+    yield from _reversed(channel, level)
     if channel.north is not None:
         yield Note(channel.north.words(), "strong")
     if experiment.start.size > 1:
-        yield experiments.table_of(experiment)
-    if any(e.start.size > 1 for e in channel.by_duration):
-        yield from experiments.by_time(experiments.series_of(channel))
+        yield experiments.table_of(experiment, level)
+    yield from experiments.by_time(channel)
     yield from _estimates(channel.estimates, level, modeled=experiment.ranking is not None)
     yield Drawing(lambda: _draw([channel]), say("errors of all methods"), experiments.CAPTION)
     if experiment.start.size > 1:
@@ -152,16 +133,24 @@ def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterat
         yield from experiments.closeup_parts(first_of(channel.record, experiment, settings), "page")
 
 
+def _reversed(channel: RateChannel, level: float) -> Iterator[Part]:
+    """Rate and bias by the reversal of the gyro, and how the rates of its pairs of intervals scatter."""
+    if channel.bias is not None:
+        yield Note(say("rate by reversal: {rate}", rate=channel.estimates[0].words(level=level)), "strong")
+        yield Note(say("bias by reversal: {bias}", bias=channel.bias.words(level=level)))
+    if channel.by_reversal is not None and channel.by_reversal.start.size > 1:
+        yield Note(say("by reversal, half the differences of intervals of both recordings:"))
+        yield experiments.table_of(channel.by_reversal, level)
+
+
 def first_of(record: Record, found: Experiment, settings: RateSettings) -> Closeup:
     """The first interval of an experiment in detail."""
     return closeup(record, settings=settings.experiment, start=float(found.start[0]))
 
 
 METHODS = Table(
-    (
-        Column(say("method"), "symbol"), Column(say("what it is"), "text"), Column(say("formula"), "formula"),
-        Column(say("optimal under"), "text"), Column(say("source"), "text"),
-    ),
+    (Column(say("method"), "symbol"), Column(say("what it is"), "text"), Column(say("formula"), "formula"),
+     Column(say("optimal under"), "text"), Column(say("source"), "text")),
     [[r.name, r.title, r.formula, r.assumes, r.reference] for r in RATE_ESTIMATORS.values()], say("the methods"),
 )  # fmt: skip
 
@@ -170,15 +159,11 @@ def interval_rows(study: RateStudy) -> Rows:
     """The rate of every interval by every method, unrounded, in the unit of data sheets."""
     heads = ("channel", "interval", "start_s", "duration_s", "method", "rate", "error", "unit")
     rows = []
-    for experiment in (channel.experiment for channel in study if channel.experiment is not None):
-        unit = experiment.signal.sheet[0]
-        factor = rate_factor(unit, experiment.signal)
-        for i, start in enumerate(experiment.start.tolist()):
-            for method, rate, error in zip(
-                experiment.methods, experiment.rates[:, i], experiment.errors[:, i], strict=True
-            ):
-                numbers = (float(rate) / factor, float(error) / factor)
-                rows.append([experiment.name, i + 1, start, experiment.duration, method, *numbers, unit])
+    for e in (channel.experiment for channel in study if channel.experiment is not None):
+        unit, factor = sheet_unit(e.signal)
+        rates, errors = (e.rates.T / factor).tolist(), (e.errors.T / factor).tolist()
+        rows += [[e.name, i + 1, start, e.duration, *cells, unit] for i, start in enumerate(e.start.tolist())
+                 for cells in zip(e.methods, rates[i], errors[i], strict=True)]  # fmt: skip
     return heads, rows
 
 
@@ -187,18 +172,14 @@ def _estimates(estimates: Sequence[RateEstimate], level: float, *, modeled: bool
         return
     rows = []
     for e in estimates:
-        unit = e.signal.sheet[0]
-        factor = rate_factor(unit, e.signal)
+        unit, factor = sheet_unit(e.signal)
         rows.append([e.method, *digits(e.to(unit), *(v / factor for v in e.interval(level)), figures=8).plain(), unit])
     heads = (Column(say("method"), "symbol"), Column(say("rate")), Column(words.interval(level), "interval"))
     yield Table((*heads, Column(say("unit"), "unit")), rows)
     unknown = [e.method for e in estimates if math.isnan(e.standard_error) and e.limits is None]
     if unknown:
-        between = say(
-            "no limits for {methods}: no staircase fits all counts, so that none are certain, and with so little noise "
-            "beside a pulse the error follows no model",
-            methods=", ".join(unknown),
-        )
+        between = say("no limits for {methods}: no staircase fits all counts, so that none are certain, and with so "
+                      "little noise beside a pulse the error follows no model", methods=", ".join(unknown))  # fmt: skip
         yield Note(between if modeled else NO_ERROR)
     yield from map(Note, experiments.certain_limits(estimates))
 
@@ -213,14 +194,14 @@ def _draw(channels: Iterable[RateChannel]) -> Plot:
 def _rows(study: RateStudy, level: float) -> Rows:
     rows: list[list[Any]] = []
     for channel in study.channels:
-        for experiment in experiments.series_of(channel):
+        for experiment in (*experiments.series_of(channel), *filter(None, [channel.by_reversal])):
             whole = experiment is channel.experiment and experiment.start.size == 1  # an estimate, below
             rows += () if whole else experiments.experiment_rows(experiment)
         for e in channel.estimates:
-            unit = e.signal.sheet[0]
-            numbers = [v / rate_factor(unit, e.signal) for v in (e.value, *e.interval(level), e.standard_error)]
+            unit, factor = sheet_unit(e.signal)
+            numbers = [v / factor for v in (e.value, *e.interval(level), e.standard_error)]
             rows.append([channel.record.name, e.method, e.duration, 1, *map(experiments.finite, numbers[:3]), *[""] * 7,
-                         experiments.finite(numbers[3]), unit])  # fmt: skip
+                         experiments.finite(numbers[3]), *[""] * 6, 1 + (channel.bias is not None), unit])  # fmt: skip
     return experiments.HEADINGS, rows
 
 
@@ -234,14 +215,11 @@ def study_view(study: RateStudy, level: float) -> Face:
     """The rate of each channel by every method."""
     sheets = []
     for channel in study.channels:
-        given = study.settings.noise
-        name, experiment = channel.record.name, channel.experiment
-        verdict: str = say("no result: {reason}", reason=channel.refusal) if channel.refusal else ""
-        if experiment is not None and experiment.ranking is not None:
-            verdict = experiments.told(experiment.ranking)
-        verdicts = (join(", ", (name or say("the channel"), verdict)),) if verdict else ()
-        known = given is not None or channel.certain or (channel.noise is not None and channel.noise.explained)
-        grade = "" if known and not channel.refusal else "alert"
+        told = "" if channel.experiment is None else experiments.told(channel.experiment)
+        verdict = say("no result: {reason}", reason=channel.refusal) if channel.refusal else told
+        verdicts = (join(", ", (channel.record.name or say("the channel"), verdict)),) if verdict else ()
+        explained = study.settings.noise is not None or (channel.noise is not None and channel.noise.explained)
+        grade = "" if (explained or channel.certain) and not channel.refusal else "alert"
         sheets.append(channel_sheet(channel, _parts(channel, study.settings, level), verdicts, grade))
     title = say("Rate of {source}", source=source_of(study))
     return job_face(study, (title, experiments.BRAND), sheets, how=[METHODS])
@@ -250,28 +228,16 @@ def study_view(study: RateStudy, level: float) -> Face:
 @view(rows=lambda ranking, level: ranking.rows())
 def ranking_view(ranking: Ranking, _: float) -> Face:
     """The methods in the order of their standard errors."""
-    return one_sheet(
-        say("Methods"), experiments.BRAND, say("methods"),
-        (
-            Note(experiments.told(ranking), "strong"), Note(say("noise: {model}", model=str(ranking.model))),
-            Table(
-                (
-                    Column(say("method"), "name"),
-                    Column(say("standard error, {unit}", unit=ranking.signal.sheet[0]), form=known(".4g")),
-                    Column(say("over the bound"), form=known(".4g")),
-                ),
-                ranking.rows()[1],
-            ),
-        ),
-        how=(METHODS,),
-    )  # fmt: skip
+    error = Column(say("standard error, {unit}", unit=ranking.signal.sheet[0]), form=known(".4g"))
+    heads = Column(say("method"), "name"), error, Column(say("over the bound"), form=known(".4g"))
+    noise = Note(say("noise: {model}", model=str(ranking.model)))
+    parts = Note(experiments.told(ranking), "strong"), noise, Table(heads, ranking.rows()[1])
+    return one_sheet(say("Methods"), experiments.BRAND, say("methods"), parts, how=(METHODS,))
 
 
 @view()
 def estimate_view(found: RateEstimate, level: float) -> Face:
     """One rate."""
-    return one_sheet(
-        found.name or say("Rate"), experiments.BRAND, found.name or say("rate"),
-        (*(Note(str(finding), "warning") for finding in found.findings), *_estimates([found], level)),
-        about=found.history,
-    )  # fmt: skip
+    parts = (*(Note(str(finding), "warning") for finding in found.findings), *_estimates([found], level))
+    names = found.name or say("Rate"), experiments.BRAND, found.name or say("rate")
+    return one_sheet(*names, parts, about=found.history)

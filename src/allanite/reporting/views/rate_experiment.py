@@ -2,26 +2,30 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from allanite.applications.constant_rate import Closeup, Experiment, Ranking, RateEstimate
 from allanite.applications.constant_rate.campaign import RateChannel
-from allanite.applications.constant_rate.estimates import rate_factor
-from allanite.core.units import unit_of
+from allanite.applications.constant_rate.estimates import sheet_unit
+from allanite.applications.constant_rate.experiments import Standing
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, Where, known, one_sheet
 from allanite.statistics import expected
 
-from . import view
+from . import Rows, view
 
 BRAND = say("a constant rate in a short time")
 
 KEY = say(
-    "std: scatter of the errors, with its 68 % interval; neighbours: the same from differences of neighbouring "
-    "intervals, which a slow drift does not reach; predicted: under the noise model, without these data."
+    "std: scatter of the errors; ± of one: error of one interval by Student's t, all methods at once; predicted: under "
+    "the noise model, without these data; total error: root mean square against the true rate; times the least: std "
+    "over the least one, with limits by which at the same probability the best method is not called worse, if the "
+    "intervals are independent; neighbours: std from differences of neighbouring intervals, which a slow drift does "
+    "not reach."
 )
 CAPTION = say(
     "Error of every method in each interval; below, where the record is long enough, the standard deviation against "
@@ -31,15 +35,13 @@ CAPTION = say(
 
 def sentences(found: Experiment) -> Iterator[Note]:
     """What was found in the intervals."""
-    unit = found.signal.sheet[0]
-    if found.ranking is not None:
-        yield Note(told(found.ranking), "strong")
+    unit, factor = sheet_unit(found.signal)
+    if told(found):
+        yield Note(told(found), "strong")
     if found.start.size > 1:
-        reference = found.reference / unit_of(unit).factor
-        length = words.duration(found.duration)
-        count = say_count(
-            found.start.size, "{count} interval of {length}", "{count} intervals of {length}", length=length
-        )
+        reference = found.reference / factor
+        count = say_count(found.start.size, "{count} interval of {length}", "{count} intervals of {length}",
+                          length=words.duration(found.duration))  # fmt: skip
         if found.known:
             against = say("errors against the true rate, {rate:.6g} {unit}", rate=reference, unit=unit)
         else:
@@ -51,86 +53,94 @@ def sentences(found: Experiment) -> Iterator[Note]:
     if found.ranking is not None and found.start.size != 1:
         wandering = [t.symbol for t in found.ranking.model if t.row.slope >= 0]
         if wandering:
-            unit = found.signal.sheet[0]
-            both = math.sqrt(float(expected(found.ranking.model, "adev", found.duration)[0])) / unit_of(unit).factor
-            yield Note(
-                say(
-                    "predicted is the error of each interval's own mean rate; {terms} moves that from interval to "
-                    "interval, so that neighbouring averages differ by {deviation:.3g} {unit} (their Allan deviation)",
-                    terms=", ".join(wandering), deviation=both, unit=unit,
-                )
-            )  # fmt: skip
+            both = math.sqrt(float(expected(found.ranking.model, "adev", found.duration)[0])) / factor
+            yield Note(say("predicted is the error of each interval's own mean rate; {terms} moves that from interval "
+                           "to interval, so that neighbouring averages differ by {deviation:.3g} {unit} (their Allan "
+                           "deviation)", terms=", ".join(wandering), deviation=both, unit=unit))  # fmt: skip
     yield from map(Note, found.notes)
     for method, why in found.left_out.items():
         yield Note(say("{method} is left out: {reason}", method=method, reason=why))
 
 
-def told(ranking: Ranking) -> str:
-    """The recommendation for the length of the intervals."""
-    return say("in {length}: {verdict}", length=words.duration(ranking.duration), verdict=ranking.verdict)
+def told(found: Ranking | Experiment) -> str:
+    """The recommendation for the length of the intervals: by the noise model, or else by how they scatter."""
+    by = (found.ranking or found) if isinstance(found, Experiment) else found
+    return say("in {length}: {verdict}", length=words.duration(by.duration), verdict=by.verdict) if by.verdict else ""
 
 
-def table_of(found: Experiment) -> Table:
-    """The scatter of every method, rounded to three digits of the least."""
-    unit = found.signal.sheet[0]
-    _, rows = found.rows(unit)
-    least = min((row[2] for row in rows if row[2] > 0), default=1.0)
+def table_of(found: Experiment, level: float) -> Table:
+    """The scatter of every method beside the prediction and the least one, to three digits of the least."""
+    (unit, factor), scatters, standings = sheet_unit(found.signal), found.scatters(), found.standings(level)
+    least = min((v for s in scatters for v in (s.deviation, s.predicted) if v > 0), default=1.0)
     form = f".{max(0, 2 - math.floor(math.log10(least)))}f"
-    heads = (
-        Column(say("method"), "symbol"), Column(join(" ", (say("std"), f"[{unit}]")), form=form),
-        Column(words.interval(0.68), "interval"), Column(say("neighbours"), form=form),
-        Column(say("predicted"), form=known(form, say("not predicted"))),
-        Column(say("3 sigma"), aside=True, form=form), Column(say("mean error"), aside=True, form=f"+{form}"),
-        Column(say("worst"), aside=True, form=f"+{form}"),
-    )  # fmt: skip
-    cells = [
-        [method, std, f"{low:{form}} .. {high:{form}}", neighbours, predicted, bound, mean, worst]
-        for method, mean, std, low, high, neighbours, bound, worst, predicted in rows
+    plain, signed, errors = known(form), known(f"+{form}"), scatters if found.start.size > 1 or found.known else []
+    columns: list[tuple[Column, list[Any]]] = [
+        (Column(say("method"), "symbol"), list(found.methods)),
+        (Column(say("std"), form=plain), [s.deviation for s in scatters]),
+        (Column(say("± of one"), form=plain), [s.half / factor for s in standings]),
+        (Column(say("predicted"), form=plain), [s.predicted for s in scatters]),
+        (Column(say("total error"), form=plain), [s.total for s in scatters]),
+        (Column(say("verdict"), "text"), [s.verdict for s in standings]),
+        (Column(say("times the least"), form=known(".3g")), [s.ratio for s in standings]),
+        (Column(words.interval(level), "interval"), [_between(s) for s in standings]),
+        (Column(say("mean rate"), aside=True, form=".8g"), (found.rates.mean(axis=1) / factor).tolist()),
+        (Column(say("mean error"), aside=True, form=signed), [s.mean for s in errors]),
+        (Column(say("worst"), aside=True, form=signed), [s.worst for s in errors]),
+        (Column(say("neighbours"), aside=True, form=plain), [s.neighbours for s in scatters]),
     ]
-    return Table(heads, cells, key=KEY)
+    shown = [
+        (column, cells) for column, cells in columns
+        if any(cell if isinstance(cell, str) else math.isfinite(cell) for cell in cells)
+    ]  # fmt: skip
+    heads = [column for column, _ in shown]
+    heads[1] = replace(heads[1], heading=join(" ", (heads[1].heading, f"[{unit}]")))
+    return Table(heads, list(zip(*(cells for _, cells in shown), strict=True)), key=KEY)
+
+
+def _between(standing: Standing) -> str:
+    """The limits of the ratio to the least scatter; nothing for that one itself, or where it is not compared."""
+    return f"{standing.low:.3g} .. {standing.high:.3g}" if standing.low != standing.high and standing.verdict else ""
 
 
 def every_interval(found: Experiment) -> Table:
     """The rate of every interval by every method; on a page, folded."""
-    unit = found.signal.sheet[0]
+    unit, factor = sheet_unit(found.signal)
     methods = (Column(method, form=".7g") for method in found.methods)
     heads = (Column(say("interval")), Column(say("start [s]"), form=".6g"), *methods)
-    rates = (found.rates.T / rate_factor(unit, found.signal)).tolist()
+    rates = (found.rates.T / factor).tolist()
     rows = [[i, start, *row] for i, (start, row) in enumerate(zip(found.start.tolist(), rates, strict=True), 1)]
     return Table(heads, rows, say("rate of every interval [{unit}]", unit=unit), details=True, where="page")
 
 
 def series_of(channel: RateChannel) -> list[Experiment]:
     """The experiment of a channel and those of the other measuring times."""
-    experiment = channel.experiment
-    if experiment is None:
+    if channel.experiment is None:
         return []
-    return [experiment, *(e for e in channel.by_duration if e.duration != experiment.duration)]
+    return [channel.experiment, *(e for e in channel.by_duration if e.duration != channel.experiment.duration)]
 
 
 def certain_limits(estimates: Sequence[RateEstimate]) -> Iterator[str]:
     """What counts without noise prove about the rate."""
     for estimate in (e for e in estimates if e.limits is not None):
-        unit = estimate.signal.sheet[0]
-        low, high = estimate.limits or (math.nan, math.nan)
-        factor = rate_factor(unit, estimate.signal)
-        yield say(
-            "an ideal staircase: {pulses:.10g} ± 1 pulses alone leave ±{alone:.2g} {unit}, its steps ±{half:.2g} "
-            "{unit}, and no other rate gives these counts without noise",
-            pulses=estimate.details["pulses"], alone=abs(estimate.details["rate of a pulse"] / factor),
-            half=(high - low) / 2 / factor, unit=unit,
-        )  # fmt: skip
+        (unit, factor), (low, high) = sheet_unit(estimate.signal), estimate.interval()
+        yield say("an ideal staircase: {pulses:.10g} ± 1 pulses alone leave ±{alone:.2g} {unit}, its steps ±{half:.2g} "
+                  "{unit}, and no other rate gives these counts without noise", pulses=estimate.details["pulses"],
+                  alone=abs(estimate.details["rate of a pulse"] / factor), half=(high - low) / 2 / factor,
+                  unit=unit)  # fmt: skip
 
 
-def by_time(series: Sequence[Experiment]) -> Iterator[Table]:
-    """The scatter of every method against the measuring time, and what the noise predicts of it."""
-    ordered = sorted(series, key=lambda e: e.duration)
-    unit = ordered[0].signal.sheet[0]
+def by_time(channel: RateChannel) -> Iterator[Table]:
+    """The scatter of every method against the measuring time, if there are several, and what the noise predicts."""
+    if not any(e.start.size > 1 for e in channel.by_duration):
+        return
+    ordered = sorted(series_of(channel), key=lambda e: e.duration)
+    unit, factor = sheet_unit(ordered[0].signal)
     methods = list(dict.fromkeys(method for e in ordered for method in e.methods))
     measured = say("std against the measuring time [{unit}]", unit=unit)
     predicted = say("predicted std against the measuring time [{unit}]", unit=unit)
+    scatters = [{s.method: s for s in e.scatters()} for e in ordered]
     for name, title in (("deviation", measured), ("predicted", predicted)):
-        numbers = {m: [_scatter(e, m, name) for e in ordered] for m in methods}
+        numbers = {m: [getattr(s[m], name) if m in s else math.nan for s in scatters] for m in methods}
         if name == "predicted":
             numbers = {m: each for m, each in numbers.items() if any(map(math.isfinite, each))}
         heading = join(" ", (say("std"), f"[{unit}]")) if len(methods) == 1 and name == "deviation" else ""
@@ -141,31 +151,26 @@ def by_time(series: Sequence[Experiment]) -> Iterator[Table]:
             rows = [[*row, e.start.size] for row, e in zip(rows, ordered, strict=True)]
             if len(methods) == 1:
                 heads.append(Column(say("mean rate"), form=".8g"))
-                means = (float(e.rates.mean()) / rate_factor(unit, e.signal) for e in ordered)
-                rows = [[*row, mean] for row, mean in zip(rows, means, strict=True)]
+                rows = [[*row, float(e.rates.mean()) / factor] for row, e in zip(rows, ordered, strict=True)]
         if numbers:
             yield Table(heads, rows, title)
 
 
-def _scatter(e: Experiment, method: str, name: str) -> float:
-    """A measure of the scatter of a method in the unit of data sheets; NaN where it was left out."""
-    factor = rate_factor(e.signal.sheet[0], e.signal)
-    return float(getattr(e.scatter(method), name)) / factor if method in e.methods else math.nan
-
-
 HEADINGS = (
     "channel", "method", "duration_s", "intervals", "rate", "rate_low", "rate_high", "mean_error", "std", "std_low",
-    "std_high", "neighbours", "three_sigma", "worst", "predicted", "unit",
+    "std_high", "neighbours", "three_sigma", "worst", "predicted", "total_error", "half_width", "over_least",
+    "over_least_low", "over_least_high", "verdict", "positions", "unit",
 )  # fmt: skip
 
 
 def experiment_rows(found: Experiment) -> Iterator[list[Any]]:
     """The rows of an experiment under `HEADINGS`."""
-    unit = found.signal.sheet[0]
-    means = dict(zip(found.methods, found.rates.mean(axis=1) / rate_factor(unit, found.signal), strict=True))
-    for method, *numbers in found.rows(unit)[1]:
-        yield [found.name, method, found.duration, found.start.size, float(means[method]), "", "",
-               *map(finite, numbers), unit]  # fmt: skip
+    unit, factor = sheet_unit(found.signal)
+    means = (found.rates.mean(axis=1) / factor).tolist()
+    for mean, (method, *numbers), s in zip(means, found.scatters(), found.standings(), strict=True):
+        compared = map(finite, (*numbers, s.half / factor, s.ratio, s.low, s.high))
+        yield [found.name, method, found.duration, found.start.size, mean, "", "", *compared, s.verdict,
+               found.positions, unit]  # fmt: skip
 
 
 def finite(value: float) -> float | str:
@@ -177,15 +182,11 @@ def finite(value: float) -> float | str:
     lambda values, fit, level: figures.plot_rates([(experiment, ()) for experiment in values]),
     lambda found, level: (HEADINGS, list(experiment_rows(found))),
 )
-def experiment_view(found: Experiment, _: float) -> Face:
+def experiment_view(found: Experiment, level: float) -> Face:
     """The rates of all methods over the intervals of a record."""
-    return one_sheet(
-        found.name or say("Rate"), BRAND, found.name,
-        (
-            *sentences(found), *([table_of(found)] if found.start.size > 1 else ()),
-            Drawing(lambda: figures.plot_rates([(found, ())]), say("errors of all methods"), CAPTION),
-        ),
-    )  # fmt: skip
+    table = [table_of(found, level)] if found.start.size > 1 else []
+    drawing = Drawing(lambda: figures.plot_rates([(found, ())]), say("errors of all methods"), CAPTION)
+    return one_sheet(found.name or say("Rate"), BRAND, found.name, (*sentences(found), *table, drawing))
 
 
 CLOSEUP_CAPTION = say(
@@ -196,36 +197,28 @@ CLOSEUP_CAPTION = say(
 
 def closeup_parts(found: Closeup, where: Where = "") -> Iterator[Part]:
     """Notes on one interval, and its figure."""
-    unit = found.signal.sheet[0]
-    rates = found.slopes / unit_of(unit).factor
-    yield Note(
-        say(
-            "{lines} regression lines in the interval from {start}, {kept} kept: slopes from {low:.9g} to {high:.9g} "
-            "{unit}",
-            lines=rates.size, start=words.duration(found.start), kept=int(found.kept.sum()), low=float(rates.min()),
-            high=float(rates.max()), unit=unit,
-        ),
-        where=where,
-    )  # fmt: skip
+    unit, factor = sheet_unit(found.signal)
+    low, high = float(found.slopes.min()) / factor, float(found.slopes.max()) / factor
+    lines = say("{lines} regression lines in the interval from {start}, {kept} kept: slopes from {low:.9g} to "
+                "{high:.9g} {unit}", lines=found.slopes.size, start=words.duration(found.start),
+                kept=int(found.kept.sum()), low=low, high=high, unit=unit)  # fmt: skip
+    yield Note(lines, where=where)
     if found.counts.size:
         rms = float(np.sqrt(np.square(found.misfit).mean()))
         yield Note(say("counts less the staircase: {rms:.3g} quanta RMS", rms=rms), where=where)
     yield Drawing(lambda: figures.plot_closeups([found]), say("one interval in detail"), CLOSEUP_CAPTION)
 
 
-@view(
-    lambda values, fit, level: figures.plot_closeups(values),
-    lambda found, _: (
-        ["start_s", "slope", "unit", "kept"],
-        [
-            [i / found.rate, slope / unit_of(found.signal.sheet[0]).factor, found.signal.sheet[0], kept]
-            for i, (slope, kept) in enumerate(zip(found.slopes.tolist(), found.kept.tolist(), strict=True))
-        ],
-    ),
-)
+def _slope_rows(found: Closeup, _: float) -> Rows:
+    """The regression lines of one interval."""
+    unit, factor = sheet_unit(found.signal)
+    each = enumerate(zip(found.slopes.tolist(), found.kept.tolist(), strict=True))
+    rows = [[i / found.rate, slope / factor, unit, kept] for i, (slope, kept) in each]
+    return ["start_s", "slope", "unit", "kept"], rows
+
+
+@view(lambda values, fit, level: figures.plot_closeups(values), _slope_rows)
 def closeup_view(found: Closeup, _: float) -> Face:
     """One interval in detail."""
-    return one_sheet(
-        found.name or say("Rate"), say("a constant rate in a short time"), found.name or say("Rate"),
-        closeup_parts(found),
-    )  # fmt: skip
+    name = found.name or say("Rate")
+    return one_sheet(name, BRAND, name, closeup_parts(found))

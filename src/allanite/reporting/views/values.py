@@ -108,21 +108,13 @@ FORMS: dict[type, NumbersForm] = {
     Spectrum: NumbersForm(
         lambda found: (
             say("one-sided power spectral density in {unit}, {method}", unit=found.density_unit, method=found.method)
-            if found.sides == "one"
-            else say(
-                "two-sided power spectral density in {unit}, {method}", unit=found.density_unit, method=found.method
-            )
+            if found.sides == "one" else
+            say("two-sided power spectral density in {unit}, {method}", unit=found.density_unit, method=found.method)
         ),
         lambda found, level: (
-            (
-                Column("f [Hz]", form=".5g"), Column(f"[{found.density_unit}]"),
-                Column(words.interval(level), "interval"), Column(f"[{found.amplitude_unit}]", form=".4g"),
-                Column("dof", form=".4g"),
-            ),
-            [
-                [f, *digits(value, low, high).plain(), amplitude, dof]
-                for f, value, low, high, amplitude, dof in found.rows(level)[1]
-            ],
+            (Column("f [Hz]", form=".5g"), Column(f"[{found.density_unit}]"), Column(words.interval(level), "interval"),
+             Column(f"[{found.amplitude_unit}]", form=".4g"), Column("dof", form=".4g")),
+            [[f, *digits(*size).plain(), amplitude, dof] for f, *size, amplitude, dof in found.rows(level)[1]],
         ),
         ("channel", "frequency_hz", "density", "low", "high", "unit", "sides", "amplitude", "amplitude_unit", "dof"),
         lambda found, level: [
@@ -133,9 +125,8 @@ FORMS: dict[type, NumbersForm] = {
     ),
     Surface: NumbersForm(
         lambda surface: say(
-            "{statistic} in {unit}, windows of {length:g} s every {step:g} s",
+            "{statistic} in {unit}, windows of {length:g} s every {step:g} s", step=surface.step,
             statistic=statistic_named(surface.statistic).title, unit=surface.unit, length=surface.window,
-            step=surface.step,
         ),
         _surface_table, ("channel", "statistic", "time_s", "m", "tau_s", "deviation", "unit", "count"),
         lambda surface, _: [
@@ -150,9 +141,8 @@ FORMS: dict[type, NumbersForm] = {
 def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> Plot:
     kinds = {type(value) for value in values}
     if len(kinds) > 1:
-        raise UsageError(
-            f"values of one kind are drawn together, not {' and '.join(sorted(k.__name__ for k in kinds))}"
-        )
+        names = " and ".join(sorted(kind.__name__ for kind in kinds))
+        raise UsageError(f"values of one kind are drawn together, not {names}")
     fits = {value.name: fit for value in values} if fit is not None else {}
     return FORMS[type(values[0])].plot(values, fits, level)
 
@@ -163,10 +153,8 @@ def value_view(value: Curve | Spectrum | Surface, level: float) -> Face:
     return one_sheet(
         say("{channel}: {statistic}", channel=value.name, statistic=_title(value)) if value.name else _title(value),
         BRAND, value.name or say("channel"),
-        (
-            Drawing(lambda: FORMS[type(value)].plot([value], {}, level), _title(value), _supposed(value)),
-            numbers_table(value, level),
-        ),
+        (Drawing(lambda: FORMS[type(value)].plot([value], {}, level), _title(value), _supposed(value)),
+         numbers_table(value, level)),
         about=tuple(value.history),
     )  # fmt: skip
 
@@ -243,21 +231,16 @@ def _heading(value: Curve | Spectrum | Surface) -> str:
         if value.sides == "one":
             return say("one-sided amplitude spectral density in {unit}", unit=unit)
         return say("two-sided amplitude spectral density in {unit}", unit=unit)
-    if isinstance(value, Surface):
-        return say("{title}: least to greatest", title=FORMS[Surface].title(value))
-    return FORMS[type(value)].title(value)
+    title = FORMS[type(value)].title(value)
+    return say("{title}: least to greatest", title=title) if isinstance(value, Surface) else title
 
 
 def _side_by_side(values: Sequence[Any], level: float, rows: int, *, bare: bool) -> Table:
     columns = [_cells(value, level, bare=bare) for value in values]
     at = list(columns[0])
-    heads = [
-        Column(
-            "f [Hz]" if isinstance(values[0], Spectrum) else "tau [s]",
-            form=lambda at: f"{at:.4g}" if at < 1e4 else f"{at:.0f}",
-        ),
-        *(Column(value.name or say("channel"), "name") for value in values),
-    ]
+    axis = "f [Hz]" if isinstance(values[0], Spectrum) else "tau [s]"
+    heads = [Column(axis, form=lambda at: f"{at:.4g}" if at < 1e4 else f"{at:.0f}")]
+    heads += [Column(value.name or say("channel"), "name") for value in values]
     return Table(heads, [[at[i], *(cells.get(at[i], "") for cells in columns)] for i in spread(len(at), rows)])
 
 

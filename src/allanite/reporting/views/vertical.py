@@ -41,10 +41,8 @@ SCENARIOS_KEY = say(
 
 def _optimum_parts(found: Optimum, name: str = "") -> Iterator[Part]:
     first, second = found.first, found.second
-    yield Note(
-        say("time constant {tau:.4g} s: RMS error {error:.3g} arcsec, with a filter of first order",
-            tau=found.time_constant, error=first.to("arcsec")), "strong",
-    )  # fmt: skip
+    yield Note(say("time constant {tau:.4g} s: RMS error {error:.3g} arcsec, with a filter of first order",
+                   tau=found.time_constant, error=first.to("arcsec")), "strong")  # fmt: skip
     if second is not None:
         loop = second.loop
         gains = {"k1": loop.k1, "k2": loop.k2, "error": second.to("arcsec"), "gain": 100 * (1 - second.rms / first.rms)}
@@ -56,10 +54,9 @@ def _optimum_parts(found: Optimum, name: str = "") -> Iterator[Part]:
                            "only {gain:.2g} % less", **gains))  # fmt: skip
     else:
         yield Note(say("a filter of second order is not better"))
-    yield Note(
-        say("the optimal causal (Wiener) filter has {bound:.3g} arcsec; the noise of the filter of first order is "
-            "{loss} larger", bound=found.bound / ARCSEC, loss=words.percent(found.loss, 2) or "0 %")
-    )  # fmt: skip
+    yield Note(say("the optimal causal (Wiener) filter has {bound:.3g} arcsec; the noise of the filter of first order "
+                   "is {loss} larger", bound=found.bound / ARCSEC,
+                   loss=words.percent(found.loss, 2) or "0 %"))  # fmt: skip
     if first.floor:
         yield Note(say("floor: {floor:.3g} arcsec from flicker and bias of the accelerometer, which no time constant "
                        "removes", floor=first.floor / ARCSEC))  # fmt: skip
@@ -107,30 +104,24 @@ def _matrices(loop: Loop, rate: float) -> Code:
 
 
 def _scenario_parts(found: ScenarioErrors) -> Iterator[Part]:
-    best = [
-        say("{scenario}: {filter} ({error:.3g} deg)", scenario=s, filter=w, error=math.degrees(found.rms[:, i].min()))
-        for i, (s, w) in enumerate(zip(found.scenarios, found.winners, strict=True))
-    ]
+    each = zip(found.scenarios, found.winners, np.degrees(found.rms.min(axis=0)).tolist(), strict=True)
+    best = [say("{scenario}: {filter} ({error:.3g} deg)", scenario=s, filter=w, error=e) for s, w, e in each]
     same = len(set(found.winners)) == 1
     head = say("one filter is the best in all scenarios") if same else say("no filter is the best in all scenarios")
     yield Note(head, "strong", points=best)
     named = dict(zip(found.filters, found.rms, strict=True))
     plain, gated = named.get("first order, 100 s"), named.get("100 s, norm gate 0.02 g")
     if plain is not None and gated is not None:
-        yield Note(
-            say("a gate on the size of the specific force does not see 1 m/s^2, which makes it only 0.52 % larger: "
-                "{gated:.4g} deg with the gate, {plain:.4g} deg without", gated=math.degrees(gated[1]),
-                plain=math.degrees(plain[1]))
-        )  # fmt: skip
+        yield Note(say("a gate on the size of the specific force does not see 1 m/s^2, which makes it only 0.52 % "
+                       "larger: {gated:.4g} deg with the gate, {plain:.4g} deg without",
+                       gated=math.degrees(gated[1]), plain=math.degrees(plain[1])))  # fmt: skip
     labels = ("first order, 10 s", "10 s, angle gate 1 deg", "10 s, angle gate 2 deg")
     if all(label in named for label in labels):
         free, narrow, wide = (np.degrees(named[label]).tolist() for label in labels)
-        yield Note(
-            say("with a gate of 1 deg on the angle the error is {narrow[1]:.2g} deg under acceleration ({free[1]:.3g} "
-                "without), but {narrow[2]:.2g} in oscillation ({free[2]:.2g} without), whose acceleration tilts the "
-                "accelerometers by 1.6 deg; with a gate of 2 deg it is {wide[1]:.2g} and {wide[2]:.2g} deg",
-                free=free, narrow=narrow, wide=wide)
-        )  # fmt: skip
+        yield Note(say("with a gate of 1 deg on the angle the error is {narrow[1]:.2g} deg under acceleration "
+                       "({free[1]:.3g} without), but {narrow[2]:.2g} in oscillation ({free[2]:.2g} without), whose "
+                       "acceleration tilts the accelerometers by 1.6 deg; with a gate of 2 deg it is {wide[1]:.2g} and "
+                       "{wide[2]:.2g} deg", free=free, narrow=narrow, wide=wide))  # fmt: skip
     heads = [Column(say("filter"), "name"), *(Column(join(" ", (s, "[deg]"))) for s in found.scenarios)]
     cells = [
         [name, *(f"{r:.3g} ({w:.2g})" for r, w in zip(np.degrees(rms), np.degrees(worst), strict=True))]
@@ -148,20 +139,17 @@ METHODS = Table(
 
 
 def _angle_parts(angle: Angle) -> Iterator[Part]:
-    yield Note(
-        say("mean {mean:.4f} deg, standard deviation {deviation:.3g} arcsec", mean=math.degrees(angle.mean),
-            deviation=angle.deviation / ARCSEC)
-    )  # fmt: skip
+    yield Note(say("mean {mean:.4f} deg, standard deviation {deviation:.3g} arcsec", mean=math.degrees(angle.mean),
+                   deviation=angle.deviation / ARCSEC))  # fmt: skip
     p = angle.prediction
     if p is not None:
         yield Note(say("predicted: {error:.3g} arcsec (1 sigma), {limit:.2g} deg (2 sigma)",
                        error=p.to("arcsec"), limit=2 * p.to("deg")), "strong")  # fmt: skip
         # a measured scatter that the prediction does not explain
         if isinstance(angle.record, Record) and angle.deviation >= MIN_SCATTER_RATIO * p.rms:
-            yield Note(
-                say("the angle scatters {ratio:.2g} times as much as predicted: the body moved, or noise is missing "
-                    "from the models (see the channels)", ratio=angle.deviation / p.rms), "warning",
-            )  # fmt: skip
+            yield Note(say("the angle scatters {ratio:.2g} times as much as predicted: the body moved, or noise is "
+                           "missing from the models (see the channels)", ratio=angle.deviation / p.rms),
+                       "warning")  # fmt: skip
     elif angle.optimum is None and not angle.doubts:
         yield Note(say("no prediction: the noise of its sensors is not known"), "alert")
     else:
@@ -182,21 +170,19 @@ def _scenario_rows(found: ScenarioErrors) -> Rows:
     return heads, [[name, *row] for name, row in zip(found.filters, pairs.tolist(), strict=True)]
 
 
-@view(
-    lambda values, fit, level: figures.plot_angles(values[0].angles),
-    lambda study, _: (
-        ["time", *(angle.name for angle in study.angles)],
-        np.column_stack(
-            [np.arange(1, study.roll.size + 1) / study.rate, np.degrees(study.roll), np.degrees(study.pitch)]
-        ).tolist(),
-    ),
-)
+def _sample_rows(study: VerticalStudy, _: float) -> Rows:
+    time = np.arange(1, study.roll.size + 1) / study.rate
+    rows = np.column_stack([time, np.degrees(study.roll), np.degrees(study.pitch)]).tolist()
+    return ["time", *(angle.name for angle in study.angles)], rows
+
+
+@view(lambda values, fit, level: figures.plot_angles(values[0].angles), _sample_rows)
 def study_view(study: VerticalStudy, _: float) -> Face:
     """Roll and pitch of a recording."""
     sheets = []
     for angle in study.angles:
-        about = (say("{first} and {last}", first=angle.gyro, last=angle.accelerometer),)
-        sheets.append(Sheet(angle.name, about, tuple(_angle_parts(angle))))
+        sensors = say("{first} and {last}", first=angle.gyro, last=angle.accelerometer)
+        sheets.append(Sheet(angle.name, (sensors,), tuple(_angle_parts(angle))))
     for channel in study:
         known = [] if channel.model is None else [Note(say("noise: {model}", model=texts(channel.model)))]
         sheets.append(channel_sheet(channel, [*known, *map(Note, channel.left_out)]))
@@ -205,8 +191,8 @@ def study_view(study: VerticalStudy, _: float) -> Face:
               second=f", k2 = {loop.k2:.4g} 1/s^2" if loop.k2 else "")  # fmt: skip
     parts: list[Part] = [Note(how, "strong"), *map(Note, study.remarks)]
     if study.falling:
-        falling = say("{count} samples in free fall, during which the gyros alone were used", count=study.falling)
-        parts.append(Note(falling, "warning"))
+        parts.append(Note(say("{count} samples in free fall, during which the gyros alone were used",
+                              count=study.falling), "warning"))  # fmt: skip
     if study.held > study.falling and row.name != "bortz":
         share = (study.held - study.falling) / study.roll.size
         held = say("the accelerometers were ignored in {share} of the samples", share=words.percent(share, 3))

@@ -3,13 +3,7 @@
 They can be combined in any order; each adds an entry to the history, and random ones use the generator passed to them.
 """
 
-from .channel import Dither as Dither
-from .channel import clip as clip
-from .channel import constant as constant
-from .channel import gaps as gaps
-from .channel import low_pass as low_pass
-from .channel import noise_profile as noise_profile
-from .channel import noise_step as noise_step
-from .channel import outliers as outliers
-from .channel import quantize_angle as quantize_angle
-from .channel import quantize_rate as quantize_rate
+from .channel import (  # isort: skip
+    Dither as Dither, clip as clip, constant as constant, gaps as gaps, low_pass as low_pass, noise_profile as
+    noise_profile, outliers as outliers, quantize_angle as quantize_angle, quantize_rate as quantize_rate
+)  # fmt: skip

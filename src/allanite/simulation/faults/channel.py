@@ -56,12 +56,7 @@ class Dither:
 
 @public
 def quantize_rate(
-    record: Record,
-    lsb: float,
-    unit: str,
-    *,
-    dither: Dither | None = None,
-    rng: "np.random.Generator | None" = None,
+    record: Record, lsb: float, unit: str, *, dither: Dither | None = None, rng: "np.random.Generator | None" = None
 ) -> Record:
     """Round the rate to steps, as the converter of a rate output does.
 
@@ -96,12 +91,7 @@ def quantize_rate(
 
 @public
 def quantize_angle(
-    record: Record,
-    lsb: float,
-    unit: str,
-    *,
-    dither: Dither | None = None,
-    rng: "np.random.Generator | None" = None,
+    record: Record, lsb: float, unit: str, *, dither: Dither | None = None, rng: "np.random.Generator | None" = None
 ) -> Record:
     """Round the angle to steps, as a pulse counter or an integrating readout does.
 
@@ -209,25 +199,6 @@ def low_pass(record: Record, cutoff: float, *, order: int = 1) -> Record:
     # as if the first reading had always been there: no jump at the start
     filtered, _ = sosfilt(sections, values, zi=sosfilt_zi(sections) * values[0])
     return _changed(record, filtered, f"low-pass filtered at {cutoff:g} Hz, order {order}")
-
-
-@public
-def noise_step(record: Record, *, factor: float = 2.0, at: float = 0.5) -> Record:
-    """Multiply the deviation from the mean by `factor` from the share `at` of the record on: a changing noise level.
-
-    Examples
-    --------
-    >>> noise_step(Record([1.0, -1.0, 1.0, -1.0], rate=10.0, unit="deg/s")).values.tolist()
-    [1.0, -1.0, 2.0, -2.0]
-    """
-    if not 0 < at < 1 or not factor >= 0:
-        raise UsageError(f"a noise step needs a factor >= 0 and a place between 0 and 1, not {factor!r}, {at!r}")
-    values = _floats(record)
-    first = round(at * values.size)
-    later = values[first:]
-    mean = np.nanmean(later)
-    values[first:] = mean + factor * (later - mean)
-    return _changed(record, values, f"noise multiplied by {factor:g} from sample {first} on")
 
 
 @public

@@ -78,6 +78,9 @@ class Covariance:
 
     def variance(self, v: FloatArray) -> float:
         """v'Cv: the variance of v'y, for a contrast v or, where all terms are stationary, any v."""
+        if np.ptp(v) == 0:  # of a mean, by lags
+            c, lag = self.first_row if v[0] else np.zeros(self.size), np.arange(1.0, self.size)
+            return float(v[0]) ** 2 * float(self.size * c[0] + 2 * ((self.size - lag) @ c[1:]))
         return float(v @ self.times(v))
 
     def _precondition(self, r: FloatArray) -> FloatArray:

@@ -15,8 +15,7 @@ from allanite.statistics.row import Statistic, Window
 from allanite.terms import NoiseTerm
 
 from .compact import FAR_WINDOWS, averaged, slower
-from .lagsums import FAR_LAG as SMOOTH
-from .lagsums import far_difference, line_of, second_difference
+from .lagsums import FAR_LAG as SMOOTH, far_difference, line_of, second_difference
 
 SAMPLES_BEYOND, NODES_BEYOND, MIN_END = 64, 80, 600
 """Distances beyond the last kink where c is taken at every sample, nodes of the smooth rest, and its least end."""

@@ -15,21 +15,11 @@ from allanite.statistics.row import Sharp, Statistic
 from allanite.terms import NoiseTerm
 
 from . import folded
-from .compact import (
-    Compact,
-    averaged,
-    compact,
-    expectation,
-    extrapolation,
-    kinked_nodes,
-    lattice,
-    mean_weights,
-    products,
-    ratios,
-    sampled,
-    slower,
-    white_level,
-)
+
+from .compact import (  # isort: skip
+    Compact, averaged, compact, expectation, extrapolation, kinked_nodes, lattice, mean_weights, products, ratios,
+    sampled, slower, white_level
+)  # fmt: skip
 from .lagsums import lag_nodes, responses
 from .profile import SAMPLES_BEYOND, LagProfile, Windows, profile_of, total
 

@@ -102,20 +102,6 @@ def test_residuals_of_coning():
         assert found[name] == pytest.approx(known, rel=0.2), name
 
 
-def test_recursion_has_the_predicted_response():
-    # errors of a level body at rest are those of the linear recursion
-    data, truth = simulate_motion(SCENARIOS["fixed base"], Trial(*NOISE, duration=100.0), rng=np.random.default_rng(3))
-    loop = Loop(0.5, 0.02)
-    own, _ = FILTERS["second-order"].run(data, Setting(loop))
-    alpha, dt, theta, bias, found = math.exp(-loop.k1 / 100), 0.01, 0.0, 0.0, []
-    for rate, force in zip(data.gyro[:, 1], data.force, strict=True):
-        ahead = theta + (rate - bias) * dt
-        seen = math.atan2(-force[0], math.hypot(force[1], force[2])) - ahead
-        theta, bias = ahead + (1 - alpha) * seen, bias - loop.k2 * dt * seen
-        found.append(theta)
-    assert own[:, 1] - truth[:, 1] == pytest.approx(np.array(found), abs=1e-7)
-
-
 @pytest.fixture(scope="module", params=[False, True], ids=["mean", "instant"])
 def compared(request):
     return compare_filters(benchmark.trial(instant=request.param), rng=np.random.default_rng(1))

@@ -9,15 +9,9 @@ from tests.rows import refused, rows
 
 import allanite as al
 import vertical as benchmark
-from allanite.applications.attitude import (
-    Loop,
-    error_density,
-    kalman,
-    kalman_error,
-    optimal_time_constant,
-    predicted_error,
-)
+from allanite.applications.attitude import Loop, error_density, kalman, optimal_time_constant, predicted_error
 from allanite.applications.attitude.loop import GRAVITY
+from vertical import kalman_error
 
 GYRO, TILT = al.Model("N 0.3 deg/sqrt(h)"), al.Model("N 100 ug/sqrt(Hz)")
 N, A, K = GYRO["N"].value, TILT["N"].value / GRAVITY, al.K(20, "deg/h/sqrt(h)").value

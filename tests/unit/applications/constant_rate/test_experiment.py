@@ -40,7 +40,6 @@ def test_intervals_fill_the_record_but_for_its_end():
     found = experiment(white(100), MODEL, ExperimentSettings(interval=120.0, methods=("mean", "optimal")))
     assert (found.rates.shape, found.duration) == ((2, 1), 10.0)
     assert math.isnan(found.scatter("mean").deviation)
-    assert found.ratios() == ()
     found = experiment(
         white(), MODEL, ExperimentSettings(interval=10.0, methods=("conditional",), options=EstimatorSettings(lines=3))
     )
@@ -145,6 +144,18 @@ def test_one_position_finds_north(heading, latitude):
     assert found.positions == 1
 
 
+def test_limits_of_north_hold_beside_the_largest_rate():
+    rng, error = np.random.default_rng(571), 0.002
+    H, model = earth_rate(50.0, "north"), estimate(white(), "mean", model=MODEL)
+    for heading in (0.0, 1.0, 3.0, 20.0, 179.0):
+        held = []
+        for z in error * rng.standard_normal(400):
+            value = np.clip(math.cos(math.radians(heading)) + z, -1 - 1.9 * error, 1 + 1.9 * error)
+            limits = north(replace(model, value=H * value, standard_error=error * H), 50.0, near=heading)
+            held.append(any(limits.low <= psi <= limits.high for psi in (heading, heading + 360)))
+        assert np.mean(held) > 0.92, heading
+
+
 @rows("turned", [180.0, 90.0, -90.0, 150.0])
 @rows("heading", [75.0, 100.0, 200.0, 290.0])
 def test_two_positions_find_north_whatever_the_bias(heading, turned):
@@ -219,7 +230,7 @@ def test_the_bias_of_a_ring_laser_warms_up_and_wanders_as_told():
     t = np.arange(10_001) / 200
     np.testing.assert_allclose(angle, 100 * t - 50 * (1 - np.exp(-t / 10)), atol=0.002)
     walk = al.Model((al.K(100.0, "deg/h/sqrt(h)"),))
-    gyro = RingLaser(pulse=0.001, lock_in=0.0, wander=walk)
+    gyro = RingLaser(pulse=0.001, lock_in=0.0, swing=walk)
     assert [t.symbol for t in gyro.model] == ["Q", "K"]
     record = al.simulation.simulate_ring_laser(gyro, 0.0, 20_000, 200.0, rng=np.random.default_rng(1))
     fit = al.identify(record, terms="QNK")
@@ -268,3 +279,40 @@ def test_a_record_too_short_for_its_noise_is_measured_with_care():
     low, high = (v / DEG_H for v in best.interval())
     assert low < 12.3444 < high
     assert (high - low) / 2 < 0.02
+
+
+def scattered(deviations, k, rng):
+    """An experiment whose methods have these standard deviations, and errors that are correlated by half."""
+    common = rng.standard_normal(k)
+    rates = np.array([d * (common + rng.standard_normal(k)) / math.sqrt(2) for d in deviations])
+    methods = ("mean", "hamming", "regression", "conditional")[: len(deviations)]
+    times, nan = np.arange(float(k)), np.full(len(deviations), math.nan)
+    return al.constant_rate.Experiment("z", white().signal, methods, times, 1.0, 1.0, rates, 0.0, True, nan)
+
+
+def test_what_the_scatter_says_holds_for_the_method_that_it_chose():
+    """Of 400 experiments at 95 %: the best called worse, and an error beyond the bound of the chosen, in 35 at most."""
+    rng = np.random.default_rng(1)
+    for k, deviations in ((5, (1, 1, 1, 1)), (15, (1.1, 1, 1, 1.02)), (15, (1, 1))):
+        wrong = beyond = 0
+        best = int(np.argmin(deviations))
+        for _ in range(400):
+            found = scattered(deviations, k, rng)
+            standings = {s.method: s for s in found.standings()}
+            wrong += standings[found.methods[best]].verdict == "worse"
+            error = deviations[found.methods.index(found.chosen)] * rng.standard_normal()
+            beyond += abs(error) > standings[found.chosen].half
+        assert max(wrong, beyond) <= 35, (k, deviations, wrong, beyond)
+
+
+def test_the_recommendation_of_the_scatter():
+    rng = np.random.default_rng(1)
+    apart = scattered((1, 5, 4), 15, rng)
+    assert [s.verdict for s in apart.standings()] == ["least scatter", "worse", "worse"]
+    assert apart.verdict.startswith("use mean: in 15 intervals no other scatters less by more than 2 %; ")
+    assert "not certain against" in scattered((1, 1, 1), 15, rng).verdict
+    assert scattered((1, 1), 2, rng).verdict.endswith("(interval=0.2)")
+    assert [s.verdict for s in scattered((0, 0), 5, rng).standings()] == ["", ""]
+    # Student's t of 14 degrees of freedom, at 95 %, and for three methods at once
+    alone, three = (apart.half_width("mean", of=m) / apart.scatter("mean").deviation for m in (1, 3))
+    assert (alone, three) == (pytest.approx(2.1448, abs=1e-4), pytest.approx(2.7178, abs=1e-4))
