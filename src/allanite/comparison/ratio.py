@@ -106,10 +106,10 @@ def ratio_law(
 ) -> RatioLaw:
     """The law of the ratio of two records' variances."""
     row = statistic_named(statistic)
-    angles = [integrated(record, row.order) for record in records]
+    places = [integrated(record, row.order).places for record in records]
     points = [
-        CurvePoints(row, factors, angle.runs, record.size, record.rate, places=angle.places)
-        for record, angle, factors in zip(records, angles, m, strict=True)
+        CurvePoints(row, factors, [(size, 1) for _, size in each], record.size, record.rate, places=each)
+        for record, each, factors in zip(records, places, m, strict=True)
     ]
     edf_a, first = mixtures(points[0], [models[0]])
     twins = models[0] == models[1] and _of(points[0]) == _of(points[1])

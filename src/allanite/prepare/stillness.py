@@ -12,7 +12,7 @@ from allanite.core.record import SHORTEST, Record, Recording
 from allanite.core.validity import Finding, Quality
 from allanite.phrases.phrase import between, join, longest_without, percent, say, spelled
 from allanite.statistics.differences import OADEV
-from allanite.statistics.estimator import integrated, windows
+from allanite.statistics.estimator import estimated
 
 from .resampled import interpolated_together
 from .view import View, stretches
@@ -289,7 +289,7 @@ def slope(view: View) -> Finding | None:
     factors = 2 ** np.arange(max(1, int(math.log2(max(size / 100, 1)))))
     if factors.size < 5:
         return None
-    variance = windows(OADEV, integrated(record, OADEV.order), factors).variance
+    variance = estimated(record, OADEV, factors)[0].variance
     sigma = np.log2(np.maximum(np.sqrt(variance), 1e-300))
     slopes = (sigma[2:] - sigma[:-2]) / 2
     error = np.sqrt(1.5 * factors[2:] / size)

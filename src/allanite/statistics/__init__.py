@@ -28,7 +28,7 @@ from allanite.statistics.model_curves import (  # isort: skip
 from allanite.statistics.moments.moments import covariance as covariance, edf as edf, expected as expected
 from allanite.terms import WHITE
 
-from .estimator import AngleRecord, estimate, integrated as integrated, with_means
+from .estimator import AngleRecord, angle_scale, estimated, integrated as integrated
 from .grids import GRIDS as GRIDS, agree, checked, factors_of, times
 from .row import Statistic, seconds
 from .table import STATISTICS as STATISTICS, CurvePoints, statistic_named as statistic_named
@@ -89,27 +89,25 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
             say("averaging times rounded to those of {statistic} at {rate:g} Hz", statistic=row.name, rate=record.rate),
         )
     _warn_of_long(row, record.size, factors, threads)
-    angle = integrated(record, row.order)
-    places: Sequence[tuple[int, int]] = ()
+    by_means = gaps == "means"
     with one_thread():
-        means = estimate(row, angle, factors, divisor=divisor, threads=threads)
-        if gaps == "means":
-            means, places = with_means(row, angle, factors, means), angle.places
-    own_ratio = correction is None or not correction.hybrid
-    points = CurvePoints(row, factors, angle.runs, record.size, record.rate, own_ratio, places)
+        means, places = estimated(record, row, factors, divisor=divisor, means=by_means, threads=threads)
+    own_ratio, runs = correction is None or not correction.hybrid, [(size, 1) for _, size in places]
+    points = CurvePoints(row, factors, runs, record.size, record.rate, own_ratio, places if by_means else ())
+    angle = Remembered(partial(integrated, record, row.order))
     named = omit or (m is None and isinstance(taus, str))
     curve = CurveEstimate(points, *means, None, angle, record.signal)
     curve = curve.only(_complete(curve.number, row, factors, named=named))
-    if correction or (len(places) > 1 and row.differences and noise is not None):
+    if correction or (len(points.places) > 1 and row.differences and noise is not None):
         curve = _corrected(curve, correction, assumed.noise, named=named)
     # a maximum has no known distribution, and the RMS angle error only under white noise
     law = None if noise is None or row.order < 2 else _later(curve, assumed, published=edf == "published")
     return Curve(
         statistic=row.name, m=curve.points.m, tau=times(row, curve.points.m, record.size) / record.rate,
-        variance=curve.variance * (angle.scale / record.interval ** (1 - row.power)) ** 2, count=curve.number,
+        variance=curve.variance * (angle_scale(record) / record.interval ** (1 - row.power)) ** 2, count=curve.number,
         factor=curve.factor, unit=record.signal.si[row.power], rate=record.rate, size=record.size, name=record.name,
         history=history, noise=assumed.model, law=law, supposes=law.words if law else None,
-        alpha=_alphas(curve.points, angle) if power_law else None,
+        alpha=_alphas(curve.points, angle()) if power_law else None,
     )  # fmt: skip
 
 
@@ -133,7 +131,7 @@ class CurveEstimate(NamedTuple):
     number: IntArray
     factor: FloatArray
     each: FloatArray | None
-    angle: AngleRecord
+    angle: Callable[[], AngleRecord]
     signal: Signal
 
     def only(self, which: BoolArray) -> "CurveEstimate":
@@ -155,7 +153,7 @@ def _law(curve: CurveEstimate, noise: Averaged | Literal["auto"], *, corrected: 
     """The confidence law; of a hybrid that is `corrected` by what the models expect, not by its own bias ratio."""
     points, each = curve.points, curve.each
     if not isinstance(noise, Averaged):
-        return sparse_law(points, lambda few: automatic_law(few, curve.angle, curve.signal))
+        return sparse_law(points, lambda few: automatic_law(few, curve.angle(), curve.signal))
     if each is None and corrected:
         points, each = points._replace(scattered=False), _corrections(curve, BIASES["model"], noise)
     bias = np.ones((len(noise), points.m.size)) if each is None else each / curve.factor
@@ -176,7 +174,7 @@ def _published(suppose: Callable[[], SupposedNoise]) -> SupposedNoise:
 
 def _published_law(curve: CurveEstimate, noise: Averaged | Literal["auto"]) -> Law:
     if not isinstance(noise, Averaged):
-        return PublishedLaw(curve.points, _alphas(curve.points, curve.angle))
+        return PublishedLaw(curve.points, _alphas(curve.points, curve.angle()))
     return PublishedLaw(curve.points, np.full(curve.points.m.size, noise.terms.terms[0].row.alpha))
 
 
@@ -205,7 +203,7 @@ def _corrections(curve: CurveEstimate, bias: Bias, noise: Averaged | Literal["au
         return sparse(curve.points, partial(corrections, bias=bias, models=[noise.terms], scale=noise.scale))
 
     def automatically(few: CurvePoints) -> FloatArray:
-        laws = power_laws(few, curve.angle)
+        laws = power_laws(few, curve.angle())
         models = [Model((unit_term(law.symbol, curve.signal),)) for law in laws]
         return corrections(few, bias, models, np.ones((1, 1)), [law.alpha for law in laws])
 

@@ -1,6 +1,7 @@
 """The angle of a record, split at its gaps, and estimates from it: windows with missing samples are omitted."""
 
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -12,8 +13,10 @@ from allanite.parallel.processes import spread
 from allanite.phrases.phrase import say, windowing
 
 from .differences import OADEV
-from .moments.means import There, takes_means, variance_of
+from .moments.means import Places, There, takes_means, variance_of
 from .row import Statistic, seconds
+
+MAX_SWEPT = 1000  # averaging factors of a request whose variances are kept for the next one
 
 MAX_DIRECT_SECONDS = 0.2
 """Seconds of a compiled loop from which on it runs in a thread of its own, so that it can be interrupted."""
@@ -33,11 +36,6 @@ class AngleRecord(NamedTuple):
     pieces: tuple[Piece, ...]
     size: int
     scale: float
-
-    @property
-    def runs(self) -> list[tuple[int, int]]:
-        """(samples, 1) of every piece."""
-        return [(piece.x.size - 1, 1) for piece in self.pieces]
 
     @property
     def places(self) -> list[tuple[int, int]]:
@@ -72,7 +70,12 @@ def integrated(record: Record, order: int) -> AngleRecord:
     if not long:
         raise DataError(say("{channel!r} has no two successive samples that are finite; no differences can be computed",
                             channel=record.name))  # fmt: skip
-    return AngleRecord(long, record.size, record.factor * (1.0 if record.integrated else record.interval))
+    return AngleRecord(long, record.size, angle_scale(record))
+
+
+def angle_scale(record: Record) -> float:
+    """What the steps of the angle of a record are multiplied with to be SI."""
+    return record.factor * (1.0 if record.integrated else record.interval)
 
 
 def stretches(values: np.ndarray[tuple[int, ...], np.dtype[np.generic]]) -> list[tuple[int, int]]:
@@ -150,6 +153,35 @@ def with_means(row: Statistic, angle: AngleRecord, m: IntArray, plain: WindowMea
     for i in taken:
         variance[i], number[i] = variance_of(row, int(m[i]), where, x)
     return WindowMeans(variance, number, plain.factor)
+
+
+_allan: WeakKeyDictionary[Record, tuple[Places, dict[int, tuple[float, int]]]] = WeakKeyDictionary()
+"""Places, and by factor overlapping Allan variance and number of windows, of records that are still there: checks,
+contradictions, readings and the curve ask for them one after another."""
+
+
+def estimated(
+    record: Record, row: Statistic, m: IntArray, *, divisor: int = 30, means: bool = True, threads: int = 1
+) -> tuple[WindowMeans, Places]:
+    """A statistic of a record at averaging factors, gaps by `means`, and its places; oadev once for each factor."""
+    if row is not OADEV or not means or m.size > MAX_SWEPT:
+        return _estimated(record, row, m, divisor=divisor, means=means, threads=threads)
+    places, known = _allan.get(record, ((), {}))
+    more = np.array([k for k in m.tolist() if k not in known], np.int64)
+    if not places or more.size:
+        (variance, number, _), places = _estimated(record, row, more, divisor=divisor, means=means, threads=threads)
+        known.update(zip(more.tolist(), zip(variance.tolist(), number.tolist(), strict=True), strict=True))
+        _allan[record] = places, known
+    at = np.array([known[k] for k in m.tolist()]).reshape(-1, 2)
+    return WindowMeans(at[:, 0], at[:, 1].astype(np.int64), np.ones(m.size)), places
+
+
+def _estimated(
+    record: Record, row: Statistic, m: IntArray, *, divisor: int, means: bool, threads: int
+) -> tuple[WindowMeans, Places]:
+    angle = integrated(record, row.order)
+    plain = estimate(row, angle, m, divisor=divisor, threads=threads)
+    return with_means(row, angle, m, plain) if means else plain, angle.places
 
 
 def _sums(row: Statistic, x: FloatArray, m: IntArray, threads: int) -> FloatArray:
