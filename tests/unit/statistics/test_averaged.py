@@ -104,10 +104,10 @@ def test_spectra_of_neighbours_are_their_own():
     t = np.sort(rng.uniform(0, 1, 60))
     forms = np.array([np.exp(-np.abs(np.subtract.outer(t, t)) * s) for s in (300.0, 20.0, 1.0)])
     powers = np.array([[1.0, 0.3 * r, 0.1 * r**2] for r in np.linspace(0, 2, 9)])
-    for found, form in zip(spectra(forms, powers, 3), np.tensordot(powers, forms, axes=1), strict=True):
+    for leading, squares, form in zip(*spectra(forms, powers, 3), np.tensordot(powers, forms, axes=1), strict=True):
         values = np.linalg.eigvalsh(form)[::-1] / np.trace(form)
-        np.testing.assert_allclose(found.leading, values[:3], rtol=0.02)  # where nothing leads, the first are alike
-        assert found.squares == pytest.approx(values @ values)
+        np.testing.assert_allclose(leading, values[:3], rtol=0.02)  # where nothing leads, the first are alike
+        assert squares == pytest.approx(values @ values)
 
 
 def test_models_that_are_averaged_are_data():
@@ -180,7 +180,7 @@ def test_the_leading_eigenvalues_are_those_of_a_dense_solver(statistic, m):
     forms = matrices(row, [term.sampled(1.0) for term in MODELS[1]], m, count, 1024)
     size = np.trace(forms, axis1=1, axis2=2)
     powers = np.array([[1 - k - b, b, k] for b in (0.0, 0.2) for k in (0.0, 0.05, 0.4)]) / size
-    for found, power in zip(spectra(forms, powers, 3), powers, strict=True):
+    for leading, squares, power in zip(*spectra(forms, powers, 3), powers, strict=True):
         values = np.linalg.eigvalsh(np.tensordot(power, forms, axes=1))[::-1]
-        np.testing.assert_allclose(found.leading, values[:3], atol=0.003)
-        assert found.squares == pytest.approx(values @ values)
+        np.testing.assert_allclose(leading, values[:3], atol=0.003)
+        assert squares == pytest.approx(values @ values)

@@ -133,7 +133,7 @@ def diagonal_moments(names: Sequence[str], symbols: Sequence[str], m: Sequence[i
     X, terms = columns(names, symbols, m, size, rate), [t.sampled(rate) for t in unit_model(symbols)]
     products = np.zeros((len(m), len(m), len(symbols), len(symbols)))
     for i, (name, k) in enumerate(zip(names, m, strict=True)):
-        products[i, i] = 2 * np.outer(X[i], X[i]) * relative(STATISTICS[name], terms, k, [(size, 1)])
+        products[i, i] = 2 * np.outer(X[i], X[i]) * relative(STATISTICS[name], terms, np.array([k]), [[(size, 1)]])[0]
     return Moments(X, products)
 
 

@@ -165,9 +165,7 @@ class BinnedSpectrum(Portable):
     @cached_property
     def nodes(self) -> tuple[FloatArray, FloatArray, IntArray]:
         """Nodes and weights whose weighted sums are sums over each bin, and where each bin's begin."""
-        rules = [sum_nodes(float(a), int(b)) for a, b in zip(self.first, self.count, strict=True)]
-        starts = np.cumsum([0, *(len(x) for x, _ in rules[:-1])])
-        return np.concatenate([x for x, _ in rules]), np.concatenate([w for _, w in rules]), starts
+        return sum_nodes(self.first.astype(np.float64), self.count)
 
     @cached_property
     def known(self) -> dict[str, FloatArray]:

@@ -21,19 +21,23 @@ POWER_STEPS = 5  # power steps to them in a large matrix
 
 
 class Eigenvalues(NamedTuple):
-    """A form with the sum 1: its `leading` eigenvalues, descending, and the sum of `squares` of all."""
+    """Forms with the sum 1: their `leading` eigenvalues, descending, shape (k, j), and sums of `squares` of all."""
 
     leading: FloatArray
-    squares: float
+    squares: FloatArray
 
 
 def matrices(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, size: int) -> FloatArray:
     """The form under each term of size 1, shape (t, w, w)."""
     if row.differences:
-        at = _places(count, MAX_WINDOWS) * (1 if row.overlapped else m)
-        lags, where = np.unique(np.abs(np.subtract.outer(at, at)), return_inverse=True)
-        C = np.array([lagsums.covariance_of_windows(row, term, m, lags) for term in terms])
-        return np.asarray(C[:, where.ravel()].reshape(-1, at.size, at.size))
+        at = _places(count, MAX_WINDOWS)
+        apart, steps = np.abs(np.subtract.outer(at, at)), np.arange(at.size)
+        # so many places apart, windows lie at one of two lags, which differ by 1, or of three for what rounding does
+        least = np.floor(steps * (count / at.size)) - 1
+        which = (apart - least[np.abs(np.subtract.outer(steps, steps))]).astype(np.int64)
+        lags = np.abs(least + np.arange(3)[:, None]) * (1 if row.overlapped else m)
+        C = np.array([lagsums.covariance_of_windows(row, term, m, lags.ravel()) for term in terms])
+        return np.asarray(C[:, which * at.size + np.abs(np.subtract.outer(steps, steps))])
     if row.window is None:
         return _folded(terms, m, size)
     short = min(m, row.scheme.leading)
@@ -51,12 +55,13 @@ def matrices(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, siz
     return np.asarray(C.reshape(len(terms), at.size * factors.shape[0], -1))
 
 
-def spectra(forms: FloatArray, powers: FloatArray, leading: int) -> list[Eigenvalues]:
+def spectra(forms: FloatArray, powers: FloatArray, leading: int) -> Eigenvalues:
     """Spectra of the form under several models, whose terms have squared coefficients `powers`, shape (k, t)."""
     # They come from the form's projection on what the leading eigenvectors of the models' mean, and each term of these,
     # span (Rayleigh and Ritz).
     total = powers @ np.trace(forms, axis1=1, axis2=2)
-    squares = np.einsum("ki,ij,kj->k", powers, np.einsum("iab,jab->ij", forms, forms), powers)
+    flat = forms.reshape(len(forms), -1)
+    squares = np.einsum("ki,ij,kj->k", powers, flat @ flat.T, powers)
     # orthonormal columns that hold the leading eigenvectors of models near one with these squared coefficients
     mean = np.tensordot((powers / total[:, None]).mean(axis=0), forms, axes=1)
     width = len(mean)
@@ -67,7 +72,7 @@ def spectra(forms: FloatArray, powers: FloatArray, leading: int) -> list[Eigenva
     basis = np.linalg.qr(both.swapaxes(0, 1).reshape(width, -1))[0]
     values = np.linalg.eigvalsh(np.tensordot(powers, basis.T @ forms @ basis, axes=1))
     first = np.maximum(values[:, : -leading - 1 : -1], 0)
-    return [Eigenvalues(v / t, float(q / t**2)) for v, t, q in zip(first, total, squares, strict=True)]
+    return Eigenvalues(first / total[:, None], squares / total**2)
 
 
 def is_sharp(row: Statistic, count: int) -> bool:

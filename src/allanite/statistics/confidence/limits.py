@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,6 +33,7 @@ RESCALING = (0.5, 1.3)
 """Factor within which the approximate leading eigenvalues may be scaled to the exact degrees of freedom."""
 
 
+MAX_TOGETHER = 256  # runs of points whose moments are computed in one pass: it takes some kilobytes for each
 MIN_SHARE = 1e-9  # share of a term below which it has none
 
 
@@ -58,16 +59,13 @@ class ModelLaw(Portable):
 
 def mixtures(points: CurvePoints, models: Sequence[Model]) -> tuple[FloatArray, ChiSquareSum]:
     """Degrees of freedom, shape (k,), and laws of V / E[V] at every point."""
-    models = [noise_of(model) for model in models]
-    local = [at_point(points, i, models[i if len(models) > 1 else 0]) for i in range(points.m.size)]
-    return stacked([at.laws(np.ones((1, at.E.size)))[0] for at in local])
+    return joined([at.laws(np.ones((1, at.E.size))) for at in at_points(points, list(map(noise_of, models)))])
 
 
-def stacked(made: Sequence[tuple[float, ChiSquareSum]]) -> tuple[FloatArray, ChiSquareSum]:
-    """Degrees of freedom and laws one by one, as arrays."""
-    edf = np.array([e for e, _ in made])
-    weight, dof, mean, beside = (np.array([m[i] for _, m in made]) for i in range(4))
-    return edf, ChiSquareSum(weight, dof, mean, beside)
+def joined(made: Sequence[tuple[FloatArray, ChiSquareSum]]) -> tuple[FloatArray, ChiSquareSum]:
+    """Degrees of freedom and laws of several points one after the other."""
+    laws = zip(*(law for _, law in made), strict=True)
+    return np.concatenate([edf for edf, _ in made]), ChiSquareSum(*map(np.concatenate, laws))
 
 
 @dataclass(frozen=True)
@@ -88,46 +86,42 @@ class Local:
     kept: FloatArray
     means: MeanMoments | None = None
 
-    def laws(self, scale: FloatArray) -> list[tuple[float, ChiSquareSum]]:
+    def laws(self, scale: FloatArray) -> tuple[FloatArray, ChiSquareSum]:
         """Degrees of freedom and laws of V / E[V] with the terms' powers times each `scale`, shape (k, t)."""
         E = self.E * scale
         whole = E.sum(axis=1, keepdims=True)
         share = np.divide(E, whole, out=np.zeros_like(E), where=whole > 0)  # a statistic may remove all terms
         kept = np.where(whole[:, 0] > 0, share @ self.kept, 1.0)
         inverse = np.einsum("ki,ij,kj->k", share, self.r, share) / kept
-        edf = [max(1 / max(v, NO_SCATTER), 1.0) for v in inverse.tolist()]
-        few = np.array([e < MANY_EDF for e in edf])
-        several = iter(self._several(share[few], scale[few], 1 / np.array(edf)[few]) if few.any() else [])
-        laws = []
-        for e, f in zip(edf, few, strict=True):
-            law = next(several) if f else None
-            if law is None:
-                weight, dof = np.zeros(LEADING + 2), np.ones(LEADING + 2)
-                dof[0] = min(e, MAX_EDF)
-                weight[0] = 1 / dof[0]
-                law = ChiSquareSum(weight, dof, np.array(0.0), np.array(0.0))
-            laws.append((e, law))
-        return laws
+        edf = np.maximum(1 / np.maximum(inverse, NO_SCATTER), 1.0)
+        weight, dof = np.zeros((edf.size, LEADING + 2)), np.ones((edf.size, LEADING + 2))
+        dof[:, 0] = np.minimum(edf, MAX_EDF)
+        weight[:, 0] = 1 / dof[:, 0]
+        law = ChiSquareSum(weight, dof, np.zeros(edf.size), np.zeros(edf.size))
+        few = np.flatnonzero(edf < MANY_EDF)
+        if few.size:
+            fit, several = self._several(share[few], scale[few], 1 / edf[few])
+            for part, exact in zip(law, several, strict=True):
+                part[few[fit]] = exact
+        return edf, law
 
-    def _several(self, share: FloatArray, scale: FloatArray, inverse: FloatArray) -> list[ChiSquareSum | None]:
-        """The leading eigenvalues, a gamma for the rest and one for white angle noise; None if they fit no EDF."""
+    def _several(self, share: FloatArray, scale: FloatArray, inverse: FloatArray) -> tuple[IntArray, ChiSquareSum]:
+        """The leading eigenvalues, a gamma for the rest and one for white angle noise, where they fit the EDF."""
         rows = [t.sampled(self.rate) for t in self.model]
         fixed = np.array([term.waveform is not None for term in rows])
         sharp = self.means is None and is_sharp(self.row, self.count)
         white = np.array([sharp and white_level(term) > 0 for term in rows])
         smooth = ~(fixed | white)
         power = (np.array([t.power(self.rate) for t in self.model]) * scale)[:, smooth]
-        held = np.asarray(np.any(power > 0, axis=1))
-        if not held.any():
-            return [None] * len(share)
+        held = np.flatnonzero(np.any(power > 0, axis=1))
+        if not held.size:
+            empty = np.empty((0, LEADING + 2))
+            return held, ChiSquareSum(empty, empty, empty[:, 0], empty[:, 0])
         terms = [row for row, used in zip(rows, smooth, strict=True) if used]
         forms = self.means.forms(terms) if self.means else matrices(self.row, terms, self.m, self.count, self.size)
-        values = iter(spectra(forms, power[held], LEADING))
-        kinds = Kinds(smooth, white, fixed)
-        return [
-            _mixture(next(values), p, self.r, kinds, v) if h else None
-            for p, v, h in zip(share, inverse.tolist(), held.tolist(), strict=True)
-        ]
+        values = spectra(forms, power[held], LEADING)
+        fit, laws = _mixtures(values, share[held], self.r, Kinds(smooth, white, fixed), inverse[held])
+        return held[fit], laws
 
 
 class Kinds(NamedTuple):
@@ -138,53 +132,76 @@ class Kinds(NamedTuple):
     fixed: BoolArray
 
 
-def at_point(points: CurvePoints, i: int, model: Model) -> Local:
-    """What a model's terms mean at a point."""
-    row, m, size = points.row, int(points.m[i]), points.size
-    if takes_means(row, m, points.places, size):
-        # the same where windows with missing samples count
-        row, rate = points.row, points.rate
-        means, terms = mean_moments(row, m, points.places, points.size), [term.sampled(rate) for term in model]
-        E = means.expectation(terms)
-        power = np.array([term.power(rate) for term in model])
-        count = means.windows.start.size
-        return Local(
-            row, model, m, count, points.size, rate, E * power, means.relative(terms, E), np.ones(len(terms)), means
-        )
-    part = row.part_at(m, size)
-    runs = grouped(points.runs, part, m)
-    count = sum(int(part.count(n, np.array([m]))[0]) * times for n, times in runs)
-    hybrid = row.parts and part is row.parts[-1] and points.scattered
-    kept = np.array([row.kept(term.row.slope, m / size) if hybrid else 1.0 for term in model])
-    return Local(part, model, m, count, size, points.rate, *moments(part, model, m, runs, points.rate), kept)
+def at_points(points: CurvePoints, models: Sequence[Model]) -> list[Local]:
+    """What the terms of a model, or of one for each point, mean at every point."""
+    row, size, rate = points.row, points.size, points.rate
+    result: dict[int, Local] = {}
+    alike: dict[tuple[Any, ...], list[int]] = {}  # places of points that have the row and the terms in common
+    by_means, which = takes_means(row, points.m, points.places, size), row.part_of(points.m, size)
+    for i, (part, means) in enumerate(zip(which.tolist(), by_means.tolist(), strict=True)):
+        model = models[i if len(models) > 1 else 0]
+        if means:
+            result[i] = _of_means(points, int(points.m[i]), model)
+        else:
+            alike.setdefault((part, *((t.symbol, t.value, t.shape) for t in model)), []).append(i)
+    block = max(MAX_TOGETHER // len(points.runs), 1)
+    for (place, *_), every in alike.items():
+        part = row.parts[place] if row.parts else row
+        hybrid = bool(row.parts) and part is row.parts[-1] and points.scattered
+        for some in (every[at : at + block] for at in range(0, len(every), block)):
+            model, m = models[some[0] if len(models) > 1 else 0], points.m[some]
+            runs = [grouped(points.runs, part, k) for k in m.tolist()]
+            for i, k, own, E, r in zip(some, m.tolist(), runs, *moments(part, model, m, runs, rate), strict=True):
+                count = sum(int(part.count(n, np.array([k]))[0]) * times for n, times in own)
+                kept = np.array([part.kept(term.row.slope, k / size) if hybrid else 1.0 for term in model])
+                result[i] = Local(part, model, k, count, size, rate, E, r, kept)
+    return [result[i] for i in range(points.m.size)]
 
 
-def _mixture(
-    spectrum: Eigenvalues, share: FloatArray, r: FloatArray, kinds: Kinds, inverse: float
-) -> ChiSquareSum | None:
+def _of_means(points: CurvePoints, m: int, model: Model) -> Local:
+    """The same where windows with missing samples count."""
+    row, rate = points.row, points.rate
+    means, terms = mean_moments(row, m, points.places, points.size), [term.sampled(rate) for term in model]
+    E = means.expectation(terms)
+    power = np.array([term.power(rate) for term in model])
+    count = means.windows.start.size
+    return Local(
+        row, model, m, count, points.size, rate, E * power, means.relative(terms, E), np.ones(len(terms)), means
+    )
+
+
+def _mixtures(
+    spectrum: Eigenvalues, share: FloatArray, r: FloatArray, kinds: Kinds, inverse: FloatArray
+) -> tuple[IntArray, ChiSquareSum]:
+    """Laws with these shares, shape (k, t), that have the inverse degrees of freedom; which of them do, and theirs."""
     smooth, white, fixed = kinds
-    mass = float(share[smooth].sum())
-    lead = np.pad(mass * spectrum.leading, (0, LEADING - spectrum.leading.size))
-    remainder, squares = mass - float(lead.sum()), mass**2 * spectrum.squares - float(lead @ lead)
-    nu = remainder**2 / squares if remainder > 1e-12 and squares > 0 else 1.0
-    angle, ramp = float(share[white].sum()), float(share[fixed].sum())
-    own = float(share[white] @ r[np.ix_(white, white)] @ share[white]) / angle**2 if angle else 0.0
-    between = 2 * float(share[fixed] @ r[fixed] @ share)
+    mass = share[:, smooth].sum(axis=1)
+    lead = mass[:, None] * np.pad(spectrum.leading, ((0, 0), (0, LEADING - spectrum.leading.shape[1])))
+    first, own = lead.sum(axis=1), (lead**2).sum(axis=1)
+    remainder, squares = mass - first, mass**2 * spectrum.squares - own
+    nu = np.divide(remainder**2, squares, out=np.ones_like(mass), where=(remainder > 1e-12) & (squares > 0))
+    angle, ramp = share[:, white].sum(axis=1), share[:, fixed].sum(axis=1)
+    sharp = np.einsum("ki,ij,kj->k", share[:, white], r[np.ix_(white, white)], share[:, white])  # angle^2 / its EDF
+    between = 2 * np.einsum("ki,ij,kj->k", share[:, fixed], r[fixed], share)
     # f with sum (f lead)^2 + (mass - f sum lead)^2 / nu = wanted, the larger root; none if it is far from 1
-    wanted, first = inverse - between - angle**2 * own, float(lead.sum())
-    a, b, c = float(lead @ lead) + first**2 / nu, -2 * mass * first / nu, mass**2 / nu - wanted
+    wanted = inverse - between - sharp
+    a, b, c = own + first**2 / nu, -2 * mass * first / nu, mass**2 / nu - wanted
     root = b * b - 4 * a * c
-    if root < 0 or a == 0:
-        return None
-    f = min((-b + root**0.5) / (2 * a), mass / first)
-    if not RESCALING[0] <= f <= RESCALING[1]:
-        return None
-    rest = max(mass - f * float(lead.sum()), 0.0)  # where f leaves nothing, what rounding leaves may be negative
-    weight = np.array([*(f * lead), rest / nu, angle * own])
-    dof = np.array([1.0] * LEADING + [nu, 1 / own if own else 1.0])
+    fit = np.flatnonzero((root >= 0) & (a > 0))
+    f = np.minimum((-b[fit] + np.sqrt(root[fit])) / (2 * a[fit]), mass[fit] / first[fit])
+    near = (f >= RESCALING[0]) & (f <= RESCALING[1])
+    fit, f = fit[near], f[near]
+    rest = np.maximum(mass[fit] - f * first[fit], 0.0)  # where f leaves nothing, what rounding leaves may be negative
+    held = angle[fit] > 0
+    single = np.divide(sharp[fit], angle[fit], out=np.zeros(fit.size), where=held)
+    weight = np.column_stack((f[:, None] * lead[fit], rest / nu[fit], single))
+    dof = np.ones_like(weight)
+    dof[:, LEADING] = nu[fit]
+    dof[:, LEADING + 1] = np.divide(angle[fit], single, out=np.ones(fit.size), where=single > 0)
     # a third difference leaves of a ramp what rounding leaves
-    beside = max(between / (2 * ramp), 0.0) if ramp > MIN_SHARE else 0.0
-    return ChiSquareSum(weight, dof, np.array(ramp), np.array(beside))
+    known = ramp[fit] > MIN_SHARE
+    beside = np.divide(between[fit], 2 * ramp[fit], out=np.zeros(fit.size), where=known)
+    return fit, ChiSquareSum(weight, dof, ramp[fit], np.maximum(beside, 0.0))
 
 
 def automatic_law(points: CurvePoints, angle: AngleRecord, signal: Signal) -> ModelLaw:

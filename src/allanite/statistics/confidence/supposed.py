@@ -23,7 +23,7 @@ from allanite.statistics.table import CurvePoints
 from allanite.terms import TERMS
 
 from .chisquares import table
-from .limits import at_point, stacked
+from .limits import at_points, joined
 
 REACH, DEVIATES = 4.2, 22  # normal deviates between which the laws are tabulated, and how many
 MIXTURE_BISECTIONS = 30  # steps to a quantile
@@ -56,10 +56,10 @@ class AveragedLaw(Portable):
     def found(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Degrees of freedom, shape (points,); -ln X, rising, and its deviate, shape (deviates, models, points)."""
         k, p = self.noise.weight.size, self.points.m.size
-        each = [at_point(self.points, i, self.noise.terms).laws(self.noise.scale) for i in range(p)]
-        edf, laws = stacked([each[i][j] for j in range(k) for i in range(p)])
-        x, deviate = (part.reshape(-1, k, p)[::-1] for part in table(laws, np.linspace(-REACH, REACH, DEVIATES)))
-        return 1 / (self.weight @ (1 / edf.reshape(k, p))), -np.log(x), -deviate
+        edf, laws = joined([at.laws(self.noise.scale) for at in at_points(self.points, [self.noise.terms])])
+        x, deviate = (part.reshape(-1, p, k) for part in table(laws, np.linspace(-REACH, REACH, DEVIATES)))
+        logs, deviates = (np.ascontiguousarray(part[::-1].swapaxes(1, 2)) for part in (-np.log(x), -deviate))
+        return 1 / ((1 / edf.reshape(p, k)) @ self.weight), logs, deviates
 
     def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Degrees of freedom and limits over the variance; see `Curve`."""

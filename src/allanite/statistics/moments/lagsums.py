@@ -21,14 +21,10 @@ FAR_LAG = 30
 def lag_nodes(kinks: list[float], end: float) -> tuple[FloatArray, FloatArray]:
     """Nodes and weights whose weighted sum is that over the lattice from the first kink to `end`, end included."""
     # Kinks are lattice points (all integers, or all half-integers) at or below `end`, ascending.
-    nodes: list[float] = []
-    weights: list[float] = []
+    panels: list[tuple[float, int]] = []  # (first lag, number of lags), covering what lies between two kinks, or beyond
     for kink, following in zip(kinks, [*kinks[1:], None], strict=True):
-        nodes.append(kink)
-        weights.append(1.0)
-        # (first lag, number of lags) of panels covering what lies between two kinks, or beyond the last one
+        panels.append((kink, 1))
         low, high = kink + 1, end if following is None else following - 1
-        panels = []
         while low <= high:
             remaining = round(high - low) + 1
             size = max(4, math.floor(GROWTH * (low - kink)))
@@ -41,26 +37,26 @@ def lag_nodes(kinks: list[float], end: float) -> tuple[FloatArray, FloatArray]:
             mirrored = min(size, remaining - size)
             panels.append((high - mirrored + 1, mirrored))
             low, high = low + size, high - mirrored
-        for first, count in panels:
-            x, w = sum_nodes(first, count)
-            nodes += x
-            weights += w
-    return np.array(nodes), np.array(weights)
+    first, count = np.array(panels).T
+    nodes, weights, _ = sum_nodes(first, count.astype(np.int64))
+    return nodes, weights
 
 
-def sum_nodes(first: float, count: int) -> tuple[list[float], list[float]]:
-    """Nodes and weights of the sum over first, first + 1, ..., first + count - 1."""
-    if count <= 4:
-        return [first + i for i in range(count)], [1.0] * count
-    n2 = float(count) ** 2
-    b1, b2, b3 = (n2 - 1) / 12, (n2 - 4) / 15, 9 * (n2 - 9) / 140
+def sum_nodes(first: FloatArray, count: IntArray) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Nodes and weights of the sums over first, first + 1, ..., first + count - 1, and where each sum's begin."""
+    size = np.minimum(count, 4)
+    starts = np.cumsum(size) - size
+    nodes, weights = np.repeat(first - starts, size) + np.arange(size.sum()), np.ones(size.sum())
+    long = count > 4
+    n, at = count[long].astype(np.float64), starts[long, None] + np.arange(4)
+    b1, b2, b3 = (n**2 - 1) / 12, (n**2 - 4) / 15, 9 * (n**2 - 9) / 140
     total = b1 + b2 + b3
-    far = (total + math.sqrt(total**2 - 4 * b1 * b3)) / 2
+    far = (total + np.sqrt(total**2 - 4 * b1 * b3)) / 2
     near = b1 * b3 / far
-    outer = (count / 2) * (b1 - near) / (far - near)
-    inner = count / 2 - outer
-    c, a, b = first + (count - 1) / 2, math.sqrt(far), math.sqrt(near)
-    return [c - a, c - b, c + b, c + a], [outer, inner, inner, outer]
+    outer = (n / 2) * (b1 - near) / (far - near)
+    inner, c, a, b = n / 2 - outer, first[long] + (n - 1) / 2, np.sqrt(far), np.sqrt(near)
+    nodes[at], weights[at] = np.array([c - a, c - b, c + b, c + a]).T, np.array([outer, inner, inner, outer]).T
+    return nodes, weights, starts
 
 
 def second_difference(row: NoiseTerm, n: int) -> FloatArray:
@@ -131,31 +127,44 @@ def responses(row: Statistic, terms: Sequence[NoiseTerm], m: IntArray | FloatArr
 
 
 def products(
-    row: Statistic, terms: Sequence[NoiseTerm], m: tuple[int, int], runs: Sequence[tuple[int, int]]
+    row: Statistic, terms: Sequence[NoiseTerm], m: IntArray, runs: Sequence[Sequence[tuple[int, int]]]
 ) -> FloatArray:
-    """T, shape (t, t), over runs of (samples, how many such runs), m[0] <= m[1]; unit sample interval and norm 1."""
-    # Windows of different runs are independent except for a trace of flicker. The square of the mean that deterministic
-    # terms give the windows is no variance: their own entries are 0.
-    total = np.zeros((len(terms), len(terms)))
-    whole = np.zeros(2)
+    """T of pairs m, shape (k, 2), the shorter first, over `runs` of each, shape (k, t, t); unit sample and norm 1."""
+    # Runs are (samples, how many such runs). Windows of different runs are independent except for a trace of flicker.
+    # The square of the mean that deterministic terms give the windows is no variance: their own entries are 0.
+    total = np.zeros((len(m), len(terms), len(terms)))
+    whole = np.zeros((len(m), 2))
     period = min((term.period for term in terms if term.period), default=0.0)
-    for size, times in runs:
-        M = row.count(size, np.array(m)).astype(np.float64)
-        whole += times * M
-        if not M.min() > 0:
-            continue
-        n = int(M[0]), int(M[1])
-        if row.overlapped:
-            h, weight = _overlapped(row, m, n, period)
-        else:  # windows that start every m samples: the lags are few, and beyond 60 windows nothing is left
-            h = m[0] * np.arange(min(n[0], 61), dtype=np.float64)
-            weight = np.ones_like(h)
-        pairs = np.minimum(min(n), sum(n) / 2 - h / (1 if row.overlapped else m[0]))
-        C = np.array([_covariance(field_of(row, term), row.differences, m, h) for term in terms])
-        total += times * np.asarray((C * (weight * pairs * np.where(h > 0, 2.0, 1.0))) @ C.T)
+    sums: list[tuple[int, FloatArray, FloatArray]] = []  # place of the pair, lags, weights
+    for k, pair in enumerate(m):
+        for size, times in runs[k]:
+            M = row.count(size, pair).astype(np.float64)
+            whole[k] += times * M
+            if M.min() > 0:
+                h, weight = _windows_apart(row, (int(pair[0]), int(pair[1])), (int(M[0]), int(M[1])), period)
+                sums.append((k, h, times * weight))
+    if sums:
+        each = [h.size for _, h, _ in sums]
+        lags, factors = np.concatenate([h for _, h, _ in sums]), m[np.repeat([k for k, _, _ in sums], each)].T
+        C = np.array([_covariance(field_of(row, term), row.differences, factors, lags) for term in terms])
+        for (k, _, weight), here in zip(sums, np.split(C, np.cumsum(each)[:-1], axis=1), strict=True):
+            total[k] += (here * weight) @ here.T
     deterministic = np.array([term.waveform is not None for term in terms])
-    total[np.outer(deterministic, deterministic)] = 0.0
-    return np.asarray(total / whole.prod())
+    total[:, np.outer(deterministic, deterministic)] = 0.0
+    return np.asarray(total / whole.prod(axis=1)[:, None, None])
+
+
+def _windows_apart(
+    row: Statistic, m: tuple[int, int], n: tuple[int, int], period: float
+) -> tuple[FloatArray, FloatArray]:
+    """Lags between windows of a run that has n of them, and how many pairs there are at each."""
+    if row.overlapped:
+        h, weight = _overlapped(row, m, n, period)
+    else:  # windows that start every m samples: the lags are few, and beyond 60 windows nothing is left
+        h = m[0] * np.arange(min(n[0], 61), dtype=np.float64)
+        weight = np.ones_like(h)
+    pairs = np.minimum(min(n), sum(n) / 2 - h / (1 if row.overlapped else m[0]))
+    return h, weight * pairs * np.where(h > 0, 2.0, 1.0)
 
 
 def _overlapped(row: Statistic, m: tuple[int, int], M: tuple[int, int], period: float) -> tuple[FloatArray, FloatArray]:
@@ -170,37 +179,41 @@ def _overlapped(row: Statistic, m: tuple[int, int], M: tuple[int, int], period: 
     return lag_nodes(sorted(k for k in where if offset <= k <= end), end + offset if end % 1 != offset else end)
 
 
-def covariance_of_windows(row: Statistic, term: NoiseTerm, m: int, h: FloatArray) -> FloatArray:
+def covariance_of_windows(row: Statistic, term: NoiseTerm, m: int | IntArray, h: FloatArray) -> FloatArray:
     """C(h) of a term of coefficient 1 between windows of m, unit sample interval and norm, h >= 0, shape of h."""
-    return _covariance(field_of(row, term), row.differences, (m, m), h)
+    return _covariance(field_of(row, term), row.differences, np.broadcast_to(m, (2, *h.shape)), h)
 
 
-def _covariance(field: CovarianceField, order: int, m: tuple[int, int], h: FloatArray) -> FloatArray:
-    near = h <= 20 * order * (m[0] + m[1]) / 2
+def _covariance(field: CovarianceField, order: int, m: IntArray, h: FloatArray) -> FloatArray:
+    """C(h) between windows of two averaging factors, those of each lag, shape (2, lags)."""
+    a, b = m.astype(np.float64)
+    near = h <= 20 * order * (a + b) / 2
     C = np.empty_like(h)
-    offsets = (order / 2 - np.arange(order + 1.0))[:, None] * m[1]
-    C[near] = np.asarray(binomials(order) @ _one_difference(field, order, m[0], h[near] + offsets))
-    a, b = float(m[0]), float(m[1])
-    s2, s4, s6 = order * (a**2 + b**2) / 24, order * (a**4 + b**4) / 2880, order * (a**6 + b**6) / 181440
-    weights = (1.0, s2, s2**2 / 2 - s4, s2**3 / 6 - s2 * s4 + s6)
-    series = sum(w * field.derivative(2 * order + 2 * i, h[~near]) for i, w in enumerate(weights))
-    C[~near] = (a * b) ** order * np.asarray(series)
+    offsets = (order / 2 - np.arange(order + 1.0))[:, None] * b[near]
+    C[near] = np.asarray(binomials(order) @ _one_difference(field, order, a[near], h[near] + offsets))
+    if not near.all():
+        a, b = a[~near], b[~near]
+        s2, s4, s6 = order * (a**2 + b**2) / 24, order * (a**4 + b**4) / 2880, order * (a**6 + b**6) / 181440
+        weights = (1.0, s2, s2**2 / 2 - s4, s2**3 / 6 - s2 * s4 + s6)
+        series = sum(w * field.derivative(2 * order + 2 * i, h[~near]) for i, w in enumerate(weights))
+        C[~near] = (a * b) ** order * np.asarray(series)
     return (-0.5 if order % 2 == 0 else 0.5) * C
 
 
-def _one_difference(field: CovarianceField, order: int, m: int, t: FloatArray) -> FloatArray:
-    """Central difference of F(|t|) over m, shape of t."""
+def _one_difference(field: CovarianceField, order: int, m: FloatArray, t: FloatArray) -> FloatArray:
+    """Central difference of F(|t|) over m, one for each column of t, shape of t."""
+    m = np.broadcast_to(m, t.shape)
     far = np.abs(t) > FAR_STRIDES * m
     result = np.empty_like(t)
-    points = np.abs(t[~far] + (order / 2 - np.arange(order + 1.0))[:, None] * m)
+    points = np.abs(t[~far] + (order / 2 - np.arange(order + 1.0))[:, None] * m[~far])
     result[~far] = np.asarray(binomials(order) @ field.value(points))
     if far.any():
-        size = np.abs(t[far])
+        size, stride = np.abs(t[far]), m[far]
         c1 = order / 24
         c2 = c1**2 / 2 - order / 2880
         c3 = c1**3 / 6 - c1 * order / 2880 + order / 181440
         series = sum(
-            c * float(m) ** (2 * i) * field.derivative(order + 2 * i, size) for i, c in enumerate((1, c1, c2, c3))
+            c * stride ** (2 * i) * field.derivative(order + 2 * i, size) for i, c in enumerate((1, c1, c2, c3))
         )
-        result[far] = np.sign(t[far]) ** order * np.asarray(float(m) ** order * series)
+        result[far] = np.sign(t[far]) ** order * np.asarray(stride**order * series)
     return result

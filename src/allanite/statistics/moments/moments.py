@@ -161,11 +161,8 @@ def edf(row: Statistic, model: ModelLike, m: IntArray, runs: Runs | int, rate: f
     model = noise_of(model_of(model))
     runs = [(runs, 1)] if isinstance(runs, int) else runs
     factors = checked(m, row, max((size for size, _ in runs), default=0))
-    result = np.empty(factors.size)
-    for i, k in enumerate(factors.tolist()):
-        E, r = moments(row, model, k, grouped(runs, row, k), rate)
-        result[i] = E.sum() ** 2 / (E @ r @ E)
-    return result
+    E, r = moments(row, model, factors, [grouped(runs, row, k) for k in factors.tolist()], rate)
+    return np.asarray(E.sum(axis=1) ** 2 / np.einsum("ki,kij,kj->k", E, r, E))
 
 
 def noise_of(model: Model) -> Model:
@@ -175,20 +172,34 @@ def noise_of(model: Model) -> Model:
     return model.noise
 
 
-def moments(row: Statistic, model: Model, m: int, runs: Runs, rate: float) -> tuple[FloatArray, FloatArray]:
-    """E_i, shape (t,), and r_ij, shape (t, t), of a model without sinusoids at an averaging factor."""
-    E = by_term(row, model, m, sum(n * times for n, times in runs), rate)
-    return E, relative(row, [t.sampled(rate) for t in model], m, runs)
+def moments(
+    row: Statistic, model: Model, m: IntArray, runs: Sequence[Runs], rate: float
+) -> tuple[FloatArray, FloatArray]:
+    """E_i, shape (k, t), and r_ij, shape (k, t, t), of a model without sinusoids at averaging factors with own runs."""
+    terms = [t.sampled(rate) for t in model]
+    if row.differences and not any(term.transient for term in terms):
+        _demand_stationary(row, terms)
+        E = lagsums.responses(row, terms, m).T * (m[:, None] * row.tau_factor / rate) ** (2.0 * row.power)
+        E *= [t.power(rate) for t in model]
+    else:
+        sizes = [sum(n * times for n, times in own) for own in runs]
+        E = np.array([by_term(row, model, k, size, rate) for k, size in zip(m.tolist(), sizes, strict=True)])
+    return E, relative(row, terms, m, runs)
 
 
-def relative(row: Statistic, terms: Sequence[NoiseTerm], m: int, runs: Runs) -> FloatArray:
-    """r_ij, shape (t, t): half the relative covariance that terms i and j give the variance."""
-    if row.differences:
-        C = np.array([lagsums.covariance_of_windows(row, term, m, np.zeros(1))[0] for term in terms])
-        removed = C == 0
-        C = np.where(removed, 1.0, C)
-        T = lagsums.products(row, terms, (m, m), runs) / np.outer(C, C)
-        return np.where(removed[:, None] | removed, 0.0, T)
+def relative(row: Statistic, terms: Sequence[NoiseTerm], m: IntArray, runs: Sequence[Runs]) -> FloatArray:
+    """r_ij, shape (k, t, t): half the relative covariance that terms i and j give the variance."""
+    if not row.differences:
+        return np.array([_of_windows(row, terms, k, own) for k, own in zip(m.tolist(), runs, strict=True)])
+    C = np.array([lagsums.covariance_of_windows(row, term, m, np.zeros(m.size)) for term in terms]).T
+    removed = C == 0
+    C = np.where(removed, 1.0, C)
+    T = lagsums.products(row, terms, np.repeat(m[:, None], 2, axis=1), runs) / (C[:, :, None] * C[:, None])
+    return np.where(removed[:, :, None] | removed[:, None], 0.0, T)
+
+
+def _of_windows(row: Statistic, terms: Sequence[NoiseTerm], m: int, runs: Runs) -> FloatArray:
+    """r_ij of a row whose windows are no difference, shape (t, t)."""
     counts = [int(row.count(size, np.array([m]))[0]) for size, _ in runs]
     whole = sum(count * times for count, (_, times) in zip(counts, runs, strict=True))
     samples = sum(n * times for n, times in runs)
@@ -203,6 +214,8 @@ def relative(row: Statistic, terms: Sequence[NoiseTerm], m: int, runs: Runs) -> 
 def grouped(runs: Runs, row: Statistic, m: int) -> list[tuple[int, int]]:
     """The runs that hold a window of m, by their number of windows, each as the shortest run with as many."""
     # With very many different numbers, neighbours within a few per cent share the one nearest to their mean.
+    if len(runs) == 1:
+        return [(size, times) for size, times in runs if row.count(size, np.array([m]))[0] > 0]
     lengths = Counter[int]()
     for size, times in runs:
         lengths[size] += times
@@ -248,7 +261,7 @@ def _products(rows: Sequence[Statistic], terms: Sequence[NoiseTerm], m: IntArray
         pair, factors = (rows[i], rows[j]), (int(m[i]), int(m[j]))
         if rows[i] is rows[j] and rows[i].differences:
             scale = rows[i].norm(np.array(factors)) * np.array(factors) ** 2.0
-            own = lagsums.products(rows[i], terms, (min(factors), max(factors)), [(size, 1)])
+            own = lagsums.products(rows[i], terms, np.sort(m[None, [i, j]]), [[(size, 1)]])[0]
             T[i, j] = np.asarray(own / scale.prod())
         else:
             T[i, j][np.ix_(random, random)] = pairs.products(pair, factors, size)
