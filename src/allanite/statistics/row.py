@@ -59,7 +59,7 @@ class PublishedBias:
     coefficients: dict[int, tuple[float, ...]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Statistic:
     """A statistic as a mean of squares over windows of the angle x."""
 

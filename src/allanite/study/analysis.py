@@ -84,8 +84,8 @@ def _channel(seen: Inspected, recipe: Recipe) -> Channel:
     (curve,) = keeper.curves(noise.fit, recipe.taus) if keeper else (
         deviation(seen.record, recipe.statistic, taus=recipe.taus, noise=noise.fit),
     )  # fmt: skip
-    if curve.law is not None:
-        curve.interval(recipe.level)  # which every form of the result shows, and is remembered; the angle is given up
+    if curve.supposes is not None:
+        curve.supposes()  # the angle is given up; limits are computed where they are shown
     if keeper is None:
         read = readings(seen.record, curve if curve.statistic == "oadev" and recipe.taus == "log" else None)
     noise = replace(noise, fit=replace(noise.fit, curve=curve))

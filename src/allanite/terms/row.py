@@ -66,7 +66,7 @@ class Block:
     note: str = ""  # remark for users of the filter
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class NoiseTerm:
     """A row of `TERMS`."""
 

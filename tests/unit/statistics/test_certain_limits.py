@@ -7,7 +7,7 @@ from tests.rows import paired, rows
 
 import allanite as al
 from allanite.statistics.confidence.chisquares import Eigenvalues
-from allanite.statistics.confidence.limits import Kinds, _mixtures
+from allanite.statistics.confidence.limits import TermKinds, _mixtures
 from allanite.statistics.moments import lagsums
 from allanite.statistics.table import STATISTICS
 
@@ -55,7 +55,7 @@ def test_covariance_of_modified_windows_far_apart(m):
 
 
 def test_weights_of_a_form_of_nearly_one_eigenvalue_are_not_negative():
-    rng, kinds = np.random.default_rng(1), Kinds(*(np.array([kind]) for kind in (True, False, False)))
+    rng, kinds = np.random.default_rng(1), TermKinds(*(np.array([kind]) for kind in (True, False, False)))
     mass, rest = rng.uniform(0.2, 1, 2000), 10.0 ** rng.uniform(-12, -6, 2000)
     lead = np.array([1 - rest, 0.3 * rest * rng.random(2000), 1e-3 * rest]).T
     squares = (lead**2).sum(axis=1)

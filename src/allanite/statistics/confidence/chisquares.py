@@ -16,7 +16,8 @@ from allanite.terms import NoiseTerm
 
 MAX_WINDOWS = 96  # windows of one row each that represent all
 MAX_WIDE_WINDOWS = 32  # windows of several rows that represent all
-SUBSPACE = 10  # leading eigenvectors of one model that carry those of its neighbours
+SUBSPACE = 10  # leading eigenvectors of the terms in equal parts that carry those of any mixture
+MAX_DIRECTIONS = 32  # directions that a form is reduced to
 POWER_STEPS = 5  # power steps to them in a large matrix
 
 
@@ -55,22 +56,34 @@ def matrices(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, siz
     return np.asarray(C.reshape(len(terms), at.size * factors.shape[0], -1))
 
 
-def spectra(forms: FloatArray, powers: FloatArray, leading: int) -> Eigenvalues:
-    """Spectra of the form under several models, whose terms have squared coefficients `powers`, shape (k, t)."""
-    # They come from the form's projection on what the leading eigenvectors of the models' mean, and each term of these,
-    # span (Rayleigh and Ritz).
-    total = powers @ np.trace(forms, axis1=1, axis2=2)
-    flat = forms.reshape(len(forms), -1)
-    squares = np.einsum("ki,ij,kj->k", powers, flat @ flat.T, powers)
-    # orthonormal columns that hold the leading eigenvectors of models near one with these squared coefficients
-    mean = np.tensordot((powers / total[:, None]).mean(axis=0), forms, axes=1)
+class ReducedForms(NamedTuple):
+    """The form under each term, projected on few vectors, shape (t, b, b); its traces, and inner products, (t, t)."""
+
+    forms: FloatArray
+    traces: FloatArray
+    products: FloatArray
+
+
+def reduced(forms: FloatArray) -> ReducedForms:
+    """Forms by their projection on vectors that span the leading eigenvectors of every mixture of the terms."""
+    # They are those of the terms in equal parts, and what each term makes of these (Rayleigh and Ritz).
+    traces, flat = np.trace(forms, axis1=1, axis2=2), forms.reshape(len(forms), -1)
+    mean = np.tensordot(np.divide(1.0, traces, out=np.zeros_like(traces), where=traces > 0), forms, axes=1)
     width = len(mean)
     vectors = np.cos(np.pi / width * np.outer(np.arange(width) + 0.5, np.arange(min(SUBSPACE, width))))
     for _ in range(POWER_STEPS):
         vectors = mean @ np.linalg.qr(vectors)[0]
     both = np.concatenate((vectors[None], forms @ vectors))
     basis = np.linalg.qr(both.swapaxes(0, 1).reshape(width, -1))[0]
-    values = np.linalg.eigvalsh(np.tensordot(powers, basis.T @ forms @ basis, axes=1))
+    basis = basis @ np.linalg.eigh(basis.T @ mean @ basis)[1][:, -MAX_DIRECTIONS:]
+    return ReducedForms(basis.T @ forms @ basis, traces, flat @ flat.T)
+
+
+def spectra(reduced: ReducedForms, powers: FloatArray, leading: int) -> Eigenvalues:
+    """Spectra of the form under several models, whose terms have squared coefficients `powers`, shape (k, t)."""
+    total = powers @ reduced.traces
+    squares = np.einsum("ki,ij,kj->k", powers, reduced.products, powers)
+    values = np.linalg.eigvalsh(np.tensordot(powers, reduced.forms, axes=1))
     first = np.maximum(values[:, : -leading - 1 : -1], 0)
     return Eigenvalues(first / total[:, None], squares / total**2)
 
@@ -109,7 +122,7 @@ MIN_DEVIATE = 1e-4  # |t| in standard deviations below which the limit at the me
 
 BISECTIONS = 36  # steps to a quantile: to 1e-9 of it
 
-NEWTON, STRIDE, START = 3, 4.0, 1e-6
+NEWTON, STRIDE, START = 2, 4.0, 1e-6
 """Steps from one deviate to the next, the longest of them, and where the first begins."""
 
 

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, NamedTuple
+from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,9 +19,9 @@ from allanite.statistics.moments.means import MeanMoments, mean_moments, takes_m
 from allanite.statistics.moments.moments import grouped, moments, noise_of
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import CurvePoints
-from allanite.terms import TERMS
+from allanite.terms import TERMS, NoiseTerm
 
-from .chisquares import ChiSquareSum, Eigenvalues, is_sharp, matrices, quantiles, spectra
+from .chisquares import ChiSquareSum, Eigenvalues, ReducedForms, is_sharp, matrices, quantiles, reduced, spectra
 from .powerlaw import PowerLaw, identify_power_law
 
 MANY_EDF = 60.0  # degrees of freedom from which on a chi-square of as many is the law
@@ -117,14 +117,17 @@ class Local:
         if not held.size:
             empty = np.empty((0, LEADING + 2))
             return held, ChiSquareSum(empty, empty, empty[:, 0], empty[:, 0])
-        terms = [row for row, used in zip(rows, smooth, strict=True) if used]
-        forms = self.means.forms(terms) if self.means else matrices(self.row, terms, self.m, self.count, self.size)
+        if self.means:
+            forms = reduced(self.means.forms([row for row, used in zip(rows, smooth, strict=True) if used]))
+        else:
+            kinds = tuple(kind for kind, used in zip(kinds_of(self.model), smooth, strict=True) if used)
+            forms = _forms(self.row, kinds, self.rate, self.m, (self.count, self.size))
         values = spectra(forms, power[held], LEADING)
-        fit, laws = _mixtures(values, share[held], self.r, Kinds(smooth, white, fixed), inverse[held])
+        fit, laws = _mixtures(values, share[held], self.r, TermKinds(smooth, white, fixed), inverse[held])
         return held[fit], laws
 
 
-class Kinds(NamedTuple):
+class TermKinds(NamedTuple):
     """Which terms are smooth, which white angle noise, which deterministic, shape (t,) each."""
 
     smooth: BoolArray
@@ -136,26 +139,57 @@ def at_points(points: CurvePoints, models: Sequence[Model]) -> list[Local]:
     """What the terms of a model, or of one for each point, mean at every point."""
     row, size, rate = points.row, points.size, points.rate
     result: dict[int, Local] = {}
-    alike: dict[tuple[Any, ...], list[int]] = {}  # places of points that have the row and the terms in common
+    alike: dict[tuple[int, tuple[Kind, ...]], list[int]] = {}  # places of points with the row and terms in common
     by_means, which = takes_means(row, points.m, points.places, size), row.part_of(points.m, size)
     for i, (part, means) in enumerate(zip(which.tolist(), by_means.tolist(), strict=True)):
         model = models[i if len(models) > 1 else 0]
         if means:
             result[i] = _of_means(points, int(points.m[i]), model)
         else:
-            alike.setdefault((part, *((t.symbol, t.value, t.shape) for t in model)), []).append(i)
+            alike.setdefault((part, kinds_of(model)), []).append(i)
     block = max(MAX_TOGETHER // len(points.runs), 1)
-    for (place, *_), every in alike.items():
+    for (place, kinds), every in alike.items():
         part = row.parts[place] if row.parts else row
         hybrid = bool(row.parts) and part is row.parts[-1] and points.scattered
         for some in (every[at : at + block] for at in range(0, len(every), block)):
-            model, m = models[some[0] if len(models) > 1 else 0], points.m[some]
-            runs = [grouped(points.runs, part, k) for k in m.tolist()]
-            for i, k, own, E, r in zip(some, m.tolist(), runs, *moments(part, model, m, runs, rate), strict=True):
-                count = sum(int(part.count(n, np.array([k]))[0]) * times for n, times in own)
-                kept = np.array([part.kept(term.row.slope, k / size) if hybrid else 1.0 for term in model])
-                result[i] = Local(part, model, k, count, size, rate, E, r, kept)
+            m = tuple(points.m[some].tolist())
+            made = _moments(part, kinds, m, tuple(tuple(grouped(points.runs, part, k)) for k in m), rate)
+            for i, k, count, E, r in zip(some, m, *made, strict=True):
+                model = models[i if len(models) > 1 else 0]
+                kept = np.array([row.kept(term.row.slope, k / size) if hybrid else 1.0 for term in model])
+                power = np.array([term.power(rate) for term in model])
+                result[i] = Local(part, model, k, count, size, rate, E * power, r, kept)
     return [result[i] for i in range(points.m.size)]
+
+
+Kind = tuple[NoiseTerm, tuple[float, ...]]
+"""A term without its coefficient: its row, and its shape."""
+
+
+def kinds_of(model: Model) -> tuple[Kind, ...]:
+    """The terms of a model without their coefficients."""
+    return tuple((term.row, term.shape) for term in model)
+
+
+def _sampled(kinds: Sequence[Kind], rate: float) -> list[NoiseTerm]:
+    return [row.shaped(shape, rate) if row.shaped else row for row, shape in kinds]
+
+
+@lru_cache(maxsize=8)  # curves of the channels of a recording, some kilobytes each
+def _moments(
+    part: Statistic, kinds: tuple[Kind, ...], m: tuple[int, ...], runs: tuple[tuple[tuple[int, int], ...], ...],
+    rate: float,
+) -> tuple[list[int], FloatArray, FloatArray]:  # fmt: skip
+    """Windows at each averaging factor, and moments for coefficients of 1."""
+    count = [sum(int(part.count(n, np.array([k]))[0]) * times for n, times in own)
+             for k, own in zip(m, runs, strict=True)]  # fmt: skip
+    return count, *moments(part, _sampled(kinds, rate), np.array(m), runs)
+
+
+@lru_cache(maxsize=64)  # points of such a curve, 40 KiB each
+def _forms(part: Statistic, kinds: tuple[Kind, ...], rate: float, m: int, of: tuple[int, int]) -> ReducedForms:
+    """The form at a point for coefficients of 1, `of` so many windows in a record of so many samples."""
+    return reduced(matrices(part, _sampled(kinds, rate), m, *of))
 
 
 def _of_means(points: CurvePoints, m: int, model: Model) -> Local:
@@ -171,7 +205,7 @@ def _of_means(points: CurvePoints, m: int, model: Model) -> Local:
 
 
 def _mixtures(
-    spectrum: Eigenvalues, share: FloatArray, r: FloatArray, kinds: Kinds, inverse: FloatArray
+    spectrum: Eigenvalues, share: FloatArray, r: FloatArray, kinds: TermKinds, inverse: FloatArray
 ) -> tuple[IntArray, ChiSquareSum]:
     """Laws with these shares, shape (k, t), that have the inverse degrees of freedom; which of them do, and theirs."""
     smooth, white, fixed = kinds

@@ -2,6 +2,7 @@
 
 # Derivation: docs/derivations.md.
 
+import math
 from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
@@ -12,8 +13,14 @@ from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import DerivedLaw, Law
 from allanite.statistics.table import CurvePoints
 
-FIRST_NODES, NODES_PER_DECADE, LATE_FROM, MAX_LATE_NODES = 8, 4, 6, 40
-"""Averaging factors that are all nodes, nodes a decade up to the largest over LONG, and the most nodes beyond."""
+FIRST_NODES, FIRST_OF_WINDOWS = 4, 24
+"""Averaging factors that are all nodes: of differences, and of windows that are none, which integers change more."""
+
+NODES_PER_DECADE, LATE, MAX_LATE_NODES = 3, 64, 80
+"""Nodes a decade up to the record's length over LATE, beyond which all points are, but at most so many.
+
+There the leading eigenvalues decide, and cross each other: limits have kinks.
+"""
 
 MAX_SINGLE_POINTS = 300  # points of a curve that is not smooth which are all processed, one by one
 
@@ -49,18 +56,20 @@ def _parts(points: CurvePoints) -> list[CurvePart]:
         smooth = row.overlapped and len(points.runs) == 1 and points.runs[0][1] == 1
         places = order[made[order] == i]
         m = points.m[places]
-        parts.append(CurvePart(places, _smooth_nodes(m) if smooth else _nodes(m), smooth))
+        first = FIRST_NODES if row.differences else FIRST_OF_WINDOWS
+        parts.append(CurvePart(places, _smooth_nodes(m, first, points.size / LATE) if smooth else _nodes(m), smooth))
     return parts
 
 
-def _smooth_nodes(m: IntArray) -> IntArray:
-    late = np.flatnonzero(LATE_FROM * m > m[-1])
+def _smooth_nodes(m: IntArray, first: int, end: float) -> IntArray:
+    late = np.flatnonzero(m > end)
     if late.size > MAX_LATE_NODES:
         u = _stretched(m)[late]
         late = late[np.searchsorted(u, np.linspace(u[0], u[-1], MAX_LATE_NODES)).clip(0, late.size - 1)]
-    decades = float(np.log10(max(m[-1] / LATE_FROM / m[0], 1.0)))
-    wanted = np.searchsorted(m, np.geomspace(m[0], max(m[-1] / LATE_FROM, m[0]), round(NODES_PER_DECADE * decades) + 1))
-    return np.unique(np.concatenate((np.flatnonzero(m <= FIRST_NODES), wanted, late, [m.size - 1])))
+    end = max(end, float(m[0]))
+    early = np.geomspace(m[0], end, math.ceil(NODES_PER_DECADE * math.log10(end / m[0])) + 1)
+    early = np.searchsorted(m, early).clip(0, m.size - 1)
+    return np.unique(np.concatenate((np.flatnonzero(m <= first), early, late, [m.size - 1])))
 
 
 def _nodes(m: IntArray) -> IntArray:

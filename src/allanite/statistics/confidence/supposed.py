@@ -69,7 +69,8 @@ class AveragedLaw(Portable):
         """T / V at probabilities, shape (probabilities, points)."""
         from scipy.special import ndtr
 
-        p = np.append(p, 0.5)[:, None]
+        biased = not (self.bias == 1).all()
+        p = (np.append(p, 0.5) if biased else p)[:, None]
         # -ln X at probabilities, by bisection
         _, logs, deviates = self.found
         shape = (p.size, logs.shape[-1])
@@ -79,8 +80,8 @@ class AveragedLaw(Portable):
             below = self.weight @ ndtr(_between(logs, deviates, middle)) < p
             low, high = np.where(below, middle, low), np.where(below, high, middle)
         scatter = np.asarray((low + high) / 2)
-        if (self.bias == 1).all():
-            return np.asarray(np.exp(scatter[:-1]))
+        if not biased:
+            return np.asarray(np.exp(scatter))
         # logarithm of F at probabilities, between the models by their weights
         order = np.argsort(self.bias, axis=0)
         logs, weight = np.log(np.take_along_axis(self.bias, order, 0)), self.weight[order]

@@ -161,7 +161,8 @@ def edf(row: Statistic, model: ModelLike, m: IntArray, runs: Runs | int, rate: f
     model = noise_of(model_of(model))
     runs = [(runs, 1)] if isinstance(runs, int) else runs
     factors = checked(m, row, max((size for size, _ in runs), default=0))
-    E, r = moments(row, model, factors, [grouped(runs, row, k) for k in factors.tolist()], rate)
+    E, r = moments(row, [t.sampled(rate) for t in model], factors, [grouped(runs, row, k) for k in factors.tolist()])
+    E *= [t.power(rate) for t in model]
     return np.asarray(E.sum(axis=1) ** 2 / np.einsum("ki,kij,kj->k", E, r, E))
 
 
@@ -173,18 +174,17 @@ def noise_of(model: Model) -> Model:
 
 
 def moments(
-    row: Statistic, model: Model, m: IntArray, runs: Sequence[Runs], rate: float
+    row: Statistic, terms: Sequence[NoiseTerm], m: IntArray, runs: Sequence[Runs]
 ) -> tuple[FloatArray, FloatArray]:
-    """E_i, shape (k, t), and r_ij, shape (k, t, t), of a model without sinusoids at averaging factors with own runs."""
-    terms = [t.sampled(rate) for t in model]
+    """E_i, shape (k, t), and r_ij, shape (k, t, t), at averaging factors with their own runs; unit sample interval."""
+    # For terms of coefficient 1 that are no sinusoids.
     if row.differences and not any(term.transient for term in terms):
         _demand_stationary(row, terms)
-        E = lagsums.responses(row, terms, m).T * (m[:, None] * row.tau_factor / rate) ** (2.0 * row.power)
-        E *= [t.power(rate) for t in model]
+        E = lagsums.responses(row, terms, m).T
     else:
         sizes = [sum(n * times for n, times in own) for own in runs]
-        E = np.array([by_term(row, model, k, size, rate) for k, size in zip(m.tolist(), sizes, strict=True)])
-    return E, relative(row, terms, m, runs)
+        E = np.array([_responses(row, terms, k, size) for k, size in zip(m.tolist(), sizes, strict=True)])
+    return E * (m[:, None] * row.tau_factor) ** (2.0 * row.power), relative(row, terms, m, runs)
 
 
 def relative(row: Statistic, terms: Sequence[NoiseTerm], m: IntArray, runs: Sequence[Runs]) -> FloatArray:
