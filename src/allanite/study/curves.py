@@ -138,9 +138,9 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     complete windows. Its degrees of freedom are those of the same windows, with the remaining samples.
 
     For many averaging times the confidence intervals (and bias factors) are computed at a few up to 1/64 of the record
-    and at up to 80 beyond, and interpolated, on the grid "log" to within 0.2 %; in a record with gaps, and if windows do
-    not overlap, at 130 of more than 300 times, to within 2 %. Adjacent values with ``taus="all"`` are almost identical: use it for inspection
-    (a vibration, an interval named in a data sheet), not for fitting.
+    and at up to 80 beyond, and interpolated, on the grid "log" to within 0.2 %; in a record with gaps, and if windows
+    do not overlap, at 130 of more than 300 times, to within 2 %. Adjacent values with ``taus="all"`` are almost
+    identical: use it for inspection (a vibration, an interval named in a data sheet), not for fitting.
 
     With ``taus="all"``, oadev, ohdev, mdev and related statistics take O(n log^2 n) for all tau together, for each run
     between gaps.
