@@ -14,6 +14,7 @@ from allanite.statistics.confidence.limits import mixtures
 from allanite.statistics.confidence.sparse import sparse_law
 from allanite.statistics.confidence.supposed import FLATTENED, TOGETHER, AveragedLaw
 from allanite.statistics.grids import factors_of
+from allanite.statistics.moments.moments import moments
 from allanite.statistics.table import STATISTICS, CurvePoints
 
 QUIET = al.N(1, "deg/sqrt(h)") + al.B(3, "deg/h")
@@ -195,3 +196,22 @@ def test_the_leading_eigenvalues_are_those_of_a_dense_solver(statistic, m):
         values = np.linalg.eigvalsh(np.tensordot(power, forms, axes=1))[::-1]
         np.testing.assert_allclose(leading, values[:3], atol=0.006)
         assert squares == pytest.approx(values @ values)
+
+
+@rows("statistic", ["oadev", "mdev", "hdev"])
+def test_moments_of_many_points_are_those_of_each(statistic):
+    row, terms = STATISTICS[statistic], [term.sampled(1.0) for term in MODELS[1]]
+    m, runs = np.array([2, 7, 40, 200]), [[(1024, 1)], [(300, 2), (900, 1)], [(5000, 3)], [(700, 1), (10**6, 1)]]
+    E, r = moments(row, terms, m, runs)
+    for i in range(m.size):
+        alone = moments(row, terms, m[i : i + 1], runs[i : i + 1])
+        np.testing.assert_allclose(E[i], alone[0][0], rtol=1e-12)
+        np.testing.assert_allclose(r[i], alone[1][0], rtol=1e-12)
+
+
+def test_limits_of_an_analysis_are_computed_where_they_are_asked_for():
+    curve = al.analyze(simulated(QUIET, 2000)).channels[0].curves[0]
+    assert not curve.law.known
+    assert "under" not in vars(curve.law)  # nor is the angle kept for them
+    assert np.isfinite(curve.interval(0.95)[1]).all()
+    assert set(curve.law.known) == {0.95}

@@ -177,7 +177,7 @@ def moments(
     row: Statistic, terms: Sequence[NoiseTerm], m: IntArray, runs: Sequence[Runs]
 ) -> tuple[FloatArray, FloatArray]:
     """E_i, shape (k, t), and r_ij, shape (k, t, t), at averaging factors with their own runs; unit sample interval."""
-    # For terms of coefficient 1 that are no sinusoids.
+    # For terms of coefficient 1, none of which is periodic.
     if row.differences and not any(term.transient for term in terms):
         _demand_stationary(row, terms)
         E = lagsums.responses(row, terms, m).T
