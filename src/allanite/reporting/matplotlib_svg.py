@@ -3,6 +3,7 @@
 import re
 import warnings
 from collections.abc import Callable
+from functools import cache
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -87,8 +88,9 @@ def drawer() -> Callable[[Drawing], Markup]:
 
     numbers, classes = count(), dict[str, str]()
 
-    def named(found: re.Match[str]) -> str:
-        style = re.sub(r"#[0-9a-f]{6}\b", lambda c: f"var({variable(c[0])})" if c[0] in DARK else c[0], found[1])
+    @cache
+    def named(style: str) -> str:
+        style = re.sub(r"#[0-9a-f]{6}\b", lambda c: f"var({variable(c[0])})" if c[0] in DARK else c[0], style)
         return f'class="{classes.setdefault(style, f"k{len(classes)}")}"'
 
     def draw(drawing: Drawing) -> Markup:
@@ -97,7 +99,7 @@ def drawer() -> Callable[[Drawing], Markup]:
         forms = {"broad": broad, "narrow": broad.narrow} if broad.narrow else {"only": broad}
         texts = {width: within(form, f"f{next(numbers)}", drawing.label) for width, form in forms.items()}
         made = "".join(
-            f'<div class="{width}"{_SCROLLED if width == "only" else ""}>{re.sub(_STYLE_ATTRIBUTE, named, text)}</div>'
+            f'<div class="{width}"{_SCROLLED if width == "only" else ""}>{re.sub(_STYLE_ATTRIBUTE, lambda found: named(found[1]), text)}</div>'
             for width, text in texts.items()
         )
         new = "".join(f".{name}{{{style}}}" for style, name in list(classes.items())[known:])

@@ -31,7 +31,8 @@ NEAR = np.array([(dx, dy) for dx in (0.0, 0.58, -0.58) for dy in (0.9, -0.9, 1.7
 """Where a label may stand: shift from its anchor in widths and heights; beside these, on a grid over the panel."""
 
 GRID = np.array(np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 27))).reshape(2, -1).T
-SHORTLIST = 250  # freest and nearest places whose leaders are looked at
+BLOCK = 64  # places that are looked at together, the nearest first
+CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
 FREE_END = 0.02  # part of a leader at its anchor, in fractions of the panel, where it may touch what it is about
 BREAK = np.full((1, 2), np.nan)  # where one line of the obstacles ends
 
@@ -60,44 +61,49 @@ def place(anchors: FloatArray, size: tuple[float, float], lines: FloatArray, tak
     # earlier anchors are preferred
     away = np.hypot(*(anchors[:, None] - centres).T) + 0.002 * np.arange(len(anchors))
     at = anchors[away.argmin(axis=1)]
-    free = _freedom(centres, size, lines, taken)
-    worth = free - (free < 1) - np.hypot(*(at - centres).T)
-    few = np.argsort(-worth, kind="stable")[:SHORTLIST]
-    crossed = _crossed(centres[few], at[few], shape, lines, taken)
-    best = few[int((worth[few] - 0.7 * np.minimum(crossed, 3)).argmax())]
+    far = np.hypot(*(at - centres).T)
+    nearest, best, most = np.argsort(far, kind="stable"), 0, -math.inf
+    for few in np.split(nearest, range(BLOCK, len(nearest), BLOCK)):
+        if ENOUGH_DISTANCE - far[few[0]] <= most:  # however free, what is farther off is no better
+            break
+        free = _freedom(centres[few], size, lines, taken)
+        worth = free - (free < 1) - far[few]
+        few, worth = few[worth > most], worth[worth > most]
+        worth -= 0.7 * np.minimum(_crossed(centres[few], at[few], shape, lines, taken), 3)
+        if worth.max(initial=-math.inf) > most:
+            best, most = int(few[worth.argmax()]), float(worth.max())
     (x, y), (end, height) = centres[best].tolist(), at[best].tolist()
     return LabelBox(x, y, *size, (end, height))
 
 
 def _crossed(
     centres: FloatArray, at: FloatArray, shape: FloatArray, lines: FloatArray, taken: Sequence[LabelBox]
-) -> FloatArray:
+) -> IntArray:
     """How many lines, labels and leaders each leader crosses, and how many leaders each label."""
     way = at - centres
     start = at - way * np.minimum(1, FREE_END / np.maximum(np.hypot(*way.T), 1e-9))[:, None]
-    count = _meetings(start, centres, lines[:-1], lines[1:])
-    for box in taken:
-        corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (box.width / 2, box.height / 2) + (box.x, box.y)
-        count += _meetings(start, centres, corners, np.roll(corners, 1, axis=0)) > 0
-        if box.anchor is not None:
-            ends = np.array([box.anchor]), np.array([[box.x, box.y]])
-            count += _meetings(start, centres, *ends)
-            half = shape / 2
-            count += (_meetings(centres - half, centres + half, *ends) > 0) | (
-                _meetings(centres - half * (1, -1), centres + half * (1, -1), *ends) > 0
-            )
+    count = _meetings(start, centres, lines[:-1], lines[1:]).sum(axis=1)
+    if taken:
+        boxes = np.array([box[:4] for box in taken])
+        corners = boxes[:, None, :2] + CORNERS * boxes[:, None, 2:] / 2
+        sides = _meetings(start, centres, corners.reshape(-1, 2), np.roll(corners, 1, axis=1).reshape(-1, 2))
+        count += sides.reshape(-1, *corners.shape[:2]).any(axis=2).sum(axis=1)
+        leaders = np.array([(*box.anchor, box.x, box.y) for box in taken if box.anchor is not None]).reshape(-1, 4)
+        ends, half = (leaders[:, :2], leaders[:, 2:]), shape / 2
+        rising, falling = (_meetings(centres - d, centres + d, *ends) for d in (half, half * (1, -1)))
+        count += (_meetings(start, centres, *ends) + 1 * (rising | falling)).sum(axis=1)
     return count
 
 
-def _meetings(start: FloatArray, end: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray:
-    """How many of the segments from a to b, shape (m, 2), each of those from start to end crosses, shape (n,)."""
+def _meetings(start: FloatArray, end: FloatArray, a: FloatArray, b: FloatArray) -> BoolArray:
+    """Which of the segments from a to b, shape (m, 2), each of those from start to end crosses, shape (n, m)."""
     (dx, dy), (ex, ey) = (end - start).T[:, :, None], (b - a).T
     apart = a - start[:, None]
     of_start = ex * apart[..., 1] - ey * apart[..., 0]
     of_end = of_start + dx * ey - dy * ex
     of_a = dx * apart[..., 1] - dy * apart[..., 0]
     of_b = of_a + dx * ey - dy * ex
-    return np.asarray(((of_start * of_end < 0) & (of_a * of_b < 0)).sum(axis=1), dtype=np.float64)
+    return np.asarray((of_start * of_end < 0) & (of_a * of_b < 0))
 
 
 def freedom(box: LabelBox, lines: FloatArray, taken: Sequence[LabelBox]) -> float:

@@ -261,6 +261,8 @@ class Chart:
 
     def svg(self) -> str:
         """The figure."""
+        for side in {side for panel in self.axes for side in (panel.xaxis, panel.yaxis)}:
+            side.settle()
         top = self.key.height + LABEL if self.key and self.key.labels else 0.0
         boxes = arranged(self.grid, self.ratios, (self.width, self.height, top))
         wide, high = (f"{length:g}" for length in (round(self.width, 1), round(self.height, 1)))
