@@ -29,7 +29,9 @@ PHONE_INCHES = 4.6  # inches of a figure on a phone, whose letters are then as l
 
 def within(shown: Picture, prefix: str, label: str) -> Markup:
     """A figure whose names begin with `prefix`, so that figures do not share parts by mistake, with words for it."""
-    text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", shown.text)
+    text = shown.text
+    for before in (' id="', 'href="#', "url(#"):
+        text = text.replace(before, f"{before}{prefix}-")
     label = str(Markup.escape(printable(tr(label))))
     start = f'<svg role="img" aria-label="{label}" style="--wide: {shown.wide:.0f}" stroke-linejoin="round" '
     # matplotlib escapes the text in a figure

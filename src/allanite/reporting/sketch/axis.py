@@ -76,9 +76,9 @@ class Ticks(NamedTuple):
     beside: str
 
     @property
-    def labelled(self) -> tuple[tuple[list[float], list[str]], ...]:
-        """Places and labels, of major and of minor ticks."""
-        return (self.major, self.labels), (self.minor, self.minor_labels)
+    def labelled(self) -> tuple[tuple[str, list[str]], ...]:
+        """Labels of major and of minor ticks."""
+        return ("major", self.labels), ("minor", self.minor_labels)
 
 
 @limited
