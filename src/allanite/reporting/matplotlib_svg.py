@@ -80,7 +80,7 @@ def trimmed(text: str, wide: float) -> Picture:
     return Picture(text, wide)
 
 
-_STYLE_ATTRIBUTE = r'style="([^"]*)"'
+_STYLE_ATTRIBUTE = re.compile(r'style="([^"]*)"')
 _SCROLLED = ' tabindex="0"'  # a figure without a narrow form is scrolled on a narrow screen, by keys too
 
 
@@ -100,9 +100,10 @@ def drawer() -> Callable[[Drawing], Markup]:
         broad = drawn(drawing)
         forms = {"broad": broad, "narrow": broad.narrow} if broad.narrow else {"only": broad}
         texts = {width: within(form, f"f{next(numbers)}", drawing.label) for width, form in forms.items()}
+        classed = {width: _STYLE_ATTRIBUTE.sub(lambda found: named(found[1]), text) for width, text in texts.items()}
         made = "".join(
-            f'<div class="{width}"{_SCROLLED if width == "only" else ""}>{re.sub(_STYLE_ATTRIBUTE, lambda found: named(found[1]), text)}</div>'
-            for width, text in texts.items()
+            f'<div class="{width}"{_SCROLLED if width == "only" else ""}>{text}</div>'
+            for width, text in classed.items()
         )
         new = "".join(f".{name}{{{style}}}" for style, name in list(classes.items())[known:])
         return Markup(f"<style>{new}</style>{made}" if new else made)  # noqa: S704 - as `within` has made it

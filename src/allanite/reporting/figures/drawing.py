@@ -68,10 +68,10 @@ def place(anchors: FloatArray, size: tuple[float, float], lines: FloatArray, tak
             break
         free = _freedom(centres[few], size, lines, taken)
         worth = free - (free < 1) - far[few]
-        few, worth = few[worth > most], worth[worth > most]
-        worth -= 0.7 * np.minimum(_crossed(centres[few], at[few], shape, lines, taken), 3)
+        better, worth = few[worth > most], worth[worth > most]
+        worth -= 0.7 * np.minimum(_crossed(centres[better], at[better], shape, lines, taken), 3)
         if worth.max(initial=-math.inf) > most:
-            best, most = int(few[worth.argmax()]), float(worth.max())
+            best, most = int(better[worth.argmax()]), float(worth.max())
     (x, y), (end, height) = centres[best].tolist(), at[best].tolist()
     return LabelBox(x, y, *size, (end, height))
 
@@ -92,7 +92,7 @@ def _crossed(
         ends, half = (leaders[:, :2], leaders[:, 2:]), shape / 2
         rising, falling = (_meetings(centres - d, centres + d, *ends) for d in (half, half * (1, -1)))
         count += (_meetings(start, centres, *ends) + 1 * (rising | falling)).sum(axis=1)
-    return count
+    return np.asarray(count)
 
 
 def _meetings(start: FloatArray, end: FloatArray, a: FloatArray, b: FloatArray) -> BoolArray:

@@ -97,7 +97,7 @@ class PanelFrame:
         return {
             which: tuple((start + length * side.share(getattr(t, which))).tolist() for side, t, start, length in of)
             for which in ("major", "minor")
-        }  # type: ignore[return-value]  # of two
+        }
 
     def _grid(self) -> Iterator[str]:
         left, top, width, height = (ink.number(value) for value in self.box)
