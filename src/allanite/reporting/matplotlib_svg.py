@@ -54,7 +54,7 @@ def drawn(drawing: Drawing) -> Picture:
 
 def picture(figure: "Figure") -> Picture:
     """A figure with its letters as text and without what nobody sees."""
-    from .style import encode
+    from .printing import encode
 
     with warnings.catch_warnings():
         # the browser has the letters that are missing here

@@ -7,7 +7,7 @@ from tests.rows import rows
 import allanite as al
 from allanite.reporting import first_screen, page, plot
 from allanite.reporting.figures.drawing import ENOUGH_DISTANCE, LabelBox, freedom, place
-from allanite.reporting.style import encode
+from allanite.reporting.printing import encode
 
 NOTHING = np.empty((0, 2))
 
