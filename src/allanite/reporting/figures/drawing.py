@@ -61,7 +61,8 @@ def place(anchors: FloatArray, size: tuple[float, float], lines: FloatArray, tak
     low, high = MARGIN + shape / 2, 1 - MARGIN - shape / 2
     centres = np.minimum(np.maximum(np.concatenate((wanted, GRID)), low), high)
     # earlier anchors are preferred
-    away = np.hypot(*(anchors[:, None] - centres).T) + 0.002 * np.arange(len(anchors))
+    away = np.hypot(*(np.subtract.outer(centres[:, i], anchors[:, i]) for i in range(2)))
+    away += 0.002 * np.arange(len(anchors))
     at = anchors[away.argmin(axis=1)]
     far = np.hypot(*(at - centres).T)
     nearest, best, most = np.argsort(far, kind="stable"), 0, -math.inf
@@ -71,14 +72,14 @@ def place(anchors: FloatArray, size: tuple[float, float], lines: FloatArray, tak
         free = _freedom(centres[few], size, lines, taken)
         worth = free - (free < 1) - far[few]
         better, worth = few[worth > most], worth[worth > most]
-        worth -= 0.7 * np.minimum(_crossed(centres[better], at[better], shape, lines, taken), 3)
+        worth -= 0.7 * np.minimum(crossings(centres[better], at[better], shape, lines, taken), 3)
         if worth.max(initial=-math.inf) > most:
             best, most = int(better[worth.argmax()]), float(worth.max())
     (x, y), (end, height) = centres[best].tolist(), at[best].tolist()
     return LabelBox(x, y, *size, (end, height))
 
 
-def _crossed(
+def crossings(
     centres: FloatArray, at: FloatArray, shape: FloatArray, lines: FloatArray, taken: Sequence[LabelBox]
 ) -> IntArray:
     """How many lines, labels and leaders each leader crosses, and how many leaders each label."""
