@@ -80,6 +80,7 @@ def style(**properties: "str | float | None") -> str:
     return f'style="{"; ".join(known)}"'
 
 
+@cache
 def hexadecimal(color: str) -> str:
     """A color as the style sheet of a page names it."""
     if color != "white" and not re.fullmatch("#[0-9a-fA-F]{6}", color):
