@@ -61,11 +61,11 @@ def _values(model: al.Model, fits: dict[str, al.Fit]) -> list[str]:
 
 def _figure(fits: dict[str, dict[str, al.Fit]], folder: Path) -> Path:
     """Value over truth, a panel a sensor."""
-    from allanite.reporting import style
+    from allanite.reporting import printing, style
 
     path = folder / "methods.svg"
-    with style.look():
-        figure = style.new_figure(7.6, 3.4)
+    with printing.look():
+        figure = printing.new_figure(7.6, 3.4)
         for ax, (name, by_method) in zip(figure.subplots(1, len(fits), sharey=True), fits.items(), strict=True):
             for i, method in enumerate(by_method):
                 _dots(ax, i, TRUTHS[name], by_method[method])
@@ -76,7 +76,7 @@ def _figure(fits: dict[str, dict[str, al.Fit]], folder: Path) -> Path:
             ax.set_yticks(range(len(by_method)), labels=list(by_method))
             ax.set_ylim(len(by_method) - 0.5, -0.5)
             ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.1), ncols=5, handletextpad=0.1, columnspacing=0.6)
-    path.write_bytes(style.encode(figure, "svg"))
+    path.write_bytes(printing.encode(figure, "svg"))
     return path
 
 

@@ -19,11 +19,11 @@ MODEL = (
 
 def slopes_figure(folder: Path) -> None:
     """The expected curve of five terms, each with its slope, where it is read off."""
-    from allanite.reporting import style
+    from allanite.reporting import printing, style
 
     tau = np.geomspace(1e-3, 1e7, 201)
-    with style.look():
-        figure = style.new_figure(7.6, 3.8)
+    with printing.look():
+        figure = printing.new_figure(7.6, 3.8)
         ax = figure.subplots()
         ax.set(xscale="log", yscale="log", xlabel="averaging time τ (s)", ylabel="Allan deviation (deg/h)")
         ax.plot(tau, _sigma(al.Model(tuple(MODEL)), tau), color=style.INK, lw=2.0, label="sum")
@@ -33,7 +33,7 @@ def slopes_figure(folder: Path) -> None:
         style.grid(ax)
         style.plain_ticks(ax.xaxis, ax.yaxis)
         ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
-    (folder / "slopes.svg").write_bytes(style.encode(figure, "svg"))
+    (folder / "slopes.svg").write_bytes(printing.encode(figure, "svg"))
 
 
 def _line(ax, term: al.Term, tau: np.ndarray) -> None:

@@ -130,7 +130,7 @@ def _arguments(symbol: str) -> str:
 
 def _term_figure(symbol: str, folder: Path) -> Path:
     """A simulated rate, and the deviation of twenty such records with the exact expectation."""
-    from allanite.reporting import style
+    from allanite.reporting import printing, style
 
     row, signal = TERMS[symbol], SIGNALS[0]
     unit = signal.sheet[row.power]
@@ -140,8 +140,8 @@ def _term_figure(symbol: str, folder: Path) -> Path:
     record = records[0]
     curves = [al.deviation(each, "oadev", taus="log", noise=None).to("deg/h") for each in records]
     path = folder / f"{symbol}.svg"
-    with style.look():
-        drawn = style.new_figure(7.6, 2.9)
+    with printing.look():
+        drawn = printing.new_figure(7.6, 2.9)
         left, right = drawn.subplots(1, 2)
         time = np.arange(record.size) / record.rate
         left.plot(time, np.degrees(record.values) * 3600, color=style.DATA, lw=0.4, rasterized=True)
@@ -156,5 +156,5 @@ def _term_figure(symbol: str, folder: Path) -> Path:
         style.grid(right)
         style.plain_ticks(right.xaxis, right.yaxis)
         right.legend()
-    path.write_bytes(style.encode(drawn, "svg"))
+    path.write_bytes(printing.encode(drawn, "svg"))
     return path

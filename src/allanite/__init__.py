@@ -4,7 +4,6 @@ Names are imported when they are first used; ``__init__.pyi`` says where each of
 """
 
 from importlib import import_module
-from inspect import signature
 from typing import Any
 
 import lazy_loader
@@ -50,6 +49,8 @@ def __getattr__(name: str) -> Any:
 
 def _needed(function: Any) -> str:
     """The arguments that a function cannot do without."""
+    from inspect import signature
+
     return ", ".join(p.name for p in signature(function).parameters.values() if p.default is p.empty and p.kind == 1)
 
 

@@ -173,13 +173,13 @@ def simulate(out: str, **choices: Any) -> None:
     table |= {} if true.rho is None else {"rho [rad]": true.rho}
     put(out, f"{TRUE}{' '.join(choices['errors'])}\n{columns_of(table)}", force=where.force)
     if "plot" in where.paths:
-        from allanite.reporting import figures, style
+        from allanite.reporting import figures, printing
         from allanite.reporting.fonts import drawn_in
         from allanite.reporting.language import speaking
 
         with speaking(where.lang), speaking(drawn_in(where.lang)):
             figure = figures.plot_error_in_time(true, list(known.values())).printed()
-            style.save(figure, where.paths["plot"], force=where.force)
+            printing.save(figure, where.paths["plot"], force=where.force)
     if out != STDOUT and not where.quiet:
         show("\n".join(f"{name}: {path}" for name, path in where.paths.items()))
 

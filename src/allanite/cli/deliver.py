@@ -58,7 +58,7 @@ def rendered(value: Any, name: str, path: str, lang: str, command: str = "") -> 
     if name in ("csv", "coefficients"):
         return reporting.to_csv(value, coefficients=name == "coefficients")
     if name == "plot":
-        from allanite.reporting.style import encode
+        from allanite.reporting.printing import encode
 
         with speaking(lang):
             return encode(reporting.plot(value, lang=lang), Path(path).suffix.lower().lstrip("."))
@@ -148,10 +148,11 @@ def given(choices: dict[str, Any]) -> dict[str, Any]:
 
 def carry_out(job: Callable[[Progress], Any], out: Outputs, extra: "Extra | None" = None) -> Any:
     """Run a job that reports its progress, and deliver its result."""
-    from allanite.parallel.processors import FIGURES, importing, processes
+    from allanite.parallel.processors import FIGURES, PAGE, importing, processes
 
-    drawn = {"report", "plot"} & out.paths.keys()
-    with processes(out.threads), importing(FIGURES if drawn else ()):
+    page = out.paths.get("report", "")
+    printed = "plot" in out.paths or page.lower().endswith(".pdf")
+    with processes(out.threads), importing(FIGURES if printed else PAGE if page else ()):
         with progress(out) as tell:
             result = job(tell)
         deliver(result, out, extra)

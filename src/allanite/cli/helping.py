@@ -2,8 +2,8 @@
 
 import tomllib
 from collections.abc import Callable
-from importlib.resources import files
 from inspect import cleandoc
+from pathlib import Path
 from typing import Any
 
 import click
@@ -71,7 +71,7 @@ def _most_used(options: list[click.Option]) -> list[click.Option]:
 
 def with_examples(command: click.Command, formatter: click.HelpFormatter) -> None:
     """Write the summary of a command, its examples, and the rest of its description."""
-    examples = tomllib.loads((files(__package__) / "examples.toml").read_text("utf-8"))
+    examples = tomllib.loads(Path(__file__).with_name("examples.toml").read_text("utf-8"))
     lines = [f"allanite {line}" for line in examples.get(str(command.name), [])]
     summary, _, rest = cleandoc(command.help or "").partition("\n\n")
     for text in filter(None, (summary, "\n".join(["\b", *lines]) if lines else "", rest)):

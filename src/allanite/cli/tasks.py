@@ -63,11 +63,12 @@ def _info(files: Sequence[str], recipe: "Recipe", _: Any, reports: Reports) -> A
 
 
 def _analyze(files: Sequence[str], recipe: "Recipe", _: Any, reports: Reports) -> Any:
-    from allanite.batch.job import analyze_files
     from allanite.batch.sources import several
     from allanite.study.analysis import analyze
 
     if several(files):
+        from allanite.batch.job import analyze_files
+
         return analyze_files(files, recipe, opened=lambda file: reports.source(file, recipe), progress=reports.tell)
     return analyze(reports.source(files[0], recipe), recipe, progress=reports.tell)
 

@@ -30,10 +30,10 @@ def complete(values: NDArray[Any]) -> bool:
 
 def mean_and_deviation(values: FloatArray) -> tuple[float, float]:
     """Mean and standard deviation of the finite values, of any size; NaN if there are none."""
-    finite = values[np.isfinite(values)]
+    finite = values if complete(values) else values[np.isfinite(values)]
     if not finite.size:
         return np.nan, np.nan
-    scale = float(np.abs(finite).max()) or 1.0
+    scale = max(abs(float(finite.min())), abs(float(finite.max()))) or 1.0
     finite = finite / scale  # whose squares can be represented
     return scale * float(finite.mean()), scale * float(finite.std())
 

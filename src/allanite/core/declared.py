@@ -121,7 +121,8 @@ def _items(value: Any, hints: Iterable[Any]) -> bool:
 
 def _sequence(value: Any, args: tuple[Any, ...]) -> bool:
     if isinstance(value, np.ndarray):
-        return value.ndim > 0 and (not args or (value.ndim == 1 and _items(value.flat, (args[0],) * MAX_ITEMS)))
+        differing = MAX_ITEMS if value.dtype.hasobject else 1
+        return value.ndim > 0 and (not args or (value.ndim == 1 and _items(value.flat, args[:1] * differing)))
     ordered = args[:1] in ((float,), (int,))
     many = isinstance(value, Sequence if ordered else (Sequence, set, frozenset)) or (
         hasattr(value, "__len__") and hasattr(value, "iloc")

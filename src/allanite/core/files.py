@@ -1,7 +1,6 @@
 """Writing files: never over an existing one unless asked to, and never partially."""
 
 import os
-import secrets
 import stat
 import sys
 from collections.abc import Iterator
@@ -70,7 +69,7 @@ def draft(path: PathLike, *, force: bool = False) -> Iterator[Path]:
     demand_writable(path, force=force)
     # a link stays a link: its target is replaced
     target = Path(os.path.realpath(path))
-    part = target.with_name(DRAFTS.replace("*", secrets.token_hex(6)))
+    part = target.with_name(DRAFTS.replace("*", os.urandom(6).hex()))
     try:
         # unlike tempfile, open gives the file the permissions of the user's umask
         part.open("xb").close()

@@ -42,7 +42,10 @@ IDENTIFICATION = ("scipy.special", "scipy.fft", "scipy.optimize", "scipy.interpo
 """Modules that the identification of noise needs."""
 
 FIGURES = ("matplotlib.figure", "matplotlib.backends.backend_agg", "matplotlib.backends.backend_svg")
-"""Modules that figures need."""
+"""Modules that figures for print need."""
+
+PAGE = ("matplotlib.ticker", "jinja2")
+"""Modules that a page needs, whose figures are sketches."""
 
 PREPARING = "preparing, once after an installation: about 6 s"  # what a bar says while kernels are compiled
 

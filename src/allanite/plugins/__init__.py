@@ -9,6 +9,7 @@ not, or is listed. What is broken, or has a name that is taken, is left out, and
 import warnings
 from collections.abc import ItemsView, Iterator, KeysView, Mapping, ValuesView
 from contextlib import contextmanager
+from functools import cache
 from threading import get_ident
 from typing import TYPE_CHECKING, Any, TypeVar, cast, overload
 
@@ -34,12 +35,10 @@ def plugins(group: str) -> "tuple[tuple[EntryPoint, Any], ...]":
     """
     own = group, get_ident()
     if group not in _loaded and own not in _loading:  # a plug-in that is being imported sees the table without itself
-        from importlib.metadata import entry_points
-
         _loading.add(own)
         pairs = []
         try:
-            for entry in sorted(entry_points(group=group), key=lambda entry: entry.name):
+            for entry in sorted(_entry_points().select(group=group), key=lambda entry: entry.name):
                 try:
                     pairs.append((entry, entry.load()))
                 except (Exception, SystemExit) as error:  # noqa: BLE001, RUF100 - others are not affected
@@ -48,6 +47,14 @@ def plugins(group: str) -> "tuple[tuple[EntryPoint, Any], ...]":
             _loading.discard(own)
         _loaded[group] = tuple(pairs)
     return _loaded.get(group, ())
+
+
+@cache
+def _entry_points() -> Any:
+    """Those of all packages, whose files are read once."""
+    from importlib.metadata import entry_points
+
+    return entry_points()
 
 
 def broken(entry: "EntryPoint", why: str) -> str:

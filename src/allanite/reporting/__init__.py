@@ -66,7 +66,8 @@ def plot(
     FontWarning
         This machine has no font with the letters of the language; the figure is in English then.
     """
-    from .style import demand_figure_path, save
+    from .printing import save
+    from .style import demand_figure_path
 
     if path is not None:
         demand_figure_path(path, force=force)

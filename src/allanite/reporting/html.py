@@ -4,8 +4,8 @@ import base64
 import hashlib
 import re
 from functools import cache
-from importlib.resources import files
 from itertools import count
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -41,7 +41,7 @@ def render(face: Face) -> str:
 @cache
 def _script() -> tuple[Markup, str]:
     """The script of the page, and its digest, by which a browser knows it."""
-    text = (files("allanite.reporting") / "copy.js").read_text("utf-8")
+    text = Path(__file__).with_name("copy.js").read_text("utf-8")
     return Markup(text), base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()  # noqa: S704 - our own
 
 

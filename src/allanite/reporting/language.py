@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from allanite.core.names import demand_name
@@ -29,7 +29,7 @@ _SPOKEN: ContextVar[str] = ContextVar("_SPOKEN", default=ENGLISH)
 def catalogue(lang: str) -> Catalogue:
     """The translations into a language; what is not translated yet stays English, all of it without a catalogue."""
     demand_name("language", lang, LANGUAGES)
-    path = files("allanite.reporting") / "locale" / f"{lang}.po"
+    path = Path(__file__).parent / "locale" / f"{lang}.po"
     if not path.is_file():
         return gettext.NullTranslations()
     # for this alone, and only where it is wanted

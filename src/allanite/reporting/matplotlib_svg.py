@@ -3,6 +3,7 @@
 import re
 import warnings
 from collections.abc import Callable
+from functools import cache
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -28,7 +29,9 @@ PHONE_INCHES = 4.6  # inches of a figure on a phone, whose letters are then as l
 
 def within(shown: Picture, prefix: str, label: str) -> Markup:
     """A figure whose names begin with `prefix`, so that figures do not share parts by mistake, with words for it."""
-    text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", shown.text)
+    text = shown.text
+    for before in (' id="', 'href="#', "url(#"):
+        text = text.replace(before, f"{before}{prefix}-")
     label = str(Markup.escape(printable(tr(label))))
     start = f'<svg role="img" aria-label="{label}" style="--wide: {shown.wide:.0f}" stroke-linejoin="round" '
     # matplotlib escapes the text in a figure
@@ -51,7 +54,7 @@ def drawn(drawing: Drawing) -> Picture:
 
 def picture(figure: "Figure") -> Picture:
     """A figure with its letters as text and without what nobody sees."""
-    from .style import encode
+    from .printing import encode
 
     with warnings.catch_warnings():
         # the browser has the letters that are missing here
@@ -77,7 +80,7 @@ def trimmed(text: str, wide: float) -> Picture:
     return Picture(text, wide)
 
 
-_STYLE_ATTRIBUTE = r'style="([^"]*)"'
+_STYLE_ATTRIBUTE = re.compile(r'style="([^"]*)"')
 _SCROLLED = ' tabindex="0"'  # a figure without a narrow form is scrolled on a narrow screen, by keys too
 
 
@@ -87,8 +90,9 @@ def drawer() -> Callable[[Drawing], Markup]:
 
     numbers, classes = count(), dict[str, str]()
 
-    def named(found: re.Match[str]) -> str:
-        style = re.sub(r"#[0-9a-f]{6}\b", lambda c: f"var({variable(c[0])})" if c[0] in DARK else c[0], found[1])
+    @cache
+    def named(style: str) -> str:
+        style = re.sub(r"#[0-9a-f]{6}\b", lambda c: f"var({variable(c[0])})" if c[0] in DARK else c[0], style)
         return f'class="{classes.setdefault(style, f"k{len(classes)}")}"'
 
     def draw(drawing: Drawing) -> Markup:
@@ -96,9 +100,10 @@ def drawer() -> Callable[[Drawing], Markup]:
         broad = drawn(drawing)
         forms = {"broad": broad, "narrow": broad.narrow} if broad.narrow else {"only": broad}
         texts = {width: within(form, f"f{next(numbers)}", drawing.label) for width, form in forms.items()}
+        classed = {width: _STYLE_ATTRIBUTE.sub(lambda found: named(found[1]), text) for width, text in texts.items()}
         made = "".join(
-            f'<div class="{width}"{_SCROLLED if width == "only" else ""}>{re.sub(_STYLE_ATTRIBUTE, named, text)}</div>'
-            for width, text in texts.items()
+            f'<div class="{width}"{_SCROLLED if width == "only" else ""}>{text}</div>'
+            for width, text in classed.items()
         )
         new = "".join(f".{name}{{{style}}}" for style, name in list(classes.items())[known:])
         return Markup(f"<style>{new}</style>{made}" if new else made)  # noqa: S704 - as `within` has made it

@@ -37,7 +37,8 @@ def render(face: Face) -> bytes:
     """The document, which depends on the result alone: it has no date."""
     from matplotlib.backends.backend_pdf import PdfPages
 
-    from .style import FORMATS, look
+    from .printing import look
+    from .style import FORMATS
 
     out = io.BytesIO()
     with look(), PdfPages(out, metadata={**FORMATS["pdf"], "Title": printable(tr(face.title))}) as pages:
@@ -122,7 +123,7 @@ def _page() -> "Figure":
 
 def _figure(drawing: Drawing) -> "Figure":
     """The figure of a drawing with its layout done, in the width of the text, and not higher than a page."""
-    from .style import new_figure
+    from .printing import new_figure
 
     def make(width: float, height: float) -> "Figure":
         return new_figure(width, min(_FLAT * height, _TOP - _BOTTOM - 4 * _LINE))

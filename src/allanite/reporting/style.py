@@ -1,34 +1,29 @@
-"""How figures look, and how they become bytes: the same data give the same file, on every machine."""
+"""How figures look: colors, markers, grids and ticks; a figure that is yet to be drawn, on a page or in print."""
 
-import io
 import math
 import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, wraps
+from functools import wraps
 from pathlib import Path
-from typing import Any, Concatenate, ParamSpec, cast
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, cast
 
-import matplotlib as mpl
-from matplotlib.axes import Axes
-from matplotlib.axis import Axis
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.lines import Line2D
-from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from allanite.core.errors import UsageError
-from allanite.core.files import PathLike, demand_writable, write
+from allanite.core.files import PathLike, demand_writable
 from allanite.terms import TERMS
 
-from . import fonts
 from .digits import printable
-from .language import spoken, tr
+from .language import tr
 from .sketch.chart import Chart
 from .sketch.marks import line_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
 SERIES = ("#2E5C94", "#C1272D", "#008F6B", "#B97700", "#AA4499", "#444B54")
 """Colors of curves in one panel, in this order; their order of brightness differs too."""
@@ -47,17 +42,6 @@ DARK: dict[str, str] = {
 } | {row.color.lower(): row.dark for row in TERMS.values()}  # fmt: skip
 """Colors of figures on a page: on a light ground and on a dark one."""
 
-_LOOK: dict[str, Any] = {
-    "font.size": 9.0, "text.color": INK,
-    "axes.labelsize": 9.0, "axes.titlesize": 10.0, "axes.titley": 1.0,  # a fixed height
-    "axes.edgecolor": EDGE, "axes.linewidth": 0.8, "axes.labelcolor": INK, "axes.axisbelow": True,
-    "xtick.color": EDGE, "xtick.labelcolor": INK, "xtick.direction": "in",
-    "ytick.color": EDGE, "ytick.labelcolor": INK, "ytick.direction": "in",
-    "legend.fontsize": 8.0, "legend.frameon": False, "mathtext.fontset": "dejavusans",
-    "svg.hashsalt": "allanite", "svg.fonttype": "path",  # glyphs travel with the file: no font is missing elsewhere
-    "pdf.fonttype": 42, "savefig.dpi": 200,
-}  # fmt: skip
-
 # no date and no program version: a figure in version control changes only when its content does
 FORMATS: dict[str, dict[str, Any]] = {
     "png": {"Software": None}, "svg": {"Date": None, "Creator": None, "Format": None, "Type": None},
@@ -69,10 +53,10 @@ FORMATS: dict[str, dict[str, Any]] = {
 class NewFigure:
     """Makes an empty figure of (width, height) in inches, of `room` at most in width."""
 
-    make: Callable[[float, float], Figure]
+    make: "Callable[[float, float], Figure]"
     room: float = math.inf
 
-    def __call__(self, width: float, height: float) -> Figure:
+    def __call__(self, width: float, height: float) -> "Figure":
         """The figure."""
         return self.make(min(width, self.room), height)
 
@@ -84,10 +68,14 @@ P = ParamSpec("P")
 class StyledPlot:
     """A figure that is yet to be drawn, on whatever `draw` is given; `room` inches wide at most, made by `make`."""
 
-    draw: Callable[[NewFigure], Figure]
+    draw: "Callable[[NewFigure], Figure]"
 
-    def printed(self, room: float = math.inf, make: Callable[[float, float], Figure] | None = None) -> Figure:
+    def printed(self, room: float = math.inf, make: "Callable[[float, float], Figure] | None" = None) -> "Figure":
         """For print, by matplotlib. Figures are drawn with phrases; afterwards they are in the language spoken."""
+        from matplotlib.text import Text
+
+        from .printing import look, new_figure
+
         with look():
             figure = self.draw(NewFigure(make or new_figure, room))
         for text in figure.findobj(Text):
@@ -97,11 +85,11 @@ class StyledPlot:
 
     def sketched(self, room: float = math.inf) -> Chart:
         """For a page, by `sketch`; what that cannot draw raises `Unsketched`."""
-        make = lambda width, height: cast(Figure, Chart(width, height, INK, EDGE))  # noqa: E731
+        make = lambda width, height: cast("Figure", Chart(width, height, INK, EDGE))  # noqa: E731
         return cast(Chart, self.draw(NewFigure(make, room)))
 
 
-def plotted(function: Callable[Concatenate[NewFigure, P], Figure]) -> Callable[P, StyledPlot]:
+def plotted(function: "Callable[Concatenate[NewFigure, P], Figure]") -> Callable[P, StyledPlot]:
     """A function that draws on a new figure, as one that gives a `StyledPlot`."""
 
     @wraps(function)
@@ -111,57 +99,16 @@ def plotted(function: Callable[Concatenate[NewFigure, P], Figure]) -> Callable[P
     return plot
 
 
-@contextmanager
-def look() -> Iterator[None]:
-    """These settings and no matplotlibrc; the settings from before are restored afterwards."""
-    lang = spoken()
-    with mpl.rc_context(), fonts.quiet(lang):
-        dict.update(cast(Any, mpl.rcParams), _settings(lang))  # they were checked when they were collected
-        yield
-
-
-@cache
-def _settings(lang: str) -> dict[str, Any]:
-    """All settings of figures in a language."""
-    with mpl.rc_context():
-        mpl.rcdefaults()
-        mpl.rcParams.update(cast(Any, _LOOK | {"font.family": fonts.families(lang)}))
-        if lang in fonts.FURTHER:
-            mpl.rcParams["pdf.fonttype"] = 3  # a subset of so large a font takes seconds as 42
-        settings = dict(cast(Any, mpl.rcParams.copy()))  # asking the original for its backend imports pyplot
-        del settings["backend"]
-        return settings
-
-
-class NotebookFigure(Figure):
-    """A figure that a notebook shows without a magic word."""
-
-    def _repr_svg_(self) -> str:
-        return encode(self, "svg").decode()
-
-
-class Settled(ConstrainedLayoutEngine):
-    """A layout that is repeated: where panels have equal decades, a single one leaves labels beyond the edge."""
-
-    def execute(self, fig: Figure) -> None:
-        """Place everything, each time nearer to where it stays."""
-        for _ in range(3):
-            super().execute(fig)
-
-
-def new_figure(width: float, height: float) -> Figure:
-    """An empty figure of so many inches, outside of pyplot's list of open ones."""
-    figure = NotebookFigure(figsize=(width, height), layout=Settled(), facecolor="white")
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def key(figure: Figure, **look: Any) -> Line2D:
+def key(figure: "Figure", **look: Any) -> "Line2D":
     """A line of no panel, for the legend of a figure."""
-    return cast(Line2D, line_of([], [], **look)) if isinstance(figure, Chart) else Line2D([], [], **look)
+    if isinstance(figure, Chart):
+        return cast("Line2D", line_of([], [], **look))
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], **look)
 
 
-def grid(axes: Axes, *, fine: bool = True) -> None:
+def grid(axes: "Axes", *, fine: bool = True) -> None:
     """Major and, where `fine`, minor lines, both faint."""
     axes.grid(which="major", color=GRID, linewidth=0.8)
     if fine:
@@ -169,13 +116,13 @@ def grid(axes: Axes, *, fine: bool = True) -> None:
     axes.tick_params(which="minor", length=2)
 
 
-def title(axes: Axes, name: str) -> None:
+def title(axes: "Axes", name: str) -> None:
     """Whose panel it is; a name is the user's, and no formula."""
     axes.set_title(printable(tr(name)), loc="left", fontweight="bold", parse_math=False)
     axes.yaxis.set_offset_position("right")  # the power of ten of an ordinate would be beneath the name
 
 
-def plain_ticks(*axes: Axis, most: float = 60.0) -> None:
+def plain_ticks(*axes: "Axis", most: float = 60.0) -> None:
     """Label 0.01 to 100000 in full, the rest as powers of ten; 2 and 5 too where the ends have a ratio below `most`."""
     two_and_five = lambda v, _: f"{v:g}" if round(v / 10 ** math.floor(math.log10(v) + 1e-9)) in (2, 5) else ""  # noqa: E731
     for axis in axes:
@@ -196,17 +143,3 @@ def demand_figure_path(path: PathLike, *, force: bool = False) -> str:
         )
     demand_writable(path, force=force)
     return suffix
-
-
-def save(figure: Figure, path: PathLike, *, force: bool = False) -> None:
-    """Write a figure in the format of the suffix."""
-    write(path, encode(figure, demand_figure_path(path, force=force)), force=force)
-
-
-def encode(figure: Figure, form: str, *, text: bool = False) -> bytes:
-    """The figure as png, svg or pdf; with `text`, an svg keeps its letters as text and needs a font to show them."""
-    buffer = io.BytesIO()
-    with look():
-        mpl.rcParams["svg.fonttype"] = "none" if text else "path"
-        figure.savefig(buffer, format=form, metadata=FORMATS[form])
-    return buffer.getvalue()

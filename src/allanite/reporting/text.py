@@ -11,7 +11,6 @@ import numpy as np
 from rich.cells import cell_len
 from rich.console import Console, RenderableType
 from rich.padding import Padding
-from rich.table import Table as Grid
 from rich.text import Text
 
 from allanite.core.estimate import STATUSES
@@ -135,6 +134,8 @@ def prose(text: str, width: int, *, first: str = "", indent: int = 0, style: str
 
 
 def _table(table: Table, width: int) -> Iterator[RenderableType]:
+    from rich.table import Table as Grid
+
     if table.title:
         yield Text()
         yield Text(f"  {_plain(table.title)}", style="dim")

@@ -6,8 +6,18 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.reporting import first_screen, page, plot
-from allanite.reporting.figures.drawing import ENOUGH_DISTANCE, LabelBox, freedom, place
-from allanite.reporting.style import encode
+from allanite.reporting.figures.drawing import (
+    ENOUGH_DISTANCE,
+    GRID,
+    MARGIN,
+    NEAR,
+    LabelBox,
+    crossings,
+    freedom,
+    place,
+    together,
+)
+from allanite.reporting.printing import encode
 
 NOTHING = np.empty((0, 2))
 
@@ -36,6 +46,28 @@ def test_a_label_stands_on_the_side_of_its_line_where_nothing_is(side):
     label = place(np.array([(0.5, 0.5)]), (0.2, 0.06), points, ())
     assert side * (label.y - 0.5) < -0.03
     assert label.x == pytest.approx(0.5)
+
+
+@rows("seed", [1, 2, 3, 4, 5, 6])
+def test_no_place_of_a_label_is_better_than_the_one_that_is_taken(seed):
+    """Against all places, each judged by itself."""
+    rng, x = np.random.default_rng(seed), np.linspace(0, 1, 60)
+    lines = together(np.column_stack([x, a + b * x]) for a, b in rng.uniform(-0.5, 1, (4, 2)))
+    anchors, size = rng.uniform(0.1, 0.9, (5, 2)), (0.25, 0.06)
+    taken = [LabelBox(*rng.uniform(0.2, 0.8, 2), *size, tuple(rng.uniform(0.1, 0.9, 2).tolist())) for _ in range(3)]
+    margin = MARGIN + np.array(size) / 2
+
+    def worth(centre, near):
+        free = freedom(LabelBox(*centre, *size), lines, taken)
+        crossed = crossings(centre[None], near[None], np.array(size), lines, taken)[0]
+        return free - (free < 1) - np.hypot(*(near - centre)) - 0.7 * min(crossed, 3)
+
+    best = -np.inf
+    for centre in np.clip([*(anchors[:, None] + NEAR * size).reshape(-1, 2), *GRID], margin, 1 - margin):
+        away = np.hypot(*(anchors - centre).T) + 0.002 * np.arange(len(anchors))
+        best = max(best, worth(centre, anchors[away.argmin()]))
+    label = place(anchors, size, lines, taken)
+    assert worth(np.array([label.x, label.y]), np.array(label.anchor)) == pytest.approx(best)
 
 
 @pytest.mark.slow("seconds of analyses")

@@ -19,7 +19,7 @@ import release
 from allanite.cli import main
 from allanite.core.errors import UsageError
 from allanite.phrases.phrase import join, say, say_count
-from allanite.reporting import fonts, page, style, table
+from allanite.reporting import fonts, page, printing, table
 from allanite.reporting.language import LANGUAGES, speaking, tr
 from allanite.reporting.sheet import Column, Face, Note, Sheet, Table
 from allanite.reporting.text import pad, render, wrapped
@@ -175,5 +175,5 @@ def test_a_figure_has_chinese_letters(study, chinese, form):
     with speaking("zh"):
         figure = al.plot(study, lang="zh")
         assert "平均时间 τ (s)" in {text.get_text() for text in figure.findobj(Text)}
-        data = style.encode(figure, form)  # a letter that is missing is a warning, and that an error
+        data = printing.encode(figure, form)  # a letter that is missing is a warning, and that an error
     assert len(data) < 400_000

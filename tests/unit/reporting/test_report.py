@@ -32,8 +32,8 @@ from allanite.reporting import page, plot, table, to_csv
 from allanite.reporting.digits import printed_unit
 from allanite.reporting.figures.record import plot_goodness
 from allanite.reporting.json import to_json
+from allanite.reporting.printing import encode, new_figure
 from allanite.reporting.sheet import Table
-from allanite.reporting.style import encode, new_figure
 from allanite.reporting.views import view_of
 from allanite.reporting.words import title
 from allanite.statistics import expected

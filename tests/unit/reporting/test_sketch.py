@@ -1,6 +1,8 @@
 """Figures of pages: what they draw is what matplotlib draws."""
 
 import re
+import subprocess
+import sys
 from dataclasses import replace
 from itertools import combinations, pairwise
 from xml.etree import ElementTree
@@ -327,3 +329,12 @@ def test_ticks_read_as_those_of_matplotlib():
 ])  # fmt: skip
 def test_numbers_at_ticks(places, labels, beside):
     assert plain(places) == (labels, beside)
+
+
+def test_a_page_needs_no_figure_of_matplotlib():
+    code = (
+        "import sys, numpy as np, allanite as al; from allanite.reporting import page\n"
+        "curve = al.deviation(al.Record(np.sin(np.arange(500) ** 2), rate=1.0, unit='deg/s'))\n"
+        "sys.exit('<svg' not in page(curve) or 'matplotlib.figure' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -2,11 +2,9 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from allanite.comparison.comparison import Comparison, Pair
 from allanite.comparison.pooled import Pool, PooledChannel
@@ -24,11 +22,15 @@ from allanite.terms import TERMS
 from .drawing import TIME, draw_legend, ratio_axis, stacked, with_unit
 from .panels import CurvePanel, span, thinned
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
 COLORS = (0, 3)  # colors of the series before and after; neither is the red that marks a change
 
 
 @style.plotted
-def plot_comparison(new_figure: style.NewFigure, values: Sequence[Comparison | Pool], level: float) -> Figure:
+def plot_comparison(new_figure: style.NewFigure, values: Sequence[Comparison | Pool], level: float) -> "Figure":
     """Two panels a channel: the curves with their bands, and the ratio of their variances."""
     drawn: list[Callable[[tuple[Axes, Axes]], None]] = []  # what draws each channel that has curves
     for value in values:
@@ -51,7 +53,7 @@ def plot_comparison(new_figure: style.NewFigure, values: Sequence[Comparison | P
     return figure
 
 
-def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: tuple[Axes, Axes]) -> None:
+def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: "tuple[Axes, Axes]") -> None:
     above, below = axes
     ratios = pair.ratios
     assert ratios is not None  # noqa: S101 - the caller has looked
@@ -70,7 +72,7 @@ def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: tuple[Axe
     below.set_ylabel(say("variance of {after}\nover {before}", after=after, before=before), parse_math=False)
 
 
-def draw_curve(ax: Axes, curve: Curve, called: tuple[int, str], level: float) -> None:
+def draw_curve(ax: "Axes", curve: Curve, called: tuple[int, str], level: float) -> None:
     """A curve with its band; it is called by the place of its color and marker, and its name."""
     i, name = called
     shown = curve.to(readable_unit(curve.unit))
@@ -81,7 +83,7 @@ def draw_curve(ax: Axes, curve: Curve, called: tuple[int, str], level: float) ->
     ax.plot(shown.tau, shown.deviation, color=color, lw=1.1, marker=marker, ms=3.4, mew=0, zorder=3, label=name)
 
 
-def frame_curves(ax: Axes, curve: Curve, name: str, curves: Sequence[Curve]) -> None:
+def frame_curves(ax: "Axes", curve: Curve, name: str, curves: Sequence[Curve]) -> None:
     """Axes, title and grid; the upper limits of the last points are far off, and not worth the room."""
     unit = readable_unit(curve.unit)
     values = np.concatenate([c.to(unit).deviation for c in curves])
@@ -92,13 +94,13 @@ def frame_curves(ax: Axes, curve: Curve, name: str, curves: Sequence[Curve]) -> 
     ax.set_ylabel(with_unit(statistic_named(curve.statistic).title, unit))
 
 
-def _ratio_frame(ax: Axes, tau: FloatArray, ratio: FloatArray, apart: BoolArray | None = None) -> None:
+def _ratio_frame(ax: "Axes", tau: FloatArray, ratio: FloatArray, apart: BoolArray | None = None) -> None:
     ax.set(xscale="log")
     ratio_axis(ax, tau, ratio, apart)
     style.plain_ticks(ax.xaxis)
 
 
-def _draw_pooled(channel: PooledChannel, names: tuple[str, ...], level: float, axes: tuple[Axes, Axes]) -> None:
+def _draw_pooled(channel: PooledChannel, names: tuple[str, ...], level: float, axes: "tuple[Axes, Axes]") -> None:
     above, below = axes
     whole = channel.curve
     assert whole is not None  # noqa: S101 - the caller has looked
@@ -142,7 +144,7 @@ class LotRow(NamedTuple):
 
 
 @style.plotted
-def plot_lot(new_figure: style.NewFigure, rows: Sequence[LotRow]) -> Figure:
+def plot_lot(new_figure: style.NewFigure, rows: Sequence[LotRow]) -> "Figure":
     """A row of panels for each coefficient."""
     shown = sorted(rows, key=lambda row: -row.values.size)[:MAX_FIGURE_ROWS]
     labels = list(dict.fromkeys(label for row in shown for label in row.courses))
@@ -198,7 +200,7 @@ class LimitLine(NamedTuple):
 @style.plotted
 def plot_units(
     new_figure: style.NewFigure, curves: Sequence[UnitCurve], limits: dict[str, Sequence[LimitLine]] | None = None
-) -> Figure:
+) -> "Figure":
     """One panel for each channel; sensors of different units of measurement stand side by side."""
     columns: dict[str, dict[str, list[UnitCurve]]] = {}
     for curve in curves:
@@ -212,7 +214,7 @@ def plot_units(
     return figure
 
 
-def _draw(ax: Axes, group: Sequence[UnitCurve], limits: Iterable[LimitLine]) -> None:
+def _draw(ax: "Axes", group: Sequence[UnitCurve], limits: Iterable[LimitLine]) -> None:
     spans = [span(curve.panel._replace(fit=None)) for curve in group]
     tau, deviation = ((min(s[i][0] for s in spans), max(s[i][1] for s in spans)) for i in (0, 1))
     ax.set(xscale="log", yscale="log", xlim=tau, ylim=deviation)
@@ -234,13 +236,13 @@ def _draw(ax: Axes, group: Sequence[UnitCurve], limits: Iterable[LimitLine]) -> 
         _draw_limit(ax, first, line)
 
 
-def _plot(ax: Axes, panel: CurvePanel, color: str, label: str, alpha: float) -> None:
+def _plot(ax: "Axes", panel: CurvePanel, color: str, label: str, alpha: float) -> None:
     keep = thinned(panel.curve.tau.size)
     shown = panel.shown(panel.curve.deviation[keep])
     ax.plot(panel.curve.tau[keep], shown, color=color, lw=0.6 + 0.8 * (alpha == 1.0), alpha=alpha, label=label)
 
 
-def _draw_limit(ax: Axes, panel: CurvePanel, line: LimitLine) -> None:
+def _draw_limit(ax: "Axes", panel: CurvePanel, line: LimitLine) -> None:
     """The asymptote of a term that is as large as it may be, or a level."""
     tau = np.geomspace(*ax.get_xlim(), 50)
     if line.symbol not in TERMS:

@@ -3,12 +3,9 @@
 import math
 import textwrap
 from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
@@ -22,6 +19,11 @@ from allanite.reporting.language import tr
 from allanite.reporting.sketch.svg import wide
 from allanite.terms import TERMS
 
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
 MARGIN = 0.015
 
 ENOUGH_DISTANCE = 1.25
@@ -31,7 +33,8 @@ NEAR = np.array([(dx, dy) for dx in (0.0, 0.58, -0.58) for dy in (0.9, -0.9, 1.7
 """Where a label may stand: shift from its anchor in widths and heights; beside these, on a grid over the panel."""
 
 GRID = np.array(np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 27))).reshape(2, -1).T
-SHORTLIST = 250  # freest and nearest places whose leaders are looked at
+BLOCK = 64  # places that are looked at together, the nearest first
+CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
 FREE_END = 0.02  # part of a leader at its anchor, in fractions of the panel, where it may touch what it is about
 BREAK = np.full((1, 2), np.nan)  # where one line of the obstacles ends
 
@@ -58,46 +61,52 @@ def place(anchors: FloatArray, size: tuple[float, float], lines: FloatArray, tak
     low, high = MARGIN + shape / 2, 1 - MARGIN - shape / 2
     centres = np.minimum(np.maximum(np.concatenate((wanted, GRID)), low), high)
     # earlier anchors are preferred
-    away = np.hypot(*(anchors[:, None] - centres).T) + 0.002 * np.arange(len(anchors))
+    away = np.hypot(*(np.subtract.outer(centres[:, i], anchors[:, i]) for i in range(2)))
+    away += 0.002 * np.arange(len(anchors))
     at = anchors[away.argmin(axis=1)]
-    free = _freedom(centres, size, lines, taken)
-    worth = free - (free < 1) - np.hypot(*(at - centres).T)
-    few = np.argsort(-worth, kind="stable")[:SHORTLIST]
-    crossed = _crossed(centres[few], at[few], shape, lines, taken)
-    best = few[int((worth[few] - 0.7 * np.minimum(crossed, 3)).argmax())]
+    far = np.hypot(*(at - centres).T)
+    nearest, best, most = np.argsort(far, kind="stable"), 0, -math.inf
+    for few in np.split(nearest, range(BLOCK, len(nearest), BLOCK)):
+        if ENOUGH_DISTANCE - far[few[0]] <= most:  # however free, what is farther off is no better
+            break
+        free = _freedom(centres[few], size, lines, taken)
+        worth = free - (free < 1) - far[few]
+        better, worth = few[worth > most], worth[worth > most]
+        worth -= 0.7 * np.minimum(crossings(centres[better], at[better], shape, lines, taken), 3)
+        if worth.max(initial=-math.inf) > most:
+            best, most = int(better[worth.argmax()]), float(worth.max())
     (x, y), (end, height) = centres[best].tolist(), at[best].tolist()
     return LabelBox(x, y, *size, (end, height))
 
 
-def _crossed(
+def crossings(
     centres: FloatArray, at: FloatArray, shape: FloatArray, lines: FloatArray, taken: Sequence[LabelBox]
-) -> FloatArray:
+) -> IntArray:
     """How many lines, labels and leaders each leader crosses, and how many leaders each label."""
     way = at - centres
     start = at - way * np.minimum(1, FREE_END / np.maximum(np.hypot(*way.T), 1e-9))[:, None]
-    count = _meetings(start, centres, lines[:-1], lines[1:])
-    for box in taken:
-        corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (box.width / 2, box.height / 2) + (box.x, box.y)
-        count += _meetings(start, centres, corners, np.roll(corners, 1, axis=0)) > 0
-        if box.anchor is not None:
-            ends = np.array([box.anchor]), np.array([[box.x, box.y]])
-            count += _meetings(start, centres, *ends)
-            half = shape / 2
-            count += (_meetings(centres - half, centres + half, *ends) > 0) | (
-                _meetings(centres - half * (1, -1), centres + half * (1, -1), *ends) > 0
-            )
-    return count
+    count = _meetings(start, centres, lines[:-1], lines[1:]).sum(axis=1)
+    if taken:
+        boxes = np.array([box[:4] for box in taken])
+        corners = boxes[:, None, :2] + CORNERS * boxes[:, None, 2:] / 2
+        sides = _meetings(start, centres, corners.reshape(-1, 2), np.roll(corners, 1, axis=1).reshape(-1, 2))
+        count += sides.reshape(-1, *corners.shape[:2]).any(axis=2).sum(axis=1)
+        leaders = np.array([(*box.anchor, box.x, box.y) for box in taken if box.anchor is not None]).reshape(-1, 4)
+        ends, half = (leaders[:, :2], leaders[:, 2:]), shape / 2
+        rising, falling = (_meetings(centres - d, centres + d, *ends) for d in (half, half * (1, -1)))
+        count += (_meetings(start, centres, *ends) + 1 * (rising | falling)).sum(axis=1)
+    return np.asarray(count)
 
 
-def _meetings(start: FloatArray, end: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray:
-    """How many of the segments from a to b, shape (m, 2), each of those from start to end crosses, shape (n,)."""
+def _meetings(start: FloatArray, end: FloatArray, a: FloatArray, b: FloatArray) -> BoolArray:
+    """Which of the segments from a to b, shape (m, 2), each of those from start to end crosses, shape (n, m)."""
     (dx, dy), (ex, ey) = (end - start).T[:, :, None], (b - a).T
     apart = a - start[:, None]
     of_start = ex * apart[..., 1] - ey * apart[..., 0]
     of_end = of_start + dx * ey - dy * ex
     of_a = dx * apart[..., 1] - dy * apart[..., 0]
     of_b = of_a + dx * ey - dy * ex
-    return np.asarray(((of_start * of_end < 0) & (of_a * of_b < 0)).sum(axis=1), dtype=np.float64)
+    return np.asarray((of_start * of_end < 0) & (of_a * of_b < 0))
 
 
 def freedom(box: LabelBox, lines: FloatArray, taken: Sequence[LabelBox]) -> float:
@@ -136,7 +145,7 @@ def with_unit(quantity: str, unit: str) -> Phrase:
 COLUMN_INCHES = 5.4  # width of a column of panels, inches
 
 
-def stacked(new_figure: style.NewFigure, lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
+def stacked(new_figure: style.NewFigure, lengths: Sequence[int]) -> "tuple[Figure, list[list[Axes]]]":
     """A figure of columns with so many panels, which share the abscissa; below each other where there is no room."""
     count, rows = len(lengths), max(lengths)
     if count > 1 and COLUMN_INCHES * count > new_figure.room:
@@ -169,7 +178,7 @@ GRADES = {"": style.OTHER, EXPLAINED: style.OTHER, APPROXIMATE: style.FAIR, UNEX
 NAME_POINTS, GRADE_POINTS = 9.5, 8.5  # sizes of letters above a panel: what it shows, and its grade
 
 
-def draw_titles(ax: Axes, parts: Iterable[str], fit: Fit | None, *, before: str = "", room: float = 0.0) -> None:
+def draw_titles(ax: "Axes", parts: Iterable[str], fit: Fit | None, *, before: str = "", room: float = 0.0) -> None:
     """Above a panel what it shows, in a line or in several, and how well the model explains it; `room` is in points."""
     grade = join("; ", filter(None, (before, words.grade(fit) if fit is not None else "")))
     known = [printable(part) for part in parts if part]
@@ -191,7 +200,7 @@ def _long(text: str) -> float:
     return NAME_POINTS * wide(text, bold=True)
 
 
-def shade(ax: Axes, spans: Iterable[tuple[float, float]], why: str) -> None:
+def shade(ax: "Axes", spans: Iterable[tuple[float, float]], why: str) -> None:
     """Shade parts of the abscissa where the terms alone do not make the curve, and say `why`."""
     start, end = ax.get_xlim()
     for low, high in spans:
@@ -204,7 +213,7 @@ RATIO_ENDS = 3.0, 1000.0  # ratios at the ends of an axis: at least, and at most
 RATIO_SHARE = 0.95  # part of the points that are within it
 
 
-def ratio_axis(ax: Axes, x: FloatArray, ratio: FloatArray, odd: BoolArray | None = None) -> FloatArray:
+def ratio_axis(ax: "Axes", x: FloatArray, ratio: FloatArray, odd: BoolArray | None = None) -> FloatArray:
     """A logarithmic ordinate about 1 for ratios, which come back: those beyond it at its edge, marked by arrows."""
     least, most = RATIO_ENDS
     size = np.abs(np.log(np.clip(ratio, 1 / most, most)))
@@ -234,7 +243,7 @@ def by_share(line: FloatArray, whole: FloatArray) -> IntArray:
 LABEL_POINTS = 8.5  # size of letters beside lines
 
 
-def label_size(ax: Axes, text: str, points: float) -> tuple[float, float]:
+def label_size(ax: "Axes", text: str, points: float) -> tuple[float, float]:
     """Width and height of a text in letters of a size, as fractions of the panel."""
     width, height = _inside(ax)
     lines = tr(text).splitlines()
@@ -242,7 +251,7 @@ def label_size(ax: Axes, text: str, points: float) -> tuple[float, float]:
 
 
 def draw_label(
-    ax: Axes, label: tuple[str, str], anchors: FloatArray, avoid: FloatArray, placed: Sequence[LabelBox]
+    ax: "Axes", label: tuple[str, str], anchors: FloatArray, avoid: FloatArray, placed: Sequence[LabelBox]
 ) -> LabelBox:
     """Write (symbol, text) where it is free, with a line to its anchor if that is farther off, and say where it is."""
     symbol, text = label
@@ -263,7 +272,7 @@ def label_of(estimate: Estimate, level: float, *, brief: bool = False) -> str:
     return join(" = ", (words.symbol(estimate), size))
 
 
-def _inside(ax: Axes) -> tuple[float, float]:
+def _inside(ax: "Axes") -> tuple[float, float]:
     """About the width and height of a panel within its axes, in points, before anything is laid out."""
     figure = ax.get_figure(root=True)
     spec = ax.get_subplotspec()
@@ -278,13 +287,13 @@ def pairs(x: FloatArray, y: FloatArray) -> FloatArray:
     return np.column_stack([x, y])[np.isfinite(y) & (y > 0)]
 
 
-def fractions(ax: Axes, points: FloatArray) -> FloatArray:
+def fractions(ax: "Axes", points: FloatArray) -> FloatArray:
     """Points as fractions of the panel."""
     low, high = np.log(np.array([ax.get_xlim(), ax.get_ylim()]).T)
     return np.asarray((np.log(points) - low) / (high - low))
 
 
-def draw_legend(figure: Figure, *, marks: bool = True, columns: int = 3, apart: bool = False) -> None:
+def draw_legend(figure: "Figure", *, marks: bool = True, columns: int = 3, apart: bool = False) -> None:
     """One legend for all panels, above them, or `apart` one above each; with `marks`, the one of read coefficients."""
     for ax in figure.axes if apart else figure.axes[:1]:
         width = _inside(ax)[0] if apart else 72 * figure.get_figwidth()
@@ -302,7 +311,7 @@ def draw_legend(figure: Figure, *, marks: bool = True, columns: int = 3, apart: 
             text.set_parse_math(False)
 
 
-def _entries(figure: Figure, axes: Sequence[Axes], marks: bool) -> dict[str, Artist]:
+def _entries(figure: "Figure", axes: "Sequence[Axes]", marks: bool) -> "dict[str, Artist]":
     """Handles by labels in the order of the panels; keys that several lines share are last."""
     entries: dict[str, Artist] = {}
     for ax in axes:

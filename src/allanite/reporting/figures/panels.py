@@ -96,11 +96,11 @@ def samples(panel: CurvePanel, level: float) -> dict[float, str]:
     drawn = points(panel, level)
     expected, nothing = panel.whole(drawn.tau), np.full(drawn.tau.size, np.nan)
     low, high = (nothing if limit is None else limit for limit in (drawn.low, drawn.high))
-    made: dict[float, str] = {}
+    made, unit = dict[float, str](), printed_unit(panel.unit)
     for i in np.unique(np.rint(np.linspace(0, drawn.tau.size - 1, min(drawn.tau.size, MAX_HINTS))).astype(np.int64)):
         model, half = float(expected[i]), (high[i] - low[i]) / 2
         near = digits(model, model - half, model + half)
-        parts = [f"{digits(drawn.deviation[i], low[i], high[i]).pretty()} {printed_unit(panel.unit)}"]
+        parts = [f"{digits(drawn.deviation[i], low[i], high[i]).pretty()} {unit}"]
         parts += [join(" ", (MODEL, near.value + near.power))] if math.isfinite(model) else []
         made[float(drawn.tau[i])] = join("; ", parts)
     return made

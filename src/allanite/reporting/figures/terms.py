@@ -3,10 +3,9 @@
 import math
 import re
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from allanite.core.arrays import FloatArray
 from allanite.core.model import Model, Term
@@ -21,6 +20,9 @@ from .drawing import (  # isort: skip
     place, together,
 )  # fmt: skip
 from .panels import CurvePanel, DrawnPoints
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 MIN_RUN = 8  # points of a term's line, of 300, below which a part of it between masked times is not drawn
 SLOPE_POINTS, MAX_SLOPE_DISTANCE = 8.0, 0.12  # letters of slopes, and how far from their line, of the panel
@@ -45,7 +47,7 @@ class Named(NamedTuple):
     term: Term | None
 
 
-def draw_model(ax: Axes, panel: CurvePanel, drawn: DrawnPoints, placed: list[LabelBox], level: float) -> None:
+def draw_model(ax: "Axes", panel: CurvePanel, drawn: DrawnPoints, placed: list[LabelBox], level: float) -> None:
     """The whole model, each of its terms, a label on each term that was found, and the slopes where there is room."""
     fit, model = panel.fit, panel.drawn
     if model is None:
@@ -78,7 +80,7 @@ def draw_model(ax: Axes, panel: CurvePanel, drawn: DrawnPoints, placed: list[Lab
             _draw_slope(ax, (symbol, slope), path, obstacles, placed)
 
 
-def _lines(ax: Axes, panel: CurvePanel, model: Model) -> ModelLines:
+def _lines(ax: "Axes", panel: CurvePanel, model: Model) -> ModelLines:
     tau = np.geomspace(*ax.get_xlim(), 300)
     terms = {s: Model(tuple(t for t in model if t.symbol == s)) for s in dict.fromkeys(t.symbol for t in model)}
     parts = {symbol: panel.expected(part, tau) for symbol, part in terms.items()}
@@ -112,7 +114,7 @@ def _labels(panel: CurvePanel, model: Model, level: float) -> list[Named]:
 
 
 def _draw_labels(
-    ax: Axes, panel: CurvePanel, named: Sequence[Named], drawn: tuple[ModelLines, FloatArray, dict[str, FloatArray]],
+    ax: "Axes", panel: CurvePanel, named: Sequence[Named], drawn: tuple[ModelLines, FloatArray, dict[str, FloatArray]],
     placed: list[LabelBox],
 ) -> None:  # fmt: skip
     lines, obstacles, paths = drawn
@@ -136,7 +138,9 @@ def _draw_labels(
             placed.append(draw_label(ax, (label.symbol, text), near[::8], obstacles, placed))
 
 
-def _draw_slope(ax: Axes, named: tuple[str, str], path: FloatArray, lines: FloatArray, placed: list[LabelBox]) -> None:
+def _draw_slope(
+    ax: "Axes", named: tuple[str, str], path: FloatArray, lines: FloatArray, placed: list[LabelBox]
+) -> None:
     """The slope beside the line of a term, where it hides nothing; nowhere if there is no room."""
     text = say("slope {slope}", slope=named[1])
     visible = path[((path > 0.06) & (path < 0.94)).all(axis=1)][::6]
@@ -152,7 +156,7 @@ def _draw_slope(ax: Axes, named: tuple[str, str], path: FloatArray, lines: Float
     )  # fmt: skip
 
 
-def draw_minimum(ax: Axes, panel: CurvePanel, lines: FloatArray, placed: list[LabelBox], level: float) -> None:
+def draw_minimum(ax: "Axes", panel: CurvePanel, lines: FloatArray, placed: list[LabelBox], level: float) -> None:
     """The minimum of the Allan deviation with its averaging time, as data sheets quote it."""
     readings = panel.readings
     if readings is None or readings.minimum is None or panel.curve.statistic != "oadev":
@@ -188,7 +192,7 @@ def _label(panel: CurvePanel, label: Named, line: FloatArray, mark: tuple[float,
     return say("{coefficient}\nat τ = {tau}: {deviation}", coefficient=text, tau=at, deviation=size)
 
 
-def _mark(ax: Axes, panel: CurvePanel, term: Term, unit: str) -> tuple[float, float] | None:
+def _mark(ax: "Axes", panel: CurvePanel, term: Term, unit: str) -> tuple[float, float] | None:
     """Where the coefficient is read off the term's line, if that is in sight: at so many seconds, or else hours."""
     if not math.isfinite(term.row.read_at):
         return None

@@ -21,15 +21,17 @@ class Unsketched(NotImplementedError):  # noqa: N818 - no error, but the way to 
 
 def demanding(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function, whose arguments that it does not have raise `Unsketched`."""
-    signature = inspect.signature(function)
 
     @wraps(function)
     def call(*arguments: Any, **named: Any) -> Any:
         try:
-            signature.bind(*arguments, **named)
-        except TypeError as error:
-            raise Unsketched(f"{function.__name__}: {error}") from None
-        return function(*arguments, **named)
+            return function(*arguments, **named)
+        except TypeError:
+            try:
+                inspect.signature(function).bind(*arguments, **named)
+            except TypeError as error:
+                raise Unsketched(f"{function.__name__}: {error}") from None
+            raise
 
     return call
 
@@ -74,9 +76,9 @@ class Ticks(NamedTuple):
     beside: str
 
     @property
-    def labelled(self) -> tuple[tuple[list[float], list[str]], ...]:
-        """Places and labels, of major and of minor ticks."""
-        return (self.major, self.labels), (self.minor, self.minor_labels)
+    def labelled(self) -> tuple[tuple[str, list[str]], ...]:
+        """Labels of major and of minor ticks."""
+        return ("major", self.labels), ("minor", self.minor_labels)
 
 
 @limited
@@ -91,6 +93,14 @@ class Side:
         self._formatters: list[Callable[[float, int | None], str] | None] = [None, None]
         self._fixed: list[float] | None = None
         self.beside = "left"
+        self._ends: tuple[float, float] | None = None
+        self._made: dict[int, Ticks] = {}
+
+    def settle(self) -> None:
+        """Nothing is added any more: the limits stay, and ticks are made once for each number of them."""
+        self.limits = self.get_view_interval()
+        self._ends = tuple(self.place(np.array(self.limits)).tolist())
+        self._made = {}
 
     def set_major_formatter(self, formatter: Callable[[float, int | None], str]) -> None:
         """How labels of major ticks read."""
@@ -144,12 +154,19 @@ class Side:
 
     def share(self, values: Any) -> FloatArray:
         """Values as fractions of the view."""
-        low, high = self.place(np.array(self.get_view_interval()))
+        low, high = self._ends or self.place(np.array(self.get_view_interval()))
         return np.asarray((self.place(values) - low) / (high - low))
 
     def ticks(self, length: float, size: float) -> Ticks:
         """Ticks of an axis of so many points, with letters of a size."""
         most = int(length / (size * (3.0 if self.across else 2.0)))
+        if self._ends is None:
+            return self._ticks(most)
+        if most not in self._made:
+            self._made[most] = self._ticks(most)
+        return self._made[most]
+
+    def _ticks(self, most: int) -> Ticks:
         low, high = self.get_view_interval()
         decades = min(max(most, 2), 9)
         places: Any = self._fixed

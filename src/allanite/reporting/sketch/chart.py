@@ -47,10 +47,6 @@ class PanelFrame:
 
     def room(self) -> tuple[float, float, float, float]:
         """What stands beside the box: at the left, above, at the right, below."""
-        labels = [*self.up.labels, *self.up.minor_labels]
-        left = PAD + max((ink.size_of(ink.shown(text), TICK)[0] for text in labels if text), default=0.0)
-        name = ink.shown(self.panel.yaxis.label)
-        left += NAME_PAD + ink.size_of(name, LABEL)[1] if name else 0.0
         below = right = PAD
         if self.panel.labelled:
             named = ink.size_of(ink.shown(self.panel.xaxis.label), LABEL)[1]
@@ -65,7 +61,13 @@ class PanelFrame:
             above = max(above, TICK + PAD)
         if self.panel.legends is not None and not self.panel.legends[1]:
             above += self.panel.legends[0].height
-        return left, above, right, below
+        return self._left(), above, right, below
+
+    def _left(self) -> float:
+        labels = [*self.up.labels, *self.up.minor_labels]
+        left = PAD + max((ink.size_of(ink.shown(text), TICK)[0] for text in labels if text), default=0.0)
+        name = ink.shown(self.panel.yaxis.label)
+        return left + (NAME_PAD + ink.size_of(name, LABEL)[1] if name else 0.0)
 
     def svg(self, number: int) -> str:
         """All of it; `number` names its clip."""
@@ -87,11 +89,15 @@ class PanelFrame:
             f"<rect{rectangle} {ink.stroke(self.edge, EDGE_WIDTH)}/>", *self._names(), legend,
         ))  # fmt: skip
 
-    def _at(self, places: list[float], *, across: bool) -> list[float]:
-        side = self.panel.xaxis if across else self.panel.yaxis
-        share = side.share(np.array(places)) if places else np.empty(0)
-        points = self.box.left + self.box.width * share if across else self.box.top + self.box.height * (1 - share)
-        return [float(at) for at in points]
+    @cached_property
+    def at(self) -> dict[str, tuple[list[float], list[float]]]:
+        """Where major and minor ticks are: of the abscissa, and of the ordinate."""
+        left, top, width, height = self.box
+        of = ((self.panel.xaxis, self.across, left, width), (self.panel.yaxis, self.up, top + height, -height))
+        return {
+            which: tuple((start + length * side.share(getattr(t, which))).tolist() for side, t, start, length in of)
+            for which in ("major", "minor")
+        }
 
     def _grid(self) -> Iterator[str]:
         left, top, width, height = (ink.number(value) for value in self.box)
@@ -99,25 +105,24 @@ class PanelFrame:
             if which not in self.panel.grids:
                 continue
             color, line, alpha = self.panel.grids[which]
-            d = "".join(f"M{ink.number(x)} {top}v{height}" for x in self._at(getattr(self.across, which), across=True))
-            d += "".join(f"M{left} {ink.number(y)}h{width}" for y in self._at(getattr(self.up, which), across=False))
+            d = "".join(f"M{ink.number(x)} {top}v{height}" for x in self.at[which][0])
+            d += "".join(f"M{left} {ink.number(y)}h{width}" for y in self.at[which][1])
             yield ink.element(d, ink.stroke(color, line, opacity=alpha))
 
     def _ticks(self) -> Iterator[str]:
         left, top, width, height = self.box
         foot, side = ink.number(top + height), ink.number(left)
         for which, length, line in (("major", LONG_TICK, TICK_WIDTH), ("minor", self.panel.minor_length, FINE_WIDTH)):
-            x, y = (self._at(getattr(ticks, which), across=ticks is self.across) for ticks in (self.across, self.up))
-            d = "".join(f"M{ink.number(at)} {foot}v{-length:g}" for at in x)
-            d += "".join(f"M{side} {ink.number(at)}h{length:g}" for at in y)
+            d = "".join(f"M{ink.number(at)} {foot}v{-length:g}" for at in self.at[which][0])
+            d += "".join(f"M{side} {ink.number(at)}h{length:g}" for at in self.at[which][1])
             yield ink.element(d, ink.stroke(self.edge, line))
         if self.panel.labelled:
-            for places, labels in self.across.labelled:
-                for at, label in zip(self._at(places, across=True), labels, strict=True):
+            for which, labels in self.across.labelled:
+                for at, label in zip(self.at[which][0], labels, strict=True):
                     yield self._label(label, (at, top + height + PAD), "center", "top")
             yield self._label(self.across.beside, (left + width, top + height + PAD + TICK), "right", "top")
-        for places, labels in self.up.labelled:
-            for at, label in zip(self._at(places, across=False), labels, strict=True):
+        for which, labels in self.up.labelled:
+            for at, label in zip(self.at[which][1], labels, strict=True):
                 yield self._label(label, (left - PAD, at), "right", "center")
         end = self.panel.yaxis.beside
         yield self._label(self.up.beside, (left + width * (end == "right"), top - PAD), end, "bottom")
@@ -132,7 +137,7 @@ class PanelFrame:
             at = (left + width / 2, top + height + PAD + TICK + NAME_PAD)
             yield ink.words(ink.shown(panel.xaxis.label), at, LABEL, color=panel.ink, ha="center", va="top")
         lines = ink.shown(panel.yaxis.label)
-        beside = left - self.room()[0]
+        beside = left - self._left()
         for i, line in enumerate(lines):
             at = (beside + (i * 1.2 + 0.76) * LABEL, top + height / 2)
             yield ink.words([line], at, LABEL, color=panel.ink, ha="center", turned=True)
@@ -261,6 +266,8 @@ class Chart:
 
     def svg(self) -> str:
         """The figure."""
+        for side in {side for panel in self.axes for side in (panel.xaxis, panel.yaxis)}:
+            side.settle()
         top = self.key.height + LABEL if self.key and self.key.labels else 0.0
         boxes = arranged(self.grid, self.ratios, (self.width, self.height, top))
         wide, high = (f"{length:g}" for length in (round(self.width, 1), round(self.height, 1)))

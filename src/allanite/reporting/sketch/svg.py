@@ -68,13 +68,10 @@ def number(value: float) -> str:
 def path(x: FloatArray, y: FloatArray, *, closed: bool = False) -> str:
     """Lines through points; a point that is not finite ends one."""
     finite = np.isfinite(x) & np.isfinite(y)
-    x, y = (np.clip(np.round(values, 1), -MAX_COORDINATE, MAX_COORDINATE) + 0.0 for values in (x, y))
-    parts, last = [], False
-    for known, at, level in zip(finite.tolist(), x.tolist(), y.tolist(), strict=True):
-        if known:
-            parts.append(f"{'L' if last else 'M'}{at:g} {level:g}")
-        last = known
-    return "".join(parts) + ("Z" if closed and parts else "")
+    runs = np.flatnonzero(np.diff(finite, prepend=False, append=False)).reshape(-1, 2).tolist()
+    points = np.clip(np.round(np.column_stack([x, y]), 1), -MAX_COORDINATE, MAX_COORDINATE) + 0.0
+    parts = (f"M%g %g{' %g %g' * (end - start - 1)}" % tuple(points[start:end].ravel().tolist()) for start, end in runs)
+    return "".join(parts) + ("Z" if closed and runs else "")
 
 
 def style(**properties: "str | float | None") -> str:
@@ -83,6 +80,7 @@ def style(**properties: "str | float | None") -> str:
     return f'style="{"; ".join(known)}"'
 
 
+@cache
 def hexadecimal(color: str) -> str:
     """A color as the style sheet of a page names it."""
     if color != "white" and not re.fullmatch("#[0-9a-fA-F]{6}", color):

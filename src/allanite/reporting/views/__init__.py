@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
 from allanite.plugins import Registry
-from allanite.reporting.sheet import Face, Plot
 
 if TYPE_CHECKING:
     from allanite.core.fit import Fit
     from allanite.reporting.first import First
+    from allanite.reporting.sheet import Face, Plot
 
 Rows = tuple[Sequence[str], list[list[Any]]]
 
@@ -20,7 +20,7 @@ Rows = tuple[Sequence[str], list[list[Any]]]
 class View:
     """The forms of a result."""
 
-    face: Callable[[Any, float], Face]  # what the terminal, the page and a notebook show
+    face: "Callable[[Any, float], Face]"  # what the terminal, the page and a notebook show
     # the figure for print, of one value or of several that are drawn together
     plot: "Callable[[Sequence[Any], Fit | None, float], Plot] | None" = None
     rows: Callable[[Any, float], Rows] | None = None  # the numbers for a CSV file, unrounded
@@ -45,14 +45,14 @@ def view(
     rows: Callable[[Any, float], Rows] | None = None,
     coefficients: Callable[[Any, float], Rows] | None = None,
     first: "Callable[[Any, float], First] | None" = None,
-) -> Callable[[Callable[[Any, float], Face]], View]:
+) -> "Callable[[Callable[[Any, float], Face]], View]":
     """Marks the function that makes the face of a result: it becomes its `View`, which has these, too."""
     return lambda face: View(face, plot, rows, coefficients, first)
 
 
 _OWN = {
     "Study": "analysis.study_view", "Channel": "analysis.channel_view", "Batch": "batch.batch_view",
-    "Lot": "lot.lot_view", "Meaning": "expectation.meaning_view", "Survey": "values.survey_view",
+    "Lot": "lot.lot_view", "Meaning": "expectation.meaning_view", "Survey": "survey.survey_view",
     "Record": "analysis.record_view", "Recording": "analysis.record_view", "Curve": "values.value_view",
     "Spectrum": "values.value_view", "Surface": "values.value_view", "Comparison": "comparison.comparison_view",
     "ClaimCheck": "claims.check_view", "ClaimedNoise": "claims.claim_view", "Pool": "comparison.pool_view",
@@ -64,8 +64,9 @@ _OWN = {
     "RecordingPlan": "planning.PLAN", "RecordingPlans": "planning.PLANS", "SelfCheck": "planning.CHECK",
     "SelfChecks": "planning.CHECKS", "Bound": "planning.bound_view", "Properties": "planning.properties_view",
     "StateSpace": "planning.SPACE", "StateSpaces": "planning.SPACES", "Drift": "drift.drift_view",
-    "Export": "export.export_view", "Imported": "export.imported_view", "Explanation": "export.explanation_view",
-    "Word": "export.word_view", "DataSheet": "datasheet.sheet_view", "SheetComparison": "datasheet.comparison_view",
+    "Export": "export.export_view", "Imported": "explanation.imported_view", "Word": "explanation.word_view",
+    "Explanation": "explanation.explanation_view", "DataSheet": "datasheet.sheet_view",
+    "SheetComparison": "datasheet.comparison_view",
     "Simulation": "expectation.simulation_view", "RateStudy": "rate.study_view",
     "Closeup": "rate_experiment.closeup_view", "Experiment": "rate_experiment.experiment_view",
     "Ranking": "rate.ranking_view", "RateEstimate": "rate.estimate_view", "AngleStudy": "angle.study_view",

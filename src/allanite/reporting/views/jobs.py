@@ -189,4 +189,6 @@ def reservations(channels: Sequence[Channel]) -> Iterator[Remark]:
 
 def mean_and_spread(record: Record) -> tuple[float, float]:
     """Mean and standard deviation of a record, in the unit of data sheets."""
-    return mean_and_deviation(record.rate_values * convert(1.0, record.signal.si[0], record.signal.sheet[0]))
+    factor = record.rate_factor * convert(1.0, record.signal.si[0], record.signal.sheet[0])
+    mean, deviation = mean_and_deviation(record.steps)
+    return mean * factor, deviation * abs(factor)

@@ -14,15 +14,11 @@ from allanite.core.spectrum import Spectrum
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, printed_unit, rounded
-from allanite.reporting.first import First
 from allanite.reporting.sheet import Column, Drawing, Face, Plot, Sheet, Table, Where, one_sheet
 from allanite.reporting.text import spread
 from allanite.statistics import statistic_named
-from allanite.study.survey import Survey
 
 from . import Rows, view
-from .channels import how_read, title_of
-from .jobs import alerts, channel_sheet, doubts, job_face, source_of
 
 BRAND = say("statistics of an inertial sensor")
 
@@ -192,13 +188,6 @@ MAX_ROWS = 12  # rows of all tables together
 MAX_WITH_INTERVALS, MAX_BESIDE = 3, 6  # channels side by side with their intervals, and without
 
 
-def first_of_survey(survey: Survey, level: float) -> First:
-    """The values of every channel, at averaging times or frequencies that are spread evenly."""
-    after = [("--plot curve.png", say("figure")), ("--csv FILE", say("all values")), ("--details", say("edf"))]
-    answer = list(tables_of(survey.values, level))
-    return First(title_of(survey), "", answer, [*doubts(survey.channels), *alerts(survey)], (), how_read(survey), after)
-
-
 def tables_of(values: Sequence[Any], level: float, rows: int = MAX_ROWS) -> Iterator[Table | str]:
     """A table for each statistic, of so many rows together: a column for each channel with the averaging times."""
     alike: dict[tuple[str, tuple[float, ...]], list[Any]] = {}
@@ -258,22 +247,3 @@ def _cells(value: Curve | Spectrum | Surface, level: float, *, bare: bool) -> di
     numbers = [digits(*v) for v in zip(size.tolist(), *limits.tolist(), strict=True)]
     cells = [number.plain()[0] if bare else number.words() for number in numbers]
     return dict(zip(_at(value).tolist(), cells, strict=True))
-
-
-def _plot_survey(values: Sequence[Survey], fit: Fit | None, level: float) -> Plot:
-    shown = [value for survey in values for value in survey.values]
-    fits = {name: each for survey in values for name, each in survey.fits.items()}
-    return FORMS[type(shown[0])].plot(shown, fits, level)
-
-
-@view(_plot_survey, lambda survey, level: rows_of(survey.values, level), first=first_of_survey)
-def survey_view(survey: Survey, level: float) -> Face:
-    """The statistics of each channel."""
-    sheets = [channel_sheet(c, [numbers_table(value, level) for value in c.values]) for c in survey]
-    names = ", ".join(dict.fromkeys(value.name for value in survey.values if value.name))
-    titles = join("; ", dict.fromkeys(FORMS[type(value)].title(value) for value in survey.values))
-    drawing = Drawing(
-        lambda: _plot_survey([survey], None, level),
-        say("{titles}, of {channels}", titles=titles, channels=names) if names else titles,
-    )
-    return job_face(survey, (source_of(survey), BRAND), sheets, [drawing])
