@@ -17,7 +17,7 @@ from allanite.phrases.phrase import say, spelled
 
 from .clock.clocks import counting
 from .clock.parts import Clock, Piece, clock_of
-from .columns import sensors
+from .columns import gravity, sensors
 from .columns.column import column
 from .columns.lines import Parts
 from .columns.table import Sense
@@ -179,7 +179,8 @@ class PartsReader:
 
 def whole_findings(reader: PartsReader) -> tuple[Finding, ...]:
     """Findings about the clock of the whole file, and that a counter without time stamps is not looked at."""
-    findings = reader.sense.findings(reader.clock.beat())
+    beat = reader.clock.beat()
+    findings = reader.sense.findings(beat, gravity.doubts(reader.sense.choice.signals, beat.rate))
     signals = [signal.column for signal in reader.sense.signals]
     counter = counting(column for column in reader.sense.columns if column not in signals)
     if counter is None or reader.clock.stamped:

@@ -23,6 +23,8 @@ TITLE = "text or CSV: columns of numbers, with or without a header"
 
 DENSITY = 0.5  # samples in a byte, at most: a digit and a delimiter
 
+_CONTROLS = bytes(code for code in range(32) if code not in b"\t\n\v\f\r\x1a")
+
 _COMMENT = re.compile(rb'# (\{"%s": .*\})\r?\n' % KEY.encode())
 
 
@@ -30,8 +32,7 @@ def sniff(head: bytes, suffix: str) -> bool:
     """Whether the first bytes are those of a text."""
     if head.startswith(encoding.UTF16):
         return True
-    control = sum(head.count(bytes([code])) for code in range(32) if code not in b"\t\n\v\f\r\x1a")
-    return control == 0 and bool(head.strip())
+    return head.translate(None, _CONTROLS) == head and bool(head.strip())
 
 
 class Parsed(NamedTuple):
@@ -66,8 +67,8 @@ def streamed(chunks: lines.Chunks, options: Options) -> Parts | None:
     forms = parse.forms_of(first, form, last=whole)
     rows, comments, passed = 0, 0, tuple[str, ...]()
     for block, part, last in text.rows(form):
-        comments += parse.comments(block, part)
-        body, passed = parse.clean_rows(block, part, last=last)
+        body, count, passed = parse.clean_rows(block, part, parse.signs(block, part.offset), last=last)
+        comments += count
         rows += parse.count(body)
         parse.see_order(body, part, forms)
     values = parse.columns(first, form, last=whole)[0]
