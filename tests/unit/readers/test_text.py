@@ -385,6 +385,23 @@ def test_a_few_lines_show_the_layout_of_all(above, monkeypatch):
         assert parse.signs(data, few.offset) == set(data[few.offset :].decode()) & set(parse.SIGNS)
 
 
+@rows("cell", ["1.25", "+3", "", "word", "7"])
+def test_a_large_text_is_parsed_in_pieces(cell, monkeypatch):
+    lines = [f"{i},{i / 8},{cell if i == 30_000 else -i}" for i in range(40_000)]
+    data = "\n".join(["a,b,c", *lines, ""]).encode()
+    form = layout.find(data)
+    try:
+        whole = parse.columns(data, form)
+    except DataError as error:
+        whole = str(error)
+    monkeypatch.setattr(parse, "PIECE", 300_000)
+    if isinstance(whole, str):
+        refused(DataError, whole, lambda: parse.columns(data, form))
+        return
+    for mine, known in zip(parse.columns(data, form)[0], whole[0], strict=True):
+        np.testing.assert_array_equal(mine, known, strict=True)
+
+
 def test_a_row_of_whole_numbers_is_no_heading():
     for text, names in (("0,1\n0.1,0.5\n0.2,0.4\n", ("", "")), ("0,1\n0.7,0.5\n0.2,0.4\n", ("0", "1"))):
         assert layout.find(text.encode()).names == names

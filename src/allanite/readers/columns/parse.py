@@ -1,7 +1,7 @@
 """Parses the rows of numbers of a text file to columns with pyarrow; locates what is not a number."""
 
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, NoReturn
 
@@ -54,16 +54,54 @@ def columns(
     held = signs(data, layout.offset)
     body, comments, notes = clean_rows(data, layout, held, last=last)
     notes = notes if forms else (*commented(comments), *notes)
-    many = {} if forms else _of_many_words(body, layout)
-    table = _table(body, layout, forms, many)
-    result = [many.get(i) or _values(table.column(str(i)), layout, i, forms) for i in range(layout.width)]
-    if '"' in held and data.count(b'"', layout.offset) % 2 and table.num_rows != count(body):
+    result, rows = _of_pieces(body, layout) if not forms and len(body) > 2 * PIECE else ([], 0)
+    if not result:
+        result, rows = _parsed(body, layout, forms, {} if forms else _of_many_words(body, layout))
+    if '"' in held and data.count(b'"', layout.offset) % 2 and rows != count(body):
         _blame_quotation(body, layout)
     if any(values is NotImplemented for values in result):
         _blame(body, layout, say("a column of numbers contains something else"))
     if forms:
-        forms.rows += table.num_rows
+        forms.rows += rows
     return result, notes
+
+
+def _parsed(
+    body: bytes | memoryview, layout: Layout, forms: Forms | None, many: Mapping[int, str]
+) -> tuple[list[Any], int]:
+    """The columns of clean rows, and the number of rows; `many` are the first words of columns of many."""
+    table = _table(body, layout, forms, many)
+    rows, parsed = table.num_rows, dict(zip(map(int, table.column_names), table.columns, strict=True))
+    del table  # each column is given back when it is converted
+    return [many.get(i) or _values(parsed.pop(i), layout, i, forms) for i in range(layout.width)], rows
+
+
+PIECE = 1 << 26  # bytes of a large text that are parsed at a time, which take three times as much memory meanwhile
+
+
+def _of_pieces(body: bytes | memoryview, layout: Layout) -> tuple[list[Any], int]:
+    """The columns of a large text, parsed a piece at a time, and the number of rows; none where not all are numbers."""
+    import pyarrow as pa
+
+    pieces, at, rows = list[list[Any]](), 0, 0
+    while at < len(body) and not layout.text:
+        end = len(body)
+        if end - at > PIECE:
+            end = at + PIECE - _IN_CACHE + bytes(body[at + PIECE - _IN_CACHE : at + PIECE]).rfind(b"\n") + 1
+        try:
+            piece, count = _parsed(body[at:end], layout, None, {})
+        except DataError:  # which the whole text names by its line
+            return [], 0
+        if any(not isinstance(values, np.ndarray) or values.dtype.kind not in "if" for values in piece):
+            return [], 0
+        pieces.append(piece)
+        at, rows = end, rows + count
+    columns = [[piece[i] for piece in pieces] for i in range(layout.width)] if pieces else []
+    pieces.clear()
+    pa.default_memory_pool().release_unused()
+    for parts in columns:  # those that are joined are given back
+        parts[:] = [np.concatenate(parts)]
+    return [values for (values,) in columns], rows
 
 
 def forms_of(data: bytes, layout: Layout, *, last: bool) -> Forms:

@@ -1,8 +1,10 @@
 """Text and CSV: columns of numbers with any delimiter, with or without a header; columns requested by name."""
 
 import math
+import os
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple, TypeGuard
@@ -49,6 +51,17 @@ def read(path: str, options: Options) -> Recording:
     data, notes = _opened(path)
     comment = _COMMENT.match(data)
     return restored(arranged(columns_of(data, notes), options), comment[1] if comment else "").recording(options)
+
+
+def shape_of(path: str) -> tuple[int, int]:
+    """About how many rows and columns a text has, by its head; none if that is no text in UTF-8 of them."""
+    with Path(path).open("rb") as file:
+        head = file.read(layout.HEAD)
+    with suppress(DataError):
+        form = layout.find(head)
+        rows = head.count(b"\n", form.offset)
+        return math.ceil(os.path.getsize(path) * rows / (len(head) - form.offset)), form.width
+    return 0, 0
 
 
 def parts(path: str, options: Options) -> Parts | None:
