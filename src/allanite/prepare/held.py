@@ -50,16 +50,21 @@ class Hold:
 
 def held(columns: Sequence[NDArray[Any]]) -> Hold | None:
     """The samples of a sensor whose channels these are, if its logger repeats them."""
-    y = np.stack([np.asarray(column, dtype=np.float64) for column in columns])
-    known = np.flatnonzero(np.isfinite(y).all(axis=0))
-    y = y[:, known]
-    if known.size < FEWEST:
+    columns = [np.asarray(column, dtype=np.float64) for column in columns]
+    finite: BoolArray = np.logical_and.reduce([np.isfinite(column) for column in columns])
+    if not finite.all():
+        columns = [column[finite] for column in columns]
+    if columns[0].size < FEWEST:
         return None
-    steps = np.abs(np.diff(y))
-    moved: BoolArray = np.asarray((steps > 0).any(axis=0))
-    if moved.sum() < FEWEST_CHANGES or not CHANGING[0] < moved.mean() < CHANGING[1]:
+    moved = np.zeros(columns[0].size - 1, dtype=np.bool_)
+    for column in columns:
+        moved |= column[1:] != column[:-1]
+        if not moved.mean() < CHANGING[1]:  # of most records the first channel shows it
+            return None
+    if moved.sum() < FEWEST_CHANGES or not CHANGING[0] < moved.mean():
         return None
-    ticks = _ticks(moved, steps)
+    known = np.flatnonzero(finite)
+    ticks = _ticks(moved, np.abs(np.diff(np.stack(columns))))
     if ticks is None:
         return None
     at = np.flatnonzero(moved) + 1

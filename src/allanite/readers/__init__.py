@@ -100,6 +100,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     (100.0, 'deg/s', "rate 100.0 Hz from column 'time [s]'")
     >>> folder.cleanup()
     """
+    from allanite.parallel.processes import later
     from allanite.readers.formats.registry import read_frame, readable, reader_for, reader_of_type
     from allanite.readers.sandbox.packing import unpacked
     from allanite.readers.sandbox.source import digest_of, head_of, landed
@@ -115,11 +116,12 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
         return read_frame(path, options)
     with landed(path) as (file, member, name):
         try:
+            digest = later(lambda: digest_of(file))
             with unpacked(file, member, readable, only_by_suffix=dtype is not None) as inner:
                 suffix = os.path.splitext(inner)[1].lower()
                 reader = reader_of_type(options.dtype) if options.dtype else reader_for(head_of(inner), suffix)
                 recording = reader.read(inner, options)
-            return replace(recording, source=name, digest=digest_of(file))
+            return replace(recording, source=name, digest=digest.result())
         except AllaniteError as error:
             raise error.within(name) from None
         except OSError as error:

@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import ceil
 from pathlib import Path
@@ -13,18 +13,20 @@ from numpy.typing import NDArray
 from allanite.core.errors import AllaniteError, UsageError
 from allanite.core.record import Record
 from allanite.core.validity import Finding
-from allanite.phrases.phrase import say, spelled
+from allanite.phrases.phrase import Phrase, say, spelled
 
 from .clock.clocks import counting
 from .clock.parts import Clock, Piece, clock_of
-from .columns import sensors
+from .columns import gravity, sensors
 from .columns.column import column
 from .columns.lines import Parts
 from .columns.table import Sense
 from .options import Options, channel_names
 
 NEED = 9
-"""Memory that an analysis takes, over that of the samples as float64: measured with 3.2e7 samples of one channel."""
+"""Memory that the analysis of a channel takes, over that of its samples as float64: measured with 3.2e7 of them."""
+
+SMALL = 1 << 28  # bytes that any machine has: whether less is free is not asked
 
 MEMORY_SHARE = 0.5  # share of the available memory that a record may take, unless it is given
 
@@ -110,9 +112,27 @@ def allowed(memory: str | None, share: float = MEMORY_SHARE) -> int:
     return int(share * available()) if memory is None else bytes_of(memory)
 
 
-def needed(numbers: int) -> int:
-    """Bytes that the analysis of so many samples takes, all channels together."""
-    return NEED * 8 * numbers
+def needed(numbers: int, longest: int | None = None) -> int:
+    """Bytes that the analysis of so many samples takes, one channel after the other; all are one, or the `longest`."""
+    return 8 * (numbers + (NEED - 1) * (numbers if longest is None else longest))
+
+
+def needed_to_read(size: int, rows: int, columns: int) -> int:
+    """Bytes that reading a file of this size takes: the file, its columns, and one of them before it is converted."""
+    return size + 8 * rows * (columns + 1)
+
+
+def at_a_time(sizes: Sequence[int], memory: str | None, limit: int | None) -> Phrase | None:
+    """Why channels of so many samples are analyzed one at a time; None where memory suffices for all at once."""
+    together = needed(sum(sizes))
+    if len(sizes) < 2 or (memory is None and together <= SMALL):
+        return None
+    limit = allowed(memory) if limit is None else limit
+    if together <= limit:
+        return None
+    return say("the channels were analyzed one after the other: at once they may take {need} of memory, of which "
+               "{limit} may be used ({option})", need=size_in_words(together), limit=size_in_words(limit),
+               option=spelled("--memory", "memory"))  # fmt: skip
 
 
 AT_ONCE = 1 << 20  # samples of all columns that are read at a time, at least a sixteenth of them in each
@@ -179,7 +199,8 @@ class PartsReader:
 
 def whole_findings(reader: PartsReader) -> tuple[Finding, ...]:
     """Findings about the clock of the whole file, and that a counter without time stamps is not looked at."""
-    findings = reader.sense.findings(reader.clock.beat())
+    beat = reader.clock.beat()
+    findings = reader.sense.findings(beat, gravity.doubts(reader.sense.choice.signals, beat.rate))
     signals = [signal.column for signal in reader.sense.signals]
     counter = counting(column for column in reader.sense.columns if column not in signals)
     if counter is None or reader.clock.stamped:
@@ -188,20 +209,20 @@ def whole_findings(reader: PartsReader) -> tuple[Finding, ...]:
     return (*findings, Finding("counter", what, say("samples that are missing by it are joined as if there were none")))
 
 
-def opened(path: Any, memory: str | None, choices: Mapping[str, Any]) -> PartsReader | None:
-    """The reader in parts of a file that does not fit into memory; None for a file that does, or anything else."""
+def opened(path: Any, memory: str | None, choices: Mapping[str, Any], limit: int | None = None) -> PartsReader | None:
+    """The reader in parts of a file of which no single channel fits into memory; None for anything else."""
     from .sandbox.source import STDIN, checked, size_of
 
     if not isinstance(path, (str, os.PathLike)) or path == STDIN:
         return None
     file, member = checked(path)
-    limit = allowed(memory)
+    limit = allowed(memory) if limit is None else limit
     if needed(_most(size_of(file))) <= limit:
         return None
-    reader = _found(path, file, member, (_options(choices), limit))
-    if reader is None:
+    reader, need = _found(path, file, member, (_options(choices), limit))
+    if reader is None and need > limit:
         demand_memory(path, memory, choices)
-    return None if reader is None or reader.need <= limit else reader
+    return None if need <= limit else reader
 
 
 def demand_memory(path: Any, memory: str | None, choices: Mapping[str, Any]) -> None:
@@ -213,11 +234,13 @@ def demand_memory(path: Any, memory: str | None, choices: Mapping[str, Any]) -> 
     if not isinstance(path, (str, os.PathLike)) or path == STDIN:
         return
     file, member = checked(path)
-    need, limit = needed(size_of(file) // CHARACTERS), allowed(memory, 1.0)
+    need = needed(size_of(file) // CHARACTERS)
+    if memory is None and need <= SMALL:
+        return
+    limit = allowed(memory, 1.0)
     if need <= limit:
         return
-    reader = _found(path, file, member, (_options(choices), limit))
-    need = need if reader is None else reader.need
+    reader, need = _found(path, file, member, (_options(choices), limit))
     if need > limit:
         what = say("this job is") if reader else say("this format is")
         raise UsageError(_refused(named(path, os.fspath(path)), need, limit, what))
@@ -245,41 +268,69 @@ def _options(choices: Mapping[str, Any]) -> Options:
     return Options(**given)
 
 
-def _found(path: Any, file: str, member: str, how: tuple[Options, int]) -> PartsReader | None:
-    """The reader in parts of a file, if it has one; `how` are the options and the memory that may be used."""
-    from .sandbox.source import named
+def _found(path: Any, file: str, member: str, how: tuple[Options, int]) -> tuple[PartsReader | None, int]:
+    """The reader in parts of a file, and the memory it needs; none where it has none, or fits by its size."""
+    # `how` are the options and the memory that may be used.
+    from .sandbox.source import named, size_of
 
     options, limit = how
     try:
-        parts = _parts(file, member, options, limit)
-        return None if parts is None else _reader(named(path, os.fspath(path)), file, parts, limit)
+        form = _format_of(file, member, options)
+        if _fits(form, file, limit):
+            return None, 0
+        parts = _parts(form, file, member, options)
+        if parts is None:
+            return None, needed(size_of(file) // CHARACTERS)
+        reader = _reader(named(path, os.fspath(path)), file, parts, limit)
+        return reader, reader.need
     except AllaniteError as error:
         raise error.within(named(path, os.fspath(path))) from None
 
 
-def _parts(file: str, member: str, options: Options, limit: int) -> Parts | None:
-    """The parts of a file; None if it fits by its size, or its format is not read in parts, as most in a packing."""
+def _format_of(file: str, member: str, options: Options) -> Any:
+    """The reader of a file; None for one that is packed."""
     from .formats.registry import readable, reader_for, reader_of_type
-    from .sandbox.packing import PackedFile, packing_of
-    from .sandbox.source import head_of, size_of
+    from .sandbox.packing import packing_of
+    from .sandbox.source import head_of
 
     if member or packing_of(file, readable, options.dtype is not None) is not None:
+        return None
+    suffix = os.path.splitext(file)[1].lower()
+    return reader_of_type(options.dtype) if options.dtype is not None else reader_for(head_of(file), suffix)
+
+
+def _fits(form: Any, file: str, limit: int) -> bool:
+    """Whether a file fits by its size, and by about how many rows and columns it has, which are not counted."""
+    from .sandbox.source import size_of
+
+    size = size_of(file)
+    if hasattr(form, "DENSITY") and needed(ceil(size * form.DENSITY)) <= limit:
+        return True
+    rows, columns = form.shape_of(file) if hasattr(form, "shape_of") else (0, 0)
+    return rows > 0 and max(needed(rows * columns, rows), needed_to_read(size, rows, columns)) <= limit
+
+
+def _parts(form: Any, file: str, member: str, options: Options) -> Parts | None:
+    """The parts of a file; None if its format is not read in parts, as most in a packing."""
+    from .formats.registry import readable, reader_for
+    from .sandbox.packing import PackedFile
+
+    if form is None:
         packed = PackedFile(file, member, readable)
         streamed = getattr(reader_for(packed.head, packed.suffix), "streamed", None)
         return None if streamed is None or options.dtype is not None else streamed(packed.chunks, options)
-    suffix = os.path.splitext(file)[1].lower()
-    reader = reader_of_type(options.dtype) if options.dtype is not None else reader_for(head_of(file), suffix)
-    if hasattr(reader, "DENSITY") and needed(ceil(size_of(file) * reader.DENSITY)) <= limit:
-        return None
-    parts: Parts | None = reader.parts(file, options) if hasattr(reader, "parts") else None
+    parts: Parts | None = form.parts(file, options) if hasattr(form, "parts") else None
     return parts
 
 
 def _reader(name: str, file: str, parts: Parts, limit: int) -> PartsReader:
+    from .sandbox.source import size_of
+
     options = parts.options
     if options.sincos:  # which need the whole record, whose size is all that is asked for
         options = replace(options, sincos=None, unit="1", kind="value")
     heads = parts.head.recording(options).records
     sense = parts.head.sense(options)
-    need = needed(parts.rows * len(sense.signals))
+    rows, columns = parts.rows, len(parts.head.columns)
+    need = max(needed(rows * len(sense.signals), rows), needed_to_read(size_of(file), rows, columns))
     return PartsReader(name, file, parts, sense, clock_of(sense, options.rate), heads, need, limit)

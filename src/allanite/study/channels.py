@@ -24,7 +24,7 @@ from allanite.prepare.transform import averaged, mark_motion, mark_outliers
 from allanite.prepare.window import excluded, quiet_window, trim
 from allanite.readers import read
 from allanite.readers.options import FrameLike
-from allanite.readers.parts import demand_memory
+from allanite.readers.parts import allowed, at_a_time, demand_memory
 
 from .job import provenance_of
 from .keeper import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
@@ -104,19 +104,20 @@ def each_channel(  # noqa: PLR0913 - each has a default but those that make the 
     channels: Sequence[tuple[str, tuple[Record, ...]]], work: Callable[[Inspected], Result],
     refused: Callable[[Inspected, str], Result], *, findings: Sequence[Finding] = (),
     look: Callable[[Record], Quality] = inspect, begin: Begin | None = None, doing: str = "analyzing",
-    demand: bool = False, progress: Progress | None = None,
+    demand: bool = False, alone: bool = False, progress: Progress | None = None,
 ) -> tuple[Result, ...]:  # fmt: skip
     """Inspect every channel, a name with its records, and process those that can support the job.
 
     `work` may raise DataError, from which `refused` makes the result of the channel; a fatal one of the `findings`
     about the files refuses every channel. `look` checks a record, `begin` begins an identification that ends when that
     of all was begun (`begun_in`), `doing` stands before the name in messages of `progress`. With `demand` it is a
-    DataError if no channel can be processed; its code is the name of the finding that refuses the first one.
+    DataError if no channel can be processed; its code is the name of the finding that refuses the first one. With
+    `alone` no two are processed at once, as where memory is short.
     """
     tell = progress or (lambda what, fraction: None)
     fatal = Quality(tuple(findings)).refusal
     every = [record for _, records in channels for record in records]
-    count = how_many(len(channels), max((record.size for record in every), default=0))
+    count = 1 if alone else how_many(len(channels), max((record.size for record in every), default=0))
 
     def inspected(channel: tuple[str, tuple[Record, ...]]) -> Inspected:
         return Inspected(*channel, tuple(map(look, channel[1])))
@@ -190,7 +191,9 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
     in_parts_too: tuple[str, ...] = (), doing: str = "analyzing", demand: bool = True, progress: Progress | None = None,
 ) -> Result:  # fmt: skip
     """Open a source, whole or in parts with a `keeping`, and process its channels; `kind` makes the result."""
-    reader = None if keeping is None else in_parts(source, recipe)
+    # memory is looked at once
+    limit = allowed(recipe.memory) if keeping is not None and isinstance(source, str | os.PathLike) else None
+    reader = None if keeping is None else in_parts(source, recipe, limit)
     if reader is not None and keeping is not None:
         read, findings, notes, provenance = passed(reader, recipe, keeping, progress)
         fatal = Quality(findings).refusal
@@ -208,7 +211,16 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
         return kind(results, recipe, (*findings, *drift_findings(recording, recipe, named)), *rest)
 
     return run_together(
-        made, (recording,), recipe, work, refused, begin=begin, doing=doing, demand=demand, progress=progress
+        made,
+        (recording,),
+        recipe,
+        work,
+        refused,
+        begin=begin,
+        doing=doing,
+        demand=demand,
+        limit=limit,
+        progress=progress,
     )
 
 
@@ -216,17 +228,21 @@ def run_together(  # noqa: PLR0913 - each has a default but those that make the 
     kind: Callable[..., Result], recordings: Sequence[Recording], recipe: Recipe, work: Callable[[Inspected], Any],
     refused: Callable[[Inspected, str], Any], *, channels: Sequence[tuple[str, tuple[Record, ...]]] | None = None,
     findings: Sequence[Finding] | None = None, notes: Sequence[str] = (), look: Callable[[Record], Quality] = inspect,
-    begin: Begin | None = None, doing: str = "analyzing", demand: bool = True, progress: Progress | None = None,
+    begin: Begin | None = None, doing: str = "analyzing", demand: bool = True, limit: int | None = None,
+    progress: Progress | None = None,
 ) -> Result:  # fmt: skip
     """Process the channels of recordings that are open; `channels` and `findings` are by default all of theirs."""
     first, *others = recordings
     if channels is None:
         channels = [(record.name, (record, *(other[record.name] for other in others))) for record in first]
     told = tuple(f for recording in recordings for f in recording.findings) if findings is None else tuple(findings)
+    alone = at_a_time([sum(record.size for record in each) for _, each in channels], recipe.memory, limit)
     results = each_channel(
-        channels, work, refused, findings=told, look=look, begin=begin, doing=doing, demand=demand, progress=progress
-    )
-    assumed = dict.fromkeys((*notes, *(note for recording in recordings for note in recording.notes)))
+        channels, work, refused, findings=told, look=look, begin=begin, doing=doing, demand=demand,
+        alone=alone is not None, progress=progress,
+    )  # fmt: skip
+    own = (note for recording in recordings for note in recording.notes)
+    assumed = dict.fromkeys((*notes, *own, *([] if alone is None else [alone])))
     return kind(results, recipe, told, tuple(assumed), provenance_of(*recordings))
 
 

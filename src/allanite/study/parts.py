@@ -31,9 +31,9 @@ Keeping = Callable[[Record, int], Keeper]
 """What keeps the samples of a channel that begins like a record, of so many samples."""
 
 
-def in_parts(source: Any, recipe: Recipe) -> PartsReader | None:
-    """The reader in parts of a file that does not fit into memory; None for everything else."""
-    reader = opened(source, recipe.memory, recipe.to_dict(READING))
+def in_parts(source: Any, recipe: Recipe, limit: int | None = None) -> PartsReader | None:
+    """The reader in parts of a file that does not fit into memory, or these bytes of it; None for everything else."""
+    reader = opened(source, recipe.memory, recipe.to_dict(READING), limit)
     if reader is not None:
         demand_sums(recipe)
     return reader

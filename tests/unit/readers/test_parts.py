@@ -231,9 +231,9 @@ def test_a_damaged_stamp_is_mended_in_a_part_and_refused_at_its_end(tmp_path):
 
 def test_what_fits_is_read_as_a_whole(tmp_path):
     path = npy(tmp_path, noise())
-    for memory in (None, "1TB", "7MB"):
+    for memory in (None, "1TB", "2.7MB"):
         assert opened(path, memory, UNIT) is None
-    reader = opened(path, "6MB", UNIT)
+    reader = opened(path, "2.6MB", UNIT)
     assert reader.rows == N
     # a format that is not read in parts is refused with a cure that works
     path = tmp_path / "a.npz"
@@ -244,12 +244,12 @@ def test_what_fits_is_read_as_a_whole(tmp_path):
     assert opened(path, cure, UNIT) is None
     refused(UsageError, "not read in parts", lambda: demand_memory(path, "1MB", UNIT))
     demand_memory(path, cure, UNIT)
-    # what fits by its rows is not refused by its size
+    # the analysis is that of one channel, of a file of which all columns are read
     path = npy(tmp_path, np.column_stack([noise()] * 20))
     some = UNIT | {"channels": ["1"]}
-    demand_memory(path, "3MB", some)  # 30000 samples of one channel
-    assert opened(path, "3MB", some) is None
-    with pytest.raises(UsageError, match=r"may take 2\.16 MB of memory.* and this job is not read in parts"):
+    demand_memory(path, "30MB", some)
+    assert opened(path, "30MB", some) is None
+    with pytest.raises(UsageError, match=r"may take 29 MB of memory.* and this job is not read in parts"):
         demand_memory(path, "2MB", some)
 
 

@@ -8,7 +8,7 @@ from tests.rows import paired, refused, rows
 
 from allanite.core.errors import DataError, UsageError
 from allanite.readers import read
-from allanite.readers.columns import headers, layout
+from allanite.readers.columns import headers, layout, parse
 
 
 @pytest.fixture
@@ -369,6 +369,37 @@ def test_headings_of_several_lines(write, heading, names):
     assert list(recording.channels) == names[1:]
     assert [record.unit for record in recording] == ["deg/s"] * 3 + ["g"] * 3
     assert noted(recording, "skipped 1 comment among the rows")
+
+
+@rows("above", [0, 150, 190, 210, 700])
+def test_a_few_lines_show_the_layout_of_all(above, monkeypatch):
+    long = "".join(f"remark {i}, of the logger\n" for i in range(above)) + "t,gx,gy,state\n"
+    long += "".join(f"{i / 100};{i % 7 / 2};{-i % 5},5;ok\n".replace(";", ",") for i in range(2000))
+    mixed = long.replace(",gx", ",gx [°/s]").replace(",5,ok", ',,"a, b"')
+    for data in (long.encode(), mixed.encode(), long.replace(",", "\t").encode(), long.replace(",", " ").encode()):
+        few = layout.find(data)
+        with monkeypatch.context() as patch:
+            patch.setattr(layout, "LINES", layout.HEAD)
+            assert layout.find(data) == few
+        assert data[few.offset :].startswith(b"0.0")
+        assert parse.signs(data, few.offset) == set(data[few.offset :].decode()) & set(parse.SIGNS)
+
+
+@rows("cell", ["1.25", "+3", "", "word", "7"])
+def test_a_large_text_is_parsed_in_pieces(cell, monkeypatch):
+    lines = [f"{i},{i / 8},{cell if i == 30_000 else -i}" for i in range(40_000)]
+    data = "\n".join(["a,b,c", *lines, ""]).encode()
+    form = layout.find(data)
+    try:
+        whole = parse.columns(data, form)
+    except DataError as error:
+        whole = str(error)
+    monkeypatch.setattr(parse, "PIECE", 300_000)
+    if isinstance(whole, str):
+        refused(DataError, whole, lambda: parse.columns(data, form))
+        return
+    for mine, known in zip(parse.columns(data, form)[0], whole[0], strict=True):
+        np.testing.assert_array_equal(mine, known, strict=True)
 
 
 def test_a_row_of_whole_numbers_is_no_heading():

@@ -7,9 +7,11 @@ import sys
 from dataclasses import replace
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from click.testing import CliRunner
 from hypothesis import given, settings, strategies as st
+from pyarrow import csv
 from tests import ALL, examples
 from tests.rows import refused, rows
 
@@ -97,6 +99,17 @@ def test_the_study_has_the_coefficients_of_the_whole(file):
 
 
 @pytest.mark.slow("takes more than half a second")
+def test_channels_are_analyzed_one_after_the_other_where_memory_is_short(file):
+    mine, whole = (al.analyze(file, Recipe(**HOW, memory=memory)).to_dict() for memory in ("18MB", None))
+    for name in ("recipe", "provenance"):
+        mine.pop(name), whole.pop(name)
+    (note,) = [note for note in mine["notes"] if note not in whole["notes"]]
+    mine["notes"].remove(note)
+    assert mine == whole
+    assert "one after the other: at once they may take 43.2 MB of memory, of which 18 MB may be used" in note
+
+
+@pytest.mark.slow("takes more than half a second")
 def test_a_coefficient_that_the_curve_contradicts_is_no_result_in_parts(tmp_path, monkeypatch):
     """Pulses of the bias are K by the likelihood of the octaves, but the curve falls again."""
     monkeypatch.setattr("allanite.identification.checks.contradiction.FALSE", 0.5)  # K exceeds the curve by little
@@ -125,7 +138,7 @@ def test_nothing_is_done_in_silence(file):
     study = al.analyze(file, PARTS)
     said = " ".join(table(study).split())
     for words in (
-        "the file was read in parts: as a whole the record may take 43.2 MB of memory, of which 100 kB may be used",
+        "the file was read in parts: as a whole the record may take 17.6 MB of memory, of which 100 kB may be used",
         "from those that start every 2^k samples",
         "every sample was checked for gaps, outliers, stuck and clipped values",
         "not done, since it needs all samples at once: removal of sinusoids, tests of the residuals",
@@ -238,9 +251,37 @@ def test_the_command_line_takes_the_option(file, tmp_path):
     assert run("info", file, *how)[0] == 0
     code, said = run("rate", file, *how)
     assert code == 2
-    assert re.search(r"the record may take 43.2 MB of memory, of which 100 kB may be used", said)
+    assert re.search(r"the record may take 17.6 MB of memory, of which 100 kB may be used", said)
     more = said.partition("allow more with --memory ")[2].split()[0]
     assert run("rate", file, *how[:4], "--memory", more)[0] in (0, 3)
+
+
+PEAK = """
+import sys, allanite as al, numpy as np
+from allanite.study.recipe import Recipe
+def peak():
+    return next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmHWM")) // 1024
+al.analyze(np.random.default_rng(1).normal(size=20_000), Recipe(rate=100.0, unit="deg/h"))
+base = peak()
+study = al.analyze(sys.argv[1], Recipe(rate=100.0, unit="deg/h", memory=sys.argv[2]))
+print(peak() - base, sum("one after the other" in note for note in study.notes))
+"""
+
+
+@pytest.mark.nightly("memory of processes of their own")
+@rows("suffix, memory", [(".npy", 340), (".csv", 450)])
+def test_six_channels_fit_where_one_of_them_does(suffix, memory, tmp_path):
+    path, values = tmp_path / f"six{suffix}", np.random.default_rng(1).normal(size=(3_000_000, 6))
+    if suffix == ".npy":
+        np.save(path, values)
+    else:
+        csv.write_csv(pa.table(dict(zip("abcdef", np.rint(values.T * 1e5) / 1e5, strict=True))), path)
+    done = subprocess.run(
+        [sys.executable, "-c", PEAK, path, f"{memory}MB"], capture_output=True, text=True, check=True
+    )  # fmt: skip
+    peak, alone = map(int, done.stdout.split())
+    assert alone
+    assert peak < memory + 200  # MB; what pyarrow parses at a time does not grow with the file
 
 
 LIMITED = """

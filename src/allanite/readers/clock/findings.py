@@ -278,7 +278,14 @@ def bursty(stamps: Stamps, mean: float) -> Finding:
 
 def unsteady(stamps: Stamps, departure: FloatArray, interval: float) -> tuple[Finding, ...]:
     """Jitter and drift, from the deviation of time stamps in intervals."""
+    if largest(departure) < UNSTEADY / 2:  # of which neither second differences nor means are as large as is told
+        return ()
     return (*jitter(stamps, departure, interval), *drift(stamps, departure))
+
+
+def largest(values: FloatArray) -> float:
+    """The largest absolute value."""
+    return float(max(values.max(), -values.min()))
 
 
 def jitter(stamps: Stamps, departure: FloatArray, interval: float) -> tuple[Finding, ...]:
@@ -305,9 +312,8 @@ def drift(stamps: Stamps, departure: FloatArray) -> tuple[Finding, ...]:
     means = departure[: PARTS * size].reshape(PARTS, size).mean(axis=1)
     rates = np.diff(means) / size
     change = float(np.ptp(rates))
-    noise = float(np.diff(departure).std()) / size**1.5
     bend = float(np.ptp(means - np.linspace(means[0], means[-1], PARTS)))
-    if change < DRIFT + 10 * noise or bend < 0.75:
+    if change < DRIFT or bend < 0.75 or change < DRIFT + 10 * float(np.diff(departure).std()) / size**1.5:
         return ()
     return (drifting(stamps.label, change),)
 

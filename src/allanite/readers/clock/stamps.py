@@ -13,7 +13,7 @@ from allanite.core.validity import Finding
 from allanite.phrases.phrase import say, say_count
 
 from .findings import (  # isort: skip
-    Places, SampleGrid, Stamps, bursty, drift, duplicates, duration, finding, lost_samples, pace, unsteady
+    Places, SampleGrid, Stamps, bursty, drift, duplicates, duration, finding, largest, lost_samples, pace, unsteady
 )  # fmt: skip
 
 FAR = 3.0
@@ -169,7 +169,7 @@ def _forward(stamps: Stamps) -> SampleGrid:
         return _in_ticks(stamps)
     again, mean = duplicates(stamps), stamps.mean
     even = SampleGrid(mean, findings=(*again, *unsteady(stamps, stamps.departure, mean)))
-    if np.abs(stamps.departure).max() <= EVEN and stamps.steps.max() < (1 + EVEN) * mean:
+    if largest(stamps.departure) <= EVEN and stamps.steps.max() < (1 + EVEN) * mean:
         return even
     rows = np.arange(stamps.elapsed.size)
     fitted = pace(stamps.elapsed, rows, EVEN)

@@ -242,8 +242,8 @@ def _resolved(column: FileColumn, options: Options, *, applies: bool) -> SignalC
 @np.errstate(all="ignore")
 def _whole(column: FileColumn) -> bool:
     """Whether all samples that are not missing are whole numbers."""
-    values = column.values
-    return bool(np.all(np.isnan(values) | (np.isfinite(values) & (np.rint(values) == values))))
+    begin = column.values[:1000]  # mostly enough to see that they are not
+    return all(bool(np.all(np.isnan(v) | (np.isfinite(v) & (np.rint(v) == v)))) for v in (begin, column.values))
 
 
 @np.errstate(all="ignore")

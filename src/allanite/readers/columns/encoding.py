@@ -73,6 +73,8 @@ _ENCODINGS = (
 
 def in_utf8(data: bytes) -> tuple[bytes, tuple[Phrase, ...]]:
     """The text in UTF-8, and a note on the encoding that was assumed, if it was another."""
+    if data.isascii():
+        return data, ()
     # the whole text may be several times as large in memory: it is tested in blocks
     codec, name = encoding_of(lambda: (data[at : at + _BLOCK] for at in range(0, len(data), _BLOCK)))
     return b"".join(decoded([data], codec, name)) if codec else data, noted(codec, name)

@@ -3,9 +3,10 @@
 import math
 import re
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from allanite.core.errors import UNIT
 from allanite.core.units import unit_of
@@ -48,22 +49,34 @@ def triples(columns: Sequence[FileColumn]) -> list[list[FileColumn]]:
     return [three for three in stems.values() if len(three) == 3]
 
 
-def length_of(columns: Sequence[FileColumn]) -> tuple[float, bool]:
-    """The length of the mean of three axes, 0 if there is none, and whether they are at rest if it is gravity."""
+def length_of(columns: Sequence[FileColumn]) -> float:
+    """The length of the mean of three axes, 0 if there is none."""
     if len(columns) != 3:
-        return 0.0, False
-    axes = [column.values[:: max(1, len(column.values) // FIRST)] for column in columns]
+        return 0.0
     with np.errstate(all="ignore"):  # of numbers that are no samples
-        length = math.hypot(*(float(np.mean(values)) for values in axes))
-        off = [np.abs(values - np.median(values)) for values in axes]
-        spread = max(1.5 * float(np.median(each)) for each in off)  # of a normal distribution, without outliers
-    return (length, spread < STILL * length) if 0 < length < math.inf else (0.0, False)
+        length = math.hypot(*(float(np.mean(_some_of(column))) for column in columns))
+    return length if 0 < length < math.inf else 0.0
+
+
+def at_rest(columns: Sequence[FileColumn], length: float) -> bool:
+    """Whether axes are at rest if this length of their mean is gravity."""
+
+    def spread(values: NDArray[Any]) -> float:
+        # of a normal distribution, without outliers
+        return 1.5 * float(np.median(np.abs(values - np.median(values))))
+
+    with np.errstate(all="ignore"):
+        return length > 0 and all(spread(_some_of(column)) < STILL * length for column in columns)
+
+
+def _some_of(column: FileColumn) -> NDArray[Any]:
+    return column.values[:: max(1, len(column.values) // FIRST)]
 
 
 def weighed(columns: Sequence[FileColumn], known: Sequence[str], rate: float, share: float) -> tuple[str, str]:
     """The unit in which three means, times a rate, have the length of gravity within a share, and why; or none."""
-    length, still = length_of(columns)
-    if not length * rate or (share <= UNNAMED and not still):
+    length = length_of(columns)
+    if not length * rate or (share <= UNNAMED and not at_rest(columns, length)):
         return "", ""
     whole = all(column.values.dtype.kind == "i" for column in columns)
     unit, off = _nearest(length * rate, known)
@@ -125,7 +138,7 @@ def earth(signals: Sequence[SignalColumn], rate: float) -> Iterator[Phrase]:
         return
     yield say("the mean rate of the gyros has a length of {length:.4g} deg/h; that of the earth is {earth:g} deg/h",
               length=length, earth=EARTH)  # fmt: skip
-    if len(axes) == 3 and length_of([signal.column for signal in axes])[1]:
+    if len(axes) == 3 and at_rest(columns := [signal.column for signal in axes], length_of(columns)):
         up = [_mean_of(signal, "g", rate) for signal in axes]
         sine = sum(x * y for x, y in zip(means, up, strict=True)) / length / math.hypot(*up)
         yield say("the angle between the rate of the earth and gravity is that at a latitude of {latitude:.3g} deg",
@@ -136,13 +149,16 @@ def _mean_of(signal: SignalColumn, unit: str, rate: float) -> float:
     """The mean of a signal as a rate in a unit; NaN where there is none."""
     values, size = signal.column.values, (signal.scale or 1.0) * unit_of(signal.unit).factor / unit_of(unit).factor
     with np.errstate(all="ignore"):  # of numbers that are no samples
-        known = values[np.isfinite(values)]
-        return float(np.mean(known)) * size * (1.0 if signal.kind == "rate" else rate) if known.size else math.nan
+        mean = float(np.mean(values))
+        if not math.isfinite(mean):
+            known = values[np.isfinite(values)]
+            mean = float(np.mean(known)) if known.size else math.nan
+    return mean * size * (1.0 if signal.kind == "rate" else rate)
 
 
-def contradiction(signals: Sequence[SignalColumn], rate: float) -> tuple[Phrase, str] | None:
+def contradiction(signals: Sequence[SignalColumn], doubted: Sequence[Doubt]) -> tuple[Phrase, str] | None:
     """What contradicts the units that conventions define, and the units to type instead; None if nothing does."""
-    known = {doubt: conventions.convention_of(doubt.columns[0]) for doubt in doubts(signals, rate)}
+    known = {doubt: conventions.convention_of(doubt.columns[0]) for doubt in doubted}
     wrong = {doubt: convention for doubt, convention in known.items() if convention is not None}
     if not wrong:
         return None
@@ -157,10 +173,10 @@ def contradiction(signals: Sequence[SignalColumn], rate: float) -> tuple[Phrase,
 
 def _of_gravity(three: Sequence[FileColumn], signal: SignalColumn, rate: float) -> Iterator[Doubt]:
     """A doubt about three accelerometer axes at rest whose mean does not have the length of gravity."""
-    length, still = length_of(three)
-    length *= (signal.scale or 1.0) * (rate if signal.kind == "increment" else 1.0)
+    mean = length_of(three)
+    length = mean * (signal.scale or 1.0) * (rate if signal.kind == "increment" else 1.0)
     ratio = length * unit_of(signal.unit).factor / unit_of("g").factor
-    if not still or abs(ratio - 1) <= DOUBTED:
+    if abs(ratio - 1) <= DOUBTED or not at_rest(three, mean):
         return
     fit, off = _nearest(length, INCREMENTS if signal.kind == "increment" else RATES)
     fits = off < math.log1p(NAMED) and unit_of(fit).factor != unit_of(signal.unit).factor

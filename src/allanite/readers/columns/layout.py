@@ -4,10 +4,10 @@ import csv
 import math
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import accumulate, chain, islice, takewhile, zip_longest
+from itertools import accumulate, chain, takewhile, zip_longest
+from typing import NamedTuple
 
 from allanite.core.errors import DataError
 from allanite.phrases.phrase import say, say_count
@@ -16,44 +16,45 @@ from . import headers, preamble
 
 MISSING = frozenset(("", "nan", "null", "na", "n/a", "#n/a", "-nan", "none", "1.#qnan", "-1.#ind", "1.#ind"))
 
-_NUMBER = re.compile(r"[-+]?(?:(?:\d+(?:\.\d*)?|\.\d+)(?:e[-+]?\d+)?|nan|inf|infinity)", re.IGNORECASE)
+_NUMBERS = {
+    sign: re.compile(rf"[-+]?(?:(?:\d+(?:{signs}\d*)?|{signs}\d+)(?:e[-+]?\d+)?|nan|inf|infinity)", re.IGNORECASE)
+    for sign, signs in ((".", r"\."), (",", "[.,]"))
+}
+"""Numbers by their decimal sign; some have a point beside a comma."""
 
 
-@dataclass
-class Row:
-    """A line of the file: its number from 1, its offset, its text, delimiter and decimal sign."""
+class Row(NamedTuple):
+    """A line of the file: its number from 1, its offset, its cells, and whether one of them is a number."""
 
     line: int
     offset: int
-    text: str
-    style: tuple[str, str]
-
-    @cached_property
-    def cells(self) -> list[str]:
-        """Its cells."""
-        return cells(self.text, self.style[0])
-
-    @cached_property
-    def has_number(self) -> bool:
-        """Whether a cell is a number."""
-        return any(is_number(cell, self.style[1]) for cell in self.cells)
+    cells: list[str]
+    has_number: bool
 
 
 def is_number(cell: str, decimal: str = ".") -> bool:
     """Whether a cell is a number."""
-    return bool(_NUMBER.fullmatch(cell if decimal == "." else cell.replace(decimal, ".", 1)))
+    return bool(_NUMBERS[decimal].fullmatch(cell))
 
 
 def cells(line: str, delimiter: str) -> list[str]:
     """The cells of a line, without quotes and surrounding blanks."""
+    return cells_of((line,), delimiter)[0]
+
+
+def cells_of(lines: Iterable[str], delimiter: str) -> list[list[str]]:
+    """The cells of each line."""
     if delimiter == " ":
-        return line.split()
-    if '"' in line:
-        try:
-            return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])]
-        except csv.Error:
-            pass  # a stray quotation mark: split at the delimiters
-    return [cell.strip() for cell in line.split(delimiter)]
+        return [line.split() for line in lines]
+    split = [_unquoted(line, delimiter) if '"' in line else line.split(delimiter) for line in lines]
+    return [list(map(str.strip, row)) for row in split]
+
+
+def _unquoted(line: str, delimiter: str) -> list[str]:
+    try:
+        return next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+    except csv.Error:  # a stray quotation mark: split at the delimiters
+        return line.split(delimiter)
 
 
 def decoded(raw: bytes) -> str:
@@ -65,7 +66,8 @@ def decoded(raw: bytes) -> str:
 
 
 HEAD = 1 << 17  # bytes at the beginning of a file from which its layout is determined
-JUDGED_ROWS, FEW_ROWS = 200, 600  # rows by which the columns are judged, and rows of which all are looked at for them
+JUDGED_ROWS = 200  # rows by which the columns are judged
+LINES = 2 * JUDGED_ROWS  # lines from which the layout is determined: the first ones, and some of the middle
 
 HEADING = 3  # lines of words above the numbers, at most: groups, names and units
 
@@ -102,22 +104,16 @@ class Layout:
 
 def find(data: bytes) -> Layout:
     """The layout of a text; refused if there are no rows of numbers near the beginning, or more names than columns."""
-    lines = numbered_lines(data)
-    if not lines:
-        raise DataError(say("the first line is longer than {size} bytes; expected one row per sample, each on its own "
-                            "line", size=HEAD))  # fmt: skip
-    delimiter, decimal = _style_of([text for _, _, text in lines if text])
-    marks = marks_of(delimiter)
-    # a line with a word is not one of numbers
-    worded = ((n, text) for n, _, text in lines if any(map(str.isalpha, _LETTER.findall(text))))
-    rated = [line for line in worded if preamble.statement(*line, decimal)]
-    stating = {number for number, _ in rated}
-    lines = [line for line in lines if line[0] not in stating]
-    comments = [(number, text) for number, _, text in lines if text.startswith(marks)]
-    rows = [Row(*line, (delimiter, decimal)) for line in lines if line[2] and not line[2].startswith(marks)]
-    first, text = _first_row(rows, decimal)
+    # of all lines where it is further down
+    begin = _begin_of(numbered_lines(data, LINES), LINES // 4) or _begin_of(numbered_lines(data))
+    if begin is None:
+        shown = say("it contains only comments or blank lines")
+        if words := next((text for _, _, text in numbered_lines(data) if text and not text.startswith(MARKS)), ""):
+            shown = say("its first line is {text!r}", text=words[:40])
+        raise DataError(say("no rows of numbers were found ({seen}); a text file needs one row per sample", seen=shown))
+    delimiter, decimal, rows, first, text, comments, rated = begin
     names, units, notes = _named(rows[: first + 1], comments, delimiter, decimal)
-    if not any(names) and _numbered(rows[first], rows[first + 1 :]):
+    if not any(names) and _numbered(rows[first], rows[first + 1 :], decimal):
         names, first = tuple(rows[first].cells), first + 1
         above = {"line": rows[first - 1].line, "names": ", ".join(names[:3])}
         notes = (say("line {line} with the numbers {names}.. is used as column names", **above),)
@@ -128,6 +124,42 @@ def find(data: bytes) -> Layout:
         notes = (*notes, say("rates that contradict each other are not used: {places}", places=places))
     at = rows[first]
     return Layout(delimiter, decimal, names, units, text, at.offset, at.line, notes, (rate, places))
+
+
+class _Begin(NamedTuple):
+    """The first row of numbers among the lines of a text, and what is above it."""
+
+    delimiter: str
+    decimal: str
+    rows: list[Row]
+    first: int  # index of the row
+    text: frozenset[int]  # positions of columns of words
+    comments: list[tuple[int, str]]
+    rated: list[tuple[int, str]]  # lines that state a rate
+
+
+def _begin_of(lines: list[tuple[int, int, str]], within: int = HEAD) -> _Begin | None:
+    """Where the numbers begin; None if none of the first lines, `within` so many, is a row of them."""
+    if not lines:
+        raise DataError(say("the first line is longer than {size} bytes; expected one row per sample, each on its own "
+                            "line", size=HEAD))  # fmt: skip
+    delimiter, decimal = _style_of([text for _, _, text in lines if text])
+    marks, number = marks_of(delimiter), _NUMBERS[decimal].fullmatch
+    # a line with a word is not one of numbers
+    worded = [(n, text) for n, _, text in lines if any(map(str.isalpha, _LETTER.findall(text)))]
+    rated = [line for line in worded if preamble.statement(*line, decimal)]
+    stating = {number for number, _ in rated}
+    lines = [line for line in lines if line[0] not in stating]
+    comments = [(n, text) for n, _, text in lines if text.startswith(marks)]
+    lines = [line for line in lines if line[2] and not line[2].startswith(marks)]
+    split = cells_of([text for _, _, text in lines], delimiter)
+    rows = [Row(n, at, row, any(map(number, row))) for (n, at, _), row in zip(lines, split, strict=True)]
+    numeric = [row for row in rows if row.has_number]
+    if not numeric:
+        return None
+    width, text = _columns(numeric[len(numeric) // 2 :][:JUDGED_ROWS], decimal)
+    first = _first_row(rows, width, text, decimal, within)
+    return None if first is None else _Begin(delimiter, decimal, rows, first, text, comments, rated)
 
 
 def _style_of(texts: list[str]) -> tuple[str, str]:
@@ -143,16 +175,19 @@ def marks_of(delimiter: str) -> tuple[str, ...]:
     return MARKS[:3] if delimiter == ";" else MARKS
 
 
-def numbered_lines(data: bytes) -> list[tuple[int, int, str]]:
-    """Number, offset and text of the whole lines at the beginning."""
+def numbered_lines(data: bytes, most: int = HEAD) -> list[tuple[int, int, str]]:
+    """Number, offset and text of the whole lines of the head; of more than `most`, of the first and of the middle."""
     head = data[:HEAD]
     raw = head.splitlines(keepends=True)
     if len(data) > HEAD:
         raw = raw[:-1]
-    starts = accumulate((len(line) for line in raw), initial=0)
+    lines = list(zip(range(1, len(raw) + 1), accumulate(map(len, raw), initial=0), raw, strict=False))
+    if len(lines) > most:
+        half, middle = most // 2, len(lines) // 2
+        lines = [*lines[:half], *lines[middle : middle + half]]
     # a tab at either end is an empty cell, unless all lines have it
-    texts = (line.strip(" \r\n") for line in _decoded_lines(raw))
-    return [(i, at, text if text.strip() else "") for i, (at, text) in enumerate(zip(starts, texts, strict=False), 1)]
+    texts = [line.strip(" \r\n") for line in _decoded_lines([line for _, _, line in lines])]
+    return [(n, at, text if text.strip() else "") for (n, at, _), text in zip(lines, texts, strict=True)]
 
 
 def _decoded_lines(lines: list[bytes]) -> list[str]:
@@ -166,19 +201,24 @@ def style(lines: list[str]) -> tuple[str, str]:
     """Delimiter and decimal sign: those that make the largest share of the cells numbers, and then the most numbers."""
 
     def score(style: tuple[str, str]) -> tuple[float, int]:
-        numbers = [is_number(cell, style[1]) for line in lines for cell in cells(line, style[0]) if cell]
-        return (sum(numbers) / max(1, len(numbers)), sum(numbers))
+        filled = [cell for row in cells_of(lines, style[0]) for cell in row if cell]
+        numbers = sum(map(bool, map(_NUMBERS[style[1]].fullmatch, filled)))
+        return numbers / max(1, len(filled)), numbers
 
-    best = max(_STYLES, key=score)
+    # delimiters and commas that do not occur make no difference
+    text, distinct = "\n".join(lines), dict[tuple[str, bool], tuple[str, str]]()
+    for delimiter, decimal in _STYLES:
+        known = delimiter if delimiter == " " or delimiter in text else ""
+        distinct.setdefault((known, decimal == "," and "," in text), (delimiter, decimal))
+    best = max(distinct.values(), key=score)
     # mixed tabs and blanks: if blanks give as many cells in every line, header included, no cell is empty or contains
     # one
-    widths = {len(cells(line, " ")) for line in lines} if best[0] == "\t" else set()
+    widths = set(map(len, cells_of(lines, " "))) if best[0] == "\t" else set()
     return (" ", best[1]) if len(widths) == 1 and all(len(cells(line, "\t")) in widths for line in lines[-1:]) else best
 
 
-def _first_row(rows: list[Row], decimal: str) -> tuple[int, frozenset[int]]:
-    """Index of the first row of numbers, and the positions of the columns of words."""
-    width, text = _columns(_judged(rows), decimal)
+def _first_row(rows: list[Row], width: int, text: frozenset[int], decimal: str, within: int) -> int | None:
+    """Index of the first row of so many numbers and words; None if it is not `within` so many lines."""
 
     def fits(row: Row) -> bool:
         checked = (cell for i, cell in enumerate(row.cells) if i not in text and cell.lower() not in MISSING)
@@ -190,38 +230,24 @@ def _first_row(rows: list[Row], decimal: str) -> tuple[int, frozenset[int]]:
     wide_rows = (i for i, row in enumerate(rows) if wide(row))
     first = next(wide_rows)
     first = next((i for i in chain((first,), wide_rows) if fits(rows[i])), first)
+    if rows[first].line > within:
+        return None
     # a row with numbers directly above, without a header between, is damaged, not a preamble: refused by name later
     while first and wide(rows[first - 1]):
         first -= 1
-    return first, text
-
-
-def _judged(rows: list[Row]) -> list[Row]:
-    """The rows by which the columns are judged, from the middle of those with numbers; refused if there are none."""
-    first = next((i for i, row in enumerate(rows) if row.has_number), None)
-    if first is None:
-        shown = say("it contains only comments or blank lines")
-        shown = say("its first line is {text!r}", text=rows[0].cells[0][:40]) if rows else shown
-        raise DataError(say("no rows of numbers were found ({seen}); a text file needs one row per sample", seen=shown))
-    # below the first row with numbers nearly all have some: few are looked at
-    middle = first + (len(rows) - first) // 2
-    numeric = list(islice((row for row in rows[middle:] if row.has_number), JUDGED_ROWS))
-    if len(rows) > FEW_ROWS and len(numeric) == JUDGED_ROWS:
-        return numeric
-    numeric = [row for row in rows if row.has_number]
-    return numeric[len(numeric) // 2 :][:JUDGED_ROWS]
+    return first
 
 
 def _columns(rows: list[Row], decimal: str) -> tuple[int, frozenset[int]]:
     """The number of columns of most rows, and the positions of those that have words and no numbers."""
-    width = Counter(len(row.cells) for row in rows).most_common(1)[0][0]
-    cells_of = zip(*(row.cells for row in rows if len(row.cells) == width), strict=True)
-    filled = [[cell for cell in column if cell.lower() not in MISSING] for column in cells_of]
+    width = Counter([len(row.cells) for row in rows]).most_common(1)[0][0]
+    columns = zip(*[row.cells for row in rows if len(row.cells) == width], strict=True)
+    filled = [[cell for cell in column if cell.lower() not in MISSING] for column in columns]
     of_words = (bool(column) and not any(is_number(cell, decimal) for cell in column) for column in filled)
     return width, frozenset(i for i, words in enumerate(of_words) if words)
 
 
-def _numbered(row: Row, following: list[Row]) -> bool:
+def _numbered(row: Row, following: list[Row], decimal: str) -> bool:
     """Whether a row is the header 0, 1, 2.. that pandas writes for columns without names, above fractions only."""
     at = int(row.cells[0] == "")  # below it pandas writes the numbers of the rows
     names = row.cells[at:]
@@ -229,7 +255,7 @@ def _numbered(row: Row, following: list[Row]) -> bool:
     fractions = [cell for cell in cells if not re.fullmatch(r"[-+]?\d*", cell)]
     if len(names) < 2 or names != [str(i) for i in range(len(names))] or not 0 < len(cells) == len(fractions):
         return False
-    begin = [other.cells[at].replace(row.style[1], ".") for other in following[:2]]
+    begin = [other.cells[at].replace(decimal, ".") for other in following[:2]]
     # a clock goes on evenly from the zero
     return not (all(map(is_number, begin)) and math.isclose(2 * float(begin[0]), float(begin[-1]), rel_tol=1e-3))
 

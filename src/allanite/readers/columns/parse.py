@@ -1,7 +1,7 @@
 """Parses the rows of numbers of a text file to columns with pyarrow; locates what is not a number."""
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, NoReturn
 
@@ -51,18 +51,57 @@ def columns(
     # A column is float64 or int64 of shape (n,), NaN where a cell is empty; ``datetime64[ns]`` for dates with time,
     # ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day; `Tags` for a few words, the first entry for
     # many; None if it is empty. Anything else is refused, with its line.
-    body, notes = clean_rows(data, layout, last=last)
-    notes = notes if forms else (*commented(comments(data, layout)), *notes)
-    many = {} if forms else _of_many_words(body, layout)
-    table = _table(body, layout, forms, many)
-    result = [many.get(i) or _values(table.column(str(i)), layout, i, forms) for i in range(layout.width)]
-    if data.count(b'"', layout.offset) % 2 and table.num_rows != count(body):
+    held = signs(data, layout.offset)
+    body, comments, notes = clean_rows(data, layout, held, last=last)
+    notes = notes if forms else (*commented(comments), *notes)
+    result, rows = _of_pieces(body, layout) if not forms and len(body) > 2 * PIECE else ([], 0)
+    if not result:
+        result, rows = _parsed(body, layout, forms, {} if forms else _of_many_words(body, layout))
+    if '"' in held and data.count(b'"', layout.offset) % 2 and rows != count(body):
         _blame_quotation(body, layout)
     if any(values is NotImplemented for values in result):
         _blame(body, layout, say("a column of numbers contains something else"))
     if forms:
-        forms.rows += table.num_rows
+        forms.rows += rows
     return result, notes
+
+
+def _parsed(
+    body: bytes | memoryview, layout: Layout, forms: Forms | None, many: Mapping[int, str]
+) -> tuple[list[Any], int]:
+    """The columns of clean rows, and the number of rows; `many` are the first words of columns of many."""
+    table = _table(body, layout, forms, many)
+    rows, parsed = table.num_rows, dict(zip(map(int, table.column_names), table.columns, strict=True))
+    del table  # each column is given back when it is converted
+    return [many.get(i) or _values(parsed.pop(i), layout, i, forms) for i in range(layout.width)], rows
+
+
+PIECE = 1 << 26  # bytes of a large text that are parsed at a time, which take three times as much memory meanwhile
+
+
+def _of_pieces(body: bytes | memoryview, layout: Layout) -> tuple[list[Any], int]:
+    """The columns of a large text, parsed a piece at a time, and the number of rows; none where not all are numbers."""
+    import pyarrow as pa
+
+    pieces, at, rows = list[list[Any]](), 0, 0
+    while at < len(body) and not layout.text:
+        end = len(body)
+        if end - at > PIECE:
+            end = at + PIECE - _IN_CACHE + bytes(body[at + PIECE - _IN_CACHE : at + PIECE]).rfind(b"\n") + 1
+        try:
+            piece, count = _parsed(body[at:end], layout, None, {})
+        except DataError:  # which the whole text names by its line
+            return [], 0
+        if any(not isinstance(values, np.ndarray) or values.dtype.kind not in "if" for values in piece):
+            return [], 0
+        pieces.append(piece)
+        at, rows = end, rows + count
+    columns = [[piece[i] for piece in pieces] for i in range(layout.width)] if pieces else []
+    pieces.clear()
+    pa.default_memory_pool().release_unused()
+    for parts in columns:  # those that are joined are given back
+        parts[:] = [np.concatenate(parts)]
+    return [values for (values,) in columns], rows
 
 
 def forms_of(data: bytes, layout: Layout, *, last: bool) -> Forms:
@@ -70,7 +109,8 @@ def forms_of(data: bytes, layout: Layout, *, last: bool) -> Forms:
     import pyarrow as pa
 
     forms = Forms()
-    table: Any = _table(clean_rows(data, layout, last=last)[0], layout, None) if layout.text else None
+    body = clean_rows(data, layout, signs(data, layout.offset), last=last)[0] if layout.text else b""
+    table: Any = _table(body, layout, None) if layout.text else None
     for place in layout.text:
         kind = table.column(place).type
         if pa.types.is_timestamp(kind):
@@ -95,45 +135,56 @@ def count(body: bytes | memoryview) -> int:
     return text.count(b"\n") + (text[-1:] not in (b"", b"\n")) - max(empty, text.startswith((b"\n", b"\r\n")))
 
 
-def clean_rows(data: bytes, layout: Layout, *, last: bool = True) -> tuple[bytes | memoryview, tuple[str, ...]]:
-    """The rows as they are parsed, and notes on what was left out at the end of the `last`."""
-    # They have no comments, and single blanks between cells; line numbers are preserved.
-    marks = marks_of(layout.delimiter)
+SIGNS = '#%/;" '
+"""Signs that mean something else than a number."""
+
+_IN_CACHE = 1 << 18  # bytes that are searched for all signs before the next ones
+
+
+def signs(data: bytes, start: int) -> frozenset[str]:
+    """The `SIGNS` that occur in a text from a place on."""
+    held, rest = set[str](), {sign: sign.encode() for sign in SIGNS}
+    for at in range(start, len(data), _IN_CACHE):
+        for sign in [s for s, byte in rest.items() if data.find(byte, at, at + _IN_CACHE) >= 0]:
+            held.add(sign)
+            del rest[sign]
+    return frozenset(held)
+
+
+def clean_rows(
+    data: bytes, layout: Layout, held: frozenset[str], *, last: bool = True
+) -> tuple[bytes | memoryview, int, tuple[str, ...]]:
+    """The rows as they are parsed, the number of comments, and notes on what was left out at the end of the `last`."""
+    # They have no comments, and single blanks between cells; line numbers are preserved. Most texts `held` no signs of
+    # what is left out.
     body: bytes | memoryview = memoryview(data)[layout.offset :]
-    # most files have no comments among the numbers: a search is much cheaper than the substitution
-    if any(_holds(data, mark.encode(), layout.offset) for mark in marks):
-        body = _comment_of(marks).sub(b"", bytes(body))
+    comments, marks = 0, [mark for mark in marks_of(layout.delimiter) if held.issuperset(mark)]
+    if marks:
+        body, comments = _comment_of(marks).subn(b"", bytes(body))
     if layout.delimiter == " ":
         text = bytes(body).translate(bytes.maketrans(b"\t\v\f", b"   ")).replace(b"\r\n", b"\n")
         while b"  " in text:  # halves the runs each time
             text = text.replace(b"  ", b" ")
         body = text.replace(b"\n ", b"\n").replace(b" \n", b"\n").strip(b" ")
-    elif any(_holds(data, end, layout.offset) for end in (b" \n", b" \r\n")):
+    elif " " in held and any(data.find(end, layout.offset) >= 0 for end in (b" \n", b" \r\n")):
         # a line of blanks is an empty line, not a row with one cell
         body = re.sub(rb"^ +(?=\r?$)", b"", bytes(body), flags=re.MULTILINE)
     if not last:
-        return body, ()
+        return body, comments, ()
     # an incomplete last line, as after a power failure of the logger, or a closing remark
     tail = bytes(body[-65536:]).rstrip(b" \r\n")
     start = max(tail.rfind(b"\n"), tail.rfind(b"\r")) + 1
     end = decoded(tail[start:])
     count = len(cells(end, layout.delimiter))
     if start == 0 or count >= layout.width:
-        return body, ()
+        return body, comments, ()
     note = say("the last line ({text!r}) has {count} of {width} columns and was left out",
                text=end[:40], count=count, width=layout.width)  # fmt: skip
-    return body[: len(body) - min(len(body), 65536) + start], (note,)
+    return body[: len(body) - min(len(body), 65536) + start], comments, (note,)
 
 
-def _comment_of(marks: tuple[str, ...]) -> re.Pattern[bytes]:
+def _comment_of(marks: Iterable[str]) -> re.Pattern[bytes]:
     return re.compile(rb"(?m)^[ \t]*(?:" + b"|".join(re.escape(mark.encode()) for mark in marks) + rb")[^\r\n]*")
-
-
-def comments(data: bytes, layout: Layout) -> int:
-    """The number of comments among the rows of numbers and after them."""
-    marks = marks_of(layout.delimiter)
-    held = any(_holds(data, mark.encode(), layout.offset) for mark in marks)
-    return len(_comment_of(marks).findall(data, layout.offset)) if held else 0
 
 
 def commented(count: int) -> tuple[str, ...]:
@@ -142,11 +193,6 @@ def commented(count: int) -> tuple[str, ...]:
         return ()
     return (say_count(count, "skipped {count} comment among the rows of numbers",
                       "skipped {count} comments among the rows of numbers"),)  # fmt: skip
-
-
-def _holds(data: bytes, mark: bytes, start: int) -> bool:
-    """Whether a mark occurs anywhere; a single byte is found ten times as fast as two."""
-    return data.find(mark[:1], start) >= 0 and (len(mark) == 1 or data.find(mark, start) >= 0)
 
 
 def _of_many_words(body: bytes | memoryview, layout: Layout) -> dict[int, str]:

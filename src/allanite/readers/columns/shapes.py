@@ -10,7 +10,7 @@ from allanite.core.arrays import complete
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 
-from .layout import HEAD, MARKS, cells, decoded, is_number, style
+from .layout import HEAD, MARKS, cells, cells_of, decoded, is_number, style
 
 FILLED, FEWEST_SAMPLES = 0.5, 32
 """Share of every k-th row that must have a sample, and samples: of fewer the distance may be chance."""
@@ -100,8 +100,11 @@ def without_checksums(data: bytes) -> bytes:
 def _joined(data: bytes) -> tuple[bytes, tuple[str, ...]]:
     """Lines that alternate between more and fewer numbers become one line per sample."""
     plain = _uncommented(_lines(data[:HEAD])[:400])
+    # those of the same delimiters do not alternate, but for a header
+    if len({(*map(line.count, ',;\t"'), len(line.split())) for line in plain[1:]}) < 2:
+        return data, ()
     delimiter, decimal = style(plain[-200:])
-    rows_of = (cells(line, delimiter) for line in plain)
+    rows_of = cells_of(plain, delimiter)
     numeric = [len(row) for row in rows_of if any(is_number(cell, decimal) for cell in row)]
     widths = numeric[:-1] if len(data) > HEAD else numeric
     period = next((n for n in range(2, 7) if len(widths) >= 5 * n and widths[n:] == widths[:-n]), 0)

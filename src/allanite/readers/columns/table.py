@@ -5,7 +5,7 @@ The properties of a Recording beyond its numbers are one line of JSON, which eac
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -58,7 +58,7 @@ class FileTable:
         signals = [signal.column for signal in sense.signals]
         _demand_rows([*signals, *([time] if time else [])])
         beat = clock.beat(sense.sources, options.rate, lambda: repeated([column.values for column in signals]))
-        sense.demand(beat)
+        doubts = sense.demand(beat)
         records = tuple(_record(signal, beat, self.start) for signal in sense.signals)
         around = [c for c in sense.columns if c is not time and len(c.values) == len(signals[0].values)]
         drivers = channels.beside(channels.drivers(tuple(c for c in around if c not in signals)))[0]
@@ -67,7 +67,7 @@ class FileTable:
         if step > 1:
             notes = (*notes, shapes.note(records, step))
             records, others = (shapes.thinned(some, first, step) for some in (records, others))
-        return Recording(records, notes=notes, findings=sense.findings(beat), others=others)
+        return Recording(records, notes=notes, findings=sense.findings(beat, doubts), others=others)
 
     def sense(self, options: Options) -> "Sense":
         """What the columns are: which of them are signals, and which are the clock."""
@@ -110,8 +110,8 @@ class Sense:
         """The signals, then the columns to read in addition."""
         return (*self.choice.signals, *self.along)
 
-    def demand(self, beat: clock.Beat) -> None:
-        """Ask for what is not known."""
+    def demand(self, beat: clock.Beat) -> tuple[gravity.Doubt, ...]:
+        """Ask for what is not known; doubts about what is."""
         questions = [*beat.questions, *self.choice.questions]
         if questions:
             asked, why, known = self._proposed(beat)
@@ -124,10 +124,12 @@ class Sense:
                 choice="rate" if beat.questions else "unit", cure=asked, columns=rows,
             )  # fmt: skip
         stated = self.options.unit or self.options.units
-        against = None if stated else gravity.contradiction(self.choice.signals, beat.rate)
+        doubts = tuple(gravity.doubts(self.choice.signals, beat.rate))
+        against = None if stated else gravity.contradiction(self.choice.signals, doubts)
         if against is not None:
             what, unit = against
             raise UsageError(what, choice="unit", cure=("", spelled(f"--unit '{unit}'", f"unit='{unit}'")))
+        return doubts
 
     @property
     def _rising(self) -> list[FileColumn]:
@@ -156,9 +158,8 @@ class Sense:
         own = (*([DROPPED] if slow else []), *self.choice.notes, *earth, *self.choice.omitted)
         return (*before, *beat.notes, *own, *after)
 
-    def findings(self, beat: clock.Beat) -> tuple[Finding, ...]:
+    def findings(self, beat: clock.Beat, doubts: Iterable[gravity.Doubt]) -> tuple[Finding, ...]:
         """The findings about the clock, and about the meaning of the columns."""
-        doubts = gravity.doubts(self.choice.signals, beat.rate)
         return (*beat.findings, *self.choice.findings, *(doubt.finding() for doubt in doubts))
 
 

@@ -35,7 +35,8 @@ def read(path: str, options: Options) -> Recording:
     # structured array, and the arrays of a .npz, are named like the headers of a text file, optionally with a unit.
     head = _demand_numbers(path)
     with worded():
-        arrays = _members(path) if head.startswith(ZIP) else [("", np.array(_mapped(path)))]
+        # of a mapped array each column is copied, once
+        arrays = _members(path) if head.startswith(ZIP) else [("", np.asarray(_mapped(path)))]
     notes = [note for name, array in arrays if name != KEY for note in _notes(name, array)]
     return _table(arrays, notes).recording(options)
 

@@ -1,8 +1,10 @@
 """Text and CSV: columns of numbers with any delimiter, with or without a header; columns requested by name."""
 
 import math
+import os
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple, TypeGuard
@@ -23,6 +25,8 @@ TITLE = "text or CSV: columns of numbers, with or without a header"
 
 DENSITY = 0.5  # samples in a byte, at most: a digit and a delimiter
 
+_CONTROLS = bytes(code for code in range(32) if code not in b"\t\n\v\f\r\x1a")
+
 _COMMENT = re.compile(rb'# (\{"%s": .*\})\r?\n' % KEY.encode())
 
 
@@ -30,8 +34,7 @@ def sniff(head: bytes, suffix: str) -> bool:
     """Whether the first bytes are those of a text."""
     if head.startswith(encoding.UTF16):
         return True
-    control = sum(head.count(bytes([code])) for code in range(32) if code not in b"\t\n\v\f\r\x1a")
-    return control == 0 and bool(head.strip())
+    return head.translate(None, _CONTROLS) == head and bool(head.strip())
 
 
 class Parsed(NamedTuple):
@@ -50,6 +53,17 @@ def read(path: str, options: Options) -> Recording:
     return restored(arranged(columns_of(data, notes), options), comment[1] if comment else "").recording(options)
 
 
+def shape_of(path: str) -> tuple[int, int]:
+    """About how many rows and columns a text has, by its head; none if that is no text in UTF-8 of them."""
+    with Path(path).open("rb") as file:
+        head = file.read(layout.HEAD)
+    with suppress(DataError):
+        form = layout.find(head)
+        rows = head.count(b"\n", form.offset)
+        return math.ceil(os.path.getsize(path) * rows / (len(head) - form.offset)), form.width
+    return 0, 0
+
+
 def parts(path: str, options: Options) -> Parts | None:
     """The rows of a text file, a block of lines at a time; see `streamed`."""
     return streamed(lines.chunks_of(path), options)
@@ -66,8 +80,8 @@ def streamed(chunks: lines.Chunks, options: Options) -> Parts | None:
     forms = parse.forms_of(first, form, last=whole)
     rows, comments, passed = 0, 0, tuple[str, ...]()
     for block, part, last in text.rows(form):
-        comments += parse.comments(block, part)
-        body, passed = parse.clean_rows(block, part, last=last)
+        body, count, passed = parse.clean_rows(block, part, parse.signs(block, part.offset), last=last)
+        comments += count
         rows += parse.count(body)
         parse.see_order(body, part, forms)
     values = parse.columns(first, form, last=whole)[0]
