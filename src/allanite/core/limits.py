@@ -146,11 +146,15 @@ class NormalMixture:
         return min(1.0, 2 * min(self.below(0.0), 1 - self.below(0.0)))
 
     def quantile(self, p: float) -> float:
-        """The value below which it lies with probability p, by bisection."""
+        """The value below which it lies with probability p: its sixteenth of an interval, 15 times."""
+        from scipy.special import ndtr
+
         low, high = float((self.centre - 40 * self.spread).min()), float((self.centre + 40 * self.spread).max())
-        for _ in range(80):
-            middle = (low + high) / 2
-            low, high = (middle, high) if self.below(middle) < p else (low, middle)
+        for _ in range(15):
+            inner = low + (high - low) / 16 * np.arange(1, 16)
+            below = self.weight @ ndtr((inner - self.centre[:, None]) / self.spread[:, None])
+            at = int((below < p).sum())
+            low, high = float(inner[at - 1]) if at else low, float(inner[at]) if at < inner.size else high
         return (low + high) / 2
 
     def minus(self, other: "NormalMixture", factor: float = 1.0) -> "NormalMixture":

@@ -75,12 +75,11 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
             y -= term.value * record.rate**term.row.power / unit * (shape if kept is None else shape[kept])
     y -= y.mean()
     # slow noise exceeds fast noise by a few thousand at most: single precision halves time and memory
-    size = float(np.abs(y).max()) or 1.0
-    y /= size
-    n = y.size
+    size, n = float(max(y.max(), -y.min())) or 1.0, y.size
     # reflected at the end, as the transform supposes it to go on, up to a size whose transform is fast
     c = np.empty(n if n < SHORT_TRANSFORM else next_fast_len(n), np.float32)
-    c[:n], c[n:] = y, y[::-1][: c.size - n]
+    np.divide(y, size, out=c[:n], casting="same_kind")
+    c[n:] = c[:n][::-1][: c.size - n]
     del y
     c = dct(c, norm="ortho", overwrite_x=True)
     at, deviation = deviations(model, replace(gaps, size=c.size), record.rate)
@@ -111,9 +110,12 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
 def _divide(c: NDArray[np.float32], k: IntArray, deviation: FloatArray, unit: float) -> None:
     """Divide by the standard deviation in place; its inverse is interpolated linearly between the nodes k."""
     weight = unit / deviation
+    steps = np.arange(np.diff(k).max(initial=0), dtype=np.float64)
     c[0] = 0.0
-    for a, b, start, end in zip(k[:-1], k[1:], weight[:-1], weight[1:], strict=True):
-        c[a:b] *= np.linspace(start, end, b - a, endpoint=False, dtype=np.float32)
+    for a, b, start, slope in zip(
+        k[:-1].tolist(), k[1:].tolist(), weight[:-1], np.diff(weight) / np.diff(k), strict=True
+    ):
+        c[a:b] *= (start + slope * steps[: b - a]).astype(np.float32)
     c[k[-1] :] *= np.float32(weight[-1])
 
 

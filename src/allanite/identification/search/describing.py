@@ -18,10 +18,10 @@ from allanite.terms import TERMS
 
 from .components import CLAIMED, COMPONENTS, LONGEST_MARKOV, Part
 from .cutoffs import errors_of, quantile_of
-from .estimates import Answer, shaped_terms
+from .estimates import Answer, law_of_term, shaped_terms
 from .fitting import Fitted, factor_basis, fitted
 from .frame import Frame
-from .laws import Entry, law_of, weights_of
+from .laws import Entry
 from .refining import refined
 
 VISIBLE_DEVIATE = 2.0  # standard deviations by which a factor must differ from 1 to be said
@@ -99,7 +99,7 @@ def misfit_of(answer: Answer) -> tuple[float, float]:
     """Size of the largest claimed factor, and its largest visible effect on the power; 0 without one."""
     f = answer.shown
     factors = f.state.of("factor")
-    if not factors or weights_of(answer.entries).get("factor", 0.0) < CLAIMED:
+    if not factors or answer.weights.get("factor", 0.0) < CLAIMED:
         return 0.0, 0.0
     u, error = factor_of(f)
     beyond = np.maximum(np.abs(u) - VISIBLE_DEVIATE * error, 0.0)
@@ -140,9 +140,8 @@ def _runs(frame: Frame, which: BoolArray) -> tuple[tuple[float, float], ...]:
 
 def components_of(answer: Answer) -> tuple[Component, ...]:
     """Every component of the models, with the weight of those that hold it and what it is in the heaviest of them."""
-    weights = weights_of(answer.entries)
     each = []
-    for name, weight in weights.items():
+    for name, weight in answer.weights.items():
         f = next(e.f for e in answer.entries if e.f.state.of(name))
         for part in f.state.of(name):
             low, high = _span(f, part)
@@ -214,7 +213,7 @@ def notes_of(answer: Answer, estimates: dict[str, Estimate]) -> list[str]:
 def _two_explanations(answer: Answer, estimates: dict[str, Estimate]) -> Iterator[str]:
     frame, scale = answer.result.frame, answer.scale
     for symbol in (s for s, e in estimates.items() if s in frame.powers and e.claimed):
-        law = law_of(answer.entries, frame.powers.index(symbol))
+        law, *_ = law_of_term(symbol, answer)
         if law is not None and law.modes:
             unit = scale.signal.sheet[TERMS[symbol].power]
             size = coefficient_factor(symbol, unit, scale.signal)

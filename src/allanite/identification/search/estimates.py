@@ -19,7 +19,7 @@ from allanite.terms import TERMS, WHITE
 
 from .components import CLAIMED, Part
 from .fitting import Fitted, fitted, place_of, values_of, with_values
-from .laws import Entry, Law, column_of, law_of, noise_part
+from .laws import Entry, Law, column_of, law_of, noise_part, subset_of, weights_of
 from .refining import refined, resized
 from .search import Searched
 
@@ -91,6 +91,16 @@ class Answer(Portable):
         return self.entries[0].f
 
     @cached_property
+    def weights(self) -> dict[str, float]:
+        """The weight of the models that have a component, by its row."""
+        return weights_of(self.entries)
+
+    @cached_property
+    def laws(self) -> dict[str, tuple[Law | None, tuple[float, ...], bool]]:
+        """Laws of terms that were made before, by symbol."""
+        return {}
+
+    @cached_property
     def shown(self) -> Fitted:
         """The best fit that the terms can express: without a power law, which is no term, and with a term at all."""
         plain = (e.f for e in self.entries if self._expressed(e.f))
@@ -131,11 +141,6 @@ class Answer(Portable):
         return averaged([m for m, _ in kept], [w for _, w in kept])
 
 
-def subset_of(f: Fitted) -> Subset:
-    """A fit as a subset of its likelihood."""
-    return Subset(f.trusted, f.free, f.theta, f.trusted.value(f.theta))
-
-
 def _with_sizes(f: Fitted, theta: FloatArray) -> Fitted:
     return replace(f, theta=theta)
 
@@ -162,22 +167,43 @@ class LawLimits:
 
 def law_of_term(symbol: str, answer: Answer) -> tuple[Law | None, tuple[float, ...], bool]:
     """The law of a noise term, its shape in samples, and whether it is claimed."""
-    frame = answer.result.frame
-    if symbol in frame.powers:
-        law = law_of(answer.entries, frame.powers.index(symbol))
-        return law, (), law is not None and law.claimed
+    if symbol not in answer.laws:
+        powers = answer.result.frame.powers
+        if symbol in powers:
+            law = law_of(answer.entries, powers.index(symbol))
+            answer.laws[symbol] = law, (), law is not None and law.claimed
+        else:
+            answer.laws[symbol] = _law_of_shaped(symbol, answer)
+    return answer.laws[symbol]
+
+
+def _numbered(symbol: str) -> tuple[str, int]:
+    """The label of a noise with a time constant, and which of them it is: 0 for the fastest."""
     fast = next((s for s in TERMS if TERMS[s].second == symbol), None)
-    label, number = (fast, 1) if fast else (symbol, 0)
-    at = [column_of(e.f, label, number) for e in answer.entries]
-    having = [e for e, i in zip(answer.entries, at, strict=True) if i is not None and e.f.theta[i] > 0]
-    if having:
-        best = having[0].f
-        where = column_of(best, label, number)
-        same = [i == where and len(e.f.state.of("noise")) == len(best.state.of("noise"))
-                for e, i in zip(answer.entries, at, strict=True)]  # fmt: skip
+    return (fast, 1) if fast else (symbol, 0)
+
+
+def having(symbol: str, answer: Answer) -> list[Entry]:
+    """The models that have a noise with a time constant."""
+    at = [(e, column_of(e.f, *_numbered(symbol))) for e in answer.entries if e.f.state.of("noise")]
+    return [e for e, i in at if i is not None and e.f.theta[i] > 0]
+
+
+def claims(symbol: str, answer: Answer) -> bool:
+    """Whether the models that have a noise with a time constant outweigh the others."""
+    return sum(e.weight for e in having(symbol, answer)) >= CLAIMED
+
+
+def _law_of_shaped(symbol: str, answer: Answer) -> tuple[Law | None, tuple[float, ...], bool]:
+    """The same of a noise with a time constant."""
+    label, number = _numbered(symbol)
+    models = having(symbol, answer)
+    if models:
+        best = models[0].f
+        where, count = column_of(best, label, number), len(best.state.of("noise"))
+        same = [len(e.f.state.of("noise")) == count and column_of(e.f, label, number) == where for e in answer.entries]
         law = law_of(answer.entries, where or 0, same)
-        weight = sum(e.weight for e in having)
-        return law, _shape_in(best, label, number), weight >= CLAIMED
+        return law, _shape_in(best, label, number), claims(symbol, answer)
     others = [f for f in answer.result.every.values() if column_of(f, label, number) is not None]
     if not others:
         return None, (), False
