@@ -17,6 +17,7 @@ from allanite.core.record import SHORTEST, Record
 from allanite.core.residuals import Check, Residuals
 from allanite.core.units import Signal, convert
 from allanite.core.validity import Finding
+from allanite.identification.likelihood.spectrum import easy_size
 from allanite.phrases.phrase import between, join, say
 from allanite.prepare.gaps import whole
 from allanite.prepare.outliers import treated
@@ -112,7 +113,7 @@ def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
     from scipy.fft import dct, idct
 
     block = max(FINEST_BLOCK, -(-u.size // MAX_BLOCKS))
-    blocks = u.size // block
+    blocks = easy_size(u.size // block)
     if blocks < FEWEST_BLOCKS:
         return None
     # sums over blocks of the record weighed by the inverse of its covariance

@@ -76,15 +76,16 @@ def entries_of(result: Searched) -> list[Entry]:
 def _subsets(full: Fitted, known: Sequence[bytes], highest: float) -> Iterator[tuple[int, Fitted]]:
     """Subsets of the powers that are not `known`, the largest first, without those that are too high for certain."""
     P, own = len(full.frame.powers), full.state.cost(full.frame)
+    places = 1 << np.arange(P)
     least: dict[int, float] = {}  # value of a subset, at least: that of one which holds it
     for bits in sorted(range(2**P), key=int.bit_count, reverse=True):
         free = np.ones(full.theta.size, dtype=bool)
-        free[:P] = [bool(bits >> i & 1) for i in range(P)]
+        free[:P] = bits & places > 0
         may = admissible(full.frame, full.state, free, free.size)
-        code = sum(1 << i for i in np.flatnonzero(may[:P]).tolist())
+        code = int(may[:P] @ places)
         if code in least or not may.any():
             continue
-        least[code] = max((value for more, value in least.items() if more & code == code), default=full.value)
+        least[code] = max([value for more, value in least.items() if more & code == code], default=full.value)
         if may.tobytes() not in known and least[code] - SETTLED + own + 2 * code.bit_count() <= highest:
             fit = resized(full, may)
             least[code] = max(least[code], fit.value)
@@ -173,7 +174,7 @@ def law_of(entries: Sequence[Entry], which: int, having: Sequence[bool] | None =
         e for i, e in enumerate(entries)
         if which < e.f.free.size and e.f.free[which] and (having is None or having[i])
     ]  # fmt: skip
-    weight = sum(e.weight for e in chosen)
+    weight = sum([e.weight for e in chosen])
     if not chosen or weight <= 0:
         return None
     cumulative = np.cumsum([e.weight / weight for e in chosen])
@@ -182,7 +183,7 @@ def law_of(entries: Sequence[Entry], which: int, having: Sequence[bool] | None =
     low, high = min(r[0] for r, _ in profiles), max(r[-1] for r, _ in profiles)
     root = np.linspace(low, high, POINTS)
     density, parts = np.zeros(POINTS), []
-    share = sum(e.weight for e in heavy)
+    share = sum([e.weight for e in heavy])
     for e, (r, d) in zip(heavy, profiles, strict=True):
         deviate = np.interp(root, r, d, left=-2 * FARTHEST_DEVIATE, right=2 * FARTHEST_DEVIATE)
         own = np.exp(-0.5 * deviate**2)
@@ -205,9 +206,12 @@ def _profile(entry: Entry, which: int) -> tuple[FloatArray, FloatArray]:
     low, high = max(ends[0], 0.0), ends[1]
     if low < root[0]:
         slope = (root[1] - root[0]) / max(deviate[1] - deviate[0], 1e-3)
-        root, deviate = np.append(low, root), np.append(deviate[0] - (root[0] - low) / max(slope, 1e-300), deviate)
+        first = deviate[0] - (root[0] - low) / max(slope, 1e-300)
+        root, deviate = np.concatenate(([low], root)), np.concatenate(([first], deviate))
     if high > root[-1]:
-        root, deviate = np.append(root, high), np.append(deviate, max(FARTHEST_DEVIATE, deviate[-1]))
+        root, deviate = (
+            np.concatenate((root, [high])), np.concatenate((deviate, [max(FARTHEST_DEVIATE, deviate[-1])])),
+        )  # fmt: skip
     return root, deviate
 
 
