@@ -303,18 +303,15 @@ def _inside(u: NDArray[np.float32], margin: int) -> IntArray | None:
 
 def _sums(u: NDArray[np.float32], first: int, last: int) -> list[float]:
     """Sums over a part of u^2, u^4, and of products at lags of 1, 2 .. 20 samples."""
-    total = np.zeros(2 + LAGS)
+    fourth, products = 0.0, np.zeros(1 + LAGS)
     for a in range(first, last, CHUNK):
         b = min(a + CHUNK, last)
-        v = u[a : b + LAGS].astype(np.float64)
-        now = v[: b - a]
-        square = now * now
-        total[0] += square.sum()
-        total[1] += square @ square
-        for h in range(1, LAGS + 1):
-            later = v[h : h + now.size]
-            total[1 + h] += now[: later.size] @ later
-    return list(total)
+        v = np.zeros(b - a + LAGS)  # beyond the end of the record there is nothing
+        v[: u.size - a] = u[a : b + LAGS]
+        square = v[: b - a] ** 2
+        fourth += float(square @ square)
+        products += np.correlate(v, v[: b - a])
+    return [float(products[0]), fourth, *products[1:].tolist()]
 
 
 def _two_sided(z: float) -> float:

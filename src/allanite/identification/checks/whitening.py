@@ -192,8 +192,9 @@ def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "ma
 
     def left(name: str) -> NDArray[np.float32]:
         record = treated(recording[name], outliers)
-        # missing samples are zero and do not contribute
-        return np.nan_to_num(whitened(record, fits[name].model, fits[name].scope), copy=False)
+        u = whitened(record, fits[name].model, fits[name].scope)
+        u[np.isnan(u)] = 0.0  # missing samples do not contribute
+        return u
 
     series = spread(left, names, threads)
     bounds = np.linspace(0, series[0].size, STRETCHES + 1).astype(np.int64)[:-1]
@@ -224,6 +225,8 @@ def _finding(names: Sequence[str], correlations: FloatArray, count: int, how: Ph
 
 
 def _correlations(series: list[NDArray[np.float32]] | list[FloatArray]) -> FloatArray:
-    products = np.array([[float(a @ b) for b in series] for a in series])
+    products = np.zeros((len(series), len(series)))
+    for i, a in enumerate(series):
+        products[i, : i + 1] = products[: i + 1, i] = [float(a @ b) for b in series[: i + 1]]
     size = np.sqrt(np.diag(products))
     return np.asarray(products / np.outer(size, size))
