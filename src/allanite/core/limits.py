@@ -151,10 +151,9 @@ class NormalMixture:
 
         low, high = float((self.centre - 40 * self.spread).min()), float((self.centre + 40 * self.spread).max())
         for _ in range(15):
-            inner = low + (high - low) / 16 * np.arange(1, 16)
-            below = self.weight @ ndtr((inner - self.centre[:, None]) / self.spread[:, None])
-            at = int((below < p).sum())
-            low, high = float(inner[at - 1]) if at else low, float(inner[at]) if at < inner.size else high
+            ends = low + (high - low) / 16 * np.arange(17)
+            at = int((self.weight @ ndtr((ends[1:-1] - self.centre[:, None]) / self.spread[:, None]) < p).sum())
+            low, high = float(ends[at]), float(ends[at + 1])
         return (low + high) / 2
 
     def minus(self, other: "NormalMixture", factor: float = 1.0) -> "NormalMixture":

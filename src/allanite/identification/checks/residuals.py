@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -52,59 +51,16 @@ HARMLESS_SHARE = 0.05  # share of the variance of the scores below which jumps d
 class Jumps:
     """Scores of the windows of one length in a series."""
 
-    # `total` is the running sum of the weighed `block`s of samples, `length` that of the windows in blocks; `most` is
-    # the window of the largest score. `deviate` is the kurtosis as a normal deviate, `chance` the reference for the
-    # largest score.
-    total: FloatArray
-    block: int
+    # `size` of the series and `length` of the windows are in samples; `jump` is the largest, SI, in the window whose
+    # middle is the sample `largest`. `weight` is the significance over the threshold, 1 and above is reported. `at` are
+    # the middles of the windows with significant jumps, `share` is the part of the variance of the scores due to jumps.
+    size: int
     length: int
-    most: int
-    deviate: float
-    chance: float
-
-    @property
-    def step(self) -> int:
-        """Blocks from one window to the next."""
-        return max(1, self.length // DENSE)
-
-    @cached_property
-    def score(self) -> FloatArray:
-        """The scores of the windows, SI."""
-        return self.total[self.length :: self.step] - self.total[: -self.length : self.step]
-
-    @cached_property
-    def quiet(self) -> float:
-        """Variance of the scores without jumps: bursts increase the variance, but hardly this."""
-        return float(np.median(self.score**2)) / MEDIAN
-
-    @property
-    def share(self) -> float:
-        """The part of the variance of the scores due to jumps."""
-        return 1 - self.quiet / float((self.score**2).mean())
-
-    @property
-    def jump(self) -> float:
-        """The largest jump, SI."""
-        return float(self.score[self.most]) / self.quiet
-
-    @property
-    def largest(self) -> int:
-        """The sample in the middle of the window of the largest jump."""
-        return (2 * self.most * self.step + self.length) * self.block // 2
-
-    @property
-    def at(self) -> IntArray:
-        """Samples in the middles of the windows with significant jumps."""
-        at = np.flatnonzero(self.score**2 > JUMP_DEVIATE**2 * self.quiet)
-        # middles of the runs that stand out; those no more than a length apart are one
-        runs = np.split(at, np.flatnonzero(np.diff(at) > self.length // self.step) + 1)
-        middles = np.array([(run[0] + run[-1]) // 2 for run in runs if run.size], dtype=at.dtype)
-        return (self.step * middles + self.length // 2) * self.block
-
-    @property
-    def weight(self) -> float:
-        """Significance relative to the threshold; 1 and above is reported."""
-        return max(self.deviate / TAILED_DEVIATE, math.log(max(self.chance, 1e-300)) / math.log(CHANCE_OF_JUMP))
+    jump: float
+    largest: int
+    weight: float
+    at: IntArray
+    share: float
 
 
 def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
@@ -128,21 +84,43 @@ def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
     count = int(math.log(blocks * LONGEST_WINDOW / SHORTEST_WINDOW, WINDOW_GROWTH)) + 1
     lengths = [round(SHORTEST_WINDOW * WINDOW_GROWTH**i) for i in range(count)]
     chances = 2 * sum(blocks / length for length in lengths)
-    candidates = [_scored(total, length, block, chances) for length in lengths]
-    best = max(candidates, key=lambda one: one.weight)
-    return None if best is candidates[0] else best
+    weights = [_weight(total, length, chances) for length in lengths]
+    best = max(range(count), key=weights.__getitem__)
+    return _scored(total, lengths[best], block, weights[best]) if best else None
 
 
-def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps:
+def _scores(total: FloatArray, length: int) -> FloatArray:
     """The scores of windows of a length in blocks, a sixteenth of it apart, from the running total."""
     step = max(1, length // DENSE)
-    square = (total[length::step] - total[:-length:step]) ** 2
+    return total[length::step] - total[:-length:step]
+
+
+def _weight(total: FloatArray, length: int, chances: float) -> float:
+    """The significance of their excess kurtosis and of the largest, whichever is greater."""
+    square = _scores(total, length) ** 2
     variance = float(square.mean())
     kurtosis = float(square @ square) / square.size / variance**2 - 3
+    largest = math.sqrt(float(square.max()) / variance)
+    chance = chances * largest * math.exp(-(largest**2) / 2) / math.sqrt(2 * math.pi)
+    deviate = _normal(kurtosis, 1.2 * total.size / length)
+    return max(deviate / TAILED_DEVIATE, math.log(max(chance, 1e-300)) / math.log(CHANCE_OF_JUMP))
+
+
+def _scored(total: FloatArray, length: int, block: int, weight: float) -> Jumps:
+    """What windows of a length say of jumps."""
+    step, score = max(1, length // DENSE), _scores(total, length)
+    square = score**2
     most = int(square.argmax())
-    largest = math.sqrt(float(square[most]) / variance)
-    density = math.exp(-(largest**2) / 2) / math.sqrt(2 * math.pi)
-    return Jumps(total, block, length, most, _normal(kurtosis, 1.2 * total.size / length), chances * largest * density)
+    quiet = float(np.median(square)) / MEDIAN  # bursts increase the variance, but hardly this
+    at = np.flatnonzero(square > JUMP_DEVIATE**2 * quiet)
+    # middles of the runs that stand out; those no more than a length apart are one
+    runs = np.split(at, np.flatnonzero(np.diff(at) > length // step) + 1)
+    middles = np.array([(run[0] + run[-1]) // 2 for run in runs if run.size], dtype=at.dtype)
+    return Jumps(
+        size=(total.size - 1) * block, length=length * block, jump=float(score[most]) / quiet,
+        largest=(2 * most * step + length) * block // 2, weight=weight,
+        share=1 - quiet / float(square.mean()), at=(step * middles + length // 2) * block,
+    )  # fmt: skip
 
 
 def _normal(kurtosis: float, n: float) -> float:
@@ -161,9 +139,8 @@ def popcorn(burst: Jumps | None, signal: Signal, seconds: Callable[[IntArray], F
     if burst is None or burst.weight < 1 or burst.share < HARMLESS_SHARE:
         return []
     unit = signal.sheet[0]
-    at, blocks = burst.at, burst.total.size - 1
-    ends = seconds(np.concatenate(([0], at, [blocks * burst.block])))
-    middle, half = float(seconds(np.array([burst.largest]))[0]), float(burst.length / 2 * ends[-1] / blocks)
+    ends = seconds(np.concatenate(([0], burst.at, [burst.size])))
+    middle, half = float(seconds(np.array([burst.largest]))[0]), float(burst.length / 2 * ends[-1] / burst.size)
     free = np.diff(ends)
     longest = int(free.argmax())
     first = math.ceil(ends[longest] + (2 * half if longest else 0))
@@ -173,7 +150,7 @@ def popcorn(burst: Jumps | None, signal: Signal, seconds: Callable[[IntArray], F
         part = say("a part without them: {selection}", selection=between(first, last))
         remedy = join("; ", (remedy, part))
     size = abs(convert(burst.jump, signal.unit, unit))
-    count = max(at.size, 1)
+    count = max(burst.at.size, 1)
     what = say("the bias jumps: the largest burst, {size:.3g} {unit}, is at {middle:.4g} s, and there are {count} "
                "of about {length:.2g} s in {duration:.4g} s",
                size=size, unit=unit, middle=middle, count=count, length=2 * half, duration=ends[-1])  # fmt: skip

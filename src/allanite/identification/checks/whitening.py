@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,9 +113,7 @@ def _divide(c: NDArray[np.float32], k: IntArray, deviation: FloatArray, unit: fl
     weight = unit / deviation
     steps = np.arange(np.diff(k).max(initial=0), dtype=np.float64)
     c[0] = 0.0
-    for a, b, start, slope in zip(
-        k[:-1].tolist(), k[1:].tolist(), weight[:-1], np.diff(weight) / np.diff(k), strict=True
-    ):
+    for a, b, start, slope in zip(k[:-1], k[1:], weight[:-1], np.diff(weight) / np.diff(k), strict=True):
         c[a:b] *= (start + slope * steps[: b - a]).astype(np.float32)
     c[k[-1] :] *= np.float32(weight[-1])
 
@@ -224,7 +223,7 @@ def _finding(names: Sequence[str], correlations: FloatArray, count: int, how: Ph
     return Finding("shared", what, say("their noises are not independent"), remedy)
 
 
-def _correlations(series: list[NDArray[np.float32]] | list[FloatArray]) -> FloatArray:
+def _correlations(series: Sequence[NDArray[Any]]) -> FloatArray:
     products = np.zeros((len(series), len(series)))
     for i, a in enumerate(series):
         products[i, : i + 1] = products[: i + 1, i] = [float(a @ b) for b in series[: i + 1]]

@@ -28,9 +28,12 @@ class Subset:
     value: float
 
     @cached_property
-    def variances(self) -> FloatArray:
-        """Variances of the free thetas, shape (free terms,)."""
-        return np.diag(_covariance(self.information[np.ix_(self.free, self.free)]))
+    def covariance(self) -> FloatArray:
+        """Covariance of the free thetas, from their information; what that does not distinguish shares it."""
+        information = self.information[np.ix_(self.free, self.free)]
+        # where loose directions take all that a few bins tell, rounding leaves less than nothing
+        size = np.outer(*[np.sqrt(np.abs(np.diag(information)))] * 2)
+        return np.asarray(np.linalg.pinv(information / size, hermitian=True) / size)
 
     @cached_property
     def information(self) -> FloatArray:
@@ -63,11 +66,6 @@ class ThetaProfile(Portable):
     which: int
 
     @property
-    def likelihood(self) -> Likelihood:
-        """That of the subset."""
-        return self.subset.likelihood
-
-    @property
     def best(self) -> float:
         """Theta at the minimum."""
         return float(self.subset.theta[self.which])
@@ -97,7 +95,7 @@ class ThetaProfile(Portable):
 
     def at(self, value: float, start: FloatArray) -> tuple[float, FloatArray]:
         """The excess at theta[which] = value, infinite if nothing else makes noise; and where the other terms went."""
-        theta, least = self.likelihood.minimise(self.subset.free, start, (self.which, value))
+        theta, least = self.subset.likelihood.minimise(self.subset.free, start, (self.which, value))
         return 2 * (least - self.subset.value), theta
 
     def weighted(self, nodes: int = 32, prior: float = 1.0) -> tuple[list[FloatArray], FloatArray]:
@@ -127,7 +125,7 @@ class ThetaProfile(Portable):
             if abs(root - wanted) < 1e-3 * wanted:
                 break
             inside, outside = (guess, outside) if root < wanted else (inside, guess)
-            slope = 2 * float(self.likelihood.gradient(start)[self.which]) if math.isfinite(excess) else 0.0
+            slope = 2 * float(self.subset.likelihood.gradient(start)[self.which]) if excess < math.inf else 0.0
             step = guess + (wanted - root) * 2 * root / slope if slope else math.inf
             guess = step if min(inside, outside) < step < max(inside, outside) else (inside + outside) / 2
         return guess
@@ -135,21 +133,13 @@ class ThetaProfile(Portable):
 
 def standard_error(subset: Subset, which: int) -> float:
     """Standard error of theta[which], from the expected information of the subset's terms."""
-    return float(np.sqrt(abs(subset.variances[int(subset.free[:which].sum())])))
+    return float(np.sqrt(abs(np.diag(subset.covariance)[int(subset.free[:which].sum())])))
 
 
 def correlation(subset: Subset) -> FloatArray:
     """Correlation of the estimates of the free terms, shape (f, f): that of theta, and of its root."""
-    C = _covariance(subset.information[np.ix_(subset.free, subset.free)])
-    size = np.sqrt(np.abs(np.diag(C)))  # see `_covariance`
-    return np.asarray(np.clip(C / np.outer(size, size), -1, 1))
-
-
-def _covariance(information: FloatArray) -> FloatArray:
-    """From the expected information of the free terms; what it does not distinguish shares it."""
-    # where loose directions take all that a few bins tell, rounding leaves less than nothing
-    size = np.outer(*[np.sqrt(np.abs(np.diag(information)))] * 2)
-    return np.asarray(np.linalg.pinv(information / size, hermitian=True) / size)
+    size = np.sqrt(np.abs(np.diag(subset.covariance)))  # see `covariance`
+    return np.asarray(np.clip(subset.covariance / np.outer(size, size), -1, 1))
 
 
 AKAIKE = 2.0  # penalty of a term in 2 L

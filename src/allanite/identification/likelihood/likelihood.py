@@ -129,16 +129,11 @@ class Likelihood(Portable):
         """Directions in the order of the kernels."""
         return np.argsort(~self.flat, kind="stable")
 
-    @cached_property
-    def _back(self) -> IntArray:
-        """Places of the directions in that order."""
-        return np.argsort(self._order)
-
     def directions(self, theta: FloatArray) -> tuple[FloatArray, FloatArray, float]:
         """Estimates eta, their covariance V and the directions' part of 2 L."""
         _, part, (*_, eta, V) = self._evaluated(theta)
-        back = self._back
-        return eta[back], V[back[:, None], back], float(part)
+        back = np.argsort(self._order)
+        return eta[back], V[np.ix_(back, back)], float(part)
 
     def value(self, theta: FloatArray) -> float:
         """L at `theta`; infinite where the expectation is not positive."""

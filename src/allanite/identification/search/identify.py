@@ -271,8 +271,8 @@ def _estimates(answer: Answer, scope: Scope, warm: WarmUp | None) -> dict[str, E
     estimates = {s: noise_estimate(s, answer) for s in terms if TERMS[s].waveform is None}
     estimates |= {s: ramp_estimate(s, answer) for s in terms if TERMS[s].waveform is not None}
     if not answer.result.frame.asked:
-        more = {s: noise_estimate(s, answer) for s in ("GM", "GML") if claims(s, answer)}
-        estimates |= {s: e for s, e in more.items() if e.claimed}
+        more = (noise_estimate(s, answer) for s in ("GM", "GML") if claims(s, answer))
+        estimates |= {e.symbol: e for e in more if e.claimed}
     half = answer.scale.rate / 2
     estimates = {s: observable(e, scope.band, half, filtered=scope.filter is not None) for s, e in estimates.items()}
     return estimates | {s: warm_up_estimate(s, warm, answer) for s in answer.symbols if TERMS[s].transient}

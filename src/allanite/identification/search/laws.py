@@ -15,7 +15,7 @@ from allanite.core.arrays import FloatArray
 from allanite.core.plain import Portable
 from allanite.identification.likelihood.law import Subset, traced
 
-from .components import CLAIMED, COMPONENTS, Part
+from .components import CLAIMED, Part
 from .fitting import Fitted, admissible, column_of_part, refined_values
 from .refining import REACH, SETTLED, resized
 from .search import Searched
@@ -63,26 +63,22 @@ def subset_of(f: Fitted) -> Subset:
 def entries_of(result: Searched) -> list[Entry]:
     """Every subset of the powers beside each state that was kept, with its weight, the heaviest first."""
     models: dict[tuple[object, bytes], Fitted] = {}
-    least = result.best.score
+    highest = result.best.score + 2 * REACH
     for f in _some_of_each_family(result.kept):
         models[f.state.kind, f.free.tobytes()] = f
-        known = [free for kind, free in models if kind == f.state.kind]
-        fits = _subsets(resized(f, np.ones(f.theta.size, dtype=bool)), known, least + 2 * REACH)
-        near = ((code, g) for code, g in fits if math.isfinite(g.score) and g.score < least + 2 * REACH)
-        models |= {(f.state.kind, g.free.tobytes()): g for _, g in sorted(near, key=lambda each: each[0])}
+        full, known = resized(f, np.ones(f.theta.size, dtype=bool)), [free for k, free in models if k == f.state.kind]
+        fits = sorted(_subsets(full, known, highest), key=lambda each: each[0])
+        models |= {(f.state.kind, g.free.tobytes()): g for _, g in fits if -math.inf < g.score < highest}
     return weighted(list(models.values()))
 
 
 def _subsets(full: Fitted, known: Sequence[bytes], highest: float) -> Iterator[tuple[int, Fitted]]:
     """Subsets of the powers that are not `known`, the largest first, without those that are too high for certain."""
-    P, own = len(full.frame.powers), full.state.cost(full.frame)
-    places = 1 << np.arange(P)
+    own, places = full.state.cost(full.frame), 1 << np.arange(len(full.frame.powers))
     least: dict[int, float] = {}  # value of a subset, at least: that of one which holds it
-    for bits in sorted(range(2**P), key=int.bit_count, reverse=True):
-        free = np.ones(full.theta.size, dtype=bool)
-        free[:P] = bits & places > 0
-        may = admissible(full.frame, full.state, free, free.size)
-        code = int(may[:P] @ places)
+    for bits in sorted(range(2**places.size), key=int.bit_count, reverse=True):
+        may = admissible(full.frame, full.state, bits & places > 0, full.theta.size)
+        code = int(may[: places.size] @ places)
         if code in least or not may.any():
             continue
         least[code] = max([value for more, value in least.items() if more & code == code], default=full.value)
@@ -207,19 +203,10 @@ def _profile(entry: Entry, which: int) -> tuple[FloatArray, FloatArray]:
     if low < root[0]:
         slope = (root[1] - root[0]) / max(deviate[1] - deviate[0], 1e-3)
         first = deviate[0] - (root[0] - low) / max(slope, 1e-300)
-        root, deviate = np.concatenate(([low], root)), np.concatenate(([first], deviate))
+        root, deviate = np.array([low, *root]), np.array([first, *deviate])
     if high > root[-1]:
-        root, deviate = (
-            np.concatenate((root, [high])), np.concatenate((deviate, [max(FARTHEST_DEVIATE, deviate[-1])])),
-        )  # fmt: skip
+        root, deviate = np.array([*root, high]), np.array([*deviate, max(FARTHEST_DEVIATE, deviate[-1])])
     return root, deviate
-
-
-def weights_of(entries: Sequence[Entry]) -> dict[str, float]:
-    """The weight of the models that have a component, by its row."""
-    names = [({part.name for part in e.f.state}, e.weight) for e in entries]
-    held = set[str]().union(*(each for each, _ in names))
-    return {name: sum(weight for each, weight in names if name in each) for name in COMPONENTS if name in held}
 
 
 def noise_part(f: Fitted, symbol: str, number: int = 0) -> Part | None:
