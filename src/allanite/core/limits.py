@@ -146,11 +146,14 @@ class NormalMixture:
         return min(1.0, 2 * min(self.below(0.0), 1 - self.below(0.0)))
 
     def quantile(self, p: float) -> float:
-        """The value below which it lies with probability p, by bisection."""
+        """The value below which it lies with probability p: its sixteenth of an interval, 15 times."""
+        from scipy.special import ndtr
+
         low, high = float((self.centre - 40 * self.spread).min()), float((self.centre + 40 * self.spread).max())
-        for _ in range(80):
-            middle = (low + high) / 2
-            low, high = (middle, high) if self.below(middle) < p else (low, middle)
+        for _ in range(15):
+            ends = low + (high - low) / 16 * np.arange(17)
+            at = int((self.weight @ ndtr((ends[1:-1] - self.centre[:, None]) / self.spread[:, None]) < p).sum())
+            low, high = float(ends[at]), float(ends[at + 1])
         return (low + high) / 2
 
     def minus(self, other: "NormalMixture", factor: float = 1.0) -> "NormalMixture":

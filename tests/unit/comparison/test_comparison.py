@@ -202,6 +202,7 @@ def test_limits_of_a_ratio_of_ramps_hold_the_share_that_they_state(level):
     first = NormalMixture(np.array([1.0, -1.3]) * -2.0, np.array([0.01, 0.4]), np.array([0.99, 0.01]))
     second = NormalMixture(np.array([1.0, 4.0]), np.array([0.02, 0.1]), np.array([0.7, 0.3]))
     low, high = RampContrast(first, second).limits(level)
+    assert [first.below(first.quantile(p)) for p in (1e-6, 0.3, level)] == pytest.approx([1e-6, 0.3, level], rel=1e-9)
     shares = sorted(second.minus(first, ratio).below(0.0) for ratio in (low, high))
     assert low < high
     assert shares == pytest.approx([(1 - level) / 2, (1 + level) / 2], abs=1e-5)

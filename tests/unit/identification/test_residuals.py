@@ -7,6 +7,7 @@ import pytest
 from tests.rows import paired, refused, rows
 
 import allanite as al
+from allanite.identification.checks.residuals import LAGS, _sums
 from allanite.reporting import page, plot, table
 
 SENSORS = {
@@ -99,6 +100,14 @@ def test_what_cannot_be_asked_is_refused():
     refused(al.UsageError, "needs a model with noise", lambda: al.whitened(record, al.Model((al.R(1.0, "deg/h/s"),))))
     refused(al.UsageError, "'mark'", lambda: al.residuals(record, fit, outliers="fill"))
     refused(al.UsageError, "two channels", lambda: al.shared(al.Recording((record,)), {"": fit}))
+
+
+def test_sums_are_those_of_the_products():
+    u = np.random.default_rng(1).standard_normal(70_000).astype(np.float32)
+    for first, last in ((100, 60_000), (40_000, u.size)):
+        now, later = u[first:last].astype(float), np.concatenate((u[first:], np.zeros(LAGS))).astype(float)
+        products = [float((now * later[h : h + now.size]).sum()) for h in range(LAGS + 1)]
+        assert _sums(u, first, last) == pytest.approx([products[0], (now**4).sum(), *products[1:]], rel=1e-9, abs=1e-6)
 
 
 def test_too_little_between_gaps_is_not_asked():

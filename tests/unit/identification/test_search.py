@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import FrozenInstanceError
+from itertools import product
 
 import numpy as np
 import pytest
@@ -14,11 +15,14 @@ from allanite.identification.likelihood.filters import FILTERS, Filter
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.search import moves as ways
 from allanite.identification.search.components import CLAIMED, COMPONENTS, FACTORS, ODDS, Part, cost_of
-from allanite.identification.search.fitting import factor_basis, fitted, likelihood_of, slopes, values_of, with_values
+
+from allanite.identification.search.fitting import (  # isort: skip
+    admissible, factor_basis, fitted, likelihood_of, slopes, values_of, with_values
+)  # fmt: skip
 from allanite.identification.search.frame import frame_of
 from allanite.identification.search.identify import moves_for
-from allanite.identification.search.laws import entries_of, law_of, weighted
-from allanite.identification.search.refining import refined
+from allanite.identification.search.laws import _some_of_each_family, entries_of, law_of, weighted
+from allanite.identification.search.refining import refined, resized
 from allanite.identification.search.search import search
 from allanite.identification.search.state import State, alike
 
@@ -200,6 +204,29 @@ def test_weights_and_laws_are_those_of_all_that_is_kept():
             low, high = law.limits(level)
             assert 0 <= low <= law.quantile(0.5) <= high
         assert law.weight == pytest.approx(sum(e.weight for e in entries if e.f.free[which]))
+
+
+def every_subset(result):
+    """The models of the average, every subset of the powers beside each state being fitted."""
+    models = {}
+    for f in _some_of_each_family(result.kept):
+        models[f.state.kind, f.free.tobytes()] = f
+        full = resized(f, np.ones(f.theta.size, dtype=bool))
+        for bits in product((False, True), repeat=len(result.frame.powers)):
+            may = admissible(f.frame, f.state, np.array([*bits, *full.free[len(bits) :]]), f.theta.size)
+            if may.any() and (f.state.kind, may.tobytes()) not in models:
+                models[f.state.kind, may.tobytes()] = resized(full, may)
+    return weighted([f for f in models.values() if math.isfinite(f.score)])
+
+
+def test_subsets_that_are_not_fitted_would_weigh_nothing():
+    for seed, behind in ((6, None), (7, RC)):
+        result = search(frame_from(made(N + B + K, 2**13, seed, behind)))
+        weights = (
+            {(e.f.state.kind, e.f.free.tobytes()): e.weight for e in entries}
+            for entries in (entries_of(result), every_subset(result))
+        )
+        assert next(weights) == pytest.approx(next(weights), rel=1e-12)
 
 
 def test_look_alikes_weigh_as_the_best_of_them():

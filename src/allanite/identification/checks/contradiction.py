@@ -171,17 +171,16 @@ def _deviation(fit: Fit, terms: Iterable[Term], curve: Curve) -> FloatArray:
 
 def not_rounding(fit: Fit, record: Record) -> dict[str, str]:
     """Why angle noise is not the rounding of the samples, by symbol: it exceeds that of their step."""
-    step = grid(record.values[np.isfinite(record.values)])[1] * record.factor
+    angular = {e.symbol: e.value for e in fit if TERMS[e.symbol].edge and e.claimed and e.value is not None}
+    step = grid(record.values[np.isfinite(record.values)])[1] * record.factor if angular else 0.0
     if not step:
         return {}
     angle = step if record.kind == "angle" else step / record.rate
     most = ROUNDED * angle / math.sqrt(12)
     return {
-        e.symbol: say("it is {ratio:.3g} times what the steps of the samples can cause: noise that rises near half "
-                      "the sampling rate, of vibration, differentiation or interpolation",
-                      ratio=ROUNDED * e.value / most)
-        for e in fit
-        if TERMS[e.symbol].edge and e.claimed and e.value is not None and e.value > most
+        symbol: say("it is {ratio:.3g} times what the steps of the samples can cause: noise that rises near half the "
+                    "sampling rate, of vibration, differentiation or interpolation", ratio=ROUNDED * value / most)
+        for symbol, value in angular.items() if value > most
     }  # fmt: skip
 
 

@@ -16,6 +16,7 @@ from allanite.core.record import SHORTEST, Record
 from allanite.core.residuals import Check, Residuals
 from allanite.core.units import Signal, convert
 from allanite.core.validity import Finding
+from allanite.identification.likelihood.spectrum import easy_size
 from allanite.phrases.phrase import between, join, say
 from allanite.prepare.gaps import whole
 from allanite.prepare.outliers import treated
@@ -51,22 +52,15 @@ class Jumps:
     """Scores of the windows of one length in a series."""
 
     # `size` of the series and `length` of the windows are in samples; `jump` is the largest, SI, in the window whose
-    # middle is the sample `largest`. `deviate` is the kurtosis as a normal deviate, `chance` the reference for the
-    # largest score, `at` the middles of the windows with significant jumps, `share` the part of the variance of the
-    # scores due to jumps.
+    # middle is the sample `largest`. `weight` is the significance over the threshold, 1 and above is reported. `at` are
+    # the middles of the windows with significant jumps, `share` is the part of the variance of the scores due to jumps.
     size: int
     length: int
     jump: float
     largest: int
-    deviate: float
-    chance: float
+    weight: float
     at: IntArray
     share: float
-
-    @property
-    def weight(self) -> float:
-        """Significance relative to the threshold; 1 and above is reported."""
-        return max(self.deviate / TAILED_DEVIATE, math.log(max(self.chance, 1e-300)) / math.log(CHANCE_OF_JUMP))
 
 
 def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
@@ -75,7 +69,7 @@ def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
     from scipy.fft import dct, idct
 
     block = max(FINEST_BLOCK, -(-u.size // MAX_BLOCKS))
-    blocks = u.size // block
+    blocks = easy_size(u.size // block)
     if blocks < FEWEST_BLOCKS:
         return None
     # sums over blocks of the record weighed by the inverse of its covariance
@@ -90,21 +84,33 @@ def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
     count = int(math.log(blocks * LONGEST_WINDOW / SHORTEST_WINDOW, WINDOW_GROWTH)) + 1
     lengths = [round(SHORTEST_WINDOW * WINDOW_GROWTH**i) for i in range(count)]
     chances = 2 * sum(blocks / length for length in lengths)
-    candidates = [_scored(total, length, block, chances) for length in lengths]
-    best = max(candidates, key=lambda one: one.weight)
-    return None if best is candidates[0] else best
+    weights = [_weight(total, length, chances) for length in lengths]
+    best = max(range(count), key=weights.__getitem__)
+    return _scored(total, lengths[best], block, weights[best]) if best else None
 
 
-def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps:
+def _scores(total: FloatArray, length: int) -> FloatArray:
     """The scores of windows of a length in blocks, a sixteenth of it apart, from the running total."""
     step = max(1, length // DENSE)
-    score = total[length::step] - total[:-length:step]
-    square = score * score
+    return total[length::step] - total[:-length:step]
+
+
+def _weight(total: FloatArray, length: int, chances: float) -> float:
+    """The significance of their excess kurtosis and of the largest, whichever is greater."""
+    square = _scores(total, length) ** 2
     variance = float(square.mean())
     kurtosis = float(square @ square) / square.size / variance**2 - 3
+    largest = math.sqrt(float(square.max()) / variance)
+    chance = chances * largest * math.exp(-(largest**2) / 2) / math.sqrt(2 * math.pi)
+    deviate = _normal(kurtosis, 1.2 * total.size / length)
+    return max(deviate / TAILED_DEVIATE, math.log(max(chance, 1e-300)) / math.log(CHANCE_OF_JUMP))
+
+
+def _scored(total: FloatArray, length: int, block: int, weight: float) -> Jumps:
+    """What windows of a length say of jumps."""
+    step, score = max(1, length // DENSE), _scores(total, length)
+    square = score**2
     most = int(square.argmax())
-    largest = math.sqrt(float(square[most]) / variance)
-    density = math.exp(-(largest**2) / 2) / math.sqrt(2 * math.pi)
     quiet = float(np.median(square)) / MEDIAN  # bursts increase the variance, but hardly this
     at = np.flatnonzero(square > JUMP_DEVIATE**2 * quiet)
     # middles of the runs that stand out; those no more than a length apart are one
@@ -112,8 +118,8 @@ def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps
     middles = np.array([(run[0] + run[-1]) // 2 for run in runs if run.size], dtype=at.dtype)
     return Jumps(
         size=(total.size - 1) * block, length=length * block, jump=float(score[most]) / quiet,
-        largest=(2 * most * step + length) * block // 2, deviate=_normal(kurtosis, 1.2 * total.size / length),
-        chance=chances * largest * density, share=1 - quiet / variance, at=(step * middles + length // 2) * block,
+        largest=(2 * most * step + length) * block // 2, weight=weight,
+        share=1 - quiet / float(square.mean()), at=(step * middles + length // 2) * block,
     )  # fmt: skip
 
 
@@ -274,18 +280,15 @@ def _inside(u: NDArray[np.float32], margin: int) -> IntArray | None:
 
 def _sums(u: NDArray[np.float32], first: int, last: int) -> list[float]:
     """Sums over a part of u^2, u^4, and of products at lags of 1, 2 .. 20 samples."""
-    total = np.zeros(2 + LAGS)
+    fourth, products = 0.0, np.zeros(1 + LAGS)
     for a in range(first, last, CHUNK):
         b = min(a + CHUNK, last)
-        v = u[a : b + LAGS].astype(np.float64)
-        now = v[: b - a]
-        square = now * now
-        total[0] += square.sum()
-        total[1] += square @ square
-        for h in range(1, LAGS + 1):
-            later = v[h : h + now.size]
-            total[1 + h] += now[: later.size] @ later
-    return list(total)
+        v = np.zeros(b - a + LAGS)  # beyond the end of the record there is nothing
+        v[: u.size - a] = u[a : b + LAGS]
+        square = v[: b - a] ** 2
+        fourth += float(square @ square)
+        products += np.correlate(v, v[: b - a])
+    return [float(products[0]), fourth, *products[1:].tolist()]
 
 
 def _two_sided(z: float) -> float:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,12 +76,11 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
             y -= term.value * record.rate**term.row.power / unit * (shape if kept is None else shape[kept])
     y -= y.mean()
     # slow noise exceeds fast noise by a few thousand at most: single precision halves time and memory
-    size = float(np.abs(y).max()) or 1.0
-    y /= size
-    n = y.size
+    size, n = float(max(y.max(), -y.min())) or 1.0, y.size
     # reflected at the end, as the transform supposes it to go on, up to a size whose transform is fast
     c = np.empty(n if n < SHORT_TRANSFORM else next_fast_len(n), np.float32)
-    c[:n], c[n:] = y, y[::-1][: c.size - n]
+    np.divide(y, size, out=c[:n], casting="same_kind")
+    c[n:] = c[:n][::-1][: c.size - n]
     del y
     c = dct(c, norm="ortho", overwrite_x=True)
     at, deviation = deviations(model, replace(gaps, size=c.size), record.rate)
@@ -111,9 +111,10 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
 def _divide(c: NDArray[np.float32], k: IntArray, deviation: FloatArray, unit: float) -> None:
     """Divide by the standard deviation in place; its inverse is interpolated linearly between the nodes k."""
     weight = unit / deviation
+    steps = np.arange(np.diff(k).max(initial=0), dtype=np.float64)
     c[0] = 0.0
-    for a, b, start, end in zip(k[:-1], k[1:], weight[:-1], weight[1:], strict=True):
-        c[a:b] *= np.linspace(start, end, b - a, endpoint=False, dtype=np.float32)
+    for a, b, start, slope in zip(k[:-1], k[1:], weight[:-1], np.diff(weight) / np.diff(k), strict=True):
+        c[a:b] *= (start + slope * steps[: b - a]).astype(np.float32)
     c[k[-1] :] *= np.float32(weight[-1])
 
 
@@ -190,8 +191,9 @@ def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "ma
 
     def left(name: str) -> NDArray[np.float32]:
         record = treated(recording[name], outliers)
-        # missing samples are zero and do not contribute
-        return np.nan_to_num(whitened(record, fits[name].model, fits[name].scope), copy=False)
+        u = whitened(record, fits[name].model, fits[name].scope)
+        u[np.isnan(u)] = 0.0  # missing samples do not contribute
+        return u
 
     series = spread(left, names, threads)
     bounds = np.linspace(0, series[0].size, STRETCHES + 1).astype(np.int64)[:-1]
@@ -221,7 +223,9 @@ def _finding(names: Sequence[str], correlations: FloatArray, count: int, how: Ph
     return Finding("shared", what, say("their noises are not independent"), remedy)
 
 
-def _correlations(series: list[NDArray[np.float32]] | list[FloatArray]) -> FloatArray:
-    products = np.array([[float(a @ b) for b in series] for a in series])
+def _correlations(series: Sequence[NDArray[Any]]) -> FloatArray:
+    products = np.zeros((len(series), len(series)))
+    for i, a in enumerate(series):
+        products[i, : i + 1] = products[: i + 1, i] = [float(a @ b) for b in series[: i + 1]]
     size = np.sqrt(np.diag(products))
     return np.asarray(products / np.outer(size, size))

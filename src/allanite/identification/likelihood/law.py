@@ -28,9 +28,17 @@ class Subset:
     value: float
 
     @cached_property
-    def variances(self) -> FloatArray:
-        """Variances of the free thetas, shape (free terms,)."""
-        return np.diag(_covariance(self.likelihood, self.theta, self.free))
+    def covariance(self) -> FloatArray:
+        """Covariance of the free thetas, from their information; what that does not distinguish shares it."""
+        information = self.information[np.ix_(self.free, self.free)]
+        # where loose directions take all that a few bins tell, rounding leaves less than nothing
+        size = np.outer(*[np.sqrt(np.abs(np.diag(information)))] * 2)
+        return np.asarray(np.linalg.pinv(information / size, hermitian=True) / size)
+
+    @cached_property
+    def information(self) -> FloatArray:
+        """Expected information of all thetas, shape (p, p)."""
+        return self.likelihood.information(self.theta)
 
     def score(self, penalty: float | FloatArray) -> float:
         """2 L + the penalties of the terms."""
@@ -56,11 +64,6 @@ class ThetaProfile(Portable):
     # `excess` is 2 (L - L at the subset's minimum).
     subset: Subset
     which: int
-
-    @property
-    def likelihood(self) -> Likelihood:
-        """That of the subset."""
-        return self.subset.likelihood
 
     @property
     def best(self) -> float:
@@ -90,12 +93,10 @@ class ThetaProfile(Portable):
         """Standard error from the curvature: where to start looking."""
         return standard_error(self.subset, self.which)
 
-    def at(self, value: float, start: FloatArray) -> tuple[float, float, FloatArray]:
-        """The excess at theta[which] = value, its derivative, and where the other terms went."""
-        theta, least = self.likelihood.minimise(self.subset.free, start, (self.which, value))
-        if least == math.inf:  # nothing else could make noise
-            return math.inf, 0.0, theta
-        return 2 * (least - self.subset.value), 2 * float(self.likelihood.gradient(theta)[self.which]), theta
+    def at(self, value: float, start: FloatArray) -> tuple[float, FloatArray]:
+        """The excess at theta[which] = value, infinite if nothing else makes noise; and where the other terms went."""
+        theta, least = self.subset.likelihood.minimise(self.subset.free, start, (self.which, value))
+        return 2 * (least - self.subset.value), theta
 
     def weighted(self, nodes: int = 32, prior: float = 1.0) -> tuple[list[FloatArray], FloatArray]:
         """All thetas along the profile, with weights of its likelihood times a prior."""
@@ -104,7 +105,7 @@ class ThetaProfile(Portable):
         roots = np.linspace(0.0, math.sqrt(self.upper(16.0)), nodes)
         start, thetas, excess = self.subset.theta, [], []
         for root in roots[::-1]:
-            value, _, start = self.at(root**2, start)
+            value, start = self.at(root**2, start)
             if value == math.inf:  # no other term makes noise
                 break
             thetas.append(start)
@@ -119,11 +120,12 @@ class ThetaProfile(Portable):
         """Newton on the root of the excess, which is nearly straight in theta, kept within a bracket."""
         start, wanted, inside = self.subset.theta, math.sqrt(drop), self.best
         for _ in range(40):
-            excess, slope, start = self.at(guess, start)
+            excess, start = self.at(guess, start)
             root = math.sqrt(max(excess, 0.0))
             if abs(root - wanted) < 1e-3 * wanted:
                 break
             inside, outside = (guess, outside) if root < wanted else (inside, guess)
+            slope = 2 * float(self.subset.likelihood.gradient(start)[self.which]) if excess < math.inf else 0.0
             step = guess + (wanted - root) * 2 * root / slope if slope else math.inf
             guess = step if min(inside, outside) < step < max(inside, outside) else (inside + outside) / 2
         return guess
@@ -131,22 +133,13 @@ class ThetaProfile(Portable):
 
 def standard_error(subset: Subset, which: int) -> float:
     """Standard error of theta[which], from the expected information of the subset's terms."""
-    return float(np.sqrt(abs(subset.variances[int(subset.free[:which].sum())])))
+    return float(np.sqrt(abs(np.diag(subset.covariance)[int(subset.free[:which].sum())])))
 
 
 def correlation(subset: Subset) -> FloatArray:
     """Correlation of the estimates of the free terms, shape (f, f): that of theta, and of its root."""
-    C = _covariance(subset.likelihood, subset.theta, subset.free)
-    size = np.sqrt(np.abs(np.diag(C)))  # see `_covariance`
-    return np.asarray(np.clip(C / np.outer(size, size), -1, 1))
-
-
-def _covariance(likelihood: Likelihood, theta: FloatArray, free: BoolArray) -> FloatArray:
-    """From the expected information of the free terms; what it does not distinguish shares it."""
-    information = likelihood.information(theta)[np.ix_(free, free)]
-    # where loose directions take all that a few bins tell, rounding leaves less than nothing
-    size = np.outer(*[np.sqrt(np.abs(np.diag(information)))] * 2)
-    return np.asarray(np.linalg.pinv(information / size, hermitian=True) / size)
+    size = np.sqrt(np.abs(np.diag(subset.covariance)))  # see `covariance`
+    return np.asarray(np.clip(subset.covariance / np.outer(size, size), -1, 1))
 
 
 AKAIKE = 2.0  # penalty of a term in 2 L
@@ -194,20 +187,25 @@ def traced(subset: Subset, which: int) -> Trace:
     """Walk along a profile to either side of its minimum, each step from where the other terms went before."""
     best = math.sqrt(float(subset.theta[which]))
     # where theta is a standard error greater, the other terms known
-    known = float(subset.likelihood.information(subset.theta)[which, which])
+    known = float(subset.information[which, which])
     if known <= 0:  # loose directions take all that the lowest bins tell: as large as the whole power there
         likelihood = subset.likelihood
         known = float((likelihood.S[:, which] / likelihood.power).max()) ** 2
     error = 1 / math.sqrt(known)
     first = (math.hypot(best, math.sqrt(error)) - best) / 2
-    sides = []
+    sides, moving = [], subset.free.copy()
+    moving[which] = False
     for sign in (-1.0, 1.0):
         at, step, theta, side = best, first, subset.theta, []
         for _ in range(MAX_STEPS):
             if at <= 0 and sign < 0:
                 break
             at, step = max(at + sign * step, 0.0), step * STEP_GROWTH
-            theta, least = subset.likelihood.minimise(subset.free, theta, (which, at**2))
+            theta = theta.copy()
+            theta[which] = at**2
+            theta, least = subset.likelihood.moved(theta, moving)
+            if least == math.inf:  # it lies outside
+                theta, least = subset.likelihood.minimise(subset.free, theta, (which, at**2))
             excess = 2 * (least - subset.value)
             side.append((at, sign * min(math.sqrt(max(excess, 0.0)), BEYOND_PROFILE)))
             if excess > PROFILE_END:

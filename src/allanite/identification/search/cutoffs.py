@@ -65,10 +65,11 @@ def cutoff_law(answer: Answer) -> CutoffLaw:
     low, high = np.log([cutoffs_of(e.f) for e in having]).reshape(-1, 2).T
     bare = next((e.f for e in answer.entries if e.f.state.filter is None), None)
     weight = np.array([e.weight for e in having])
-    return CutoffLaw(weight, low, high, _errors(having), bare, answer.scale.rate)
+    return CutoffLaw(weight, low, high, errors_in(having), bare, answer.scale.rate)
 
 
-def _errors(having: Sequence[Entry]) -> FloatArray:
+def errors_in(having: Sequence[Entry]) -> FloatArray:
+    """Standard errors of the logarithms of the cut-offs of models with a filter."""
     return np.array([errors_of(e.f, part)[0] for e in having for part in e.f.state.of("filter")])
 
 

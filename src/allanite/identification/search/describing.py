@@ -17,11 +17,10 @@ from allanite.phrases.phrase import join, say, spelled
 from allanite.terms import TERMS
 
 from .components import CLAIMED, COMPONENTS, LONGEST_MARKOV, Part
-from .cutoffs import errors_of, quantile_of
+from .cutoffs import errors_in, quantile_of
 from .estimates import Answer, shaped_terms
 from .fitting import Fitted, factor_basis, fitted
 from .frame import Frame
-from .laws import Entry, law_of, weights_of
 from .refining import refined
 
 VISIBLE_DEVIATE = 2.0  # standard deviations by which a factor must differ from 1 to be said
@@ -78,9 +77,8 @@ def low_pass(answer: Answer) -> LowPass | None:
         common = answer.result.frame.common[0]  # in all channels the same
         cutoff, least, most = (c * answer.scale.rate for c in (common.cutoff, common.low, common.high))
         return LowPass(common.row, FILTERS[common.row].title, cutoff, least, most, answer.scale.rate)
-    ends = [_cutoff(e) for e in having]
     w = np.array([e.weight for e in having])
-    centre, spread = (np.array(each) for each in zip(*ends, strict=True))
+    centre, spread = np.log([p.shape[0] for e in having for p in e.f.state.of("filter")]), errors_in(having)
     low, high = (quantile_of(w / w.sum(), centre, spread, p) for p in (0.025, 0.975))
     rate, widest = answer.scale.rate, FILTERS[part.label].widest
     c = part.shape[0]
@@ -88,18 +86,11 @@ def low_pass(answer: Answer) -> LowPass | None:
                    max(math.exp(min(high, math.log(widest))), c) * rate, rate)  # fmt: skip
 
 
-def _cutoff(e: Entry) -> tuple[float, float]:
-    """Logarithm of a cut-off and its standard error."""
-    part = e.f.state.filter
-    assert part is not None  # noqa: S101 - the entry has one
-    return math.log(part.shape[0]), errors_of(e.f, part)[0]
-
-
 def misfit_of(answer: Answer) -> tuple[float, float]:
     """Size of the largest claimed factor, and its largest visible effect on the power; 0 without one."""
     f = answer.shown
     factors = f.state.of("factor")
-    if not factors or weights_of(answer.entries).get("factor", 0.0) < CLAIMED:
+    if not factors or answer.weights.get("factor", 0.0) < CLAIMED:
         return 0.0, 0.0
     u, error = factor_of(f)
     beyond = np.maximum(np.abs(u) - VISIBLE_DEVIATE * error, 0.0)
@@ -140,9 +131,8 @@ def _runs(frame: Frame, which: BoolArray) -> tuple[tuple[float, float], ...]:
 
 def components_of(answer: Answer) -> tuple[Component, ...]:
     """Every component of the models, with the weight of those that hold it and what it is in the heaviest of them."""
-    weights = weights_of(answer.entries)
     each = []
-    for name, weight in weights.items():
+    for name, weight in answer.weights.items():
         f = next(e.f for e in answer.entries if e.f.state.of(name))
         for part in f.state.of(name):
             low, high = _span(f, part)
@@ -214,7 +204,7 @@ def notes_of(answer: Answer, estimates: dict[str, Estimate]) -> list[str]:
 def _two_explanations(answer: Answer, estimates: dict[str, Estimate]) -> Iterator[str]:
     frame, scale = answer.result.frame, answer.scale
     for symbol in (s for s, e in estimates.items() if s in frame.powers and e.claimed):
-        law = law_of(answer.entries, frame.powers.index(symbol))
+        law = answer.laws[frame.powers.index(symbol)]
         if law is not None and law.modes:
             unit = scale.signal.sheet[TERMS[symbol].power]
             size = coefficient_factor(symbol, unit, scale.signal)

@@ -7,19 +7,18 @@ from functools import cached_property
 
 import numpy as np
 
-from allanite.core.arrays import FloatArray
 from allanite.core.estimate import WEAK, Averaged, Estimate, averaged
 from allanite.core.limits import NormalMixture, Remembered, Stored, quantile
 from allanite.core.model import Model, Term
 from allanite.core.plain import Portable
 from allanite.core.units import Signal
-from allanite.identification.likelihood.law import Subset, ThetaProfile
+from allanite.identification.likelihood.law import ThetaProfile
 from allanite.phrases.phrase import say
 from allanite.terms import TERMS, WHITE
 
-from .components import CLAIMED, Part
+from .components import CLAIMED, COMPONENTS, Part
 from .fitting import Fitted, fitted, place_of, values_of, with_values
-from .laws import Entry, Law, column_of, law_of, noise_part
+from .laws import Entry, Law, column_of, law_of, noise_part, subset_of
 from .refining import refined, resized
 from .search import Searched
 
@@ -91,10 +90,22 @@ class Answer(Portable):
         return self.entries[0].f
 
     @cached_property
+    def weights(self) -> dict[str, float]:
+        """The weight of the models that have a component, by its row."""
+        models = [({part.name for part in e.f.state}, e.weight) for e in self.entries]
+        held = set[str]().union(*(names for names, _ in models))
+        return {name: sum(weight for names, weight in models if name in names) for name in COMPONENTS if name in held}
+
+    @cached_property
+    def laws(self) -> list[Law | None]:
+        """The laws of the powers."""
+        return [law_of(self.entries, i) for i in range(len(self.result.frame.powers))]
+
+    @cached_property
     def shown(self) -> Fitted:
         """The best fit that the terms can express: without a power law, which is no term, and with a term at all."""
         plain = (e.f for e in self.entries if self._expressed(e.f))
-        others = [f for f in self.result.every.values() if self._expressed(f)]
+        others = (f for f in self.result.every.values() if self._expressed(f))
         return next(plain, None) or min(others, key=lambda f: f.score)
 
     def _expressed(self, f: Fitted) -> bool:
@@ -106,11 +117,6 @@ class Answer(Portable):
         return resized(self.shown, np.ones(self.shown.theta.size, dtype=bool))
 
     @property
-    def everything(self) -> Subset:
-        """The same as a subset of its likelihood."""
-        return subset_of(self.full)
-
-    @property
     def slowest(self) -> int:
         """The column of the noise of the longest memory, which is known from a few coefficients only."""
         f = self.full
@@ -119,8 +125,8 @@ class Answer(Portable):
 
     def nodes(self, beside: tuple[Term, ...]) -> Averaged:
         """Models along the profile of that noise, all terms free, with what stands `beside` it."""
-        thetas, weight = ThetaProfile(self.everything, self.slowest).weighted(PROFILE_NODES, PRIOR)
-        along = [(*self.scale.terms(_with_sizes(self.full, theta)), *beside) for theta in thetas]
+        thetas, weight = ThetaProfile(subset_of(self.full), self.slowest).weighted(PROFILE_NODES, PRIOR)
+        along = [(*self.scale.terms(replace(self.full, theta=theta)), *beside) for theta in thetas]
         # beside resonances and white noise behind a filter none of the terms need be there
         kept = [
             (Model(t), float(w))
@@ -129,15 +135,6 @@ class Answer(Portable):
         ]
         kept = kept or [(Model((*self.scale.terms(self.shown), *beside)), 1.0)]
         return averaged([m for m, _ in kept], [w for _, w in kept])
-
-
-def subset_of(f: Fitted) -> Subset:
-    """A fit as a subset of its likelihood."""
-    return Subset(f.trusted, f.free, f.theta, f.trusted.value(f.theta))
-
-
-def _with_sizes(f: Fitted, theta: FloatArray) -> Fitted:
-    return replace(f, theta=theta)
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,32 +159,36 @@ class LawLimits:
 
 def law_of_term(symbol: str, answer: Answer) -> tuple[Law | None, tuple[float, ...], bool]:
     """The law of a noise term, its shape in samples, and whether it is claimed."""
-    frame = answer.result.frame
-    if symbol in frame.powers:
-        law = law_of(answer.entries, frame.powers.index(symbol))
+    if symbol in answer.result.frame.powers:
+        law = answer.laws[answer.result.frame.powers.index(symbol)]
         return law, (), law is not None and law.claimed
-    fast = next((s for s in TERMS if TERMS[s].second == symbol), None)
-    label, number = (fast, 1) if fast else (symbol, 0)
-    at = [column_of(e.f, label, number) for e in answer.entries]
-    having = [e for e, i in zip(answer.entries, at, strict=True) if i is not None and e.f.theta[i] > 0]
-    if having:
-        best = having[0].f
-        where = column_of(best, label, number)
-        same = [i == where and len(e.f.state.of("noise")) == len(best.state.of("noise"))
-                for e, i in zip(answer.entries, at, strict=True)]  # fmt: skip
-        law = law_of(answer.entries, where or 0, same)
-        weight = sum(e.weight for e in having)
-        return law, _shape_in(best, label, number), weight >= CLAIMED
-    others = [f for f in answer.result.every.values() if column_of(f, label, number) is not None]
-    if not others:
+    which, entries = _numbered(symbol), answer.entries
+    fits = [e.f for e in having(symbol, answer)]
+    if not fits:  # the best that was searched
+        fits = sorted((f for f in answer.result.every.values() if noise_part(f, *which)), key=lambda f: f.score)
+        entries = [Entry(f, 1.0) for f in fits[:1]]
+    if not fits:
         return None, (), False
-    f = min(others, key=lambda f: f.score)
-    return law_of([Entry(f, 1.0)], column_of(f, label, number) or 0), _shape_in(f, label, number), False
+    where, count, part = column_of(fits[0], *which), len(fits[0].state.of("noise")), noise_part(fits[0], *which)
+    same = [len(e.f.state.of("noise")) == count and column_of(e.f, *which) == where for e in entries]
+    return law_of(entries, where or 0, same), part.shape if part else (), claims(symbol, answer)
 
 
-def _shape_in(f: Fitted, label: str, number: int) -> tuple[float, ...]:
-    part = noise_part(f, label, number)
-    return part.shape if part else ()
+def _numbered(symbol: str) -> tuple[str, int]:
+    """The label of a noise with a time constant, and which of them it is: 0 for the fastest."""
+    fast = next((s for s in TERMS if TERMS[s].second == symbol), None)
+    return (fast, 1) if fast else (symbol, 0)
+
+
+def having(symbol: str, answer: Answer) -> list[Entry]:
+    """The models that have a noise with a time constant."""
+    at = [(e, column_of(e.f, *_numbered(symbol))) for e in answer.entries if e.f.state.of("noise")]
+    return [e for e, i in at if i is not None and e.f.theta[i] > 0]
+
+
+def claims(symbol: str, answer: Answer) -> bool:
+    """Whether the models that have a noise with a time constant outweigh the others."""
+    return sum(e.weight for e in having(symbol, answer)) >= CLAIMED
 
 
 def noise_estimate(symbol: str, answer: Answer) -> Estimate:
@@ -198,8 +199,7 @@ def noise_estimate(symbol: str, answer: Answer) -> Estimate:
     limits, upper = Remembered(limit), Remembered(limit.upper)
     median = scale.coefficient(symbol, law.quantile(0.5)) if law else None
     if not claimed or law is None or median is None:
-        highest = upper(0.95) if math.isfinite(upper(0.95)) else None
-        return Estimate(symbol, scale.signal, None, None, "absent", highest, "whittle", limits, limits, median)
+        return _absent(symbol, scale, upper, limits, median)
     low, high = limits(0.95)
     # the lower limit is not beyond two standard errors
     relative = max((high - low) / (2 * TWO_SIDED * median), (1 - low / median) / TWO_SIDED)

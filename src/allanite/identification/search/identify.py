@@ -28,10 +28,10 @@ from allanite.terms import TERMS
 from .components import CLAIMED, COMPONENTS, Part
 from .cutoffs import cutoff_law
 from .describing import components_of, lost_freedom, loud_in, notes_of, scope_of
-from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate, subset_of, under
+from .estimates import Answer, Scale, claims, noise_estimate, observable, ramp_estimate, under
 from .fitting import Fitted, fitted
 from .frame import Frame, frame_of
-from .laws import entries_of, weights_of
+from .laws import entries_of, subset_of
 from .moves import MOVES, filters, floors, less, markov, resonances, warm_ups_of
 from .pooling import Together, behind
 from .refining import Move, pruned
@@ -239,7 +239,7 @@ def _concluded(
     """The fit, from the models of the average."""
     choice, asked = _frequencies(band)
     scope = scope_of(answer, choice, asked, tuple((float(a), float(b)) for a, b in masks))
-    weights, best = weights_of(answer.entries), answer.best
+    weights, best = answer.weights, answer.best
     warm = WarmUp(answer, best) if weights.get("warm-up", 0.0) >= CLAIMED and best.state.of("warm-up") else None
     estimates = _estimates(answer, scope, warm)
     findings: list[Finding] = [warm.finding] if warm else []
@@ -271,8 +271,8 @@ def _estimates(answer: Answer, scope: Scope, warm: WarmUp | None) -> dict[str, E
     estimates = {s: noise_estimate(s, answer) for s in terms if TERMS[s].waveform is None}
     estimates |= {s: ramp_estimate(s, answer) for s in terms if TERMS[s].waveform is not None}
     if not answer.result.frame.asked:
-        more = {s: noise_estimate(s, answer) for s in ("GM", "GML")}
-        estimates |= {s: e for s, e in more.items() if e.claimed}
+        more = (noise_estimate(s, answer) for s in ("GM", "GML") if claims(s, answer))
+        estimates |= {e.symbol: e for e in more if e.claimed}
     half = answer.scale.rate / 2
     estimates = {s: observable(e, scope.band, half, filtered=scope.filter is not None) for s, e in estimates.items()}
     return estimates | {s: warm_up_estimate(s, warm, answer) for s in answer.symbols if TERMS[s].transient}

@@ -4,20 +4,20 @@
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.arrays import FloatArray
 from allanite.core.plain import Portable
 from allanite.identification.likelihood.law import Subset, traced
 
-from .components import CLAIMED, COMPONENTS, Part
-from .fitting import Fitted, admissible, column_of_part
-from .refining import REACH, resized
+from .components import CLAIMED, Part
+from .fitting import Fitted, admissible, column_of_part, refined_values
+from .refining import REACH, SETTLED, resized
 from .search import Searched
 
 TRACED_SHARE = 0.985  # share of all weight that the entries have whose profiles are traced: the heaviest
@@ -35,27 +35,57 @@ class Entry(Portable):
     f: Fitted
     weight: float
 
+    @cached_property
+    def subset(self) -> Subset:
+        """The fit as a subset of its likelihood."""
+        return subset_of(self.f)
+
+    @cached_property
+    def stretch(self) -> FloatArray:
+        """Factors by which shapes that are known from the same record widen the errors of the sizes, shape (sizes,)."""
+        factor = np.ones(self.f.theta.size)
+        if not self.f.v.size and not any(map(refined_values, self.f.state)):
+            return factor
+        H, active = self.f.information
+        size = np.sqrt(np.maximum(np.diag(H), 1e-300))
+        H = H / np.outer(size, size) + 1e-10 * np.eye(size.size)
+        a = int(active.sum())
+        wide, narrow = np.diag(np.linalg.inv(H))[:a], np.diag(np.linalg.inv(H[:a, :a]))
+        factor[active] = np.clip(np.sqrt(abs(wide / narrow)), 1.0, WIDEST)
+        return factor
+
+
+def subset_of(f: Fitted) -> Subset:
+    """A fit as a subset of its likelihood."""
+    return Subset(f.trusted, f.free, f.theta, f.trusted.value(f.theta))
+
 
 def entries_of(result: Searched) -> list[Entry]:
     """Every subset of the powers beside each state that was kept, with its weight, the heaviest first."""
-    P = len(result.frame.powers)
     models: dict[tuple[object, bytes], Fitted] = {}
-    least = result.best.score
+    highest = result.best.score + 2 * REACH
     for f in _some_of_each_family(result.kept):
         models[f.state.kind, f.free.tobytes()] = f
-        every = np.ones(f.theta.size, dtype=bool)
-        full = resized(f, every)
-        for code in range(2**P):
-            free = every.copy()
-            free[:P] = [bool(code >> i & 1) for i in range(P)]
-            may = admissible(f.frame, f.state, free, free.size)
-            key = (f.state.kind, may.tobytes())
-            if not may.any() or key in models or _hopeless(full, may, least):
-                continue
-            g = resized(full, may)
-            if math.isfinite(g.score) and g.score < least + 2 * REACH:
-                models[key] = g
+        full, known = resized(f, np.ones(f.theta.size, dtype=bool)), [free for k, free in models if k == f.state.kind]
+        fits = sorted(_subsets(full, known, highest), key=lambda each: each[0])
+        models |= {(f.state.kind, g.free.tobytes()): g for _, g in fits if -math.inf < g.score < highest}
     return weighted(list(models.values()))
+
+
+def _subsets(full: Fitted, known: Sequence[bytes], highest: float) -> Iterator[tuple[int, Fitted]]:
+    """Subsets of the powers that are not `known`, the largest first, without those that are too high for certain."""
+    own, places = full.state.cost(full.frame), 1 << np.arange(len(full.frame.powers))
+    least: dict[int, float] = {}  # value of a subset, at least: that of one which holds it
+    for bits in sorted(range(2**places.size), key=int.bit_count, reverse=True):
+        may = admissible(full.frame, full.state, bits & places > 0, full.theta.size)
+        code = int(may[: places.size] @ places)
+        if code in least or not may.any():
+            continue
+        least[code] = max([value for more, value in least.items() if more & code == code], default=full.value)
+        if may.tobytes() not in known and least[code] - SETTLED + own + 2 * code.bit_count() <= highest:
+            fit = resized(full, may)
+            least[code] = max(least[code], fit.value)
+            yield code, fit
 
 
 def _some_of_each_family(kept: Sequence[Fitted]) -> list[Fitted]:
@@ -67,12 +97,6 @@ def _some_of_each_family(kept: Sequence[Fitted]) -> list[Fitted]:
         if counts[f.state.family] <= MEMBERS:
             chosen.append(f)
     return chosen
-
-
-def _hopeless(full: Fitted, may: BoolArray, least: float) -> bool:
-    """Whether a subset cannot come near: with all terms it is too high already."""
-    P = len(full.frame.powers)
-    return bool(full.value + full.state.cost(full.frame) + 2 * float(may[:P].sum()) > least + 2 * REACH)
 
 
 def weighted(models: Sequence[Fitted]) -> list[Entry]:
@@ -90,19 +114,6 @@ def weighted(models: Sequence[Fitted]) -> list[Entry]:
     order = np.argsort(-w, kind="stable")
     order = order[w[order] > LEAST_WEIGHT * w.max()]
     return [Entry(models[i], float(w[i] / w[order].sum())) for i in order]
-
-
-def stretch(f: Fitted, which: int) -> float:
-    """Factor by which shapes that are known from the same record widen the error of a size."""
-    H, active = f.information
-    a = int(active.sum())
-    if H.shape[0] == a or not active[which]:
-        return 1.0
-    at = int(active[:which].sum())
-    size = np.sqrt(np.maximum(np.diag(H), 1e-300))
-    H = H / np.outer(size, size) + 1e-10 * np.eye(size.size)
-    wide, narrow = np.linalg.inv(H)[at, at], np.linalg.inv(H[:a, :a])[at, at]
-    return float(np.clip(math.sqrt(abs(wide / narrow)), 1.0, WIDEST))
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,16 +170,16 @@ def law_of(entries: Sequence[Entry], which: int, having: Sequence[bool] | None =
         e for i, e in enumerate(entries)
         if which < e.f.free.size and e.f.free[which] and (having is None or having[i])
     ]  # fmt: skip
-    weight = sum(e.weight for e in chosen)
+    weight = sum([e.weight for e in chosen])
     if not chosen or weight <= 0:
         return None
     cumulative = np.cumsum([e.weight / weight for e in chosen])
     heavy = chosen[: int(np.searchsorted(cumulative, TRACED_SHARE)) + 1]
-    profiles = [_profile(e.f, which) for e in heavy]
+    profiles = [_profile(e, which) for e in heavy]
     low, high = min(r[0] for r, _ in profiles), max(r[-1] for r, _ in profiles)
     root = np.linspace(low, high, POINTS)
     density, parts = np.zeros(POINTS), []
-    share = sum(e.weight for e in heavy)
+    share = sum([e.weight for e in heavy])
     for e, (r, d) in zip(heavy, profiles, strict=True):
         deviate = np.interp(root, r, d, left=-2 * FARTHEST_DEVIATE, right=2 * FARTHEST_DEVIATE)
         own = np.exp(-0.5 * deviate**2)
@@ -178,10 +189,10 @@ def law_of(entries: Sequence[Entry], which: int, having: Sequence[bool] | None =
     return Law(root, below / below[-1], min(weight, 1.0), tuple(parts))
 
 
-def _profile(f: Fitted, which: int) -> tuple[FloatArray, FloatArray]:
+def _profile(entry: Entry, which: int) -> tuple[FloatArray, FloatArray]:
     """Values of the root, signed deviates with unknown shapes, continued as far as `FARTHEST_DEVIATE`, above zero."""
-    trace = traced(Subset(f.trusted, f.free, f.theta, f.trusted.value(f.theta)), which)
-    root, deviate = trace.root, trace.deviate / stretch(f, which)
+    trace = traced(entry.subset, which)
+    root, deviate = trace.root, trace.deviate / entry.stretch[which]
     if root.size < 2:
         return np.array([0.0, max(2 * root[0], 1e-300)]), np.array([0.0, FARTHEST_DEVIATE])
     ends = []
@@ -191,19 +202,11 @@ def _profile(f: Fitted, which: int) -> tuple[FloatArray, FloatArray]:
     low, high = max(ends[0], 0.0), ends[1]
     if low < root[0]:
         slope = (root[1] - root[0]) / max(deviate[1] - deviate[0], 1e-3)
-        root, deviate = np.append(low, root), np.append(deviate[0] - (root[0] - low) / max(slope, 1e-300), deviate)
+        first = deviate[0] - (root[0] - low) / max(slope, 1e-300)
+        root, deviate = np.array([low, *root]), np.array([first, *deviate])
     if high > root[-1]:
-        root, deviate = np.append(root, high), np.append(deviate, max(FARTHEST_DEVIATE, deviate[-1]))
+        root, deviate = np.array([*root, high]), np.array([*deviate, max(FARTHEST_DEVIATE, deviate[-1])])
     return root, deviate
-
-
-def weights_of(entries: Sequence[Entry]) -> dict[str, float]:
-    """The weight of the models that have a component, by its row."""
-    return {
-        name: sum(e.weight for e in entries if e.f.state.of(name))
-        for name in COMPONENTS
-        if any(e.f.state.of(name) for e in entries)
-    }
 
 
 def noise_part(f: Fitted, symbol: str, number: int = 0) -> Part | None:

@@ -19,7 +19,6 @@ from allanite.terms import TERMS
 from .components import COMPONENTS, Part
 from .estimates import Answer, profile_ends
 from .fitting import Fitted, column_of_part, fitted
-from .laws import law_of
 from .moves import PLACES
 
 RESONANCES = COMPONENTS["resonance"].most
@@ -210,7 +209,7 @@ def exponent_finding(answer: Answer, f: Fitted) -> Finding:
     white = f.frame.white
     slow = float(f.theta[column_of_part(f.state, f.frame, part) or 0])
     if white is not None and f.theta[white] > 0 and slow > 0:
-        law = law_of(answer.entries, white)
+        law = answer.laws[white]
         unit = scale.signal.sheet[TERMS["N"].power]
         ends = [scale.coefficient("N", law.quantile(p)) for p in (0.16, 0.5, 0.84)] if law else [0.0] * 3
         value = ends[1] / coefficient_factor("N", unit, scale.signal)
