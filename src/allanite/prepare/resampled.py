@@ -1,7 +1,7 @@
 """Check for resampling: samples repeated periodically, or fast noise whose power is modulated periodically."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,12 +12,10 @@ from allanite.core.record import Record
 from allanite.core.validity import Finding, Quality
 from allanite.phrases.phrase import join, percent, say
 
-from .held import held_of, held_words
-from .rounding import rounding
-from .view import View
+from .held import CHANGING, held_of, held_words
+from .view import PART, View
 
 LONGEST = 1 << 18  # number of samples checked, in the middle of the record
-PART = 1 << 16  # samples that are compared at a time, while the cache holds them
 FEWEST_RESAMPLED = 4096  # second differences in which a modulation is looked for
 FINE = 0.002  # step of the samples over their fast noise up to which neighbours are hardly ever equal
 FILLED = 0.005  # share of samples filled in above which it matters
@@ -47,6 +45,8 @@ def resampled(view: View) -> Finding | None:
 
 
 def _held(view: View) -> Finding | None:
+    if view.same.size - np.count_nonzero(view.same) >= CHANGING[1] * view.same.size:
+        return None
     hold = held_of(view.record)
     return None if hold is None else Finding("resampled", held_words(view.rate, hold), CONSEQUENCE, REMEDY)
 
@@ -101,8 +101,8 @@ class Modulation(NamedTuple):
 
 
 def _modulation(view: View) -> Modulation | None:
-    middle = max(0, (view.bends.size - LONGEST) // 2)
-    bends, inside = view.bends[middle : middle + LONGEST], np.ones(min(view.bends.size, LONGEST), dtype=np.bool_)
+    middle = max(0, (view.bent - LONGEST) // 2)
+    bends, inside = view.bends(middle, min(middle + LONGEST, view.bent)), np.ones(min(view.bent, LONGEST), np.bool_)
     over = view.over - middle  # a gap has no part in the modulation
     inside[over[(over >= 0) & (over < inside.size)]] = False
     if inside.sum() < FEWEST_RESAMPLED or not view.fast:
@@ -115,7 +115,7 @@ def _modulation(view: View) -> Modulation | None:
 
 def _interpolated(view: View) -> Finding | None:
     # a sinusoid that is rounded coarsely modulates its rounding errors; interpolated samples are on no such grid
-    modulation = None if rounding(view.steps, view.fast).coarse else _modulation(view)
+    modulation = None if view.rounding.coarse else _modulation(view)
     if modulation is None or not modulation.stands(modulation.at):
         return None
     depth, beat = modulation.depth(modulation.at), modulation.beat
@@ -155,25 +155,35 @@ def _filled(view: View) -> Finding | None:
 def filled(view: View) -> tuple[float, float]:
     """Shares of the samples that repeat the one before, and that lie midway between their neighbours."""
     # Only of finely resolved samples, of which hardly any do so by chance.
-    y, least = view.steps, 1e-9 * view.fast
-    before, here = y[:-2], y[1:-1]
-    parts = [slice(first, first + PART) for first in range(0, here.size, PART)]
-
-    def apart(part: slice) -> FloatArray:
-        return np.asarray(np.abs(np.subtract(here[part], before[part], dtype=np.float64)))
-
-    step = min(float(np.min(d, where=d > least, initial=np.inf)) for d in map(apart, parts))
-    inside = (here != y.min()) & (here != y.max())  # clipped ones repeat, too
-    inside[view.over] = False
-    count = np.count_nonzero(inside)
-    if not view.fast or step > FINE * view.fast or not count:
+    least, step, most = 1e-9 * view.fast, math.inf, np.zeros(2)
+    for _, apart, bends in _neighbours(view):
+        near = float(apart.min())
+        step = min(step, near if near > least else float(np.min(apart, where=apart > least, initial=np.inf)))
+        # with a step that is not less than the smallest of all: at least as many as there are
+        again = int(np.count_nonzero(apart < step / 2)) if near <= least else 0
+        most += [again, int(np.count_nonzero(bends < max(step / 2, least)))]
+    fewest = view.bent - sum(view.limited) - view.over.size
+    if not view.fast or step > FINE * view.fast or most.max() <= FILLED * fewest:
         return 0.0, 0.0
+    inside = np.logical_and.reduce([view.steps[1:-1] != edge for edge in view.extremes])  # clipped ones repeat, too
+    inside[view.over] = False
     counts = np.zeros(2)
-    for part in parts:
-        repeated, midway = apart(part) < step / 2, np.abs(view.bends[part]) < max(step / 2, least)
-        counts += [np.count_nonzero(which & inside[part]) for which in (repeated, midway & ~repeated)]
+    for start, apart, bends in _neighbours(view):
+        repeated, midway = apart < step / 2, bends < max(step / 2, least)
+        here = inside[start : start + bends.size]
+        counts += [np.count_nonzero(which & here) for which in (repeated, midway & ~repeated)]
+    count = max(int(np.count_nonzero(inside)), 1)
     held, between = (share if share > FILLED else 0.0 for share in (counts / count).tolist())
     return held, between
+
+
+def _neighbours(view: View) -> Iterator[tuple[int, FloatArray, FloatArray]]:
+    """By parts, of which this is the place: sizes of the differences from the sample before, and of the second ones."""
+    for start in range(0, view.bent, PART):
+        bends = view.bends(start, min(start + PART, view.bent))
+        before, here = (view.steps[start + i : start + i + bends.size] for i in range(2))
+        apart = np.subtract(here, before, dtype=np.float64)
+        yield start, np.abs(apart, out=apart), np.abs(bends, out=bends)
 
 
 def _lines(values: FloatArray) -> FloatArray:
@@ -181,4 +191,5 @@ def _lines(values: FloatArray) -> FloatArray:
     from scipy.fft import rfft
 
     window = np.hanning(values.size)
-    return np.asarray(np.abs(rfft(values * window)) ** 2 / float(np.square(window).sum()))
+    line = rfft(values * window)
+    return np.asarray((np.square(line.real) + np.square(line.imag)) / float(window @ window))

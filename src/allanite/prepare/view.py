@@ -2,16 +2,21 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.arrays import BoolArray, FloatArray, complete
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.record import Record
 
 from .outliers import Outliers, outliers
-from .rounding import fast_noise
+from .rounding import FEWEST_NOISE, Rounding, fast_noise, rounding
+
+PART, EIGHT = 1 << 15, 8  # samples that are looked at together, while the cache holds them; smallest block
+LEVEL_PARTS = 8  # number of parts of a record whose noise levels are compared
+NONE = np.empty(0, np.intp)
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,26 +28,41 @@ class View:
     @cached_property
     def steps(self) -> NDArray[Any]:
         """The output of the sensor in each interval: samples, or steps of an angle, without missing ones."""
-        steps = self.record.steps
-        return steps if self.left is None else steps[self.left]
+        return self._whole if self.left is None else self._whole[self.left]
+
+    @cached_property
+    def _whole(self) -> NDArray[Any]:
+        return self.record.steps
 
     @cached_property
     def left(self) -> NDArray[np.intp] | None:
         """Indices of the remaining intervals of the record; None if all remain."""
-        steps = self.record.steps
-        if complete(steps):
-            return None
-        return np.flatnonzero(np.isfinite(steps))
+        return None if self.record.complete else np.flatnonzero(np.isfinite(self._whole))
+
+    @cached_property
+    def extremes(self) -> tuple[Any, Any]:
+        """The smallest and the largest step."""
+        return self.record.bounds if self.steps is self.record.values else (self.steps.min(), self.steps.max())
+
+    @cached_property
+    def limited(self) -> list[int]:
+        """How many steps are equal to each of these."""
+        return [int(np.count_nonzero(self.steps == edge)) for edge in self.extremes]
 
     @cached_property
     def joints(self) -> NDArray[np.intp]:
         """Index of the first step after each gap."""
-        return np.empty(0, np.intp) if self.left is None else np.flatnonzero(np.diff(self.left) > 1) + 1
+        return NONE if self.left is None else np.flatnonzero(np.diff(self.left) > 1) + 1
 
     @cached_property
     def outliers(self) -> Outliers:
         """Steps far from their neighbours."""
         return outliers(self.record)
+
+    @cached_property
+    def outlying(self) -> NDArray[np.intp]:
+        """Their places among the remaining steps."""
+        return self.outliers.at if self.left is None else np.searchsorted(self.left, self.outliers.at)
 
     @property
     def rate(self) -> float:
@@ -55,32 +75,82 @@ class View:
         return max(1, min(max(32, round(self.rate)), self.steps.size // 16))
 
     @cached_property
-    def blocks(self) -> NDArray[Any]:
-        """Samples in blocks, shape (blocks, span)."""
+    def blocks(self) -> tuple[FloatArray, FloatArray]:
+        """Mean and standard deviation in each block."""
         count = self.steps.size // self.span
-        return np.asarray(self.steps[: count * self.span].reshape(count, self.span))
+        rows, means, own = self.steps[: count * self.span].reshape(count, self.span), np.empty(count), np.empty(count)
+        for some in map(slice, range(0, count, many := -(-PART // self.span)), range(many, count + many, many)):
+            means[some] = rows[some].mean(axis=1, dtype=np.float64)
+            off = rows[some] - means[some, None]
+            own[some] = np.sqrt(np.square(off, out=off) @ np.full(self.span, 1 / self.span))
+        return means, own
 
     @cached_property
-    def bends(self) -> FloatArray:
-        """Second differences of successive samples: fast noise, independent of the bias and its drift; 0 over a gap."""
-        y = self.steps
-        bends: FloatArray = np.subtract(y[2:], y[:-2], dtype=np.float64)
-        bends -= 2.0 * (y[1:-1] - y[:-2])
-        bends[self.over] = 0.0
-        return bends
+    def levels(self) -> FloatArray:
+        """Mean squares of the second differences in eight parts, without those that contain an outlier."""
+        size, without = self.bent // LEVEL_PARTS, containing(self.outlying)
+        power, edges = np.empty(LEVEL_PARTS), [i * size for i in range(LEVEL_PARTS + 1)]
+        for i, (a, b) in enumerate(pairwise(edges)):
+            first = min(-(-a // EIGHT) * EIGHT, b)
+            last = max(b - b % EIGHT, first)
+            ends = np.concatenate((self.bends(a, first, without), self.bends(last, b, without)))
+            power[i] = ends @ ends + self.eights[first // EIGHT : last // EIGHT].sum()
+        return np.asarray(power / np.maximum(size - np.diff(np.searchsorted(without, edges)), 1))
+
+    @cached_property
+    def eights(self) -> FloatArray:
+        """Sums of the squares of eight second differences, without those that contain an outlier."""
+        return self.swept(containing(self.outlying))
+
+    def swept(self, without: NDArray[np.intp]) -> FloatArray:
+        """Sums of the squares of eight second differences, of which some are taken as 0."""
+        sums = np.empty(self.bent // EIGHT)
+        for start in range(0, sums.size, PART // EIGHT):
+            end = min(start + PART // EIGHT, sums.size)
+            bends = self.bends(start * EIGHT, end * EIGHT, without)
+            sums[start:end] = np.square(bends, out=bends).reshape(-1, EIGHT) @ np.ones(EIGHT)
+        return sums
 
     @property
+    def bent(self) -> int:
+        """Number of second differences."""
+        return max(self.steps.size - 2, 0)
+
+    def bends(self, first: int, end: int, without: NDArray[np.intp] = NONE) -> FloatArray:
+        """Second differences of successive samples: fast noise, independent of the bias and its drift.
+
+        They are 0 over a gap, and at the ascending places `without`.
+        """
+        bends = bent(self.steps[first : end + 2])
+        for none in (self.over, without):
+            low, high = np.searchsorted(none, (first, end))
+            bends[none[low:high] - first] = 0.0
+        return bends
+
+    @cached_property
     def over(self) -> NDArray[np.intp]:
         """Second differences that extend over a gap."""
         both = np.concatenate((self.joints - 2, self.joints - 1))
-        return both[(both >= 0) & (both < self.steps.size - 2)]
+        return np.unique(both[(both >= 0) & (both < self.bent)])
+
+    @cached_property
+    def same(self) -> BoolArray:
+        """Which steps are equal to the one before."""
+        return np.asarray(self.steps[1:] == self.steps[:-1])
 
     @cached_property
     def fast(self) -> float:
         """Standard deviation of the fast noise, robust; exact for white noise."""
-        whole = np.delete(self.bends, self.over) if self.joints.size else self.bends
+        if not self.joints.size:
+            return fast_noise(bent(self.steps, max(1, self.bent // FEWEST_NOISE)))
+        whole = np.delete(self.bends(0, self.bent), self.over)
         # if no three samples are together, over the gaps
         return fast_noise(whole if whole.size else np.diff(self.steps.astype(np.float64), 2))
+
+    @cached_property
+    def rounding(self) -> Rounding:
+        """How the steps are rounded."""
+        return rounding(self.steps, self.fast)
 
     @property
     def pulses(self) -> float:
@@ -98,6 +168,18 @@ class View:
             return self.record.cut + index / self.rate
         whole = min(int(index), self.left.size - 1)
         return self.record.cut + (float(self.left[whole]) + index - whole) / self.rate
+
+
+def bent(y: NDArray[Any], every: int = 1) -> FloatArray:
+    """Second differences of samples, all or some."""
+    bends: FloatArray = np.subtract(y[2::every], y[1:-1:every], dtype=np.float64)
+    bends -= y[1:-1:every] - y[:-2:every]
+    return bends
+
+
+def containing(at: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Places of the second differences that contain one of these samples."""
+    return np.unique(np.subtract.outer(at, np.arange(3)))
 
 
 def stretches(mask: BoolArray) -> NDArray[np.intp]:
