@@ -1,7 +1,7 @@
 """Check for resampling: samples repeated periodically, or fast noise whose power is modulated periodically."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +13,7 @@ from allanite.core.validity import Finding, Quality
 from allanite.phrases.phrase import join, percent, say
 
 from .held import CHANGING, held_of, held_words
-from .view import PART, View
+from .view import MINUTE, View
 
 LONGEST = 1 << 18  # number of samples checked, in the middle of the record
 FEWEST_RESAMPLED = 4096  # second differences in which a modulation is looked for
@@ -107,10 +107,12 @@ def _modulation(view: View) -> Modulation | None:
     inside[over[(over >= 0) & (over < inside.size)]] = False
     if inside.sum() < FEWEST_RESAMPLED or not view.fast:
         return None
-    bends = np.clip(bends, -6 * math.sqrt(6) * view.fast, 6 * math.sqrt(6) * view.fast)
-    power = np.square(bends)
-    mean = float(power[inside].mean())
-    return Modulation(_lines(np.where(inside, power / mean - 1, 0.0)), power.size, view.rate, bends)
+    most = 6 * math.sqrt(6) * view.fast
+    power = np.square(np.clip(bends, -most, most, out=bends))
+    power /= float(power.mean(where=inside))
+    power -= 1
+    power[~inside] = 0.0
+    return Modulation(_lines(power), power.size, view.rate, bends)
 
 
 def _interpolated(view: View) -> Finding | None:
@@ -155,35 +157,20 @@ def _filled(view: View) -> Finding | None:
 def filled(view: View) -> tuple[float, float]:
     """Shares of the samples that repeat the one before, and that lie midway between their neighbours."""
     # Only of finely resolved samples, of which hardly any do so by chance.
-    least, step, most = 1e-9 * view.fast, math.inf, np.zeros(2)
-    for _, apart, bends in _neighbours(view):
-        near = float(apart.min())
-        step = min(step, near if near > least else float(np.min(apart, where=apart > least, initial=np.inf)))
-        # with a step that is not less than the smallest of all: at least as many as there are
-        again = int(np.count_nonzero(apart < step / 2)) if near <= least else 0
-        most += [again, int(np.count_nonzero(bends < max(step / 2, least)))]
+    least, (_, step, *most) = MINUTE * view.fast, view.sweep
     fewest = view.bent - sum(view.limited) - view.over.size
-    if not view.fast or step > FINE * view.fast or most.max() <= FILLED * fewest:
+    if not view.fast or step > FINE * view.fast or max(most) <= FILLED * fewest:
         return 0.0, 0.0
     inside = np.logical_and.reduce([view.steps[1:-1] != edge for edge in view.extremes])  # clipped ones repeat, too
     inside[view.over] = False
     counts = np.zeros(2)
-    for start, apart, bends in _neighbours(view):
+    for start, apart, bends in view.neighbours():
         repeated, midway = apart < step / 2, bends < max(step / 2, least)
         here = inside[start : start + bends.size]
         counts += [np.count_nonzero(which & here) for which in (repeated, midway & ~repeated)]
     count = max(int(np.count_nonzero(inside)), 1)
     held, between = (share if share > FILLED else 0.0 for share in (counts / count).tolist())
     return held, between
-
-
-def _neighbours(view: View) -> Iterator[tuple[int, FloatArray, FloatArray]]:
-    """By parts, of which this is the place: sizes of the differences from the sample before, and of the second ones."""
-    for start in range(0, view.bent, PART):
-        bends = view.bends(start, min(start + PART, view.bent))
-        before, here = (view.steps[start + i : start + i + bends.size] for i in range(2))
-        apart = np.subtract(here, before, dtype=np.float64)
-        yield start, np.abs(apart, out=apart), np.abs(bends, out=bends)
 
 
 def _lines(values: FloatArray) -> FloatArray:

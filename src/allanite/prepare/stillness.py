@@ -271,8 +271,10 @@ def _periodogram(view: View) -> tuple[FloatArray, FloatArray, int]:
     total = np.zeros(length // 2 + 1)
     for i in range(0, starts.size, TOGETHER):
         pieces = np.stack([y[start : start + length] for start in starts[i : i + TOGETHER]]).astype(np.float64)
-        lines = rfft((pieces - pieces.mean(axis=1, keepdims=True)) * window)
-        total += (np.square(lines.real) + np.square(lines.imag)).sum(axis=0)
+        pieces -= pieces.mean(axis=1, keepdims=True)
+        pieces *= window
+        parts = rfft(pieces, overwrite_x=True).view(np.float64)  # real and imaginary
+        total += np.square(parts, out=parts).sum(axis=0).reshape(-1, 2).sum(axis=1)
     return np.arange(1, length // 2) * view.rate / length, total[1 : length // 2] / max(starts.size, 1), starts.size
 
 

@@ -1,9 +1,11 @@
 """View: a record as used by the checks of its quality; quantities needed several times are computed once."""
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +18,17 @@ from .rounding import FEWEST_NOISE, Rounding, fast_noise, rounding
 
 PART, EIGHT = 1 << 15, 8  # samples that are looked at together, while the cache holds them; smallest block
 LEVEL_PARTS = 8  # number of parts of a record whose noise levels are compared
+MINUTE = 1e-9  # difference over the fast noise up to which samples are equal
 NONE = np.empty(0, np.intp)
+
+
+class Sweep(NamedTuple):
+    """What the differences of neighbours tell."""
+
+    eights: FloatArray  # sums of the squares of eight second differences
+    step: float  # the least difference that is not MINUTE
+    repeated: int  # how many differences are below half of it, and second differences below that or MINUTE, at most:
+    midway: int  # counted with the least difference up to there
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,11 +90,12 @@ class View:
     def blocks(self) -> tuple[FloatArray, FloatArray]:
         """Mean and standard deviation in each block."""
         count = self.steps.size // self.span
-        rows, means, own = self.steps[: count * self.span].reshape(count, self.span), np.empty(count), np.empty(count)
+        rows, equal = self.steps[: count * self.span].reshape(count, self.span), np.full(self.span, 1 / self.span)
+        means, own = np.empty((2, count))
         for some in map(slice, range(0, count, many := -(-PART // self.span)), range(many, count + many, many)):
-            means[some] = rows[some].mean(axis=1, dtype=np.float64)
+            means[some] = rows[some] @ equal
             off = rows[some] - means[some, None]
-            own[some] = np.sqrt(np.square(off, out=off) @ np.full(self.span, 1 / self.span))
+            own[some] = np.sqrt(np.square(off, out=off) @ equal)
         return means, own
 
     @cached_property
@@ -94,22 +107,38 @@ class View:
             first = min(-(-a // EIGHT) * EIGHT, b)
             last = max(b - b % EIGHT, first)
             ends = np.concatenate((self.bends(a, first, without), self.bends(last, b, without)))
-            power[i] = ends @ ends + self.eights[first // EIGHT : last // EIGHT].sum()
+            power[i] = ends @ ends + self.sweep.eights[first // EIGHT : last // EIGHT].sum()
         return np.asarray(power / np.maximum(size - np.diff(np.searchsorted(without, edges)), 1))
 
     @cached_property
-    def eights(self) -> FloatArray:
-        """Sums of the squares of eight second differences, without those that contain an outlier."""
+    def sweep(self) -> Sweep:
+        """All differences of neighbours taken once, squares without those that contain an outlier."""
         return self.swept(containing(self.outlying))
 
-    def swept(self, without: NDArray[np.intp]) -> FloatArray:
-        """Sums of the squares of eight second differences, of which some are taken as 0."""
-        sums = np.empty(self.bent // EIGHT)
-        for start in range(0, sums.size, PART // EIGHT):
-            end = min(start + PART // EIGHT, sums.size)
-            bends = self.bends(start * EIGHT, end * EIGHT, without)
-            sums[start:end] = np.square(bends, out=bends).reshape(-1, EIGHT) @ np.ones(EIGHT)
-        return sums
+    def swept(self, without: NDArray[np.intp]) -> Sweep:
+        """The same with the squares at some ascending places taken as 0."""
+        eights, least, step = np.empty(self.bent // EIGHT), MINUTE * self.fast, math.inf
+        repeated = midway = 0
+        for start, apart, bends in self.neighbours():
+            near = float(apart.min())
+            step = min(step, near if near > least else float(np.min(apart, where=apart > least, initial=np.inf)))
+            repeated += int(np.count_nonzero(apart < step / 2)) if near <= least else 0
+            midway += int(np.count_nonzero(bends < max(step / 2, least)))
+            low, high = np.searchsorted(without, (start, start + bends.size))
+            bends[without[low:high] - start] = 0.0
+            sums = np.square(bends, out=bends)[: bends.size // EIGHT * EIGHT].reshape(-1, EIGHT) @ np.ones(EIGHT)
+            eights[start // EIGHT :][: sums.size] = sums
+        return Sweep(eights, step, repeated, midway)
+
+    def neighbours(self) -> Iterator[tuple[int, FloatArray, FloatArray]]:
+        """By parts, with their place: sizes of the differences from the sample before, and of the second ones."""
+        for start in range(0, self.bent, PART):
+            some = self.steps[start : start + PART + 2]
+            apart = np.subtract(some[1:], some[:-1], dtype=np.float64)
+            bends = apart[1:] - apart[:-1]
+            low, high = np.searchsorted(self.over, (start, start + bends.size))
+            bends[self.over[low:high] - start] = 0.0
+            yield start, np.abs(apart[:-1], out=apart[:-1]), np.abs(bends, out=bends)
 
     @property
     def bent(self) -> int:

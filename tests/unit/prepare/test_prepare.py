@@ -212,7 +212,7 @@ def test_what_is_looked_at_part_by_part_is_that_of_all_samples(n, missing):
     bends[[i for at in view.outlying for i in (at - 2, at - 1, at)]] = np.nan
     squares = np.square(bends[: len(bends) // 8 * 8])
     np.testing.assert_allclose(view.levels, np.nanmean(squares.reshape(8, -1), axis=1), rtol=1e-12)
-    np.testing.assert_allclose(view.eights, np.nansum(squares.reshape(-1, 8), axis=1), rtol=1e-12)
+    np.testing.assert_allclose(view.sweep.eights, np.nansum(squares.reshape(-1, 8), axis=1), rtol=1e-12)
     blocks = left[: left.size // view.span * view.span].reshape(-1, view.span)
     np.testing.assert_allclose(view.blocks, [blocks.mean(axis=1), blocks.std(axis=1)], rtol=1e-12)
     assert view.limited == [np.sum(left == left.min()), np.sum(left == left.max())]
