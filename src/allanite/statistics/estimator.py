@@ -155,8 +155,10 @@ def with_means(row: Statistic, angle: AngleRecord, m: IntArray, plain: WindowMea
     return WindowMeans(variance, number, plain.factor)
 
 
-_allan: WeakKeyDictionary[Record, tuple[Places, dict[int, tuple[float, int]]]] = WeakKeyDictionary()
-"""Places, and by factor overlapping Allan variance and number of windows, of records that are still there: checks,
+_Known = tuple[Places, IntArray, FloatArray, IntArray]
+_none = np.empty(0, np.int64)
+_allan: WeakKeyDictionary[Record, _Known] = WeakKeyDictionary()
+"""Places, factors, overlapping Allan variances and numbers of windows of records that are still there: checks,
 contradictions, readings and the curve ask for them one after another."""
 
 
@@ -166,14 +168,15 @@ def estimated(
     """A statistic of a record at averaging factors, gaps by `means`, and its places; oadev once for each factor."""
     if row is not OADEV or not means or m.size > MAX_SWEPT:
         return _estimated(record, row, m, divisor=divisor, means=means, threads=threads)
-    places, known = _allan.get(record, ((), {}))
-    more = np.array([k for k in m.tolist() if k not in known], np.int64)
+    places, known, variance, number = _allan.get(record, ((), _none, np.empty(0), _none))
+    more = np.setdiff1d(m, known)
     if not places or more.size:
-        (variance, number, _), places = _estimated(record, row, more, divisor=divisor, means=means, threads=threads)
-        known.update(zip(more.tolist(), zip(variance.tolist(), number.tolist(), strict=True), strict=True))
-        _allan[record] = places, known
-    at = np.array([known[k] for k in m.tolist()]).reshape(-1, 2)
-    return WindowMeans(at[:, 0], at[:, 1].astype(np.int64), np.ones(m.size)), places
+        (own, count, _), places = _estimated(record, row, more, divisor=divisor, means=means, threads=threads)
+        known, at = np.unique(np.concatenate((known, more)), return_index=True)
+        variance, number = np.concatenate((variance, own))[at], np.concatenate((number, count))[at]
+        _allan[record] = places, known, variance, number
+    at = np.searchsorted(known, m)
+    return WindowMeans(variance[at], number[at], np.ones(m.size)), places
 
 
 def _estimated(
