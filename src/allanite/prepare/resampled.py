@@ -163,13 +163,11 @@ def filled(view: View) -> tuple[float, float]:
         return 0.0, 0.0
     inside = np.logical_and.reduce([view.steps[1:-1] != edge for edge in view.extremes])  # clipped ones repeat, too
     inside[view.over] = False
-    counts = np.zeros(2)
-    for start, apart, bends in view.neighbours():
-        repeated, midway = apart < step / 2, bends < max(step / 2, least)
-        here = inside[start : start + bends.size]
-        counts += [np.count_nonzero(which & here) for which in (repeated, midway & ~repeated)]
+    repeated = np.abs(np.diff(view.steps)[:-1]) < step / 2
+    midway = np.abs(view.bends(0, view.bent)) < max(step / 2, least)
+    counts = (np.count_nonzero(which & inside) for which in (repeated, midway & ~repeated))
     count = max(int(np.count_nonzero(inside)), 1)
-    held, between = (share if share > FILLED else 0.0 for share in (counts / count).tolist())
+    held, between = (float(many / count) if many > FILLED * count else 0.0 for many in counts)
     return held, between
 
 

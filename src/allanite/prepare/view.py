@@ -1,7 +1,6 @@
 """View: a record as used by the checks of its quality; quantities needed several times are computed once."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -119,7 +118,10 @@ class View:
         """The same with the squares at some ascending places taken as 0."""
         eights, least, step = np.empty(self.bent // EIGHT), MINUTE * self.fast, math.inf
         repeated = midway = 0
-        for start, apart, bends in self.neighbours():
+        for start in range(0, self.bent, PART):
+            some = self.steps[start : start + PART + 2]
+            apart = np.abs(np.subtract(some[1:-1], some[:-2], dtype=np.float64))
+            bends = np.abs(self.bends(start, start + apart.size))
             near = float(apart.min())
             step = min(step, near if near > least else float(np.min(apart, where=apart > least, initial=np.inf)))
             repeated += int(np.count_nonzero(apart < step / 2)) if near <= least else 0
@@ -129,16 +131,6 @@ class View:
             sums = np.square(bends, out=bends)[: bends.size // EIGHT * EIGHT].reshape(-1, EIGHT) @ np.ones(EIGHT)
             eights[start // EIGHT :][: sums.size] = sums
         return Sweep(eights, step, repeated, midway)
-
-    def neighbours(self) -> Iterator[tuple[int, FloatArray, FloatArray]]:
-        """By parts, with their place: sizes of the differences from the sample before, and of the second ones."""
-        for start in range(0, self.bent, PART):
-            some = self.steps[start : start + PART + 2]
-            apart = np.subtract(some[1:], some[:-1], dtype=np.float64)
-            bends = apart[1:] - apart[:-1]
-            low, high = np.searchsorted(self.over, (start, start + bends.size))
-            bends[self.over[low:high] - start] = 0.0
-            yield start, np.abs(apart[:-1], out=apart[:-1]), np.abs(bends, out=bends)
 
     @property
     def bent(self) -> int:
