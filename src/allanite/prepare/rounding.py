@@ -75,10 +75,20 @@ def rounding(y: NDArray[Any], fast: float) -> Rounding:
 
 def rounding_of(record: Record) -> Rounding:
     """The rounding of the samples of a record, of an angle that of its steps."""
-    steps = record.steps[np.isfinite(record.steps)]
+    steps = finite(record.steps, record)
     middle = max(0, (steps.size - MIDDLE) // 2)
     part = np.asarray(steps[middle : middle + MIDDLE], dtype=np.float64)
     return rounding(steps, fast_noise(np.diff(part, 2)))
+
+
+def step_of(record: Record) -> float:
+    """The step of the samples of a record; 0 if there is no grid."""
+    return grid(finite(record.values, record))[1]
+
+
+def finite(values: NDArray[Any], record: Record) -> NDArray[Any]:
+    """The values that are finite of some of a record."""
+    return values if record.complete else values[np.isfinite(values)]
 
 
 def grid(y: NDArray[Any]) -> tuple[int, float]:

@@ -8,6 +8,7 @@ import numpy as np
 from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray, IntArray, complete
 from allanite.core.errors import DataError, UsageError
+from allanite.core.kinds import KINDS
 from allanite.core.record import Record
 from allanite.parallel.processes import spread
 from allanite.phrases.phrase import say, windowing
@@ -50,27 +51,27 @@ def integrated(record: Record, order: int) -> AngleRecord:
     A constant rate is removed first where `order` lets it: a bias then costs no digits. No sum runs across a gap; a
     record without two neighbouring samples that are finite is a DataError.
     """
-    record.demand_range()
-    values = record.values
+    values, places = record.values, places_of(record)
     if record.kind == "angle":
-        pieces = [Piece(a, (values[a:b] - values[a]).astype(np.float64)) for a, b in stretches(values)]
+        pieces = [Piece(a, (values[a : a + n + 1] - values[a]).astype(np.float64)) for a, n in places]
     else:
         from allanite.kernels.allan import integrate
 
         constant = record.constant if order > 1 else 0
-        whole = integrate(values, constant)
-        # the last sum tells whether there are gaps: what is not finite stays in it
-        complete = np.isfinite(whole[-1])
-        pieces = (
-            [Piece(0, whole)]
-            if complete
-            else [Piece(a, integrate(values[a:b], constant)) for a, b in stretches(values)]
-        )
-    long = tuple(piece for piece in pieces if piece.x.size > 2)
+        pieces = [Piece(a, integrate(values[a : a + n], constant)) for a, n in places]
+    return AngleRecord(tuple(pieces), record.size, angle_scale(record))
+
+
+def places_of(record: Record) -> Places:
+    """(first sample, samples) of every stretch without gaps, of two samples or more."""
+    record.demand_range()
+    runs = [(0, len(record.values))] if record.complete else stretches(record.values)
+    each = [(a, b - a - KINDS[record.kind][1]) for a, b in runs]
+    long = tuple((a, n) for a, n in each if n > 1)
     if not long:
         raise DataError(say("{channel!r} has no two successive samples that are finite; no differences can be computed",
                             channel=record.name))  # fmt: skip
-    return AngleRecord(long, record.size, angle_scale(record))
+    return long
 
 
 def angle_scale(record: Record) -> float:

@@ -16,7 +16,7 @@ from allanite.core.plain import Portable
 from allanite.core.record import Record
 from allanite.phrases.phrase import say, say_count
 from allanite.prepare.gaps import Gaps, gaps_between, joined
-from allanite.prepare.rounding import grid
+from allanite.prepare.rounding import step_of
 from allanite.statistics.moments.lagsums import sum_nodes
 from allanite.terms import NoiseTerm, ramp_coefficients
 
@@ -281,7 +281,7 @@ def _rounding(record: Record) -> float:
     """Variance of the rounding error of a rate, in the record's unit squared; 0 if there is no grid."""
     if record.kind == "angle":
         return 0.0
-    return grid(record.values[np.isfinite(record.values)])[1] ** 2 / 12
+    return step_of(record) ** 2 / 12
 
 
 def transformed(places: IntArray) -> FloatArray:
