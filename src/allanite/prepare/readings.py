@@ -18,7 +18,7 @@ RARE = 1e-4  # probability that a check fails for a clean record
 
 def stuck(view: View) -> Finding | None:
     """Runs of one value that are significantly long, given how often neighbours are equal."""
-    same = row = view.same
+    same = row = view.steps[1:] == view.steps[:-1]
     for step in (1, 2, 4):
         row = row[step:] & row[:-step]
     if not row.any():  # of eight

@@ -12,7 +12,7 @@ from allanite.core.record import Record
 from allanite.core.validity import Finding, Quality
 from allanite.phrases.phrase import join, percent, say
 
-from .held import CHANGING, held_of, held_words
+from .held import held_of, held_words
 from .view import MINUTE, View
 
 LONGEST = 1 << 18  # number of samples checked, in the middle of the record
@@ -45,8 +45,6 @@ def resampled(view: View) -> Finding | None:
 
 
 def _held(view: View) -> Finding | None:
-    if view.same.size - np.count_nonzero(view.same) >= CHANGING[1] * view.same.size:
-        return None
     hold = held_of(view.record)
     return None if hold is None else Finding("resampled", held_words(view.rate, hold), CONSEQUENCE, REMEDY)
 

@@ -82,8 +82,7 @@ def _moving(record: Record) -> BoolArray:
         return moved
     loud = busy(view)
     if loud.any():
-        at = view.outliers.at if view.left is None else np.searchsorted(view.left, view.outliers.at)
-        count = np.bincount(at // view.span, minlength=loud.size)[: loud.size]
+        count = np.bincount(view.outlying // view.span, minlength=loud.size)[: loud.size]
         loud &= (count == 0) | (count > max(1, MOST * view.span))
         inside = np.flatnonzero(np.repeat(loud, view.span))
         moved[inside if view.left is None else view.left[inside]] = True

@@ -142,7 +142,7 @@ class View:
 
         They are 0 over a gap, and at the ascending places `without`.
         """
-        bends = bent(self.steps[first : end + 2])
+        bends = second_differences(self.steps[first : end + 2])
         for none in (self.over, without):
             low, high = np.searchsorted(none, (first, end))
             bends[none[low:high] - first] = 0.0
@@ -155,15 +155,10 @@ class View:
         return np.unique(both[(both >= 0) & (both < self.bent)])
 
     @cached_property
-    def same(self) -> BoolArray:
-        """Which steps are equal to the one before."""
-        return np.asarray(self.steps[1:] == self.steps[:-1])
-
-    @cached_property
     def fast(self) -> float:
         """Standard deviation of the fast noise, robust; exact for white noise."""
         if not self.joints.size:
-            return fast_noise(bent(self.steps, max(1, self.bent // FEWEST_NOISE)))
+            return fast_noise(second_differences(self.steps, max(1, self.bent // FEWEST_NOISE)))
         whole = np.delete(self.bends(0, self.bent), self.over)
         # if no three samples are together, over the gaps
         return fast_noise(whole if whole.size else np.diff(self.steps.astype(np.float64), 2))
@@ -191,7 +186,7 @@ class View:
         return self.record.cut + (float(self.left[whole]) + index - whole) / self.rate
 
 
-def bent(y: NDArray[Any], every: int = 1) -> FloatArray:
+def second_differences(y: NDArray[Any], every: int = 1) -> FloatArray:
     """Second differences of samples, all or some."""
     bends: FloatArray = np.subtract(y[2::every], y[1:-1:every], dtype=np.float64)
     bends -= y[1:-1:every] - y[:-2:every]

@@ -110,8 +110,8 @@ def averaging_stability(record: Record, seconds: float = 10.0, *, model: ModelLi
 
 def means_of(record: Record, m: int) -> tuple[FloatArray, BoolArray]:
     """Means of m successive rates, without overlap, and which of them are complete."""
-    rates = record.rate_values
-    means = rates[: rates.size // m * m].reshape(-1, m).mean(axis=1)
+    steps = record.steps
+    means = np.asarray(steps[: steps.size // m * m].reshape(-1, m).mean(axis=1) * record.rate_factor)
     return means, np.isfinite(means)
 
 
