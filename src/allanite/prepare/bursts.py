@@ -6,11 +6,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.arrays import BoolArray, FloatArray, stretches
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import percent, say
 
-from .view import EIGHT, View, containing, stretches
+from .view import EIGHT, View, containing
 
 SPANS = (EIGHT, 32, 128)  # samples of a block whose power is compared with that of the others
 FEWEST_BLOCKS = 100

@@ -5,13 +5,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from allanite.core.arrays import stretches
 from allanite.core.record import Record
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import join, longest_without, percent, say, say_count, spelled, windowing
 
 from .outliers import MOST, TAIL, Outliers
 from .rounding import FEW_CODES, grid
-from .view import NONE, View, stretches
+from .view import NONE, View
 
 RARE = 1e-4  # probability that a check fails for a clean record
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.arrays import BoolArray, FloatArray, stretches
 from allanite.core.plain import Header
 from allanite.core.record import SHORTEST, Record, Recording
 from allanite.core.validity import Finding, Quality
@@ -15,7 +15,7 @@ from allanite.statistics.differences import OADEV
 from allanite.statistics.estimator import estimated
 
 from .resampled import interpolated_together
-from .view import LEVEL_PARTS, View, stretches
+from .view import LEVEL_PARTS, View
 from .window import trim
 
 

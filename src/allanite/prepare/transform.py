@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from allanite.core.aliases import public
-from allanite.core.arrays import BoolArray
+from allanite.core.arrays import BoolArray, stretches
 from allanite.core.errors import UsageError, given
 from allanite.core.kinds import KINDS
 from allanite.core.record import SHORTEST, Record, Recording
@@ -17,7 +17,7 @@ from allanite.statistics.table import statistic_named
 from .inspector import means
 from .outliers import MOST, marked, outliers
 from .stillness import AT_REST, busy
-from .view import View, stretches
+from .view import View
 from .window import of_each
 
 

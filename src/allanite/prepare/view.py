@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.arrays import FloatArray
 from allanite.core.record import Record
 
 from .outliers import Outliers, outliers
@@ -196,9 +196,3 @@ def second_differences(y: NDArray[Any], every: int = 1) -> FloatArray:
 def containing(at: NDArray[np.intp]) -> NDArray[np.intp]:
     """Places of the second differences that contain one of these samples."""
     return np.unique(np.subtract.outer(at, np.arange(3)))
-
-
-def stretches(mask: BoolArray) -> NDArray[np.intp]:
-    """First index and index after the last of every run of True, shape (runs, 2)."""
-    padded = np.concatenate(([False], mask, [False]))
-    return np.flatnonzero(padded[1:] != padded[:-1]).reshape(-1, 2)

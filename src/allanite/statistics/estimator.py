@@ -6,7 +6,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from allanite.core.aliases import public
-from allanite.core.arrays import FloatArray, IntArray, complete
+from allanite.core.arrays import FloatArray, IntArray, stretches
 from allanite.core.errors import DataError, UsageError
 from allanite.core.kinds import KINDS
 from allanite.core.record import Record
@@ -65,7 +65,8 @@ def integrated(record: Record, order: int) -> AngleRecord:
 def places_of(record: Record) -> Places:
     """(first sample, samples) of every stretch without gaps, of two samples or more."""
     record.demand_range()
-    runs = [(0, len(record.values))] if record.complete else stretches(record.values)
+    values = record.values
+    runs = [[0, len(values)]] if record.complete else stretches(np.isfinite(values)).tolist()
     each = [(a, b - a - KINDS[record.kind][1]) for a, b in runs]
     long = tuple((a, n) for a, n in each if n > 1)
     if not long:
@@ -77,14 +78,6 @@ def places_of(record: Record) -> Places:
 def angle_scale(record: Record) -> float:
     """What the steps of the angle of a record are multiplied with to be SI."""
     return record.factor * (1.0 if record.integrated else record.interval)
-
-
-def stretches(values: np.ndarray[tuple[int, ...], np.dtype[np.generic]]) -> list[tuple[int, int]]:
-    """Begin and end of the stretches of finite values."""
-    if complete(values):
-        return [(0, len(values))]
-    edges = np.flatnonzero(np.diff(np.isfinite(values), prepend=False, append=False)).tolist()
-    return list(zip(edges[::2], edges[1::2], strict=True))
 
 
 class WindowMeans(NamedTuple):

@@ -7,10 +7,11 @@ import pytest
 from tests.rows import refused, rows
 
 import allanite as al
+from allanite.core.arrays import stretches
 from allanite.prepare import block_means, decimate, detrend, inspect, mark_outliers, quiet_window
 from allanite.prepare.readings import clipping
 from allanite.prepare.resampled import filled
-from allanite.prepare.view import View, stretches
+from allanite.prepare.view import View
 from allanite.simulation.record import RING_LASERS, simulate_ring_laser
 
 MODEL = al.N(3.0, "deg/h/sqrt(Hz)") + al.B(2.0, "deg/h")
