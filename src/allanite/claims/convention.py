@@ -218,7 +218,7 @@ def _rise(channel: Channel, term: Term) -> float:
     record = channel.record
     if not isinstance(record, Record):
         return NAN
-    rates = record.rate_values * record.rate_factor
+    rates = record.rate_values
     part, step = rates.size // 10, 1 / record.rate
     change = float(np.nanmean(rates[-part:]) - np.nanmean(rates[:part]))
     t = np.arange(rates.size) * step

@@ -21,7 +21,7 @@ from allanite.phrases.phrase import join, say
 from allanite.statistics import deviation
 from allanite.statistics.confidence.chisquares import MIN_DEVIATE, ChiSquareSum, cumulants
 from allanite.statistics.confidence.limits import mixtures
-from allanite.statistics.estimator import integrated
+from allanite.statistics.estimator import places_of
 from allanite.statistics.grids import grid_named
 from allanite.statistics.table import CurvePoints, statistic_named
 from allanite.terms import TERMS
@@ -106,7 +106,7 @@ def ratio_law(
 ) -> RatioLaw:
     """The law of the ratio of two records' variances."""
     row = statistic_named(statistic)
-    places = [integrated(record, row.order).places for record in records]
+    places = [places_of(record) for record in records]
     points = [
         CurvePoints(row, factors, [(size, 1) for _, size in each], record.size, record.rate, places=each)
         for record, each, factors in zip(records, places, m, strict=True)

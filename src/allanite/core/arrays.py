@@ -28,6 +28,11 @@ def complete(values: NDArray[Any]) -> bool:
         return bool(np.isfinite(values.sum(dtype=np.float64)))
 
 
+def stretches(mask: BoolArray) -> NDArray[np.intp]:
+    """First index and index after the last of every run of True, shape (runs, 2)."""
+    return np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)
+
+
 def mean_and_deviation(values: FloatArray) -> tuple[float, float]:
     """Mean and standard deviation of the finite values, of any size; NaN if there are none."""
     finite = values if complete(values) else values[np.isfinite(values)]

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from allanite.phrases.phrase import join, say
 
 from .aliases import constructed
-from .arrays import LARGEST, FloatArray, complete, samples
+from .arrays import LARGEST, FloatArray, samples
 from .errors import DataError, UsageError, WrongTypeError, given
 from .habits import demand_own
 from .kinds import KINDS, explain_kinds, offered, signal_of_kind
@@ -169,10 +169,20 @@ class Record(Value):
         return finite[len(finite) // 2].item() if len(finite) else 0
 
     @cached_property
+    def bounds(self) -> tuple[Any, Any]:
+        """Least and largest value; NaN where one is missing."""
+        return self.values.min(), self.values.max()
+
+    @property
+    def complete(self) -> bool:
+        """Whether all values are finite."""
+        return bool(np.isfinite(self.bounds).all())
+
+    @cached_property
     def extent(self) -> tuple[float, float]:
         """Least and largest finite value; NaN where there is none."""
-        low, high = self.values.min(), self.values.max()
-        if not (np.isfinite(low) and np.isfinite(high)):
+        low, high = self.bounds
+        if not self.complete:
             finite = self.values[np.isfinite(self.values)]
             low, high = (finite.min(), finite.max()) if finite.size else (np.nan, np.nan)
         return float(low), float(high)
@@ -226,7 +236,7 @@ class Record(Value):
     @cached_property
     def out_of_range(self) -> str:
         """Why squares of the values, or of their differences, cannot be computed; empty if they can."""
-        infinite = np.zeros(0, bool) if complete(self.values) else np.isinf(self.values)
+        infinite = np.zeros(0, bool) if self.complete else np.isinf(self.values)
         if infinite.any():
             return say("{infinite} of {size} samples are infinite, the first at sample {first}; if they are "
                        "missing, replace them by NaN", infinite=infinite.sum(), size=infinite.size,

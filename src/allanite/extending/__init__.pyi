@@ -4,6 +4,7 @@ from allanite.core.arrays import (
     BoolArray as BoolArray,
     FloatArray as FloatArray,
     IntArray as IntArray,
+    stretches as stretches,
 )
 from allanite.core.choices import (
     DURATION as DURATION,
@@ -70,7 +71,7 @@ from allanite.phrases.phrase import (
 )
 from allanite.prepare import block_means as block_means, inspect as inspect, trim as trim
 from allanite.prepare.rounding import NO_DITHER as NO_DITHER, rounding as rounding
-from allanite.prepare.view import View as View, stretches as stretches
+from allanite.prepare.view import View as View
 from allanite.readers import read as read
 from allanite.simulation.record import readout_noise as readout_noise, simulate as simulate
 from allanite.statistics import deviation as deviation

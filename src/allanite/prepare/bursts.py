@@ -1,17 +1,18 @@
 """Bursts: short stretches in which the fast noise is much stronger, as by knocks, radio, or a supply that switches."""
 
 import math
+from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.arrays import BoolArray, FloatArray, stretches
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import percent, say
 
-from .rounding import rounding
-from .view import View, stretches
+from .view import EIGHT, View, containing
 
-SPANS = (8, 32, 128)  # samples of a block whose power is compared with that of the others
+SPANS = (EIGHT, 32, 128)  # samples of a block whose power is compared with that of the others
 FEWEST_BLOCKS = 100
 TAIL = 0.01  # probability that noise of one level shows a block that is called loud
 MANY = 6.0  # standard deviations of their number by which there are more loud blocks than by chance
@@ -26,10 +27,9 @@ SINGLE = 8  # samples around an outlier without another one: it is no burst
 
 def bursts(view: View) -> Finding | None:
     """Bursts, their share of the samples, and what remains of N without them."""
-    if not view.fast or rounding(view.steps, view.fast).noise < DITHERED:
+    if not view.fast or view.rounding.noise < DITHERED:
         return None
-    bends = _without_single(view)
-    known = [each for each in (_loud(bends, span) for span in SPANS) if each is not None]
+    known = [each for each in map(_loud, _powers(view), SPANS) if each is not None]
     if not known:
         return None
     loud, excess, span = max(known, key=lambda each: each[1] * math.sqrt(each[2]))
@@ -49,24 +49,25 @@ def bursts(view: View) -> Finding | None:
     )  # fmt: skip
 
 
-def _without_single(view: View) -> FloatArray:
-    """Second differences without those of single outliers."""
-    at = view.outliers.at if view.left is None else np.searchsorted(view.left, view.outliers.at)
+def _powers(view: View) -> Iterator[FloatArray]:
+    """Mean squares of the second differences, without those of single outliers, in blocks of each length."""
+    at = view.outlying
     apart = np.diff(at, prepend=-SINGLE, append=view.steps.size + SINGLE)
     single = at[(apart[:-1] >= SINGLE) & (apart[1:] >= SINGLE)]
-    bends = view.bends.copy()
-    places = np.subtract.outer(single, np.arange(3)).ravel()
-    bends[places[(places >= 0) & (places < bends.size)]] = 0.0
-    return bends
+    power = (view.sweep if single.size == at.size else view.swept(containing(single))).eights / EIGHT
+    for length, span in pairwise((EIGHT, *SPANS)):
+        many = span // length
+        power = power[: power.size // many * many].reshape(-1, many) @ np.full(many, 1 / many)
+        yield power
 
 
-def _loud(bends: FloatArray, span: int) -> tuple[BoolArray, float, int] | None:
+def _loud(power: FloatArray, span: int) -> tuple[BoolArray, float, int] | None:
     """The loud blocks, and what they add to the fast noise of the others, relative to it; None without bursts."""
-    count = bends.size // span
+    count = power.size
     if count < FEWEST_BLOCKS:
         return None
-    power = np.square(bends[: count * span]).reshape(count, span).mean(axis=1)
-    low, middle = np.quantile(power, (0.25, 0.5))
+    # sorted at once, which is faster than to look for two quantiles
+    low, middle = np.interp(np.array((0.25, 0.5)) * (count - 1), np.arange(count), np.sort(power)).tolist()
     if not 0 < low < middle:
         return None
     mean, limit = _law(float(middle / low))

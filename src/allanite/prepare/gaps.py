@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray, FloatArray, IntArray, complete
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.record import SHORTEST, Record
 from allanite.phrases.phrase import join, say, spelled, windowing
 from allanite.terms import NoiseTerm
@@ -77,7 +77,7 @@ def joined(record: Record) -> tuple[FloatArray, Gaps, IntArray | None]:
         y, total = less_constant(values, record.constant)
         if np.isfinite(total):
             return y, whole(y.size), None
-    elif complete(values):
+    elif record.complete:
         return np.asarray(np.diff(values), dtype=np.float64), whole(values.size - 1), None
     remaining = np.flatnonzero(np.isfinite(values))
     if record.kind == "angle":
@@ -141,7 +141,7 @@ def refusal(record: Record) -> str:
         return say("{count} samples are {too_few}", count=record.size, too_few=FEW)
     if record.out_of_range:
         return record.out_of_range
-    if complete(record.values):
+    if record.complete:
         return ""
     gaps = joined(record)[1]
     count, pieces = gaps.size, gaps.at.size + 1

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.arrays import BoolArray, FloatArray, IntArray
+from allanite.core.arrays import BoolArray, FloatArray, IntArray, complete
 from allanite.core.plain import Header
 from allanite.core.record import Record, Recording
 from allanite.core.validity import Finding
@@ -50,28 +50,27 @@ class Hold:
 
 def held(columns: Sequence[NDArray[Any]]) -> Hold | None:
     """The samples of a sensor whose channels these are, if its logger repeats them."""
-    columns = [np.asarray(column, dtype=np.float64) for column in columns]
-    finite: BoolArray = np.logical_and.reduce([np.isfinite(column) for column in columns])
-    if not finite.all():
-        columns = [column[finite] for column in columns]
-    if columns[0].size < FEWEST:
+    whole = all(map(complete, columns))
+    known = None if whole else np.logical_and.reduce([np.isfinite(column) for column in columns])
+    y = columns if known is None else [column[known] for column in columns]
+    if y[0].size < FEWEST:
         return None
-    moved = np.zeros(columns[0].size - 1, dtype=np.bool_)
-    for column in columns:
+    moved = np.zeros(y[0].size - 1, dtype=np.bool_)
+    for column in y:
         moved |= column[1:] != column[:-1]
-        if not moved.mean() < CHANGING[1]:  # of most records the first channel shows it
+        if np.count_nonzero(moved) >= CHANGING[1] * moved.size:
             return None
     if moved.sum() < FEWEST_CHANGES or not CHANGING[0] < moved.mean():
         return None
-    known = np.flatnonzero(finite)
-    ticks = _ticks(moved, np.abs(np.diff(np.stack(columns))))
+    ticks = _ticks(moved, np.abs(np.diff(np.stack(y).astype(np.float64))))
     if ticks is None:
         return None
     at = np.flatnonzero(moved) + 1
-    lost = known[at] - at  # samples missing before
+    place = at if known is None else np.flatnonzero(known)[at]
+    lost = place - at  # samples missing before
     times = (at[-1] - at[0]) / (ticks[-1] - ticks[0])
     ticks = ticks + np.rint((lost - lost[0]) / times).astype(np.int64)
-    return Hold(_filled(known[at], ticks, np.diff(lost, prepend=lost[0]) > 0), float(times))
+    return Hold(_filled(place, ticks, np.diff(lost, prepend=lost[0]) > 0), float(times))
 
 
 def _filled(at: IntArray, ticks: IntArray, gap: BoolArray) -> IntArray:

@@ -108,7 +108,6 @@ def window(pieces: Iterable[Piece], first: int, end: int | None) -> Iterator[Pie
 
 
 BLOCK = 1 << 20  # samples of a block
-RUN = 10  # equal values below which none is stuck or clipped
 FEWEST_SAMPLES = 64  # samples in which anything is looked for
 
 OWN = {"short", "gaps", "outliers", "heavy tails", "stuck", "clipped", "too little left", "too short", "constant"}
@@ -195,22 +194,19 @@ class Inspector:
         return replace(self.like, cut=self.place[0])
 
     def _look(self, block: Record) -> None:
-        from allanite.kernels.passing import looked
-
         number, self.blocks = self.blocks, self.blocks + 1
         if block.out_of_range:
             self._keep(Finding("range", block.out_of_range, fatal=True), every=True)
             return
-        finite, low, high, ends, run = looked(np.ascontiguousarray(block.steps, dtype=np.float64))
-        self.lost += block.size - finite
-        if finite < FEWEST_SAMPLES:
+        view = View(block)
+        self.lost += block.size - view.steps.size
+        if view.steps.size < FEWEST_SAMPLES:
             return
         self.filled += 1
-        self.extent = (min(self.extent[0], low), max(self.extent[1], high))
-        view = View(block)
-        # shorter runs, and fewer equal extremes, are never reported
-        self._keep(stuck(view) if run >= RUN else None, every=True)
-        self._keep(clipped(view) if ends >= RUN and low < high else None, every=True)
+        low, high = view.extremes
+        self.extent = (min(self.extent[0], float(low)), max(self.extent[1], float(high)))
+        self._keep(stuck(view), every=True)
+        self._keep(clipped(view) if low < high else None, every=True)
         if all_checks(number) and low < high:
             # all checks of a block, and what blocks are compared by
             self.checked += 1

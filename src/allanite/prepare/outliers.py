@@ -6,7 +6,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from allanite.core.arrays import FloatArray, IntArray, complete
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
 from allanite.core.limits import quantile
 from allanite.core.record import Record
@@ -63,7 +63,7 @@ def outliers(record: Record, among: int | None = None) -> Outliers:
 
 def _found(record: Record, among: int | None) -> Outliers:
     steps = record.steps
-    known = None if complete(steps) else np.flatnonzero(np.isfinite(steps))
+    known = None if record.complete else np.flatnonzero(np.isfinite(steps))
     y = np.ascontiguousarray(steps if known is None else steps[known], dtype=np.float64)
     nothing = np.empty(0, np.int64)
     if y.size < 64:

@@ -28,10 +28,10 @@ def inspect(record: Record) -> Quality:
     Quality
         The findings, fatal ones first; a refused record is not checked further.
     """
-    fatal = _fatal(record)
+    view = View(record)
+    fatal = _fatal(view)
     if fatal is not None:
         return Quality((fatal,))
-    view = View(record)
     motion = moving(view)
     if motion is not None and motion.fatal:
         return Quality((motion,))
@@ -40,8 +40,9 @@ def inspect(record: Record) -> Quality:
     return Quality(tuple(f for f in findings if f.name not in covered))
 
 
-def _fatal(record: Record) -> Finding | None:
+def _fatal(view: View) -> Finding | None:
     """Why nothing is looked at: values out of range or not finite, too few of them, or all the same."""
+    record = view.record
     if record.out_of_range:
         return Finding("range", record.out_of_range, fatal=True)
     if np.isnan(record.extent[0]):
@@ -51,7 +52,7 @@ def _fatal(record: Record) -> Finding | None:
     if why:
         remedy = say("record for longer") if short else ""
         return Finding("too short" if short else "too little left", why, remedy=remedy, fatal=True)
-    least, largest = np.fmin.reduce(record.steps), np.fmax.reduce(record.steps)
+    least, largest = view.extremes
     if least != largest:
         return None
     return constant(float(least))

@@ -5,22 +5,24 @@ from typing import NamedTuple
 
 import numpy as np
 
+from allanite.core.arrays import stretches
 from allanite.core.record import Record
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import join, longest_without, percent, say, say_count, spelled, windowing
 
 from .outliers import MOST, TAIL, Outliers
-from .rounding import FEW_CODES, grid, rounding
-from .view import View, stretches
+from .rounding import FEW_CODES, grid
+from .view import NONE, View
 
 RARE = 1e-4  # probability that a check fails for a clean record
 
 
 def stuck(view: View) -> Finding | None:
     """Runs of one value that are significantly long, given how often neighbours are equal."""
-    same = view.steps[1:] == view.steps[:-1]
-    share = float(same.mean())
-    if share == 0:
+    same = row = view.steps[1:] == view.steps[:-1]
+    for step in (1, 2, 4):
+        row = row[step:] & row[:-step]
+    if not row.any():  # of eight
         return None
     runs = stretches(same)
     length = np.diff(runs, axis=1)[:, 0]
@@ -70,11 +72,9 @@ class Clipping(NamedTuple):
 def clipping(view: View) -> Clipping | None:
     """Samples at the limits of the range: the largest or smallest value occurs more often than the next one."""
     y, at = view.steps, []
-    for edge, beside in ((y.min(), np.min), (y.max(), np.max)):
-        equal = y == edge
-        count = int(equal.sum())
-        many = count >= 10 and count > 1.5 * int((y == beside(y[~equal])).sum())
-        at.append(np.flatnonzero(equal) if many else np.empty(0, np.intp))
+    for edge, count, beside in zip(view.extremes, view.limited, (np.min, np.max), strict=True):
+        many = count >= 10 and count > 1.5 * np.count_nonzero(y == beside(y[y != edge]))
+        at.append(np.flatnonzero(y == edge) if many else NONE)
     both = np.sort(np.concatenate(at))
     if not both.size or grid(y)[0] <= FEW_CODES // 2:
         return None
@@ -87,10 +87,10 @@ def clipped(view: View) -> Finding | None:
     limits = clipping(view)
     if limits is None:
         return None
-    y = view.steps
+    low, high = view.extremes
     sides = (
         say("{count} samples are equal to the {side} value, {edge:.6g}", count=count, side=side, edge=float(edge))
-        for count, side, edge in ((limits.high, say("upper"), y.max()), (limits.low, say("lower"), y.min()))
+        for count, side, edge in ((limits.high, say("upper"), high), (limits.low, say("lower"), low))
         if count
     )
     where = say("the first at {first:.6g} s, the last at {last:.6g} s", first=view.seconds(limits.first),
@@ -109,7 +109,7 @@ def clipped(view: View) -> Finding | None:
 
 def quantized(view: View) -> Finding | None:
     """A quantization step that is coarse relative to the noise; a separate warning if the noise is no dither."""
-    steps = rounding(view.steps, view.fast)
+    steps = view.rounding
     if not steps.coarse or view.pulses:  # a count is a rounded angle by nature; the fit tells whether that is a noise
         return None
     size = steps.step * (view.record.scale or 1.0)

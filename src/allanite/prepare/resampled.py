@@ -13,11 +13,9 @@ from allanite.core.validity import Finding, Quality
 from allanite.phrases.phrase import join, percent, say
 
 from .held import held_of, held_words
-from .rounding import rounding
-from .view import View
+from .view import MINUTE, View
 
 LONGEST = 1 << 18  # number of samples checked, in the middle of the record
-PART = 1 << 16  # samples that are compared at a time, while the cache holds them
 FEWEST_RESAMPLED = 4096  # second differences in which a modulation is looked for
 FINE = 0.002  # step of the samples over their fast noise up to which neighbours are hardly ever equal
 FILLED = 0.005  # share of samples filled in above which it matters
@@ -101,21 +99,23 @@ class Modulation(NamedTuple):
 
 
 def _modulation(view: View) -> Modulation | None:
-    middle = max(0, (view.bends.size - LONGEST) // 2)
-    bends, inside = view.bends[middle : middle + LONGEST], np.ones(min(view.bends.size, LONGEST), dtype=np.bool_)
+    middle = max(0, (view.bent - LONGEST) // 2)
+    bends, inside = view.bends(middle, min(middle + LONGEST, view.bent)), np.ones(min(view.bent, LONGEST), np.bool_)
     over = view.over - middle  # a gap has no part in the modulation
     inside[over[(over >= 0) & (over < inside.size)]] = False
     if inside.sum() < FEWEST_RESAMPLED or not view.fast:
         return None
-    bends = np.clip(bends, -6 * math.sqrt(6) * view.fast, 6 * math.sqrt(6) * view.fast)
-    power = np.square(bends)
-    mean = float(power[inside].mean())
-    return Modulation(_lines(np.where(inside, power / mean - 1, 0.0)), power.size, view.rate, bends)
+    most = 6 * math.sqrt(6) * view.fast
+    power = np.square(np.clip(bends, -most, most, out=bends))
+    power /= float(power.mean(where=inside))
+    power -= 1
+    power[~inside] = 0.0
+    return Modulation(_lines(power), power.size, view.rate, bends)
 
 
 def _interpolated(view: View) -> Finding | None:
     # a sinusoid that is rounded coarsely modulates its rounding errors; interpolated samples are on no such grid
-    modulation = None if rounding(view.steps, view.fast).coarse else _modulation(view)
+    modulation = None if view.rounding.coarse else _modulation(view)
     if modulation is None or not modulation.stands(modulation.at):
         return None
     depth, beat = modulation.depth(modulation.at), modulation.beat
@@ -155,24 +155,17 @@ def _filled(view: View) -> Finding | None:
 def filled(view: View) -> tuple[float, float]:
     """Shares of the samples that repeat the one before, and that lie midway between their neighbours."""
     # Only of finely resolved samples, of which hardly any do so by chance.
-    y, least = view.steps, 1e-9 * view.fast
-    before, here = y[:-2], y[1:-1]
-    parts = [slice(first, first + PART) for first in range(0, here.size, PART)]
-
-    def apart(part: slice) -> FloatArray:
-        return np.asarray(np.abs(np.subtract(here[part], before[part], dtype=np.float64)))
-
-    step = min(float(np.min(d, where=d > least, initial=np.inf)) for d in map(apart, parts))
-    inside = (here != y.min()) & (here != y.max())  # clipped ones repeat, too
-    inside[view.over] = False
-    count = np.count_nonzero(inside)
-    if not view.fast or step > FINE * view.fast or not count:
+    least, (_, step, *most) = MINUTE * view.fast, view.sweep
+    fewest = view.bent - sum(view.limited) - view.over.size
+    if not view.fast or step > FINE * view.fast or max(most) <= FILLED * fewest:
         return 0.0, 0.0
-    counts = np.zeros(2)
-    for part in parts:
-        repeated, midway = apart(part) < step / 2, np.abs(view.bends[part]) < max(step / 2, least)
-        counts += [np.count_nonzero(which & inside[part]) for which in (repeated, midway & ~repeated)]
-    held, between = (share if share > FILLED else 0.0 for share in (counts / count).tolist())
+    inside = np.logical_and.reduce([view.steps[1:-1] != edge for edge in view.extremes])  # clipped ones repeat, too
+    inside[view.over] = False
+    repeated = np.abs(np.diff(view.steps)[:-1]) < step / 2
+    midway = np.abs(view.bends(0, view.bent)) < max(step / 2, least)
+    counts = (np.count_nonzero(which & inside) for which in (repeated, midway & ~repeated))
+    count = max(int(np.count_nonzero(inside)), 1)
+    held, between = (float(many / count) if many > FILLED * count else 0.0 for many in counts)
     return held, between
 
 
@@ -181,4 +174,5 @@ def _lines(values: FloatArray) -> FloatArray:
     from scipy.fft import rfft
 
     window = np.hanning(values.size)
-    return np.asarray(np.abs(rfft(values * window)) ** 2 / float(np.square(window).sum()))
+    line = rfft(values * window)
+    return np.asarray((np.square(line.real) + np.square(line.imag)) / float(window @ window))

@@ -18,6 +18,7 @@ codes: noise of 0.3 steps already gives three within a few hundred samples.
 """
 
 NEARBY = 256  # number of successive samples in which codes are counted
+FEWEST_NOISE = 100_000  # second differences, of as many or more, that tell the fast noise
 MIDDLE = 200_000  # samples in the middle of a record of which the fast noise is taken
 FEW_CODES = 16  # number of distinct values up to which they are counted
 
@@ -74,10 +75,20 @@ def rounding(y: NDArray[Any], fast: float) -> Rounding:
 
 def rounding_of(record: Record) -> Rounding:
     """The rounding of the samples of a record, of an angle that of its steps."""
-    steps = record.steps[np.isfinite(record.steps)]
+    steps = finite(record.steps, record)
     middle = max(0, (steps.size - MIDDLE) // 2)
     part = np.asarray(steps[middle : middle + MIDDLE], dtype=np.float64)
     return rounding(steps, fast_noise(np.diff(part, 2)))
+
+
+def step_of(record: Record) -> float:
+    """The step of the samples of a record; 0 if there is no grid."""
+    return grid(finite(record.values, record))[1]
+
+
+def finite(values: NDArray[Any], record: Record) -> NDArray[Any]:
+    """The values that are finite of some of a record."""
+    return values if record.complete else values[np.isfinite(values)]
 
 
 def grid(y: NDArray[Any]) -> tuple[int, float]:
@@ -97,7 +108,7 @@ def grid(y: NDArray[Any]) -> tuple[int, float]:
 
 def fast_noise(bends: FloatArray) -> float:
     """Standard deviation of the fast noise from second differences, robust; exact for white noise."""
-    sample = np.abs(bends[:: max(1, bends.size // 100_000)])
+    sample = np.abs(bends[:: max(1, bends.size // FEWEST_NOISE)])
     scale = float(np.median(sample)) / 0.6745 or float(sample.std())
     # for coarse samples the median is coarse, too; the spread without outliers is not
     kept = sample[sample < 6 * scale]

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.arrays import BoolArray, FloatArray, stretches
 from allanite.core.plain import Header
 from allanite.core.record import SHORTEST, Record, Recording
 from allanite.core.validity import Finding, Quality
@@ -15,7 +15,7 @@ from allanite.statistics.differences import OADEV
 from allanite.statistics.estimator import estimated
 
 from .resampled import interpolated_together
-from .view import View, stretches
+from .view import LEVEL_PARTS, View
 from .window import trim
 
 
@@ -87,7 +87,7 @@ AT_REST = say("noise can be determined only from a static recording")
 USEFUL = 10.0  # length of a static stretch, s, below which it is not proposed: a moving body stands still that long
 THERE = 0.5  # share of the samples of a static stretch that must be there
 TRIED = 3  # runs between motions that are tried for a static stretch, those with most samples
-LEVEL_PARTS = 8  # number of parts of a record whose noise levels are compared
+TOGETHER = 8  # segments that are transformed together
 UNEQUAL = 1.44  # ratio of powers, beyond chance, above which parts are called different
 
 NEITHER = say("one set of coefficients describes neither part")
@@ -111,7 +111,7 @@ def moving(view: View) -> Finding | None:
 
 def busy(view: View) -> BoolArray:
     """Blocks in which the record moves: far from its median, and not only by a drift."""
-    means, own = view.blocks.mean(axis=1, dtype=np.float64), view.blocks.std(axis=1, dtype=np.float64)
+    means, own = view.blocks
     quiet = max(float(np.quantile(own, 0.1)), view.fast)
     steps = np.abs(np.diff(means))
     jumps = np.flatnonzero(steps > max(SUDDEN * quiet, USUAL * float(np.quantile(steps, 0.25))))
@@ -160,7 +160,7 @@ def _still(records: Sequence[Record], start: int, end: int) -> tuple[float, floa
         # moving blocks; if there are none, parts with another noise level
         which, size = busy(view), view.span
         if not in_motion(which):
-            which, size = _unequal(view)[0], view.bends.size // LEVEL_PARTS
+            which, size = _unequal(view)[0], view.bent // LEVEL_PARTS
         inside = np.flatnonzero(np.repeat(which, size))
         still[inside if view.left is None else view.left[inside]] = False
     if still.all() and known.mean() < THERE:
@@ -190,7 +190,7 @@ def level(view: View) -> Finding | None:
     uneven, ratio = _unequal(view)
     if not uneven.any():
         return None
-    parts = [(view.seconds(a), view.seconds(b)) for a, b in stretches(uneven) * (view.bends.size // LEVEL_PARTS)]
+    parts = [(view.seconds(a), view.seconds(b)) for a, b in stretches(uneven) * (view.bent // LEVEL_PARTS)]
     first, last = parts[0]
     return Finding(
         "level",
@@ -204,14 +204,7 @@ def level(view: View) -> Finding | None:
 
 def _unequal(view: View) -> tuple[BoolArray, FloatArray]:
     """Parts whose noise level differs, louder ones if there are some, and the power of each over the median."""
-    # second differences that contain an outlier are left out
-    at = view.outliers.at if view.left is None else np.searchsorted(view.left, view.outliers.at)
-    held = np.unique(np.subtract.outer(at, np.arange(3))).astype(np.intp)
-    size, power = view.bends.size // LEVEL_PARTS, np.empty(LEVEL_PARTS)
-    for i, start in enumerate(range(0, LEVEL_PARTS * size, size)):
-        squares, here = np.square(view.bends[start : start + size]), held[(held >= start) & (held < start + size)]
-        squares[here - start] = 0.0
-        power[i] = squares.sum() / max(size - here.size, 1)
+    size, power = view.bent // LEVEL_PARTS, view.levels
     noisy = power > 0  # others are stuck, or on a straight line
     if not noisy.any():
         return noisy, power
@@ -237,14 +230,16 @@ def lines(view: View) -> Finding | None:
     threshold = 1.25 * float(gammaincinv(segments, 1 - 1e-4 / power.size)) / segments
     peaks = stretches(power > threshold * around)
     peaks = peaks[peaks[:, 0] >= 6]
+    if not len(peaks):
+        return None
     excess = np.array([float((power[a:b] - around[a:b]).sum()) for a, b in peaks])
     tops = np.array([float(frequency[a + int(power[a:b].argmax())]) for a, b in peaks])
     # within a pulse the angle is that of the count, and of the dither that is left of it
-    angle = excess / power.sum() * float(view.steps.var()) / (2 * np.sin(np.pi * tops / view.rate)) ** 2
-    beyond = angle > view.pulses
-    excess, tops = excess[beyond], tops[beyond]
-    if not tops.size:
-        return None
+    if view.pulses:
+        angle = excess / power.sum() * float(view.steps.var()) / (2 * np.sin(np.pi * tops / view.rate)) ** 2
+        excess, tops = excess[angle > view.pulses], tops[angle > view.pulses]
+        if not tops.size:
+            return None
     share = float(excess.sum() / power.sum())
     named = ", ".join(f"{f:.3g}" for f in _strongest(tops, excess))
     return Finding(
@@ -274,9 +269,12 @@ def _periodogram(view: View) -> tuple[FloatArray, FloatArray, int]:
     starts = starts[~(uneven[starts * LEVEL_PARTS // y.size] | uneven[(starts + length - 1) * LEVEL_PARTS // y.size])]
     window = np.hanning(length)
     total = np.zeros(length // 2 + 1)
-    for start in starts:
-        piece = y[start : start + length] - float(y[start : start + length].mean())
-        total += np.abs(rfft(piece * window)) ** 2
+    for i in range(0, starts.size, TOGETHER):
+        pieces = np.stack([y[start : start + length] for start in starts[i : i + TOGETHER]]).astype(np.float64)
+        pieces -= pieces.mean(axis=1, keepdims=True)
+        pieces *= window
+        parts = rfft(pieces, overwrite_x=True).view(np.float64)  # real and imaginary
+        total += np.square(parts, out=parts).sum(axis=0).reshape(-1, 2).sum(axis=1)
     return np.arange(1, length // 2) * view.rate / length, total[1 : length // 2] / max(starts.size, 1), starts.size
 
 

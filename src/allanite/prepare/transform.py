@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from allanite.core.aliases import public
-from allanite.core.arrays import BoolArray
+from allanite.core.arrays import BoolArray, stretches
 from allanite.core.errors import UsageError, given
 from allanite.core.kinds import KINDS
 from allanite.core.record import SHORTEST, Record, Recording
@@ -17,7 +17,7 @@ from allanite.statistics.table import statistic_named
 from .inspector import means
 from .outliers import MOST, marked, outliers
 from .stillness import AT_REST, busy
-from .view import View, stretches
+from .view import View
 from .window import of_each
 
 
@@ -82,8 +82,7 @@ def _moving(record: Record) -> BoolArray:
         return moved
     loud = busy(view)
     if loud.any():
-        at = view.outliers.at if view.left is None else np.searchsorted(view.left, view.outliers.at)
-        count = np.bincount(at // view.span, minlength=loud.size)[: loud.size]
+        count = np.bincount(view.outlying // view.span, minlength=loud.size)[: loud.size]
         loud &= (count == 0) | (count > max(1, MOST * view.span))
         inside = np.flatnonzero(np.repeat(loud, view.span))
         moved[inside if view.left is None else view.left[inside]] = True

@@ -6,8 +6,9 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from allanite.core.aliases import public
-from allanite.core.arrays import FloatArray, IntArray, complete
+from allanite.core.arrays import FloatArray, IntArray, stretches
 from allanite.core.errors import DataError, UsageError
+from allanite.core.kinds import KINDS
 from allanite.core.record import Record
 from allanite.parallel.processes import spread
 from allanite.phrases.phrase import say, windowing
@@ -50,40 +51,33 @@ def integrated(record: Record, order: int) -> AngleRecord:
     A constant rate is removed first where `order` lets it: a bias then costs no digits. No sum runs across a gap; a
     record without two neighbouring samples that are finite is a DataError.
     """
-    record.demand_range()
-    values = record.values
+    values, places = record.values, places_of(record)
     if record.kind == "angle":
-        pieces = [Piece(a, (values[a:b] - values[a]).astype(np.float64)) for a, b in stretches(values)]
+        pieces = [Piece(a, (values[a : a + n + 1] - values[a]).astype(np.float64)) for a, n in places]
     else:
         from allanite.kernels.allan import integrate
 
         constant = record.constant if order > 1 else 0
-        whole = integrate(values, constant)
-        # the last sum tells whether there are gaps: what is not finite stays in it
-        complete = np.isfinite(whole[-1])
-        pieces = (
-            [Piece(0, whole)]
-            if complete
-            else [Piece(a, integrate(values[a:b], constant)) for a, b in stretches(values)]
-        )
-    long = tuple(piece for piece in pieces if piece.x.size > 2)
+        pieces = [Piece(a, integrate(values[a : a + n], constant)) for a, n in places]
+    return AngleRecord(tuple(pieces), record.size, angle_scale(record))
+
+
+def places_of(record: Record) -> Places:
+    """(first sample, samples) of every stretch without gaps, of two samples or more."""
+    record.demand_range()
+    values = record.values
+    runs = [[0, len(values)]] if record.complete else stretches(np.isfinite(values)).tolist()
+    each = [(a, b - a - KINDS[record.kind][1]) for a, b in runs]
+    long = tuple((a, n) for a, n in each if n > 1)
     if not long:
         raise DataError(say("{channel!r} has no two successive samples that are finite; no differences can be computed",
                             channel=record.name))  # fmt: skip
-    return AngleRecord(long, record.size, angle_scale(record))
+    return long
 
 
 def angle_scale(record: Record) -> float:
     """What the steps of the angle of a record are multiplied with to be SI."""
     return record.factor * (1.0 if record.integrated else record.interval)
-
-
-def stretches(values: np.ndarray[tuple[int, ...], np.dtype[np.generic]]) -> list[tuple[int, int]]:
-    """Begin and end of the stretches of finite values."""
-    if complete(values):
-        return [(0, len(values))]
-    edges = np.flatnonzero(np.diff(np.isfinite(values), prepend=False, append=False)).tolist()
-    return list(zip(edges[::2], edges[1::2], strict=True))
 
 
 class WindowMeans(NamedTuple):
@@ -155,8 +149,10 @@ def with_means(row: Statistic, angle: AngleRecord, m: IntArray, plain: WindowMea
     return WindowMeans(variance, number, plain.factor)
 
 
-_allan: WeakKeyDictionary[Record, tuple[Places, dict[int, tuple[float, int]]]] = WeakKeyDictionary()
-"""Places, and by factor overlapping Allan variance and number of windows, of records that are still there: checks,
+_Known = tuple[Places, IntArray, FloatArray, IntArray]
+_none = np.empty(0, np.int64)
+_allan: WeakKeyDictionary[Record, _Known] = WeakKeyDictionary()
+"""Places, factors, overlapping Allan variances and numbers of windows of records that are still there: checks,
 contradictions, readings and the curve ask for them one after another."""
 
 
@@ -166,14 +162,15 @@ def estimated(
     """A statistic of a record at averaging factors, gaps by `means`, and its places; oadev once for each factor."""
     if row is not OADEV or not means or m.size > MAX_SWEPT:
         return _estimated(record, row, m, divisor=divisor, means=means, threads=threads)
-    places, known = _allan.get(record, ((), {}))
-    more = np.array([k for k in m.tolist() if k not in known], np.int64)
+    places, known, variance, number = _allan.get(record, ((), _none, np.empty(0), _none))
+    more = np.setdiff1d(m, known)
     if not places or more.size:
-        (variance, number, _), places = _estimated(record, row, more, divisor=divisor, means=means, threads=threads)
-        known.update(zip(more.tolist(), zip(variance.tolist(), number.tolist(), strict=True), strict=True))
-        _allan[record] = places, known
-    at = np.array([known[k] for k in m.tolist()]).reshape(-1, 2)
-    return WindowMeans(at[:, 0], at[:, 1].astype(np.int64), np.ones(m.size)), places
+        (own, count, _), places = _estimated(record, row, more, divisor=divisor, means=means, threads=threads)
+        known, at = np.unique(np.concatenate((known, more)), return_index=True)
+        variance, number = np.concatenate((variance, own))[at], np.concatenate((number, count))[at]
+        _allan[record] = places, known, variance, number
+    at = np.searchsorted(known, m)
+    return WindowMeans(variance[at], number[at], np.ones(m.size)), places
 
 
 def _estimated(

@@ -17,9 +17,13 @@ from allanite.core.limits import Remembered
 from allanite.core.model import ModelLike, model_of
 from allanite.core.readings import FLICKER, Means, Reading, Readings, Slope
 from allanite.core.record import Record
+from allanite.core.threads import one_thread
 from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.statistics import deviation
+from allanite.statistics.differences import OADEV
+from allanite.statistics.estimator import estimated
+from allanite.statistics.grids import factors_of
 
 MIN_COMPLETE_MEANS = 2  # minimum number of complete means
 MIN_EDF = 10.0  # minimum degrees of freedom of a point for the minimum
@@ -106,8 +110,8 @@ def averaging_stability(record: Record, seconds: float = 10.0, *, model: ModelLi
 
 def means_of(record: Record, m: int) -> tuple[FloatArray, BoolArray]:
     """Means of m successive rates, without overlap, and which of them are complete."""
-    rates = record.rate_values
-    means = rates[: rates.size // m * m].reshape(-1, m).mean(axis=1)
+    steps = record.steps
+    means = np.asarray(steps[: steps.size // m * m].reshape(-1, m).mean(axis=1) * record.rate_factor)
     return means, np.isfinite(means)
 
 
@@ -205,6 +209,17 @@ def readings(record: Record, curve: Curve | None = None) -> Readings:
         inside=lowest < len(factors) - 1, slopes=tuple(slope for slope in slopes if slope is not None),
         means=tuple(_means(record)),
     )  # fmt: skip
+
+
+def begin_with(record: Record) -> None:
+    """Take at once the overlapping Allan variances that the analysis of a record asks for one after another."""
+    octaves, grid = (factors_of(name, OADEV, record.size, record.rate) for name in ("octave", "log"))
+    usual = max(round(USUAL_TIME * record.rate), 1)
+    tens = 10.0 ** np.arange(math.floor(math.log10(record.interval)), math.log10(record.duration))
+    marks = np.rint([usual, usual / 3, 3 * usual, *(tens * record.rate)]).astype(np.int64)
+    marks = marks[(marks >= 1) & (marks <= grid.max(initial=0))]
+    with one_thread():
+        estimated(record, OADEV, np.unique(np.concatenate((octaves, grid, marks))))
 
 
 class _Points:

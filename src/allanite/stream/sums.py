@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.arrays import FloatArray
-from allanite.statistics.estimator import stretches
+from allanite.core.arrays import FloatArray, stretches
 from allanite.statistics.row import Statistic
 
 if TYPE_CHECKING:
@@ -134,7 +133,7 @@ class Sums:
             block = values[at : at + BLOCK]
             if not self._add(block):
                 begin = self.stop
-                for a, b in stretches(block):
+                for a, b in stretches(np.isfinite(block)).tolist():
                     self.stop = begin + a
                     self._add(block[a:b])
                 self.stop = begin + block.size

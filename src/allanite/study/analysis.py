@@ -12,7 +12,7 @@ from allanite.core.record import Record
 from allanite.parallel.processors import IDENTIFICATION, importing
 from allanite.phrases.phrase import say, spelled
 from allanite.statistics import deviation
-from allanite.statistics.readings import readings
+from allanite.statistics.readings import begin_with, readings
 
 from .channels import Progress, Source, run
 from .keeper import STRIDES, Inspected, Keeper, demand_grid
@@ -79,8 +79,10 @@ def analyzed(source: Source, recipe: Recipe, progress: Progress | None = None) -
 
 def _channel(seen: Inspected, recipe: Recipe) -> Channel:
     """The result of one channel."""
-    noise = noise_in(seen, recipe)
     keeper, read = seen.keeper, None
+    if keeper is None:
+        begin_with(seen.record)
+    noise = noise_in(seen, recipe)
     (curve,) = keeper.curves(noise.fit, recipe.taus) if keeper else (
         deviation(seen.record, recipe.statistic, taus=recipe.taus, noise=noise.fit),
     )  # fmt: skip

@@ -145,12 +145,14 @@ def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
 
 def without_lines(record: Record, fit: Fit) -> Record:
     """A record without the sinusoids that were removed for a fit of it."""
+    if not fit.lines:
+        return record
     rates = record.rate_values
     for line in fit.lines:
         wave = line.term.sampled(record.rate).waveform
         assert wave is not None  # noqa: S101 - a sinusoid has one
         rates = rates - line.amplitude * wave(record.size)
-    return Record(rates, record.rate, record.signal.unit, record.signal.kind, name=record.name) if fit.lines else record
+    return Record(rates, record.rate, record.signal.unit, record.signal.kind, name=record.name)
 
 
 def _broadens(shape: Sequence[float], line: float) -> bool:

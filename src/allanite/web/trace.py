@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.arrays import stretches
 from allanite.core.errors import DataError, UsageError
 from allanite.core.files import write
 from allanite.core.record import Record, Recording
 from allanite.core.units import convert
 from allanite.prepare.outliers import outliers
-from allanite.prepare.view import stretches
 from allanite.reporting.digits import printed_unit
 
 from . import schema

@@ -1,43 +1,9 @@
-"""One look at a part: the same as one look at each sample."""
+"""Samples far off their neighbours are those of sorted windows."""
 
 import numpy as np
-import pytest
-from hypothesis import given, settings, strategies as st
-from tests import examples
 from tests.rows import paired, rows
 
-from allanite.kernels.passing import BLOCK, HALF, looked, off
-
-
-def literal(y):
-    there = y[np.isfinite(y)]
-    if not there.size:
-        return 0, np.inf, -np.inf, 0, 0
-    low, high = there.min(), there.max()
-    longest = run = 0
-    for one, before in zip(y[1:], y[:-1], strict=True):
-        run = run + 1 if one == before else 0
-        longest = max(longest, run)
-    return there.size, low, high, max((there == low).sum(), (there == high).sum()), longest
-
-
-@settings(max_examples=examples(60), deadline=None)
-@given(
-    seed=st.integers(0, 99), size=st.integers(1, 3 * BLOCK), step=st.sampled_from([0.0, 0.5, 2.0]),
-    lost=st.lists(st.integers(0, 3 * BLOCK), max_size=4), stuck=st.integers(0, 2 * BLOCK),
-)  # fmt: skip
-@pytest.mark.slow("property of every sample")
-def test_look_is_that_at_each_sample(seed, size, step, lost, stuck):
-    y = np.random.default_rng(seed).normal(size=size)
-    y = np.round(y / step) * step if step else y
-    y[stuck : stuck + BLOCK // 2 + seed] = 0.25
-    for at in lost:
-        y[at : at + 1] = (np.nan, np.inf, -np.inf)[at % 3]
-    assert looked(y) == literal(y)
-
-
-def test_look_at_nothing_finite():
-    assert looked(np.full(5, np.nan)) == literal(np.full(5, np.nan))
+from allanite.kernels.passing import HALF, off
 
 
 @rows("size, part", paired([31, 32, 1023, 1024, 1025, 5000], [700, 1024, 10**9]))

@@ -7,10 +7,11 @@ import pytest
 from tests.rows import refused, rows
 
 import allanite as al
+from allanite.core.arrays import stretches
 from allanite.prepare import block_means, decimate, detrend, inspect, mark_outliers, quiet_window
 from allanite.prepare.readings import clipping
 from allanite.prepare.resampled import filled
-from allanite.prepare.view import View, stretches
+from allanite.prepare.view import View
 from allanite.simulation.record import RING_LASERS, simulate_ring_laser
 
 MODEL = al.N(3.0, "deg/h/sqrt(Hz)") + al.B(2.0, "deg/h")
@@ -196,6 +197,26 @@ def test_samples_that_the_logger_has_filled_in_are_named(how):
     assert filled(View(al.Record(y, 100.0, "deg/h"))) == pytest.approx(
         (0.05, 0.0) if how == "repeated" else (0.0, 0.05), abs=0.004
     )
+
+
+@rows("n, missing", [(65, 0), (1003, 0), (1003, 40), (100_001, 0), (100_001, 70)])
+def test_what_is_looked_at_part_by_part_is_that_of_all_samples(n, missing):
+    rng = np.random.default_rng(n)
+    y = np.round(rng.standard_normal(n), 1) + 5
+    y[[5, 6, n // 2]] += 60.0
+    y[rng.choice(n - 20, missing, replace=False) + 10] = np.nan
+    view = View(al.Record(y, 2048.0, "deg/h"))
+    left = y[np.isfinite(y)]
+    bends = np.diff(left, 2)
+    bends[[i for j in view.joints for i in (j - 2, j - 1)]] = 0.0
+    np.testing.assert_allclose(view.bends(0, view.bent), bends, atol=1e-12)
+    bends[[i for at in view.outlying for i in (at - 2, at - 1, at)]] = np.nan
+    squares = np.square(bends[: len(bends) // 8 * 8])
+    np.testing.assert_allclose(view.levels, np.nanmean(squares.reshape(8, -1), axis=1), rtol=1e-12)
+    np.testing.assert_allclose(view.sweep.eights, np.nansum(squares.reshape(-1, 8), axis=1), rtol=1e-12)
+    blocks = left[: left.size // view.span * view.span].reshape(-1, view.span)
+    np.testing.assert_allclose(view.blocks, [blocks.mean(axis=1), blocks.std(axis=1)], rtol=1e-12)
+    assert view.limited == [np.sum(left == left.min()), np.sum(left == left.max())]
 
 
 @rows("step", [0.0, 0.01, 0.3, 1.0])

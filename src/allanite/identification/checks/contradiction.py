@@ -15,7 +15,7 @@ from allanite.core.record import Record
 from allanite.identification.search.components import QUICKEST_MARKOV
 from allanite.phrases.phrase import say
 from allanite.prepare.outliers import marked, outliers
-from allanite.prepare.rounding import grid
+from allanite.prepare.rounding import step_of
 from allanite.statistics import deviation, expected
 from allanite.terms import TERMS, WHITE
 
@@ -172,7 +172,7 @@ def _deviation(fit: Fit, terms: Iterable[Term], curve: Curve) -> FloatArray:
 def not_rounding(fit: Fit, record: Record) -> dict[str, str]:
     """Why angle noise is not the rounding of the samples, by symbol: it exceeds that of their step."""
     angular = {e.symbol: e.value for e in fit if TERMS[e.symbol].edge and e.claimed and e.value is not None}
-    step = grid(record.values[np.isfinite(record.values)])[1] * record.factor if angular else 0.0
+    step = step_of(record) * record.factor if angular else 0.0
     if not step:
         return {}
     angle = step if record.kind == "angle" else step / record.rate

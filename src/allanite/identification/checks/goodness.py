@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray, FloatArray, IntArray
+from allanite.core.arrays import BoolArray, FloatArray, IntArray, stretches
 from allanite.core.fit import MIN_P, Fit, Goodness, Line
 from allanite.core.record import Record
 from allanite.core.residuals import Check, try_band
@@ -14,7 +14,6 @@ from allanite.identification.likelihood.spectrum import CELLS, BinnedSpectrum, s
 from allanite.phrases.phrase import join, longest_without, say, spelled
 from allanite.prepare.outliers import outliers as outlying
 from allanite.prepare.rounding import rounding_of
-from allanite.prepare.view import stretches
 
 UNSTEADY, HEAVY_TAILS, KIN = 1.2, 0.1, 0.02
 """Ratio of levels, excess kurtosis and correlation above which a failed check matters."""

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Protocol
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from allanite.core.plain import Portable
 from allanite.core.record import Record
 from allanite.phrases.phrase import say, say_count
 from allanite.prepare.gaps import Gaps, gaps_between, joined
-from allanite.prepare.rounding import grid
+from allanite.prepare.rounding import step_of
 from allanite.statistics.moments.lagsums import sum_nodes
 from allanite.terms import NoiseTerm, ramp_coefficients
 
@@ -219,12 +220,23 @@ class BinnedSpectrum(Portable):
         return np.asarray(inside)
 
 
+_made: WeakKeyDictionary[Record, dict[bool, BinnedSpectrum]] = WeakKeyDictionary()
+"""The spectra of records that are still there: other terms, and a comparison, begin with the same."""
+
+
 def spectrum(record: Record, *, detrend: bool) -> BinnedSpectrum:
-    """Transform a record and bin the powers; takes about three times the record's memory.
+    """Transform a record and bin the powers, once; takes about three times the record's memory.
 
     With `detrend` most of a ramp is subtracted first, so that a strong one does not leak into the higher bins; `slope`
     stores it. Missing samples (NaN) are cut out.
     """
+    known = _made.setdefault(record, {})
+    if detrend not in known:
+        known[detrend] = _spectrum(record, detrend)
+    return known[detrend]
+
+
+def _spectrum(record: Record, detrend: bool) -> BinnedSpectrum:
     from allanite.kernels.cosine import binned
 
     y, gaps, places = joined(record)
@@ -267,7 +279,7 @@ def _rounding(record: Record) -> float:
     """Variance of the rounding error of a rate, in the record's unit squared; 0 if there is no grid."""
     if record.kind == "angle":
         return 0.0
-    return grid(record.values[np.isfinite(record.values)])[1] ** 2 / 12
+    return step_of(record) ** 2 / 12
 
 
 def transformed(places: IntArray) -> FloatArray:

@@ -7,12 +7,11 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from allanite.core.arrays import FloatArray
+from allanite.core.arrays import FloatArray, stretches
 from allanite.core.errors import DataError, UsageError
 from allanite.core.names import demand_name
 from allanite.core.record import Record
 from allanite.phrases.phrase import say, spelled, windowing
-from allanite.statistics.estimator import stretches
 
 
 class Raw(NamedTuple):
@@ -103,7 +102,7 @@ class Welch:
     def estimate(self, record: Record) -> Raw:
         """Densities at evenly spaced frequencies; see `allanite.spectrum`."""
         values = record.rate_values
-        runs = [values[a:b] for a, b in stretches(values)]
+        runs = [values[a:b] for a, b in stretches(np.isfinite(values))]
         longest = max((run.size for run in runs), default=0)
         if self.segment is None:
             length = min(longest, max(record.size // 8, 64))
@@ -152,9 +151,8 @@ class Periodograms:
 
     def push(self, values: FloatArray) -> None:
         """Add samples that follow the last ones; segments contain none that is not finite."""
-        runs = stretches(values)
         at = 0
-        for begin, stop in runs:
+        for begin, stop in stretches(np.isfinite(values)).tolist():
             if begin > at:
                 self.end()
             self._run(values[begin:stop])
