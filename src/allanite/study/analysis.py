@@ -84,7 +84,7 @@ def _channel(seen: Inspected, recipe: Recipe) -> Channel:
     (curve,) = keeper.curves(noise.fit, recipe.taus) if keeper else (
         deviation(seen.record, recipe.statistic, taus=recipe.taus, noise=noise.fit),
     )  # fmt: skip
-    if curve.law is not None:
+    if keeper is None and curve.law is not None:
         curve.interval(recipe.level)  # which every form of the result shows, and is remembered; the angle is given up
     if keeper is None:
         read = readings(seen.record, curve if curve.statistic == "oadev" and recipe.taus == "log" else None)

@@ -28,7 +28,7 @@ from allanite.readers.parts import demand_memory
 
 from .job import provenance_of
 from .keeper import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
-from .parts import Keeping, in_parts, passed
+from .parts import Keeping, in_parts
 from .recipe import READING, Recipe, command_of
 
 
@@ -190,9 +190,9 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
     in_parts_too: tuple[str, ...] = (), doing: str = "analyzing", demand: bool = True, progress: Progress | None = None,
 ) -> Result:  # fmt: skip
     """Open a source, whole or in parts with a `keeping`, and process its channels; `kind` makes the result."""
-    reader = None if keeping is None else in_parts(source, recipe)
-    if reader is not None and keeping is not None:
-        read, findings, notes, provenance = passed(reader, recipe, keeping, progress)
+    passing = None if keeping is None else in_parts(source, recipe)
+    if passing is not None and keeping is not None:
+        read, findings, notes, provenance = passing.passed(recipe, keeping, progress)
         fatal = Quality(findings).refusal
         channels = identified(read, begin, fatal, lambda f, items: list(map(f, items))) if begin else read
         results = tuple(_result(channel, work, refused, fatal) for channel in channels)
