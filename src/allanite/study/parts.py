@@ -191,7 +191,7 @@ class Passing:
 
     @classmethod
     def of(cls, spool: os.PathLike[str], recipe: Recipe, limit: int) -> "Passing | None":
-        """Of a text that grows, whose record takes more memory than the limit; None if it is not read in parts."""
+        """A text that grows, whose record takes more memory than the limit; None if it is not read in parts."""
         demand_sums(recipe)
         growth = Growth()
         reader = growing(spool, recipe.to_dict(READING), lambda: growth.begin)

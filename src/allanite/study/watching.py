@@ -31,7 +31,7 @@ RECENT = 64.0  # seconds at the end that are looked at
 GROWTH = 1.05  # of the record, after which it is looked at, or analyzed, again
 REPORTS = 10.0, 3600.0  # seconds between reports, at least and at most
 LOOKS = 1.0, 60.0  # seconds between looks, at least and at most; less than `RECENT`, so that no row is missed
-BUDGET = 1_000_000_000  # bytes that the analysis of all samples may take, unless more is given
+BUDGET = 1_000_000_000  # bytes that the analysis of all samples may take for a report, unless others are given
 SHARE = 10.0  # the time without a report, or a look, is at least so many times that of the last one
 ENOUGH = 64  # rows below which nothing is looked at
 
@@ -202,7 +202,7 @@ class Watch:
     def study(self) -> Study:
         """What `analyze` gives of the lines that came."""
         try:
-            study = self._study()
+            study = self._study(last=True)
         except AllaniteError as error:
             if self.spool is None or not self.spool.sent or self.spool.rows < ENOUGH:
                 raise
@@ -219,27 +219,29 @@ class Watch:
         if self.spool is not None:
             self.spool.close()
 
-    def _study(self) -> Study:
+    def _study(self, *, last: bool = False) -> Study:
         if self.spool is None or not self.spool.came:
             raise DataError(say("{target!r} sent no samples", target=self.target))
         if not self.spool.rows:
             raise DataError(say("{target!r} sends no rows of numbers; a binary or packed file is for {command}",
                                 target=self.target, command=f"'allanite analyze {self.target}'"))  # fmt: skip
-        if self.latest is None or self._rows != self.spool.rows:
-            self.latest, self._rows = self._analyzed(self.spool), self.spool.rows
+        if self.latest is None or self._rows != self.spool.rows or (last and self.passing is not None):
+            self.latest, self._rows = self._analyzed(self.spool, last=last), self.spool.rows
         return self.latest
 
-    def _analyzed(self, spool: Spool) -> Study:
+    def _analyzed(self, spool: Spool, *, last: bool) -> Study:
         """The analysis of all samples, or, where it takes more memory than the budget, of sums that are carried on."""
-        memory = self.recipe.memory
-        limit = allowed(memory) if memory else min(allowed(None), BUDGET)
+        limit = allowed(self.recipe.memory)
+        if not last and self.recipe.memory is None:
+            limit = min(limit, BUDGET)
         channels = len(self.latest.channels) if self.latest else spool.width
         try:
-            if not self._in_memory and self.passing is None and needed(spool.rows * channels) > limit:
-                self.passing = Passing.of(spool, self.recipe, limit)
+            if not self._in_memory and needed(spool.rows * channels) > limit:
+                self.passing = self.passing or Passing.of(spool, self.recipe, limit)
                 self._in_memory = self.passing is None
-            if self.passing is not None:
-                return analyze(self.passing, self.recipe)
+                if self.passing is not None:
+                    self.passing.reader = replace(self.passing.reader, limit=limit)
+                    return analyze(self.passing, self.recipe)
         except AllaniteError:  # which the whole file tells by its line, or of what needs all samples
             self.passing, self._in_memory = None, True
         return analyze(spool, self.recipe)

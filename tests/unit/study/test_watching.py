@@ -528,6 +528,20 @@ def test_sums_that_are_carried_on_are_those_of_the_file_in_parts(tmp_path, monke
 
 
 @pytest.mark.slow("takes more than half a second")
+def test_the_last_result_is_of_all_samples_where_they_fit(tmp_path, monkeypatch):
+    monkeypatch.setattr("allanite.study.watching.BUDGET", 1)
+    path = tmp_path / "log.txt"
+    path.write_bytes(lines_of(np.random.default_rng(3).normal(size=3000)))
+    recipe = al.Recipe(rate=100.0, unit="deg/h", motion="mark")
+    watch = Watch(str(path), recipe, WatchSettings(idle=0.1))
+    with closing(watch):
+        list(watch.events())
+        assert ["sums" in said for said in watch._news()] == [True, False]
+        assert watch.latest.notes != watch.study().notes
+        assert watch.study().to_dict()["channels"] == al.analyze(path, recipe).to_dict()["channels"]
+
+
+@pytest.mark.slow("takes more than half a second")
 def test_what_cannot_be_carried_on_is_analyzed_as_before(tmp_path):
     path = tmp_path / "log.txt"
     path.write_bytes(lines_of(np.random.default_rng(3).normal(size=3000)))
