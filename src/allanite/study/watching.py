@@ -242,8 +242,8 @@ class Watch:
                 if self.passing is not None:
                     self.passing.reader = replace(self.passing.reader, limit=limit)
                     return analyze(self.passing, self.recipe)
-        except AllaniteError:  # which the whole file tells by its line, or of what needs all samples
-            self.passing, self._in_memory = None, True
+        except AllaniteError as error:  # which the whole file tells, too, or of what needs all samples
+            self.passing, self._in_memory = None, isinstance(error, UsageError)
         return analyze(spool, self.recipe)
 
     def _look(self) -> Iterator[str]:
