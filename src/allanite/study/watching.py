@@ -13,7 +13,8 @@ from allanite.core.record import Record, Recording
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import duration, join, percent, say, spelled
 from allanite.planning.plan import further
-from allanite.prepare.quality import inspect
+from allanite.prepare.quality import checked
+from allanite.prepare.readings import clipped, outliers, stuck
 from allanite.prepare.transform import mark_motion, motion, motion_found
 from allanite.readers import read
 from allanite.readers.live import TAIL, WAIT, Feed, Spool, opened
@@ -37,6 +38,9 @@ ENOUGH = 64  # rows below which nothing is looked at
 
 AT_ONCE = ("moving", "outliers", "stuck", "clipped", "missing samples")
 """Findings that are said as soon as they are made in the last minute."""
+
+CHECKS = stuck, clipped, outliers
+"""The checks that make them, beside motion and the clock."""
 
 
 @described
@@ -264,7 +268,7 @@ class Watch:
                 yield from self._new("", [motion_found(records[0], moved)])
                 records = mark_motion(records)
             for record in records:
-                yield from self._new(record.name, inspect(record).findings)
+                yield from self._new(record.name, checked(record, CHECKS).findings)
 
     def _recent(self) -> Recording:
         assert self.spool is not None  # noqa: S101 - it is made before anything is looked at

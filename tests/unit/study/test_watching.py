@@ -27,8 +27,9 @@ from tests.rows import refused, rows
 import allanite as al
 from allanite.cli import main
 from allanite.phrases.phrase import duration
+from allanite.prepare import quality
 from allanite.readers.live import Feed, Spool, opened
-from allanite.study.watching import REPORTS, Task, Watch, WatchSettings
+from allanite.study.watching import AT_ONCE, CHECKS, REPORTS, Task, Watch, WatchSettings
 from allanite.web.requests import Request, accepted
 
 RATE = 1000
@@ -549,6 +550,19 @@ def test_what_cannot_be_carried_on_is_analyzed_as_before(tmp_path):
     refused(al.UsageError, "has no 'theo1'", lambda: watched(path, replace(recipe, statistic="theo1")))
     _, study = watched(path, recipe)
     assert study.to_dict()["channels"] == al.analyze(path, recipe).to_dict()["channels"]
+
+
+def test_a_look_makes_the_findings_of_an_inspection_that_are_said_at_once():
+    y, told = np.random.default_rng(7).normal(size=6400), set[str]()
+    for first, last, new in ((0, 0, 0.0), (100, 101, 50.0), (300, 400, 1.0), (3000, 4000, 300.0 * y[:1000])):
+        values = y.copy()
+        values[first:last] = new
+        for record in (al.Record(v, 100.0, "deg/h") for v in (values, np.clip(values, -1, 1))):
+            every, mine = quality.inspect(record).findings, quality.checked(record, CHECKS).findings
+            wanted = [finding for finding in every if finding.name in AT_ONCE]
+            assert [finding for finding in mine if finding.name in AT_ONCE] == wanted
+            told |= {finding.name for finding in wanted}
+    assert told == {*AT_ONCE} - {"missing samples"}
 
 
 def test_reports_are_as_far_apart_as_the_record_is_long():
