@@ -44,7 +44,7 @@ ROOMS = {
     "signals": "cli parallel statistics", "simulation": "simulation", "slow_noise": "identification",
     "speed": "identification kernels statistics", "stranger": "cli kernels", "stream": "stream",
     "terms": "identification terms", "theoh_paper": "identification statistics", "vertical": "applications/attitude",
-    "window_moments": "statistics/moments",
+    "watching": "readers stream study", "window_moments": "statistics/moments",
 }  # fmt: skip
 """Folders and files of the package that the tables of a script describe, "" all of it: see tools/stale.py."""
 

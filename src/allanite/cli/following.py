@@ -22,6 +22,7 @@ from allanite.study.settings import WatchChoices
 from .streams import complain, stopping
 
 EVERY = 1.0  # seconds after which the rows that came are taken in
+REPORTS = 10.0  # seconds between reports, unless others are given
 
 
 def follow(
@@ -41,7 +42,7 @@ def follow(
                 continue
             if choices["latitude"] is None and choices["h_polar"] is None:  # that of the first rows holds for all
                 choices["latitude"] = math.degrees(gimbals.h_polar[0])
-            if not quiet and time.monotonic() >= reported + settings.every:
+            if not quiet and time.monotonic() >= reported + (settings.every or REPORTS):
                 reported = time.monotonic()
                 complain(_report(service, choices["level"] or 0.95))
         if data is None:

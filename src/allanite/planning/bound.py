@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 
 import numpy as np
 
@@ -251,13 +252,19 @@ def ramp_error(noise: Sequence[Term], n: int, rate: float, edge: float) -> float
     return float((ramp / size @ np.linalg.solve(covariance / np.outer(size, size), ramp / size)) ** -0.5)
 
 
+@cache
+def _mixing_rule() -> tuple[FloatArray, FloatArray]:
+    """Nodes and weights of Gauss's rule from 0 to 1."""
+    nodes, weights = np.polynomial.legendre.leggauss(MIXING_NODES)
+    return (nodes + 1) / 2, weights / 2
+
+
 def mixing(row: NoiseTerm, block: int, n: int) -> FloatArray:
     """Covariance of the coefficients 1 .. block of n rates, except for its diagonal, shape (block, block)."""
     # With c(h) = D''(h) / 2 the covariance of rates, ``2 n int_0^1 A_kl(u) c(n u) du`` for k, l of equal parity, where
     #     A_kl(u) = (2 / pi) (k sin(pi k u) - l sin(pi l u)) / (l^2 - k^2)
     # is the correlation of the two cosines at the distance u. It is zero for white noise and for random walks.
-    v, weight = np.polynomial.legendre.leggauss(MIXING_NODES)
-    v, weight = (v + 1) / 2, weight / 2
+    v, weight = _mixing_rule()
     u = v**2  # a logarithm at u = 0 becomes smooth
     k = np.arange(1.0, block + 1)
     waves = k * (np.sin(math.pi * np.outer(u, k)).T @ (2 * v * weight * row.derivative(2, n * u)))

@@ -21,7 +21,7 @@ from allanite.statistics.moments.moments import expected_at
 from allanite.statistics.table import CurvePoints, statistic_named
 from allanite.terms import TERMS
 
-from .bound import bound
+from .bound import Bound, bound
 
 DURATIONS = (600.0, 3600.0, 21_600.0, 86_400.0)  # 10 minutes, 1 hour, 6 hours, 24 hours
 LONGEST = 1e14  # samples beyond which no length is given
@@ -159,13 +159,25 @@ def plan(
     )
 
 
-def _least(errors: Callable[[int], FloatArray], which: int, wanted: float) -> float:
+def further(model: ModelLike, size: int, rate: float, accuracy: float) -> dict[str, float]:
+    """Time beyond a record until each parameter has the accuracy, s, where all terms are looked for; 0 if it has it."""
+    model = usable_model(model)
+
+    @cache
+    def known(n: int) -> Bound:
+        return bound(model, n, rate, terms="auto")
+
+    names = enumerate(known(size).names)
+    return {name: (_least(lambda n: known(n).errors, i, accuracy, size) - size) / rate for i, name in names}
+
+
+def _least(errors: Callable[[int], FloatArray], which: int, wanted: float, least: int = SHORTEST) -> float:
     """Least number of samples at which an error is `wanted`, to 0.1 %: it falls about as a power of the length."""
 
     def excess(n: float) -> float:
         return math.log(float(errors(round(n))[which]) / wanted)
 
-    low = high = float(SHORTEST)
+    low = high = float(least)
     while excess(high) > 0:
         low, high = high, 4 * high
         if high > LONGEST:

@@ -1,6 +1,6 @@
 """Checks whether a record can support an analysis, before anything is computed."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -28,6 +28,11 @@ def inspect(record: Record) -> Quality:
     Quality
         The findings, fatal ones first; a refused record is not checked further.
     """
+    return checked(record, CHECKS)
+
+
+def checked(record: Record, checks: Sequence[Callable[[View], Finding | None]]) -> Quality:
+    """What some of the checks tell, and motion."""
     view = View(record)
     fatal = _fatal(view)
     if fatal is not None:
@@ -35,7 +40,7 @@ def inspect(record: Record) -> Quality:
     motion = moving(view)
     if motion is not None and motion.fatal:
         return Quality((motion,))
-    findings = [f for f in (motion, *(look(view) for look in CHECKS)) if f is not None]
+    findings = [f for f in (motion, *(look(view) for look in checks)) if f is not None]
     covered = {other for f in findings for other in COVERS.get(f.name, ())}
     return Quality(tuple(f for f in findings if f.name not in covered))
 

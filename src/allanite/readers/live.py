@@ -200,6 +200,11 @@ class Spool:
     def __fspath__(self) -> str:
         return self.path
 
+    @property
+    def width(self) -> int:
+        """Fields of a row."""
+        return len(self._model)
+
     def add(self, data: bytes) -> None:
         """Add what came."""
         self.came += len(data)

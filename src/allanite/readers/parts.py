@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import ceil
 from pathlib import Path
@@ -19,7 +19,7 @@ from .clock.clocks import counting
 from .clock.parts import Clock, Piece, clock_of
 from .columns import gravity, sensors
 from .columns.column import column
-from .columns.lines import Parts
+from .columns.lines import Parts, chunks_of
 from .columns.table import Sense
 from .options import Options, channel_names
 
@@ -223,6 +223,20 @@ def opened(path: Any, memory: str | None, choices: Mapping[str, Any], limit: int
     if reader is None and need > limit:
         demand_memory(path, memory, choices)
     return None if need <= limit else reader
+
+
+def growing(path: Any, choices: Mapping[str, Any], begin: Callable[[], int]) -> PartsReader | None:
+    """The reader in parts of a text that grows, each time from the byte that `begin` tells; None for other files."""
+    from .formats.registry import reader_for
+    from .sandbox.source import head_of, named
+
+    file = os.fspath(path)
+    try:
+        streamed = getattr(reader_for(head_of(file), os.path.splitext(file)[1].lower()), "streamed", None)
+        parts = None if streamed is None else streamed(chunks_of(file, begin), _options(choices), grows=True)
+        return None if parts is None else _reader(named(path, file), file, parts, 0)
+    except AllaniteError as error:
+        raise error.within(named(path, file)) from None
 
 
 def demand_memory(path: Any, memory: str | None, choices: Mapping[str, Any]) -> None:

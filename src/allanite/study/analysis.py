@@ -86,7 +86,7 @@ def _channel(seen: Inspected, recipe: Recipe) -> Channel:
     (curve,) = keeper.curves(noise.fit, recipe.taus) if keeper else (
         deviation(seen.record, recipe.statistic, taus=recipe.taus, noise=noise.fit),
     )  # fmt: skip
-    if curve.supposes is not None:
+    if keeper is None and curve.supposes is not None:
         curve.supposes()  # the angle is given up; limits are computed where they are shown
     if keeper is None:
         read = readings(seen.record, curve if curve.statistic == "oadev" and recipe.taus == "log" else None)

@@ -28,7 +28,7 @@ from allanite.readers.parts import allowed, at_a_time, demand_memory
 
 from .job import provenance_of
 from .keeper import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
-from .parts import Keeping, in_parts, passed
+from .parts import Keeping, in_parts
 from .recipe import READING, Recipe, command_of
 
 
@@ -193,9 +193,9 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
     """Open a source, whole or in parts with a `keeping`, and process its channels; `kind` makes the result."""
     # memory is looked at once
     limit = allowed(recipe.memory) if keeping is not None and isinstance(source, str | os.PathLike) else None
-    reader = None if keeping is None else in_parts(source, recipe, limit)
-    if reader is not None and keeping is not None:
-        read, findings, notes, provenance = passed(reader, recipe, keeping, progress)
+    passing = None if keeping is None else in_parts(source, recipe, limit)
+    if passing is not None and keeping is not None:
+        read, findings, notes, provenance = passing.passed(recipe, keeping, progress)
         fatal = Quality(findings).refusal
         channels = identified(read, begin, fatal, lambda f, items: list(map(f, items))) if begin else read
         results = tuple(_result(channel, work, refused, fatal) for channel in channels)

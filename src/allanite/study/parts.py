@@ -1,6 +1,8 @@
 """A file that does not fit into memory: one pass, of which only sums are kept."""
 
+import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -20,7 +22,7 @@ from allanite.prepare import inspector, window
 from allanite.prepare.inspector import FEWEST_SAMPLES, Inspector
 from allanite.prepare.stillness import of_one_body
 from allanite.prepare.transform import blocks_words, mark_motion, samples_in
-from allanite.readers.parts import PartsReader, opened, size_in_words, whole_findings
+from allanite.readers.parts import PartsReader, growing, needed, opened, size_in_words, whole_findings
 from allanite.readers.sandbox.source import digest_of
 
 from .job import provenance_of
@@ -31,12 +33,15 @@ Keeping = Callable[[Record, int], Keeper]
 """What keeps the samples of a channel that begins like a record, of so many samples."""
 
 
-def in_parts(source: Any, recipe: Recipe, limit: int | None = None) -> PartsReader | None:
-    """The reader in parts of a file that does not fit into memory, or these bytes of it; None for everything else."""
+def in_parts(source: Any, recipe: Recipe, limit: int | None = None) -> "Passing | None":
+    """A file that does not fit into memory, or these bytes of it, to be read in parts; None for everything else."""
+    if isinstance(source, Passing):
+        return source
     reader = opened(source, recipe.memory, recipe.to_dict(READING), limit)
-    if reader is not None:
-        demand_sums(recipe)
-    return reader
+    if reader is None:
+        return None
+    demand_sums(recipe)
+    return Passing(reader)
 
 
 @dataclass(frozen=True)
@@ -87,10 +92,14 @@ class Preparation:
         size = self.rows // self.m
         return max(1, (size if end is None else min(end, size)) - first)
 
-    def blocks(self, parts: Iterable[tuple[int, list[NDArray[Any]]]]) -> Iterator[inspector.Piece]:
+    def first_of(self, place: int) -> int:
+        """The first sample of the file from which the blocks from a place in the window on are made."""
+        whole = self.m * max(1, inspector.BLOCK // self.m) if self.m > 1 else 1
+        return (place + self.span[0]) * self.m // whole * whole
+
+    def blocks(self, pieces: Iterable[inspector.Piece]) -> Iterator[inspector.Piece]:
         """Blocks of the window, by their place in it."""
         first, end = self.span
-        pieces = inspector.placed(parts)
         if self.m > 1:
             pieces = inspector.averaged(pieces, self.kinds, self.m, inspector.BLOCK)
         if self.spans:
@@ -159,60 +168,113 @@ class _Channel:
         self.place = place + block.size
 
 
-def passed(
-    reader: PartsReader, recipe: Recipe, keeping: Keeping, progress: Callable[[str, float], None] | None
-) -> tuple[list[Inspected], tuple[Finding, ...], tuple[str, ...], dict[str, str]]:
-    """Read a file once: its channels with what was kept of each, findings, notes and provenance."""
-    digest = later(lambda: digest_of(reader.file))
-    ready = Preparation(reader.heads, reader.rows, recipe)
-    heads = [replace(head, rate=ready.rate) for head in reader.heads]
-    channels = [_Channel(head, keeping(head, ready.size), ready.size, recipe.outliers) for head in heads]
-    for share, place, looked in ahead(_looked(reader, ready, channels)):
-        for channel, (block, at) in zip(channels, looked, strict=True):
-            channel.take(place, block, at)
-        if progress is not None:
-            progress(f"reading, {100 * share:.0f} %", 0.97 * share)
-    beat = reader.clock.beat()
-    rate, rows = beat.rate / ready.m, reader.clock.size
-    done = (*reader.clock.history, *ready.history(rate, rows // ready.m))
-    inspected = [channel.inspected(rate, beat.start, done, ready) for channel in channels]
-    records = [channel.inspector.only or whole.first for channel, whole in zip(channels, inspected, strict=True)]
-    told = of_one_body(records, [channel.quality for channel in inspected])
-    made = [replace(channel, qualities=(quality,)) for channel, quality in zip(inspected, told, strict=True)]
-    notes = (*reader.sense.notes(beat), *_notes(reader))
-    return made, whole_findings(reader), notes, provenance_of() | {"source": reader.name, "sha256": digest.result()}
+@dataclass
+class Growth:
+    """How far a file that grows was read, in bytes."""
+
+    begin: int = 0
 
 
-def _looked(
-    reader: PartsReader, ready: Preparation, channels: Sequence[_Channel]
-) -> Iterator[tuple[float, int, list[tuple[Record, IntArray]]]]:
-    """The share that has been read, and a block of each channel with its place and outliers."""
+class Passing:
+    """A file that is read in parts; with a `growth` it is read on each time that it is passed."""
 
-    def look(place: int, columns: list[NDArray[Any]], size: int, *, alone: bool) -> Any:
-        each = zip(channels, ready.records(place, columns, size), strict=True)
-        return reader.share, place, [channel.look(block, alone=alone) for channel, block in each]
+    def __init__(self, reader: PartsReader, growth: Growth | None = None) -> None:
+        self.reader, self.growth = reader, growth
+        self.ready: Preparation | None = None
+        self.channels: list[_Channel] = []
+        # the next sample, the first one of the window that is in no complete block, and the pieces from it on
+        self.place = self.open = 0
+        self.pieces: list[inspector.Piece] = []
 
+    def __fspath__(self) -> str:
+        return self.reader.file
+
+    @classmethod
+    def of(cls, spool: os.PathLike[str], recipe: Recipe, limit: int) -> "Passing | None":
+        """A text that grows, whose record takes more memory than the limit; None if it is not read in parts."""
+        demand_sums(recipe)
+        growth = Growth()
+        reader = growing(spool, recipe.to_dict(READING), lambda: growth.begin)
+        return None if reader is None else cls(replace(reader, limit=limit), growth)
+
+    def passed(
+        self, recipe: Recipe, keeping: Keeping, progress: Callable[[str, float], None] | None
+    ) -> tuple[list[Inspected], tuple[Finding, ...], tuple[str, ...], dict[str, str]]:
+        """Read the file: its channels with what was kept of each, findings, notes and provenance."""
+        reader, growth, size = self.reader, self.growth, os.path.getsize(self.reader.file)
+        digest = None if growth else later(lambda: digest_of(reader.file))  # of what is complete
+        rows = max(reader.rows, reader.clock.rows)
+        ready = self.ready = Preparation(reader.heads, rows, recipe)
+        if not self.channels:
+            heads = [replace(head, rate=ready.rate) for head in reader.heads]
+            self.channels = [_Channel(head, keeping(head, ready.size), ready.size, recipe.outliers) for head in heads]
+        channels = self.channels
+        looked = self._looked(ready)
+        for share, place, channels, each in looked if growth else ahead(looked):
+            for channel, (block, at) in zip(channels, each, strict=True):
+                channel.take(place, block, at)
+            if progress is not None:
+                progress(f"reading, {100 * share:.0f} %", 0.97 * share)
+        if growth is not None:
+            growth.begin = size
+        beat = reader.clock.beat()
+        rate, rows = beat.rate / ready.m, reader.clock.size
+        done = (*reader.clock.history, *replace(ready, rows=reader.clock.rows).history(rate, rows // ready.m))
+        inspected = [channel.inspected(rate, beat.start, done, ready) for channel in channels]
+        records = [channel.inspector.only or whole.first for channel, whole in zip(channels, inspected, strict=True)]
+        told = of_one_body(records, [channel.quality for channel in inspected])
+        made = [replace(channel, qualities=(quality,)) for channel, quality in zip(inspected, told, strict=True)]
+        notes = (*reader.sense.notes(beat), *_notes(reader))
+        provenance = provenance_of() | {"source": reader.name}
+        if digest is not None:
+            provenance["sha256"] = digest.result()
+        return made, whole_findings(reader), notes, provenance
+
+    def _looked(self, ready: Preparation) -> Iterator[tuple[float, int, list[_Channel], list[tuple[Record, IntArray]]]]:
+        """The share that has been read, and a block of each channel with its place and outliers."""
+        # the last block of a file that grows is kept in copies, since there will be more of it
+        blocks = ready.blocks(self._going_on() if self.growth else inspector.placed(ahead(self.reader.pieces())))
+        for place, columns, size, last in _ended(each for each in blocks if each[0] >= self.open):
+            channels = deepcopy(self.channels) if self.growth and last else self.channels
+            each = zip(channels, ready.records(place, columns, size), strict=True)
+            alone = last and not self.channels[0].inspector.blocks
+            yield self.reader.share, place, channels, [channel.look(block, alone=alone) for channel, block in each]
+            if not last:
+                self.open = place + inspector.BLOCK
+                first = ready.first_of(self.open)
+                self.pieces = [piece for piece in self.pieces if piece[0] + len(piece[1][0]) > first]
+
+    def _going_on(self) -> Iterator[inspector.Piece]:
+        """The pieces that are in no complete block, and those of the rows that came since."""
+        yield from tuple(self.pieces)
+        for lost, columns in ahead(self.reader.pieces()):
+            self.pieces.append((self.place + lost, columns))
+            self.place += lost + len(columns[0])
+            yield self.pieces[-1]
+
+
+def _ended(blocks: Iterable[inspector.Piece]) -> Iterator[tuple[int, list[NDArray[Any]], int, bool]]:
+    """Blocks with their sizes, and whether each is the last; too short an end is joined to the block before."""
     held: tuple[int, list[NDArray[Any]], int] | None = None
-    many = False
-    for place, columns in ready.blocks(ahead(reader.pieces())):
+    for place, columns in blocks:
         length, full = len(columns[0]), inspector.BLOCK
         if held is not None and length < FEWEST_SAMPLES and place == held[0] + full:  # too short to be looked at alone
             both = [np.concatenate((a[:full], b)) for a, b in zip(held[1], columns, strict=True)]
             held = held[0], both, full + length
             continue
         if held is not None:
-            many = True
-            yield look(*held, alone=False)
+            yield *held, False
         held = place, columns, full
     if held is not None:
-        yield look(*held, alone=not many)
+        yield *held, True
 
 
 def _notes(reader: PartsReader) -> tuple[str, ...]:
     """That the file was read in parts, and what was looked at."""
+    need = max(reader.need, needed(reader.clock.rows * len(reader.heads)))
     return (
         say("the file was read in parts: as a whole the record may take {need} of memory, of which {limit} may be "
-            "used ({option})", need=size_in_words(reader.need), limit=size_in_words(reader.limit),
+            "used ({option})", need=size_in_words(need), limit=size_in_words(reader.limit),
             option=spelled("--memory", "memory")),
         say("every sample was checked for gaps, outliers, stuck and clipped values; other properties were checked in "
             "blocks of {size} samples spread over the record", size=inspector.BLOCK),

@@ -175,8 +175,9 @@ class ClaimChoices:
 class WatchChoices:
     """The choices of `WatchSettings`."""
 
-    every: float = choice(
-        "TIME", "Time between reports.", kind=DURATION, default=10.0, told="10 s", flags=("--refresh",))
+    every: float | None = choice(
+        "TIME", "Time between reports.", kind=DURATION, told="10 s; of watch 5 % of the record, 10 s to 1 h",
+        flags=("--refresh",))
     duration: float = choice(
         "TIME", "Stop after this time.", kind=DURATION, default=math.inf, told="never", flags=("--for",))
     idle: float = choice("TIME", "Stop after this time without data.", kind=DURATION, default=math.inf, told="never")

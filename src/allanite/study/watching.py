@@ -12,24 +12,35 @@ from allanite.core.readings import minimum_title
 from allanite.core.record import Record, Recording
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import duration, join, percent, say, spelled
-from allanite.planning.plan import plan
-from allanite.prepare.quality import inspect
+from allanite.planning.plan import further
+from allanite.prepare.quality import checked
+from allanite.prepare.readings import clipped, outliers, stuck
 from allanite.prepare.transform import mark_motion, motion, motion_found
 from allanite.readers import read
 from allanite.readers.live import TAIL, WAIT, Feed, Spool, opened
+from allanite.readers.parts import allowed, needed, size_in_words
+from allanite.readers.sandbox.source import digest_of
 
 from .analysis import analyze
+from .parts import Passing
 from .recipe import READING, Recipe
 from .results import Study
 from .settings import WatchChoices
 
 AGAIN = 0.5  # seconds between attempts to open a port that is gone
-RECENT = 64.0  # seconds at the end that are looked at every second
+RECENT = 64.0  # seconds at the end that are looked at
+GROWTH = 1.05  # of the record, after which it is looked at, or analyzed, again
+REPORTS = 10.0, 3600.0  # seconds between reports, at least and at most
+LOOKS = 1.0, 60.0  # seconds between looks, at least and at most; less than `RECENT`, so that no row is missed
+BUDGET = 1_000_000_000  # bytes that the analysis of all samples may take for a report, unless others are given
 SHARE = 10.0  # the time without a report, or a look, is at least so many times that of the last one
 ENOUGH = 64  # rows below which nothing is looked at
 
 AT_ONCE = ("moving", "outliers", "stuck", "clipped", "missing samples")
 """Findings that are said as soon as they are made in the last minute."""
+
+CHECKS = stuck, clipped, outliers
+"""The checks that make them, beside motion and the clock."""
 
 
 @described
@@ -43,6 +54,26 @@ class WatchSettings(WatchChoices):
 
 
 @dataclass
+class Task:
+    """Something that is done again and again, as the record grows."""
+
+    work: Callable[[], Iterator[str]]
+    least: float  # seconds between two times; at most where the record grows slowly
+    most: float
+    last: float
+    rows: int = 0
+
+    def due(self, now: float, rows: int) -> bool:
+        """Whether it is to be done now, with so many rows."""
+        wait = self.least if rows >= GROWTH * self.rows else self.most
+        return rows >= ENOUGH and rows > self.rows and now - self.last >= wait
+
+    def done(self, begun: float, now: float, rows: int) -> None:
+        """It was done with so many rows, and takes a small share of the time."""
+        self.last, self.rows = begun + max(0.0, SHARE * (now - begun) - self.least), rows
+
+
+@dataclass
 class Watch:
     """A stream of channels that is watched."""
 
@@ -53,16 +84,21 @@ class Watch:
     latest: Study | None = None
     findings: dict[str, Finding] = field(default_factory=dict)
     spool: Spool | None = None
+    passing: Passing | None = None
     full: bool = False
     _said: dict[tuple[str, str], float] = field(default_factory=dict)
     _rate: float = 0.0
     _rows: int = -1
     _gone: int = 0
     _unread: bool = False
+    _in_memory: bool = False  # whatever it takes, since it cannot be read in parts
     _begun: float = field(default_factory=time.monotonic)
 
     def __post_init__(self) -> None:
         self.recipe = replace(self.recipe, motion=self.recipe.motion or "mark")
+        if not 0 < (accuracy := self.settings.accuracy) <= 1:
+            words = f"the accuracy to reach is above 0 and at most 100 %, not {100 * accuracy:g} %"
+            raise UsageError(words, choice="accuracy")
 
     def events(self) -> Iterator[str]:
         """Read until the end, and say what happens."""
@@ -70,10 +106,11 @@ class Watch:
         spool = self.spool = Spool(self.target, self.settings.record, sent=tap.live)
         yield say("watching {target!r}", target=self.target)
         self._begun = last = time.monotonic()
-        every: dict[Callable[[], Iterator[str]], float]
-        news = lambda: iter((self.report(),) if self._rows != spool.rows else ())  # noqa: E731 - rows came since
-        every = {self._look: 1.0, news: self.settings.every}
-        due = {work: self._begun + usual for work, usual in every.items()}
+        every = self.settings.every
+        tasks = (
+            Task(self._look, *LOOKS, last),
+            Task(self._news, *(REPORTS if every is None else (every, every)), last),
+        )
         try:
             while not self.stopped():
                 try:
@@ -95,10 +132,10 @@ class Watch:
                 yield from self._keep([data])
                 if self._over(last):
                     break
-                for work, usual in every.items():
-                    if now >= due[work] and self.spool.rows >= ENOUGH:
-                        yield from work()
-                        due[work] = now + max(usual, SHARE * (time.monotonic() - now))
+                for task in tasks:
+                    if task.due(now, spool.rows):
+                        yield from task.work()
+                        task.done(now, time.monotonic(), spool.rows)
         finally:
             rest = feed.close()
         yield from self._keep(rest, last=True)
@@ -129,6 +166,16 @@ class Watch:
             self.findings["disk"] = Finding("disk", what, remedy=remedy)
             yield str(self.findings["disk"])
 
+    def _news(self) -> Iterator[str]:
+        """A report, and before the first one of sums what they are."""
+        whole, report = self.passing is None, self.report()
+        if whole and self.passing is not None:
+            limit = size_in_words(self.passing.reader.limit)
+            yield say("an analysis of all samples would take more than {limit} of memory ({option}); from now on curve "
+                      "and coefficients are those of sums to which new samples are added", limit=limit,
+                      option=spelled("--memory", "memory"))  # fmt: skip
+        yield report
+
     def report(self) -> str:
         """Length, coefficients so far, and when more will be known."""
         try:
@@ -148,9 +195,8 @@ class Watch:
             words += [say("{symbol} = {value}", symbol=symbol, value=value) for symbol, value in values]
             why = channel.noise.rejection if channel.noise is not None else ""
             words += [why] if why else [finding.what for finding in fit.findings]
-            needs = plan(fit.usable(unexplained=True), record.rate, durations=(), accuracy=self.settings.accuracy)
-            for name, needed in zip(needs.names, needs.searched_needed, strict=True):
-                rest = float(needed) - record.size / record.rate
+            usable = fit.usable(unexplained=True)
+            for name, rest in further(usable, record.size, record.rate, self.settings.accuracy).items():
                 if 0 < rest < math.inf:
                     facts = {"time": duration(float(f"{rest:.2g}")), "share": percent(self.settings.accuracy)}
                     words.append(say("about {time} more until {symbol} is known to {share}", symbol=name, **facts))
@@ -160,30 +206,49 @@ class Watch:
     def study(self) -> Study:
         """What `analyze` gives of the lines that came."""
         try:
-            study = self._study()
+            study = self._study(last=True)
         except AllaniteError as error:
             if self.spool is None or not self.spool.sent or self.spool.rows < ENOUGH:
                 raise
             self.spool.keep()  # they come only once
             kept = say("the lines that came, kept in {path!r}, cannot be analyzed", path=self.spool.path)
             raise error.within(kept) from None
-        notes = (*study.notes, say("watched as a stream"))
-        return replace(study, findings=(*study.findings, *self.findings.values()), notes=notes)
+        notes, provenance = (*study.notes, say("watched as a stream")), study.provenance
+        if self.spool is not None and "sha256" not in provenance:
+            provenance = provenance | {"sha256": digest_of(self.spool.path)}
+        return replace(study, findings=(*study.findings, *self.findings.values()), notes=notes, provenance=provenance)
 
     def close(self) -> None:
         """Remove what was kept of the stream, unless the user has given its file, or it could not be analyzed."""
         if self.spool is not None:
             self.spool.close()
 
-    def _study(self) -> Study:
+    def _study(self, *, last: bool = False) -> Study:
         if self.spool is None or not self.spool.came:
             raise DataError(say("{target!r} sent no samples", target=self.target))
         if not self.spool.rows:
             raise DataError(say("{target!r} sends no rows of numbers; a binary or packed file is for {command}",
                                 target=self.target, command=f"'allanite analyze {self.target}'"))  # fmt: skip
-        if self.latest is None or self._rows != self.spool.rows:
-            self.latest, self._rows = analyze(self.spool, self.recipe), self.spool.rows
+        if self.latest is None or self._rows != self.spool.rows or (last and self.passing is not None):
+            self.latest, self._rows = self._analyzed(self.spool, last=last), self.spool.rows
         return self.latest
+
+    def _analyzed(self, spool: Spool, *, last: bool) -> Study:
+        """The analysis of all samples, or, where it takes more memory than the budget, of sums that are carried on."""
+        limit = allowed(self.recipe.memory)
+        if not last and self.recipe.memory is None:
+            limit = min(limit, BUDGET)
+        channels = len(self.latest.channels) if self.latest else spool.width
+        try:
+            if not self._in_memory and needed(spool.rows * channels) > limit:
+                self.passing = self.passing or Passing.of(spool, self.recipe, limit)
+                self._in_memory = self.passing is None
+                if self.passing is not None:
+                    self.passing.reader = replace(self.passing.reader, limit=limit)
+                    return analyze(self.passing, self.recipe)
+        except AllaniteError as error:  # which the whole file tells, too, or of what needs all samples
+            self.passing, self._in_memory = None, isinstance(error, UsageError)
+        return analyze(spool, self.recipe)
 
     def _look(self) -> Iterator[str]:
         """Look at the last minute as at a record of its own, and say what is new."""
@@ -203,7 +268,7 @@ class Watch:
                 yield from self._new("", [motion_found(records[0], moved)])
                 records = mark_motion(records)
             for record in records:
-                yield from self._new(record.name, inspect(record).findings)
+                yield from self._new(record.name, checked(record, CHECKS).findings)
 
     def _recent(self) -> Recording:
         assert self.spool is not None  # noqa: S101 - it is made before anything is looked at

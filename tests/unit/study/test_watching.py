@@ -15,6 +15,7 @@ import threading
 import time
 import tracemalloc
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -26,8 +27,9 @@ from tests.rows import refused, rows
 import allanite as al
 from allanite.cli import main
 from allanite.phrases.phrase import duration
+from allanite.prepare import quality
 from allanite.readers.live import Feed, Spool, opened
-from allanite.study.watching import Watch, WatchSettings
+from allanite.study.watching import AT_ONCE, CHECKS, REPORTS, Task, Watch, WatchSettings
 from allanite.web.requests import Request, accepted
 
 RATE = 1000
@@ -317,6 +319,11 @@ def test_what_came_is_kept_if_asked(tmp_path):
     assert path.read_bytes() == before
 
 
+def test_an_accuracy_that_cannot_be_reached_is_refused_at_once():
+    for accuracy in (0.0, math.nan, 2.0):
+        refused(al.UsageError, "above 0", lambda a=accuracy: Watch("port", al.Recipe(), WatchSettings(accuracy=a)))
+
+
 def test_the_page_names_no_file_to_write():
     assert "record" not in accepted("watch")
     refused(al.UsageError, "unknown key 'record'", lambda: Request.of("watch", {"record": "lines.txt"}))
@@ -478,6 +485,97 @@ def test_a_long_watch_takes_no_more_memory_than_a_short_one(monkeypatch):
             sizes.append(tracemalloc.get_traced_memory()[0])
         tracemalloc.stop()
     assert sizes[2] < sizes[1] + 30_000, sizes
+
+
+def grown(kind):
+    """Lines of a file, and how it is read."""
+    values, times = np.random.default_rng(5).normal(size=(9000, 2)), np.arange(9000) / 100
+    if kind == "angle":
+        values = np.cumsum(values, axis=0)
+    if kind == "stamps":
+        times[4500:] += 20
+        values[7000:7010] = np.nan
+    if kind in ("stamps", "midnight"):
+        days = np.array(["2026-01-01T23:59:30"], "M8[ms]") + np.rint(1e3 * times).astype("m8[ms]")
+        first = [str(day)[11:] for day in days] if kind == "midnight" else times.tolist()
+        return [f"{t},{a:.5f},{b:.5f}\n" for t, (a, b) in zip(first, values.tolist(), strict=True)], {"time": "1"}
+    return [f"{a:.5f},{b:.5f}\n" for a, b in values.tolist()], {"rate": 100.0}
+
+
+@pytest.mark.slow("takes more than half a second")
+@rows(("kind", "choices"), [
+    ("rate", {}), ("rate", {"average": 0.03, "start": 5.0, "exclude": ((20.0, 21.0),)}),
+    ("angle", {"kind": "angle", "unit": "deg"}), ("stamps", {}), ("midnight", {}),
+])  # fmt: skip
+def test_sums_that_are_carried_on_are_those_of_the_file_in_parts(tmp_path, monkeypatch, kind, choices):
+    """From report to report, however short, with blocks that are shorter than usual."""
+    monkeypatch.setattr("allanite.prepare.inspector.BLOCK", 1024)
+    path, (lines, how) = tmp_path / "log.csv", grown(kind)
+    path.write_text("".join(lines))
+    recipe = al.Recipe(**({"unit": "deg/h", "memory": "1kB", "motion": "mark", "outliers": "keep"} | how | choices))
+    watch = Watch(str(path), recipe)
+    watch.spool = Spool(str(path), sent=False)
+    with closing(watch):
+        begin = 0
+        for end in (2500, 2503, 4700, 9000):
+            watch.spool.add("".join(lines[begin:end]).encode())
+            said, begin = list(watch._news()), end
+            assert ("sums to which" in said[0]) == (end == 2500)
+        assert sum(len(piece[1][0]) for piece in watch.passing.pieces) < 4500
+        mine = watch.study()
+    whole = al.analyze(path, recipe)
+    assert mine.provenance == whole.provenance
+    assert mine.to_dict()["channels"] == whole.to_dict()["channels"]
+
+
+@pytest.mark.slow("takes more than half a second")
+def test_the_last_result_is_of_all_samples_where_they_fit(tmp_path, monkeypatch):
+    monkeypatch.setattr("allanite.study.watching.BUDGET", 1)
+    path = tmp_path / "log.txt"
+    path.write_bytes(lines_of(np.random.default_rng(3).normal(size=3000)))
+    recipe = al.Recipe(rate=100.0, unit="deg/h", motion="mark")
+    watch = Watch(str(path), recipe, WatchSettings(idle=0.1))
+    with closing(watch):
+        list(watch.events())
+        assert ["sums" in said for said in watch._news()] == [True, False]
+        assert watch.latest.notes != watch.study().notes
+        assert watch.study().to_dict()["channels"] == al.analyze(path, recipe).to_dict()["channels"]
+
+
+@pytest.mark.slow("takes more than half a second")
+def test_what_cannot_be_carried_on_is_analyzed_as_before(tmp_path):
+    path = tmp_path / "log.txt"
+    path.write_bytes(lines_of(np.random.default_rng(3).normal(size=3000)))
+    recipe = al.Recipe(rate=100.0, unit="deg/h", motion="mark", memory="1kB")
+    refused(al.UsageError, "has no 'theo1'", lambda: watched(path, replace(recipe, statistic="theo1")))
+    _, study = watched(path, recipe)
+    assert study.to_dict()["channels"] == al.analyze(path, recipe).to_dict()["channels"]
+
+
+def test_a_look_makes_the_findings_of_an_inspection_that_are_said_at_once():
+    y, told = np.random.default_rng(7).normal(size=6400), set[str]()
+    for first, last, new in ((0, 0, 0.0), (100, 101, 50.0), (300, 400, 1.0), (3000, 4000, 300.0 * y[:1000])):
+        values = y.copy()
+        values[first:last] = new
+        for record in (al.Record(v, 100.0, "deg/h") for v in (values, np.clip(values, -1, 1))):
+            every, mine = quality.inspect(record).findings, quality.checked(record, CHECKS).findings
+            wanted = [finding for finding in every if finding.name in AT_ONCE]
+            assert [finding for finding in mine if finding.name in AT_ONCE] == wanted
+            told |= {finding.name for finding in wanted}
+    assert told == {*AT_ONCE} - {"missing samples"}
+
+
+def test_reports_are_as_far_apart_as_the_record_is_long():
+    """As many as the logarithm of the record, then one an hour; those that are asked for are evenly spaced."""
+    for reports, many in ((REPORTS, 290), ((3600.0, 3600.0), 167)):
+        task, count = Task(lambda: iter(()), *reports, 0.0), 0
+        for now in range(0, 7 * 86400, 5):
+            if task.due(now, 200 * now):
+                task.done(now, now, 200 * now)
+                count += 1
+        assert abs(count - many) < 10
+    task.done(0.0, 1000.0, 1)  # it took a thousand seconds
+    assert [task.due(now, 10**9) for now in (9999.0, 10000.0)] == [False, True]
 
 
 @pytest.mark.slow("takes more than half a second")

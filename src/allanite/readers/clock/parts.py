@@ -149,8 +149,9 @@ class Clock:
         """A rate that differs between sixteenths of the file by more than the noise coefficients allow."""
         if len(self._marks) < PARTS + 1:
             return ()
-        each = [self._marks[i] for i in np.linspace(0, len(self._marks) - 1, PARTS + 1).astype(int)]
-        places, elapsed = np.array(each, dtype=np.float64).T
+        marks = np.array(self._marks, dtype=np.float64)  # of parts that may be short, where the file grows
+        even = np.linspace(float(marks[0, 0]), float(marks[-1, 0]), PARTS + 1)
+        places, elapsed = marks[np.unique(np.searchsorted(marks[:, 0], even, "right") - 1)].T
         rates = np.diff(places) / np.diff(elapsed)
         change = float(np.ptp(rates) / rates.mean())
         if change < DRIFT or isinstance(self.head, Beat):

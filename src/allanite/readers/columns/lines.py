@@ -21,11 +21,12 @@ FIRST = 1 << 22  # bytes, at least, by which the layout and the meaning of the c
 Chunks = Callable[[], Iterator[bytes]]  # reads the bytes of a file from the beginning
 
 
-def chunks_of(path: str) -> Chunks:
-    """The bytes of a file."""
+def chunks_of(path: str, begin: Callable[[], int] = int) -> Chunks:
+    """The bytes of a file from its beginning, or from the byte that `begin` tells."""
 
     def chunks() -> Iterator[bytes]:
         with Path(path).open("rb", buffering=0) as file:
+            file.seek(begin())
             while chunk := file.read(BLOCK_BYTES):
                 yield chunk
 

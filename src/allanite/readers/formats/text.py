@@ -69,9 +69,10 @@ def parts(path: str, options: Options) -> Parts | None:
     return streamed(lines.chunks_of(path), options)
 
 
-def streamed(chunks: lines.Chunks, options: Options) -> Parts | None:
+def streamed(chunks: lines.Chunks, options: Options, *, grows: bool = False) -> Parts | None:
     """The rows of a text whose bytes are read like this; None if its lines are not the rows of one sensor."""
-    # It is read once to count the rows, to see its encoding and the order of its dates.
+    # It is read once to count the rows, to see its encoding and the order of its dates. Of one that `grows` the blocks
+    # are each time those of the lines that the chunks have then.
     text = lines.TextLines(chunks, *encoding.encoding_of(chunks))
     first, whole = next(text.blocks(), (b"", True))
     if shapes.straightened(first)[1]:
@@ -90,15 +91,17 @@ def streamed(chunks: lines.Chunks, options: Options) -> Parts | None:
         return None
     notes = (*encoding.noted(text.codec, text.name), *form.notes, *parse.commented(comments), *passed, *joined)
     head = restored(arranged(Parsed(columns, tags, notes, form.nominal), options), comment[1] if comment else "")
+    begun = form, replace(forms), dict[int, NDArray[Any]]()
 
     def blocks(wanted: Sequence[int], at_once: int) -> Iterator[list[NDArray[Any]]]:
-        known, before = replace(forms), dict[int, NDArray[Any]]()
+        nonlocal begun
+        at, known, before = begun if grows else (form, replace(forms), dict[int, NDArray[Any]]())
 
         def past_midnight(time: NDArray[Any], position: int) -> NDArray[Any]:
             before[position] = dates.continued(_stamps(time), before.get(position, np.empty(0)))
             return before[position]
 
-        for block, part, last in text.rows(form):
+        for block, part, last in text.rows(at):
             values = _dated(parse.columns(block, part, known, last=last)[0], list(part.names))[0]
             made = list[NDArray[Any]]()
             for column in (head.columns[i] for i in wanted):
@@ -108,6 +111,7 @@ def streamed(chunks: lines.Chunks, options: Options) -> Parts | None:
                 made.append(entry.astype(np.float64, copy=False) if column.values.dtype.kind == "f" else entry)
             count = max(1, math.ceil(len(made[0]) / at_once))
             yield from map(list, zip(*(np.array_split(each, count) for each in made), strict=True))
+            begun = replace(part, line=part.line + block.count(b"\n")), known, before
 
     return Parts(head, rows, blocks, options)
 
