@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from .allan import dot
-from .compiling import inner, kernel, swift_shared
+from .compiling import inner, kernel, once, swift_shared
 
 
 @kernel
@@ -101,7 +101,7 @@ def _taken(G, j, passive):  # type: ignore[no-untyped-def]
     return found
 
 
-@inner
+@once
 def _steepest(G, c, x, passive):  # type: ignore[no-untyped-def]
     """The column not in use along which the sum of squares falls fastest, -1 if there is none."""
     best, most = -1, 0.0
@@ -130,7 +130,7 @@ def _towards(x, wanted, passive):  # type: ignore[no-untyped-def]
     return leaving
 
 
-@inner
+@once
 def _nnls(G, c, x):  # type: ignore[no-untyped-def]
     """Minimum of x'Gx/2 - c'x over x >= 0, for a G with unit diagonal, in the place of a first x.
 

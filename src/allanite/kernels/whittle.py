@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from .allan import dot
-from .compiling import swift, swift_part
+from .compiling import once, swift, swift_part
 from .leastsquares import ROUNDING, backward, cholesky, forward, weighted_nnls
 
 NOTHING = 1e-250
@@ -39,7 +39,7 @@ def _expectation(columns, theta, held):  # type: ignore[no-untyped-def]
     return m
 
 
-@swift_part
+@once
 def _normal_matrix(m, UU, Uc):  # type: ignore[no-untyped-def]
     """Lower half of U' M^-1 U, and U' M^-1 c."""
     r, n = Uc.shape
@@ -53,7 +53,7 @@ def _normal_matrix(m, UU, Uc):  # type: ignore[no-untyped-def]
     return G, b
 
 
-@swift_part
+@once
 def _directions(m, data):  # type: ignore[no-untyped-def]
     """Root of V^-1, that times eta, each finite direction's own estimate and error variance, their part of 2 L.
 
@@ -83,7 +83,7 @@ def _directions(m, data):  # type: ignore[no-untyped-def]
     return G, b, own, part
 
 
-@swift_part
+@once
 def _solved(root, b):  # type: ignore[no-untyped-def]
     """Eta and V."""
     eta, V = np.zeros(b.size), np.zeros(root.shape)
@@ -95,7 +95,7 @@ def _solved(root, b):  # type: ignore[no-untyped-def]
     return eta, V
 
 
-@swift_part
+@once
 def _logarithms(x):  # type: ignore[no-untyped-def]
     """Ln x for positive normal x, several at a time: x = 2^e f with f within sqrt(2) of 1, ln f by artanh's series."""
     bits, rest, result = x.view(np.int64), np.zeros(x.size, np.int64), np.zeros(x.size)
@@ -113,7 +113,7 @@ def _logarithms(x):  # type: ignore[no-untyped-def]
     return result
 
 
-@swift_part
+@once
 def _plain(m, power, count):  # type: ignore[no-untyped-def]
     """2 L of the bins alone; infinite where the expectation is not positive."""
     n = power.size
@@ -167,7 +167,7 @@ def evaluated(theta, held, columns, data):  # type: ignore[no-untyped-def]
     return least, found[3], _completed(m, found, data)
 
 
-@swift_part
+@once
 def _stretch(theta, move, rate):  # type: ignore[no-untyped-def]
     """How much further than `move` to go, if every next one is `rate` times as long; not beyond theta = 0."""
     step = 1.0 / (1.0 - min(max(rate, -1.0), FASTEST))
@@ -177,7 +177,7 @@ def _stretch(theta, move, rate):  # type: ignore[no-untyped-def]
     return step
 
 
-@swift_part
+@once
 def _towards(theta, held, columns, completed):  # type: ignore[no-untyped-def]
     """Step of Fisher scoring: weight of the bins and directions, and the way theta moves."""
     power, expected, rest, count = completed
@@ -189,7 +189,7 @@ def _towards(theta, held, columns, completed):  # type: ignore[no-untyped-def]
     return weight, move
 
 
-@swift_part
+@once
 def _moved(theta, move, step):  # type: ignore[no-untyped-def]
     moved = np.zeros(theta.size)
     for j in range(theta.size):
@@ -197,7 +197,7 @@ def _moved(theta, move, step):  # type: ignore[no-untyped-def]
     return moved
 
 
-@swift_part
+@once
 def _rate(weight, before, shift):  # type: ignore[no-untyped-def]
     """Length of this step along the one before, over its length; 0 after none."""
     size = along = 0.0
@@ -207,7 +207,7 @@ def _rate(weight, before, shift):  # type: ignore[no-untyped-def]
     return along / size if size > 0 else 0.0
 
 
-@swift_part
+@once
 def _scored(theta, held, columns, data):  # type: ignore[no-untyped-def]
     """Theta of the terms that move at the least L, and L; `held` is the expectation of the others.
 
