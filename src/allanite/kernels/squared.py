@@ -106,7 +106,6 @@ def add_overlapped(sums, x, m, order, size):  # type: ignore[no-untyped-def]
 
     Rows are taken four at a time; what is left of them when a tile ends goes with the next one.
     """
-    done = np.zeros(m.size, np.int64)
     short = near = 0
     for j in range(m.size):
         short += m[j] < ROWS
@@ -116,13 +115,10 @@ def add_overlapped(sums, x, m, order, size):  # type: ignore[no-untyped-def]
         end = min(tile + TILE, size)
         for start in range(tile, end, BLOCK):
             _add_short(sums[:short], x, m[:short], order, (start, min(start + BLOCK, end)))
-        for j in range(short, near):
-            four = 4 * m[j]
-            stop = done[j] + max(min(end, x.size - order * m[j]) - done[j], 0) // four * four
-            sums[j] += rows(x, m[j], order, done[j], stop)
-            done[j] = stop
-    for j in range(short, m.size):
-        sums[j] += rows(x, m[j], order, done[j], min(size, x.size - order * m[j]))
+        for j in range(short, near if end < size else m.size):
+            four, last = 4 * m[j], min(max(x.size - order * m[j], 0), size)
+            begin = min(tile, last) // four * four if j < near else 0
+            sums[j] += rows(x, m[j], order, begin, min(end, last) // four * four if end < size else last)
 
 
 def overlapped(x: NDArray[np.float64], m: NDArray[np.int64], order: int) -> NDArray[np.float64]:
