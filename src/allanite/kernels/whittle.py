@@ -95,7 +95,7 @@ def _solved(root, b):  # type: ignore[no-untyped-def]
     return eta, V
 
 
-@once
+@swift_part
 def _logarithms(x):  # type: ignore[no-untyped-def]
     """Ln x for positive normal x, several at a time: x = 2^e f with f within sqrt(2) of 1, ln f by artanh's series."""
     bits, rest, result = x.view(np.int64), np.zeros(x.size, np.int64), zeros(x.size)
@@ -167,7 +167,7 @@ def evaluated(theta, held, columns, data):  # type: ignore[no-untyped-def]
     return least, found[3], _completed(m, found, data)
 
 
-@once
+@swift_part
 def _stretch(theta, move, rate):  # type: ignore[no-untyped-def]
     """How much further than `move` to go, if every next one is `rate` times as long; not beyond theta = 0."""
     step = 1.0 / (1.0 - min(max(rate, -1.0), FASTEST))
@@ -214,7 +214,7 @@ def _scored(theta, held, columns, data):  # type: ignore[no-untyped-def]
     Nothing moves where L is infinite. Where the model is wrong, the steps of Fisher scoring shrink evenly: from two of
     them the sum of all is known.
     """
-    nothing = zeros(held.size)
+    nothing = np.zeros(held.size)
     trial, move, shift, before = theta, theta, nothing, nothing
     best, step, left = np.inf, 0.0, ITERATIONS
     while True:
@@ -249,7 +249,7 @@ def minimise(theta, moving, held, columns, data):  # type: ignore[no-untyped-def
     free = 0
     for j in range(theta.size):
         free += moving[j]
-    some, chosen, rest, found = zeros(free), table(free, held.size), zeros(held.size), zeros(theta.size)
+    some, chosen, rest, found = np.zeros(free), np.zeros((free, held.size)), np.zeros(held.size), np.zeros(theta.size)
     _add(rest, 1.0, held)
     k = 0
     for j in range(theta.size):
