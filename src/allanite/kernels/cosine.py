@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from .compiling import inner, kernel, once, part, swift, swift_part
+from .compiling import inner, kernel, part, swift, swift_part
 
 BLOCK = 1024
 """Coefficients that are summed before they are added to the rest of their bin: rounding grows with neither."""
@@ -20,7 +20,7 @@ SIZE = np.int64(0x7FFF_FFFF_FFFF_FFFF)
 """The bits of a number without its sign: as integers they are ordered as the sizes are, and compared side by side."""
 
 
-@once
+@swift_part
 def _block(c):  # type: ignore[no-untyped-def]
     """Sum of squares, sums of the first, third .. and of the second, fourth .. of some coefficients."""
     squares = first = second = 0.0
@@ -36,7 +36,7 @@ def _block(c):  # type: ignore[no-untyped-def]
     return squares, first, second
 
 
-@once
+@swift_part
 def _largest(bits):  # type: ignore[no-untyped-def]
     """Bits of the largest of some numbers, without its sign."""
     found = np.int64(0)
