@@ -18,6 +18,7 @@ import sys
 import tempfile
 import tracemalloc
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -84,10 +85,13 @@ def differences(size: int, m: Sequence[int], order: int = 2) -> float:
 
 
 def share(record: al.Record, statistic: str, turns: int = 7) -> tuple[float, float, float]:
-    """Share of the in-cache bound at the tau of the log grid, u and the job's time, s; measured by turns."""
+    """Share of the in-cache bound at the tau of the log grid, u and the job's time, s; measured by turns.
+
+    Here and below `replace` makes a record of which no curve is known.
+    """
     order = DIFFERENCES[statistic]
     m = al.deviation(record, statistic, taus="log").m.tolist()
-    times = [(unit(order), least(lambda: al.deviation(record, statistic, m=m), 2)) for _ in range(turns)]
+    times = [(unit(order), least(lambda: al.deviation(replace(record), statistic, m=m), 2)) for _ in range(turns)]
     u, job = (min(each) for each in zip(*times, strict=True))
     return u * differences(record.size, m, order) / job, u, job
 
@@ -172,7 +176,7 @@ def read_csv(rows: int = 1_000_000) -> tuple[float, float]:
 
 def selection(record: al.Record) -> object:
     """The search in a record for what explains it, without its sinusoids."""
-    return searched(spectrum(record, detrend=True), "QNBKR", "auto", rival=True)
+    return searched(spectrum(replace(record), detrend=True), "QNBKR", "auto", rival=True)
 
 
 def ratios(run: Run) -> bool:
@@ -184,8 +188,8 @@ def ratios(run: Run) -> bool:
     select = partial(selection, record)
     select()
     jobs = [
-        lambda: al.deviation(record, "oadev", m=curve.m.tolist()), select, lambda: al.identify(record),
-        lambda: al.analyze(record),
+        lambda: al.deviation(replace(record), "oadev", m=curve.m.tolist()), select,
+        lambda: al.identify(replace(record)), lambda: al.analyze(replace(record)),
     ]  # fmt: skip
     rounds = [[least(job, 1) for job in jobs] for _ in range(7)]
     allan, selected, identified, analysis = np.min(rounds, axis=0).tolist()
@@ -193,7 +197,7 @@ def ratios(run: Run) -> bool:
     program = str(Path(sys.executable).with_name("allanite"))
     commands = [[sys.executable, "-c", f"import {name}"] for name in ("numpy", "allanite")]
     numpy_alone, importing, helping = startups([*commands, [program, "--help"]])
-    memory = allocated(lambda: al.analyze(record)) / record.values.nbytes
+    memory = allocated(lambda: al.analyze(replace(record))) / record.values.nbytes
     reading, parsing = read_csv()
     bound = "{} at {} tau, with integration: share of the in-cache bound"
     demands = [
@@ -250,7 +254,7 @@ WINDOW = log_factors(36_000 // 2, 52)  # averaging factors of a window of 36000 
 
 def curve(statistic: str, taus: str = "all", m: Callable[[int], Sequence[int]] | None = None) -> Callable[..., object]:
     how = (lambda n: {"m": m(n)}) if m else (lambda _: {"taus": taus})
-    return lambda record: al.deviation(record, statistic, noise=None, **how(record.size))
+    return lambda record: al.deviation(replace(record), statistic, noise=None, **how(record.size))
 
 
 def dynamic(record: al.Record) -> object:
@@ -282,7 +286,7 @@ JOBS = {
         lambda n: 9901 * differences(n // 100, [k for k in WINDOW if k <= n // 200]),
     ),
     "simulate": Job("simulation of N, B, K", lambda record: record_of(record.size), HOURS),
-    "identify": Job("identification", al.identify, HOURS),
+    "identify": Job("identification", lambda record: al.identify(replace(record)), HOURS),
 }  # fmt: skip
 
 

@@ -43,7 +43,13 @@ def reorders(kernel):
 @rows("name", KERNELS)
 def test_parts_with_sums_in_any_order_are_inlined(name):
     for part in called(KERNELS[name]):
-        assert part.targetoptions.get("forceinline") or not reorders(part), part.py_func.__name__
+        options = part.targetoptions
+        assert options.get("forceinline") or options.get("inline") or not reorders(part), part.py_func.__name__
+
+
+def test_what_is_compiled_with_its_caller_has_one():
+    once = [part for each in KERNELS.values() for part in called(each) if part.targetoptions.get("inline")]
+    assert len(once) == len(set(once))
 
 
 def imported():

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.nightly("compiles the kernels in three processes")
 
 SAMPLE = Path(__file__).parents[2] / "examples" / "tactical_gyro.csv"
 
-COMPILED = 43
+COMPILED = 33
 """Kernels and parts that the sample needs, each for one set of types; more of them make the first run longer."""
 
 PROGRAM = """

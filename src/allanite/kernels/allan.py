@@ -57,6 +57,25 @@ def strided(x, m, order):  # type: ignore[no-untyped-def]
     return sums
 
 
+@inner
+def zeros(size):  # type: ignore[no-untyped-def]
+    """An array of zeros: numpy's own is compiled anew for every set of options of a caller."""
+    x = np.empty(size)
+    for i in range(size):
+        x[i] = 0.0
+    return x
+
+
+@inner
+def table(rows, size):  # type: ignore[no-untyped-def]
+    """Rows of zeros."""
+    x = np.empty((rows, size))
+    for i in range(rows):
+        for k in range(size):
+            x[i, k] = 0.0
+    return x
+
+
 @swift_part
 def dot(a, b):  # type: ignore[no-untyped-def]
     """Sum of a b, over the length of a."""

@@ -8,9 +8,10 @@ its own or those of a kernel that it calls, is a part if another kernel calls it
 computes does not depend on what was compiled or loaded before (tests/conformance/test_kernels.py).
 
 Most of the time of compiling goes into types and wrappers, not into loops. What only kernels call, `inner` and parts,
-has no wrapper for Python: called from there it ends the process. What Python calls as well is `shared`. An array
-expression, an assignment to a slice or a function of numpy brings code for every shape and error with it: in kernels
-that a first run compiles, loops are written instead (docs/measured.md).
+has no wrapper for Python: called from there it ends the process. What Python calls as well is `shared`. What one kernel
+calls at one place is `once`: it is put there before types are inferred, and its sums are reordered if its caller's are.
+An array expression, an assignment to a slice or a function of numpy brings code for every shape and error with it: in
+kernels that a first run compiles, loops are written instead (docs/measured.md).
 """
 
 from functools import partial
@@ -38,6 +39,7 @@ kernel = _numba()
 inner = _inner()
 shared = _numba(forceinline=True)
 part = _inner(forceinline=True)
+once = _inner(cache=False, inline="always")
 swift = _swift()
 swift_shared = _swift(forceinline=True)
 swift_part = _swift(forceinline=True, no_cpython_wrapper=True)

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from .allan import dot
-from .compiling import inner, kernel, swift_shared
+from .allan import dot, table, zeros
+from .compiling import inner, kernel, once, swift_shared
 
 
 @kernel
@@ -79,7 +79,7 @@ def backward(root, b):  # type: ignore[no-untyped-def]
 def _solve(G, c, passive):  # type: ignore[no-untyped-def]
     """G x = c on the passive set, zero elsewhere."""
     q = c.size
-    A, x = np.zeros((q, q)), np.zeros(q)
+    A, x = table(q, q), zeros(q)
     for i in range(q):
         A[i, i] = 1.0
         if passive[i]:
@@ -101,7 +101,7 @@ def _taken(G, j, passive):  # type: ignore[no-untyped-def]
     return found
 
 
-@inner
+@once
 def _steepest(G, c, x, passive):  # type: ignore[no-untyped-def]
     """The column not in use along which the sum of squares falls fastest, -1 if there is none."""
     best, most = -1, 0.0
@@ -130,7 +130,7 @@ def _towards(x, wanted, passive):  # type: ignore[no-untyped-def]
     return leaving
 
 
-@inner
+@once
 def _nnls(G, c, x):  # type: ignore[no-untyped-def]
     """Minimum of x'Gx/2 - c'x over x >= 0, for a G with unit diagonal, in the place of a first x.
 
@@ -157,8 +157,8 @@ def _nnls(G, c, x):  # type: ignore[no-untyped-def]
 def weighted_nnls(columns, power, weight, first):  # type: ignore[no-untyped-def]
     """Theta >= 0 with the least sum of weight (power - columns theta)^2, shape (p,), sought from a first one."""
     p = first.size
-    G, c, size = np.zeros((p, p)), np.zeros(p), np.zeros(p)
-    weighted, x = np.zeros(power.size), np.zeros(p)
+    G, c, size = table(p, p), zeros(p), zeros(p)
+    weighted, x = zeros(power.size), zeros(p)
     for a in range(p):
         for i in range(power.size):
             weighted[i] = weight[i] * columns[a, i]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .allan import squares
-from .compiling import inner, part, shared, swift_part
+from .compiling import inner, once, part, swift_part, swift_shared
 from .ladder import BAND, FIRST, HOP, OCTAVE, UPPER
 
 ROWS = 256
@@ -25,7 +25,7 @@ NEAR_TILE = TILE // 4
 """Averaging factors from which rows reach beyond a tile."""
 
 
-@swift_part
+@once
 def _four_rows(x, m, order, at, count):  # type: ignore[no-untyped-def]
     """Sum of the squared differences of order 2 or 3 at i, i + m, i + 2m and i + 3m for i = at .. at + count - 1."""
     a, b, c = x[at : at + count], x[at + m : at + m + count], x[at + 2 * m : at + 2 * m + count]
@@ -48,7 +48,7 @@ def _four_rows(x, m, order, at, count):  # type: ignore[no-untyped-def]
     return one + two
 
 
-@part
+@swift_part
 def rows(x, m, order, start, stop):  # type: ignore[no-untyped-def]
     """Sum over i = start .. stop - 1 of the squared differences at m, a part of the columns of all rows at a time."""
     total = 0.0
@@ -63,7 +63,7 @@ def rows(x, m, order, start, stop):  # type: ignore[no-untyped-def]
     return total
 
 
-@swift_part
+@once
 def _four_factors(x, m, start, count):  # type: ignore[no-untyped-def]
     """Sums of the squared second differences at four m for i = start .. start + count - 1."""
     j, k, r, n = m
@@ -81,7 +81,7 @@ def _four_factors(x, m, start, count):  # type: ignore[no-untyped-def]
     return one, two, three, four
 
 
-@part
+@once
 def _add_short(sums, x, m, order, span):  # type: ignore[no-untyped-def]
     """Add the squared differences at i = span[0] .. span[1] - 1 for short m, ascending."""
     (start, end), j = span, 0
@@ -100,13 +100,12 @@ def _add_short(sums, x, m, order, span):  # type: ignore[no-untyped-def]
             j += 1
 
 
-@shared
+@swift_shared
 def add_overlapped(sums, x, m, order, size):  # type: ignore[no-untyped-def]
     """Add the squared differences of order 1 to 3 at every i < size for every m[j], ascending, as far as x reaches.
 
     Rows are taken four at a time; what is left of them when a tile ends goes with the next one.
     """
-    done = np.zeros(m.size, np.int64)
     short = near = 0
     for j in range(m.size):
         short += m[j] < ROWS
@@ -116,13 +115,10 @@ def add_overlapped(sums, x, m, order, size):  # type: ignore[no-untyped-def]
         end = min(tile + TILE, size)
         for start in range(tile, end, BLOCK):
             _add_short(sums[:short], x, m[:short], order, (start, min(start + BLOCK, end)))
-        for j in range(short, near):
-            four = 4 * m[j]
-            stop = done[j] + max(min(end, x.size - order * m[j]) - done[j], 0) // four * four
-            sums[j] += rows(x, m[j], order, done[j], stop)
-            done[j] = stop
-    for j in range(short, m.size):
-        sums[j] += rows(x, m[j], order, done[j], min(size, x.size - order * m[j]))
+        for j in range(short, near if end < size else m.size):
+            four, last = 4 * m[j], min(max(x.size - order * m[j], 0), size)
+            begin = min(tile, last) // four * four if j < near else 0
+            sums[j] += rows(x, m[j], order, begin, min(end, last) // four * four if end < size else last)
 
 
 def overlapped(x: NDArray[np.float64], m: NDArray[np.int64], order: int) -> NDArray[np.float64]:

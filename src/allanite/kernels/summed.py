@@ -8,11 +8,11 @@ import numpy as np
 from .compiling import inner, kernel, swift_part
 from .squared import add_overlapped
 
-REACH = 8
-"""Averaging factors that share a segment differ by less than this factor."""
+REACH = 36
+"""Averaging factors that share a segment differ by less than this factor: four running sums for 5 million samples."""
 
-SHORT, LONG = 512, 64
-"""Length of a segment: at least, and over its smallest averaging factor."""
+SHORT, LONG = 512, 128
+"""Length of a segment: at least, and over its smallest averaging factor; twelve digits are left of a random walk."""
 
 
 @inner

@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 
-from .allan import dot
-from .compiling import swift, swift_part
+from .allan import dot, table, zeros
+from .compiling import once, swift, swift_part
 from .leastsquares import ROUNDING, backward, cholesky, forward, weighted_nnls
 
 NOTHING = 1e-250
@@ -31,7 +31,7 @@ def _add(total, factor, row):  # type: ignore[no-untyped-def]
 @swift_part
 def _expectation(columns, theta, held):  # type: ignore[no-untyped-def]
     """M, shape (bins + finite directions,), of which `held` is the part of other terms."""
-    m = np.zeros(held.size)
+    m = zeros(held.size)
     _add(m, 1.0, held)
     for j in range(theta.size):
         if theta[j] != 0.0:
@@ -39,11 +39,11 @@ def _expectation(columns, theta, held):  # type: ignore[no-untyped-def]
     return m
 
 
-@swift_part
+@once
 def _normal_matrix(m, UU, Uc):  # type: ignore[no-untyped-def]
     """Lower half of U' M^-1 U, and U' M^-1 c."""
     r, n = Uc.shape
-    G, b, inverse = np.zeros((r, r)), np.zeros(r), np.zeros(n)
+    G, b, inverse = table(r, r), zeros(r), zeros(n)
     for i in range(n):
         inverse[i] = 1.0 / m[i]
     for j in range(r):
@@ -53,7 +53,7 @@ def _normal_matrix(m, UU, Uc):  # type: ignore[no-untyped-def]
     return G, b
 
 
-@swift_part
+@once
 def _directions(m, data):  # type: ignore[no-untyped-def]
     """Root of V^-1, that times eta, each finite direction's own estimate and error variance, their part of 2 L.
 
@@ -62,7 +62,7 @@ def _directions(m, data):  # type: ignore[no-untyped-def]
     G, b = _normal_matrix(m, data[2], data[3])
     r, n = data[3].shape
     loose = r - (m.size - n)
-    own = np.zeros((2, r - loose))
+    own = table(2, r - loose)
     part = 0.0
     for j in range(loose, r):
         own[0, j - loose], own[1, j - loose] = b[j], G[j, j]
@@ -83,10 +83,10 @@ def _directions(m, data):  # type: ignore[no-untyped-def]
     return G, b, own, part
 
 
-@swift_part
+@once
 def _solved(root, b):  # type: ignore[no-untyped-def]
     """Eta and V."""
-    eta, V = np.zeros(b.size), np.zeros(root.shape)
+    eta, V = zeros(b.size), table(b.size, b.size)
     for j in range(b.size):
         eta[j], V[j, j] = b[j], 1.0
         forward(root, V[j])
@@ -98,7 +98,7 @@ def _solved(root, b):  # type: ignore[no-untyped-def]
 @swift_part
 def _logarithms(x):  # type: ignore[no-untyped-def]
     """Ln x for positive normal x, several at a time: x = 2^e f with f within sqrt(2) of 1, ln f by artanh's series."""
-    bits, rest, result = x.view(np.int64), np.zeros(x.size, np.int64), np.zeros(x.size)
+    bits, rest, result = x.view(np.int64), np.zeros(x.size, np.int64), zeros(x.size)
     f = rest.view(np.float64)
     for i in range(x.size):
         e = (bits[i] - ROOT_HALF) >> 52
@@ -113,7 +113,7 @@ def _logarithms(x):  # type: ignore[no-untyped-def]
     return result
 
 
-@swift_part
+@once
 def _plain(m, power, count):  # type: ignore[no-untyped-def]
     """2 L of the bins alone; infinite where the expectation is not positive."""
     n = power.size
@@ -145,12 +145,12 @@ def _completed(m, found, data):  # type: ignore[no-untyped-def]
     power, count, UU, Uc = data
     root, b, own, _ = found
     eta, V = _solved(root, b)
-    n, more = power.size, np.zeros(power.size)
+    n, more = power.size, zeros(power.size)
     for j in range(eta.size):
         _add(more, -2 * eta[j], Uc[j])
         for k in range(j + 1):
             _add(more, (eta[j] * eta[k] + V[j, k]) * (1.0 if k == j else 2.0), UU[j, k])
-    full, whole, rest, weight = np.zeros(m.size), np.zeros(m.size), np.zeros(m.size), np.zeros(m.size)
+    full, whole, rest, weight = zeros(m.size), zeros(m.size), zeros(m.size), zeros(m.size)
     for i in range(n):
         full[i], whole[i], weight[i] = power[i] + more[i] / count[i], m[i], count[i]
     for i in range(m.size - n):
@@ -177,11 +177,11 @@ def _stretch(theta, move, rate):  # type: ignore[no-untyped-def]
     return step
 
 
-@swift_part
+@once
 def _towards(theta, held, columns, completed):  # type: ignore[no-untyped-def]
     """Step of Fisher scoring: weight of the bins and directions, and the way theta moves."""
     power, expected, rest, count = completed
-    weight, wanted = np.zeros(held.size), np.zeros(held.size)
+    weight, wanted = zeros(held.size), zeros(held.size)
     for i in range(held.size):
         weight[i], wanted[i] = count[i] / (expected[i] * expected[i]), power[i] - rest[i] - held[i]
     move = weighted_nnls(columns, wanted, weight, theta)
@@ -189,15 +189,15 @@ def _towards(theta, held, columns, completed):  # type: ignore[no-untyped-def]
     return weight, move
 
 
-@swift_part
+@once
 def _moved(theta, move, step):  # type: ignore[no-untyped-def]
-    moved = np.zeros(theta.size)
+    moved = zeros(theta.size)
     for j in range(theta.size):
         moved[j] = max(theta[j] + step * move[j], 0.0)
     return moved
 
 
-@swift_part
+@once
 def _rate(weight, before, shift):  # type: ignore[no-untyped-def]
     """Length of this step along the one before, over its length; 0 after none."""
     size = along = 0.0
@@ -207,7 +207,7 @@ def _rate(weight, before, shift):  # type: ignore[no-untyped-def]
     return along / size if size > 0 else 0.0
 
 
-@swift_part
+@once
 def _scored(theta, held, columns, data):  # type: ignore[no-untyped-def]
     """Theta of the terms that move at the least L, and L; `held` is the expectation of the others.
 
