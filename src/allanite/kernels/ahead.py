@@ -22,7 +22,7 @@ _DATA = f"Tuple(({_X}, {_X}, float64[:, :, ::1], {_COLUMNS}))"
 
 THERE = {
     "whittle.evaluated": f"({_X}, {_X}, {_COLUMNS}, {_DATA})",
-    "whittle.minimise": f"({_X}, {_FREE}, {_X}, {_COLUMNS}, {_DATA})",
+    "whittle.minimise": f"({_X}, {_FREE}, {_X}, {_COLUMNS}, {_DATA}, int64, {_X}, boolean)",
 }
 """What the other process compiles: kernel and types of its arguments."""
 

@@ -18,6 +18,7 @@ SMALLEST_STEP = 1e-4
 FASTEST = 0.95
 CONVERGED = 1e-7
 ITERATIONS = 200
+TURNS = 3
 ROOT_HALF = 0x3FE6A09E667F3BCD  # the bits of sqrt(1/2)
 SMALLEST = 2.3e-308
 
@@ -240,13 +241,47 @@ def _scored(theta, held, columns, data):  # type: ignore[no-untyped-def]
     return theta, best
 
 
-@swift
-def minimise(theta, moving, held, columns, data):  # type: ignore[no-untyped-def]
-    """Theta >= 0 at the least L, and L: Fisher scoring with step halving; what is not `moving` keeps its theta.
+@swift_part
+def _integrated(count, ratio, d, trust):  # type: ignore[no-untyped-def]
+    """What 2 L changes by where an error of variance d of ln m is integrated out in each bin; trust 1 / (1 + d count / 2).
 
-    `held` is the expectation of what is no term.
+    `ratio` is the power over m.
     """
-    free = 0
+    total, more, log_ratio = 0.0, np.zeros(d.size), _logarithms(ratio)
+    for i in range(d.size):
+        more[i] = 1.0 + d[i] * count[i] / 2
+    log_more = _logarithms(more)
+    for i in range(d.size):
+        trust[i] = 1.0 / more[i]
+        total += log_more[i] - count[i] * (ratio[i] - 1.0 - log_ratio[i]) * (d[i] * count[i] / 2) * trust[i]
+    return total
+
+
+@swift_part
+def _trusted(data, trust):  # type: ignore[no-untyped-def]
+    """The data of which only a share of each bin counts."""
+    power, count, UU, Uc = data
+    less, products, sums = np.zeros(count.size), np.zeros(UU.shape), np.zeros(Uc.shape)
+    for i in range(count.size):
+        less[i] = count[i] * trust[i]
+    for j in range(Uc.shape[0]):
+        for i in range(count.size):
+            sums[j, i] = Uc[j, i] * trust[i]
+        for k in range(Uc.shape[0]):
+            for i in range(count.size):
+                products[j, k, i] = UU[j, k, i] * trust[i]
+    return power, less, products, sums
+
+
+@swift
+def minimise(theta, moving, held, columns, data, loud, errors, known):  # type: ignore[no-untyped-def]
+    """Theta >= 0 at the least L by Fisher scoring; what is not `moving` keeps its theta.
+
+    `held` is the expectation of what is no term. The last `loud` columns have a shape that is not exact: the best of
+    some errors, relative to their power, is integrated out, twice; `known` begins with the errors at the first theta.
+    Returns theta, L, the error, the trust in each bin beside it, and 2 L with it integrated out.
+    """
+    free, n = 0, data[0].size
     for j in range(theta.size):
         free += moving[j]
     some, chosen, rest, found = np.zeros(free), np.zeros((free, held.size)), np.zeros(held.size), np.zeros(theta.size)
@@ -260,10 +295,38 @@ def minimise(theta, moving, held, columns, data):  # type: ignore[no-untyped-def
             k += 1
         elif theta[j] != 0.0:
             _add(rest, theta[j], columns[j])
-    some, best = _scored(some, rest, chosen, data)
-    k = 0
-    for j in range(theta.size):
-        if moving[j]:
-            found[j] = some[k]
-            k += 1
-    return found, best
+    best, error, value = np.inf, 0.0, np.inf
+    share, ratio, d, trial, trust = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.ones(n)
+    counted = data
+    for turn in range(1 if known else 0, TURNS + 1 if loud else 1):
+        if turn > 0:
+            m = _expectation(columns, found, held)
+            least, directions = _evaluated(m, data)
+            power = _completed(m, directions, data)[0]
+            for i in range(n):
+                ratio[i] = max(power[i] / m[i], 1e-12)
+            if turn < TURNS:
+                for i in range(n):
+                    share[i] = 0.0
+                for j in range(theta.size - loud, theta.size):
+                    for i in range(n):
+                        share[i] += found[j] * columns[j, i] / m[i]
+            value, old = np.inf, error
+            for k in range(errors.size if turn < TURNS else 1):
+                tried = errors[k] if turn < TURNS else old
+                for i in range(n):
+                    d[i] = (tried * share[i]) * (tried * share[i])
+                change = 2 * least + _integrated(data[1], ratio, d, trial)
+                if change < value:
+                    value, error = change, tried
+                    for i in range(n):
+                        trust[i] = trial[i]
+            counted = _trusted(data, trust)
+        if turn < TURNS:
+            some, best = _scored(some, rest, chosen, counted)
+            k = 0
+            for j in range(theta.size):
+                if moving[j]:
+                    found[j] = some[k]
+                    k += 1
+    return found, best, error, trust, value

@@ -12,12 +12,33 @@ from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.plain import Portable
 
 
-class PreparedData(NamedTuple):
+NO_ERRORS = np.zeros(0)
+
+
+class Minimum(NamedTuple):
+    """Theta at the minimum of a likelihood, and what is known beside it where shapes of its columns are not exact."""
+
+    theta: FloatArray
+    least: float  # L
+    error: float  # of the shapes
+    trust: FloatArray  # shape (bins,); share of each bin's coefficients that counts beside it
+    value: float  # 2 L of all coefficients with the error integrated out
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedData:
     """The data of likelihoods that differ in their columns, as the kernels take them."""
 
     of: tuple[FloatArray, ...]  # power, count and products of directions of which it is made
     data: tuple[FloatArray, ...]
-    smooth: FloatArray  # shape (bins,); power of the bins, smoothed and above zero
+
+    @cached_property
+    def smooth(self) -> FloatArray:
+        """Power of the bins, smoothed and above zero, shape (bins,)."""
+        power, count, *_ = self.of
+        window = np.ones(5)
+        smooth = np.convolve(power * count, window, "same") / np.convolve(count, window, "same")
+        return np.asarray(np.maximum(smooth, 1e-12 * smooth.max()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,10 +120,7 @@ class Likelihood(Portable):
         if same is not None and all(a is b for a, b in zip(same.of, own, strict=True)):
             return same
         UU, Uc = self.UU.transpose(1, 2, 0)[np.ix_(self._order, self._order)], self.Uc.T[self._order]
-        window = np.ones(5)
-        smooth = np.convolve(self.power * self.count, window, "same") / np.convolve(self.count, window, "same")
-        data = self.power, self.count, np.ascontiguousarray(UU), np.ascontiguousarray(Uc)
-        return PreparedData(own, data, np.asarray(np.maximum(smooth, 1e-12 * smooth.max())))
+        return PreparedData(own, (self.power, self.count, np.ascontiguousarray(UU), np.ascontiguousarray(Uc)))
 
     @property
     def data(self) -> tuple[FloatArray, ...]:
@@ -182,18 +200,37 @@ class Likelihood(Portable):
         if fixed is not None:
             moving[fixed[0]] = False
             theta[fixed[0]] = fixed[1]
-        least, best = self.moved(theta, moving)
-        if best == np.inf and start is not None:  # it lies outside: let every free term in
-            theta = np.where(moving, np.maximum(theta, self._start(free)), theta)
-            least, best = self.moved(theta, moving)
-        return least, best
+        found = self.minimum(theta, moving)
+        if found.least == np.inf and start is not None:  # it lies outside: let every free term in
+            found = self.minimum(np.where(moving, np.maximum(theta, self._start(free)), theta), moving)
+        return found.theta, found.least
+
+    def settled(
+        self, free: BoolArray, start: FloatArray | None, loud: int, errors: FloatArray, *, known: bool = False
+    ) -> Minimum:
+        """The same where the last `loud` columns have an error of their shapes, the best of some.
+
+        `known` is whether `start` is the minimum without it, or with another.
+        """
+        theta = np.where(free, self._start(free) if start is None else start, 0.0)
+        found = self.minimum(theta, free, loud, errors, known=known)
+        if found.least == np.inf and start is not None:
+            found = self.minimum(np.where(free, np.maximum(theta, self._start(free)), theta), free, loud, errors)
+        return found
 
     def moved(self, theta: FloatArray, moving: BoolArray) -> tuple[FloatArray, float]:
         """Theta >= 0 at the minimum of L, and L; what is not `moving` is held."""
+        least = self.minimum(theta, moving)
+        return least.theta, least.least
+
+    def minimum(
+        self, theta: FloatArray, moving: BoolArray, loud: int = 0, errors: FloatArray = NO_ERRORS, *,
+        known: bool = False,
+    ) -> Minimum:  # fmt: skip
+        """The minimum from a first theta on; what is not `moving` is held."""
         from allanite.kernels.whittle import minimise
 
-        least, best = minimise(theta, moving, self._held, self.columns, self.data)
-        return least, float(best)
+        return Minimum(*minimise(theta, moving, self._held, self.columns, self.data, loud, errors, known))
 
     def _start(self, free: BoolArray) -> FloatArray:
         """Least squares relative to the smoothed power; no column is left at zero, so that m > 0 everywhere."""

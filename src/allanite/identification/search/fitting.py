@@ -32,9 +32,14 @@ class Fitted(Portable):
     theta: FloatArray  # shape (sizes,)
     v: FloatArray  # shape (k,); coefficients of the factors
     likelihood: Likelihood  # of the bins that are read
-    trusted: Likelihood  # the same with the weights of bins in which a shape is not known exactly
+    trust: FloatArray | None  # shape (bins,); weights of the bins, where a shape is not known exactly
     error: float  # of the shapes of resonances; 0 without one
     value: float
+
+    @cached_property
+    def trusted(self) -> Likelihood:
+        """The likelihood with the weights of its bins."""
+        return self.likelihood if self.trust is None else self.likelihood.trusted(self.trust)
 
     @cached_property
     def score(self) -> float:
@@ -218,21 +223,18 @@ def fitted(
     """The sizes of a state at its shapes."""
     rank = factor_basis(frame, state).shape[1]
     v = np.zeros(rank) if v is None or v.size != rank else v
-    part = _stepped(frame, state, likelihood_of(frame, state, v))
+    part = likelihood_of(frame, state, v)
     may = admissible(frame, state, free, part.S.shape[1])
     first = start.theta if start is not None and start.theta.size == may.size and (start.theta[may] > 0).any() else None
-    theta, _ = part.minimise(may, first)
     if state.of("step"):
-        part = _stepped(frame, state, part, theta)
-        theta, _ = part.minimise(may, theta)
-    return valued(frame, state, may, theta, v, part, start.error if start is not None else 0.03)
+        first, _ = part.minimise(may, first)
+        part = _stepped(frame, state, part, first)
+    return valued(frame, state, may, first, v, part)
 
 
-def _stepped(frame: Frame, state: State, part: Likelihood, theta: FloatArray | None = None) -> Likelihood:
+def _stepped(frame: Frame, state: State, part: Likelihood, theta: FloatArray) -> Likelihood:
     """Steps have known power above the lowest coefficients, once their sizes are known."""
     steps = state.of("step")
-    if not steps or theta is None:
-        return part
     eta, *_ = part.directions(theta)
     at = int(np.count_nonzero(~part.flat))
     size = eta[at : at + len(steps)]
@@ -241,31 +243,21 @@ def _stepped(frame: Frame, state: State, part: Likelihood, theta: FloatArray | N
 
 
 def valued(  # noqa: PLR0917 - what a fit is made of
-    frame: Frame, state: State, may: BoolArray, theta: FloatArray, v: FloatArray, part: Likelihood, error: float
-) -> Fitted:
+    frame: Frame, state: State, may: BoolArray, start: FloatArray | None, v: FloatArray, part: Likelihood, *,
+    known: bool = False,
+) -> Fitted:  # fmt: skip
     """A fit with its value; where there are resonances, with the best error of their shapes and the sizes beside it."""
-    loud = state.of("resonance")
-    trusted, d = part, None
-    if loud:
-        for _ in range(2):
-            m, power = _observed(part, theta)
-            share = (part.S[:, -len(loud) :] @ theta[-len(loud) :]) / m
-            each = [_integrated(part.count, m, power, (e * share) ** 2) for e in SHAPE_ERRORS]
-            error = float(SHAPE_ERRORS[int(np.argmin(each))])
-            d = (error * share) ** 2
-            trusted = part.trusted(1 / (1 + d * part.count / 2))
-            theta, _ = trusted.minimise(may, theta)
-    least = part.value(theta)
-    if not math.isfinite(least):  # a shape leaves nothing where the record has power
-        return Fitted(frame, state, may, theta, v, part, trusted, error, math.inf)
-    value = 2 * least + float(v @ v) + _volume(part, theta, frame)
+    # `known` is whether `start` is the minimum at another error.
+    loud = len(state.of("resonance"))
+    least = part.settled(may, start, loud, SHAPE_ERRORS, known=known and loud > 0)
+    theta, value = least.theta, least.value if loud else 2 * least.least
+    result = Fitted(frame, state, may, theta, v, part, least.trust if loud else None, least.error, value)
+    if not math.isfinite(value):  # a shape leaves nothing where the record has power
+        return replace(result, value=math.inf)
+    value += float(v @ v) + _volume(part, theta, frame)
     if state.filter is not None:
         value += frame.told(state.filter.label, state.filter.shape[0])[0]
-    if d is not None:
-        m, power = _observed(part, theta)
-        value += _integrated(part.count, m, power, d)
-    result = Fitted(frame, state, may, theta, v, part, trusted, error if loud else 0.0, value)
-    return result if not v.size else replace(result, value=value + _laplace(result))
+    return replace(result, value=value + _laplace(result) if v.size else value)
 
 
 def _laplace(f: Fitted) -> float:
@@ -273,19 +265,6 @@ def _laplace(f: Fitted) -> float:
     J = factor_basis(f.frame, f.state) * (f.inside / f.m)[:, None]
     h = f.trusted.count / 2
     return float(np.linalg.slogdet(np.eye(f.v.size) + (J * h[:, None]).T @ J)[1])
-
-
-def _observed(part: Likelihood, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Expected and observed power of the bins, given the loose directions."""
-    power, m, *_ = part.completed(theta)
-    n = part.power.size
-    return m[:n], power[:n]
-
-
-def _integrated(count: FloatArray, m: FloatArray, power: FloatArray, d: FloatArray) -> float:
-    """What 2 L changes by where an error of variance d of the logarithm of m is integrated out in each bin."""
-    r, dh = np.maximum(power / m, 1e-12), d * count / 2
-    return float(np.sum(np.log1p(dh) - count * (r - 1 - np.log(r)) * dh / (1 + dh)))
 
 
 def _volume(part: Likelihood, theta: FloatArray, frame: Frame) -> float:

@@ -159,8 +159,10 @@ def resized(f: Fitted, free: BoolArray) -> Fitted:
     """The same state and shapes with other terms free."""
     may = admissible(f.frame, f.state, free, f.theta.size)
     start = np.where(may, np.maximum(f.theta, 0.0), 0.0)
-    theta, _ = f.trusted.minimise(may, start if (start > 0).any() else None)
-    again = valued(f.frame, f.state, may, theta, f.v, f.likelihood, f.error)
+    first = start if (start > 0).any() else None
+    if f.trust is not None:
+        first, _ = f.trusted.minimise(may, first)
+    again = valued(f.frame, f.state, may, first, f.v, f.likelihood, known=True)
     return refined(again, 3) if f.v.size else again
 
 
