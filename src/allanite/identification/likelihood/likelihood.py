@@ -11,7 +11,6 @@ import numpy as np
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.plain import Portable
 
-
 NO_ERRORS = np.zeros(0)
 
 
@@ -96,7 +95,9 @@ class Likelihood(Portable):
 
         The sums of the directions are over them too: else a direction could explain more than all power of a bin.
         """
-        return replace(self, count=self.count * share, UU=self.UU * share[:, None, None], Uc=self.Uc * share[:, None])
+        own = self.power, self.count * share, self.UU * share[:, None, None], self.Uc * share[:, None]
+        same = PreparedData(own, (self.power, own[1], self.data[2] * share, self.data[3] * share))
+        return replace(self, count=own[1], UU=own[2], Uc=own[3], prepared=same)
 
     def with_more(self, S: FloatArray) -> "Likelihood":
         """The likelihood with one more column, of a term that does not know the edges of the record."""

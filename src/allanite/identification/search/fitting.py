@@ -1,7 +1,7 @@
 """The fit of a state: sizes and shapes together, by Fisher scoring of one score (docs/derivations.md)."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -33,7 +33,6 @@ class Fitted(Portable):
     v: FloatArray  # shape (k,); coefficients of the factors
     likelihood: Likelihood  # of the bins that are read
     trust: FloatArray | None  # shape (bins,); weights of the bins, where a shape is not known exactly
-    error: float  # of the shapes of resonances; 0 without one
     value: float
 
     @cached_property
@@ -87,9 +86,9 @@ class Fitted(Portable):
     def information(self) -> tuple[FloatArray, BoolArray]:
         """Information of the active sizes, shapes and v; and which sizes are active."""
         active = self.theta > 0
-        Z = np.column_stack((self.likelihood.columns[active].T, self._wide(self.slopes)))
+        Z = self.directions
         _, m, h = self.completed
-        H = (Z / m[:, None] ** 2 * h[:, None]).T @ Z
+        H = (Z * (h / (m * m))) @ Z.T
         k = self.v.size
         if k:
             H[-k:, -k:] += np.eye(k)
@@ -107,11 +106,13 @@ class Fitted(Portable):
         units = np.outer(size, size)
         return np.asarray(np.linalg.pinv(H / units, hermitian=True) / units)
 
-    def _wide(self, rows: FloatArray) -> FloatArray:
-        """Rows of the bins as columns of the bins and the finite directions."""
-        wide = np.zeros((self.likelihood.columns.shape[1], rows.shape[0]))
-        wide[: rows.shape[1]] = rows.T
-        return wide
+    @cached_property
+    def directions(self) -> FloatArray:
+        """Derivatives of the expectation by the active sizes, the shapes and v, shape (values, bins and directions)."""
+        columns, slopes = self.likelihood.columns[self.theta > 0], self.slopes
+        Z = np.zeros((columns.shape[0] + slopes.shape[0], columns.shape[1]))
+        Z[: columns.shape[0]], Z[columns.shape[0] :, : slopes.shape[1]] = columns, slopes
+        return Z
 
 
 def sizes_inside(frame: Frame, state: State) -> int:
@@ -161,9 +162,13 @@ def bounds_of(frame: Frame, state: State) -> tuple[FloatArray, FloatArray]:
 def factor_basis(frame: Frame, state: State) -> FloatArray:
     """B L of all factors side by side, shape (bins, k)."""
     parts = state.of("factor")
-    if not parts:
-        return np.zeros((frame.count.size, 0))
-    return np.column_stack([p.shape[2] * frame.splines.basis((p.label, p.shape[0], p.shape[1])) for p in parts])
+
+    def computed() -> FloatArray:
+        if not parts:
+            return np.zeros((frame.count.size, 0))
+        return np.column_stack([p.shape[2] * frame.splines.basis((p.label, p.shape[0], p.shape[1])) for p in parts])
+
+    return frame.remembered(("factors", parts), computed)
 
 
 def likelihood_of(frame: Frame, state: State, v: FloatArray) -> Likelihood:
@@ -175,32 +180,37 @@ def likelihood_of(frame: Frame, state: State, v: FloatArray) -> Likelihood:
     if through is not None:
         gain, mean = frame.gain(through.label, through.shape[0]), frame.mean_gain(through.label, through.shape[0])
         white = leak(through.label, through.shape[0])
-    inner = [part.S, *(_power(frame, p)[:, None] for p in state if COMPONENTS[p.name].inside)]
-    acting = gain
+    powers, acting = part.S.shape[1], gain
     if v.size:
-        acting = gain * np.exp(np.clip(factor_basis(frame, state) @ v, -STEEPEST, STEEPEST))
-    S = np.column_stack(inner) * acting[:, None] if acting.size > 1 else np.column_stack(inner)
-    outer = [
-        _power(frame, p) * (1 - gain if COMPONENTS[p.name].behind else 1.0)
-        for p in state if COMPONENTS[p.name].power and not COMPONENTS[p.name].inside
-    ]  # fmt: skip
-    if outer:
-        S = np.column_stack((S, *outer))
-    W = np.zeros((part.W.shape[0], S.shape[1]))
-    W[:, : part.W.shape[1]] = part.W * mean
+        acting = gain * raised(factor_basis(frame, state) @ v)
+    rows, inner = [], powers
+    for p in state:
+        row = COMPONENTS[p.name]
+        if row.power is not None and row.inside:
+            rows.append(row.power(frame, p))  # before all others: parts are in the order of the table
+            inner += 1
+        elif row.power is not None:
+            rows.append(row.power(frame, p) * (1 - gain) if row.behind else row.power(frame, p))
+    columns = np.empty((powers + len(rows), part.S.shape[0]))
+    columns[:powers] = part.S.T
+    for i, each in enumerate(rows):
+        columns[powers + i] = each
+    if acting.size > 1:
+        columns[:inner] *= acting
+    W = np.zeros((part.W.shape[0], columns.shape[0]))
+    W[:, :powers] = part.W * mean
     if white and frame.white is not None:
         W[~part.flat, frame.white] += white
-    explained = part.explained(S, W)
+    explained = part.explained(columns.T, W)
     rounding = frame.spectrum.rounding
     if rounding and through is not None:
         explained = explained.adding(rounding * (1 - gain))
     return explained
 
 
-def _power(frame: Frame, part: Part) -> FloatArray:
-    power = COMPONENTS[part.name].power
-    assert power is not None  # noqa: S101 - asked of noise, floor and resonances
-    return power(frame, part)
+def raised(logarithm: FloatArray) -> FloatArray:
+    """The power of factors from its logarithm."""
+    return np.exp(np.minimum(np.maximum(logarithm, -STEEPEST), STEEPEST))
 
 
 def admissible(frame: Frame, state: State, free: BoolArray | None, sizes: int) -> BoolArray:
@@ -251,25 +261,31 @@ def valued(  # noqa: PLR0917 - what a fit is made of
     loud = len(state.of("resonance"))
     least = part.settled(may, start, loud, SHAPE_ERRORS, known=known and loud > 0)
     theta, value = least.theta, least.value if loud else 2 * least.least
-    result = Fitted(frame, state, may, theta, v, part, least.trust if loud else None, least.error, value)
+    trust = least.trust if loud else None
     if not math.isfinite(value):  # a shape leaves nothing where the record has power
-        return replace(result, value=math.inf)
-    value += float(v @ v) + _volume(part, theta, frame)
+        return Fitted(frame, state, may, theta, v, part, trust, math.inf)
+    value += _volume(part, theta, frame, state)
     if state.filter is not None:
         value += frame.told(state.filter.label, state.filter.shape[0])[0]
-    return replace(result, value=value + _laplace(result) if v.size else value)
+    if v.size:
+        value += float(v @ v) + _laplace(frame, state, part, theta, trust)
+    return Fitted(frame, state, may, theta, v, part, trust, value)
 
 
-def _laplace(f: Fitted) -> float:
+def _laplace(frame: Frame, state: State, part: Likelihood, theta: FloatArray, trust: FloatArray | None) -> float:
     """Logarithm of the determinant of the information of v."""
-    J = factor_basis(f.frame, f.state) * (f.inside / f.m)[:, None]
-    h = f.trusted.count / 2
-    return float(np.linalg.slogdet(np.eye(f.v.size) + (J * h[:, None]).T @ J)[1])
+    B, k = factor_basis(frame, state), sizes_inside(frame, state)
+    h = (part.S[:, :k] @ theta[:k] / part.expectation(theta)) ** 2 * part.count / 2
+    G = (B.T * (h if trust is None else h * trust)) @ B
+    G.flat[:: G.shape[0] + 1] += 1
+    return 2 * float(np.log(np.linalg.cholesky(G).diagonal()).sum())
 
 
-def _volume(part: Likelihood, theta: FloatArray, frame: Frame) -> float:
+def _volume(part: Likelihood, theta: FloatArray, frame: Frame, state: State) -> float:
     """From the integral over steps and a warm-up of any size, whose unit would count, to their best sizes."""
     # What every state has, a ramp and what a slow noise did during long gaps, stays integrated.
+    if not (state.of("step") or state.of("warm-up")):
+        return 0.0
     own = int(part.flat.sum() - frame.plain.flat.sum())
     if own <= 0:
         return 0.0
@@ -284,14 +300,14 @@ def slopes(f: Fitted) -> FloatArray:
     frame, state, theta = f.frame, f.state, f.theta
     gain = frame.gain(state.filter.label, state.filter.shape[0]) if state.filter else np.ones(1)
     basis = factor_basis(frame, state)
-    raised = np.exp(np.clip(basis @ f.v, -STEEPEST, STEEPEST)) if f.v.size else np.ones(1)
+    acting = gain * raised(basis @ f.v) if f.v.size else gain
     rows, inner, outer = [], len(frame.powers), sizes_inside(frame, state)
     columns = [column_of_part(state, frame, p) for p in state if COMPONENTS[p.name].behind]
     behind = frame.spectrum.rounding + sum(float(theta[i]) for i in columns if i is not None)
     for part in state:
         row = COMPONENTS[part.name]
         if row.inside and row.slope is not None:
-            rows += list(theta[inner] * row.slope(frame, part) * (gain * raised))
+            rows += list(theta[inner] * row.slope(frame, part) * acting)
             inner += 1
         elif part.name == "filter":
             moved = frame.gain(part.label, part.shape[0] * math.exp(-STEP))
