@@ -160,14 +160,6 @@ def _completed(m, found, data):  # type: ignore[no-untyped-def]
     return full, whole, rest, weight, eta, V
 
 
-@swift
-def evaluated(theta, held, columns, data):  # type: ignore[no-untyped-def]
-    """L, infinite where the expectation is not positive; the directions' part of 2 L; what `_completed` gives."""
-    m = _expectation(columns, theta, held)
-    least, found = _evaluated(m, data)
-    return least, found[3], _completed(m, found, data)
-
-
 @swift_part
 def _stretch(theta, move, rate):  # type: ignore[no-untyped-def]
     """How much further than `move` to go, if every next one is `rate` times as long; not beyond theta = 0."""
@@ -274,46 +266,48 @@ def _trusted(data, trust):  # type: ignore[no-untyped-def]
 
 
 @swift
-def minimise(theta, moving, held, columns, data, loud, errors, known):  # type: ignore[no-untyped-def]
+def minimise(theta, moving, held, columns, data, loud, errors, first):  # type: ignore[no-untyped-def]
     """Theta >= 0 at the least L by Fisher scoring; what is not `moving` keeps its theta.
 
     `held` is the expectation of what is no term. The last `loud` columns have a shape that is not exact: the best of
-    some errors, relative to their power, is integrated out, twice; `known` begins with the errors at the first theta.
-    Returns theta, L, the error, the trust in each bin beside it, and 2 L with it integrated out.
+    some errors, relative to their power, is integrated out, twice. The turns begin with the `first`: 0 knows nothing,
+    1 a theta, `TURNS` only evaluates one. Returns theta, L, the trust in each bin beside the error, 2 L with that
+    integrated out; of the last theta, the directions' part of 2 L and what `_completed` gives.
     """
     free, n = 0, data[0].size
     for j in range(theta.size):
         free += moving[j]
-    some, chosen, rest, found = np.zeros(free), np.zeros((free, held.size)), np.zeros(held.size), np.zeros(theta.size)
+    some, chosen, rest, moved = np.zeros(free), np.zeros((free, held.size)), np.zeros(held.size), np.zeros(theta.size)
     _add(rest, 1.0, held)
     k = 0
     for j in range(theta.size):
-        found[j] = theta[j]
+        moved[j] = theta[j]
         if moving[j]:
             some[k] = theta[j]
             _add(chosen[k], 1.0, columns[j])
             k += 1
         elif theta[j] != 0.0:
             _add(rest, theta[j], columns[j])
-    best, error, value = np.inf, 0.0, np.inf
+    best, error, value, part = np.inf, 0.0, np.inf, 0.0
     share, ratio, d, trial, trust = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.ones(n)
-    counted = data
-    for turn in range(1 if known else 0, TURNS + 1 if loud else 1):
+    nothing, counted = np.zeros(0), data
+    completed = nothing, nothing, nothing, nothing, nothing, np.zeros((0, 0))
+    for turn in range(first, TURNS + 1 if loud or first else 1):
         if turn > 0:
-            m = _expectation(columns, found, held)
-            least, directions = _evaluated(m, data)
-            power = _completed(m, directions, data)[0]
+            m = _expectation(columns, moved, held)
+            least, found = _evaluated(m, data)
+            part, completed = found[3], _completed(m, found, data)
             for i in range(n):
-                ratio[i] = max(power[i] / m[i], 1e-12)
+                ratio[i] = max(completed[0][i] / m[i], 1e-12)
             if turn < TURNS:
                 for i in range(n):
                     share[i] = 0.0
                 for j in range(theta.size - loud, theta.size):
                     for i in range(n):
-                        share[i] += found[j] * columns[j, i] / m[i]
-            value, old = np.inf, error
+                        share[i] += moved[j] * columns[j, i] / m[i]
+            value, last = np.inf, error
             for k in range(errors.size if turn < TURNS else 1):
-                tried = errors[k] if turn < TURNS else old
+                tried = errors[k] if turn < TURNS else last
                 for i in range(n):
                     d[i] = (tried * share[i]) * (tried * share[i])
                 change = 2 * least + _integrated(data[1], ratio, d, trial)
@@ -321,12 +315,32 @@ def minimise(theta, moving, held, columns, data, loud, errors, known):  # type: 
                     value, error = change, tried
                     for i in range(n):
                         trust[i] = trial[i]
-            counted = _trusted(data, trust)
         if turn < TURNS:
+            if turn > 0:
+                counted = _trusted(data, trust)
             some, best = _scored(some, rest, chosen, counted)
             k = 0
             for j in range(theta.size):
                 if moving[j]:
-                    found[j] = some[k]
+                    moved[j] = some[k]
                     k += 1
-    return found, best, error, trust, value
+    return moved, best, trust, value, part, completed
+
+
+@swift
+def resonance(cosine, twice, a, b, high_pass):  # type: ignore[no-untyped-def]
+    """Power of noise through two poles, and its derivatives by their coefficients a and b, summed over each bin's points.
+
+    `cosine` and `twice` have shape (bins, points): cosines of the frequencies and of twice these.
+    """
+    sums = np.zeros((3, cosine.shape[0]))
+    for i in range(cosine.shape[0]):
+        for j in range(cosine.shape[1]):
+            x, y = cosine[i, j], twice[i, j]
+            # at its peak the denominator of a sharp one is a difference of equal numbers
+            below = max((1 + a * a + b * b) + (2 * a * (1 + b)) * x + (2 * b) * y, 1e-15)
+            power = ((1 - x * x) if high_pass else 1.0) / below
+            sums[0, i] += power
+            sums[1, i] -= (2 * a + 2 * (1 + b) * x) * power / below
+            sums[2, i] -= (2 * b + 2 * a * x + 2 * y) * power / below
+    return sums

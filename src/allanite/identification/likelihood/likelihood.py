@@ -19,9 +19,10 @@ class Minimum(NamedTuple):
 
     theta: FloatArray
     least: float  # L
-    error: float  # of the shapes
-    trust: FloatArray  # shape (bins,); share of each bin's coefficients that counts beside it
+    trust: FloatArray  # shape (bins,); share of each bin's coefficients that counts beside their error
     value: float  # 2 L of all coefficients with the error integrated out
+    part: float  # of the directions in 2 L, where it was evaluated
+    completed: tuple[FloatArray, ...]  # power, expectation, the part of it that is not the terms', count; eta and V
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,13 +151,13 @@ class Likelihood(Portable):
 
     def directions(self, theta: FloatArray) -> tuple[FloatArray, FloatArray, float]:
         """Estimates eta, their covariance V and the directions' part of 2 L."""
-        _, part, (*_, eta, V) = self._evaluated(theta)
+        *_, part, (*_, eta, V) = self._evaluated(theta)
         back = np.argsort(self._order)
         return eta[back], V[np.ix_(back, back)], float(part)
 
     def value(self, theta: FloatArray) -> float:
         """L at `theta`; infinite where the expectation is not positive."""
-        return float(self._evaluated(theta)[0])
+        return self._evaluated(theta).value / 2
 
     def completed(self, theta: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """What the terms are to explain: power, its expectation, the part of that which is not theirs, and the count.
@@ -164,15 +165,14 @@ class Likelihood(Portable):
         First the bins, given the directions; then each direction of finite W, whose generalized least-squares estimate
         is one observation of variance W + (its error variance).
         """
-        power, m, rest, count, *_ = self._evaluated(theta)[2]
+        power, m, rest, count, *_ = self._evaluated(theta).completed
         return power, m, rest, count
 
-    def _evaluated(self, theta: FloatArray) -> tuple[float, float, tuple[FloatArray, ...]]:
-        from allanite.kernels.whittle import evaluated
+    def _evaluated(self, theta: FloatArray) -> Minimum:
+        from allanite.kernels.whittle import TURNS
 
         theta = np.asarray(theta, dtype=np.float64)
-        result: tuple[float, float, tuple[FloatArray, ...]] = evaluated(theta, self._held, self.columns, self.data)
-        return result
+        return self.minimum(theta, np.zeros(theta.size, dtype=bool), first=TURNS)
 
     def gradient(self, theta: FloatArray) -> FloatArray:
         """dL/dtheta, shape (p,)."""
@@ -214,7 +214,7 @@ class Likelihood(Portable):
         `known` is whether `start` is the minimum without it, or with another.
         """
         theta = np.where(free, self._start(free) if start is None else start, 0.0)
-        found = self.minimum(theta, free, loud, errors, known=known)
+        found = self.minimum(theta, free, loud, errors, int(known))
         if found.least == np.inf and start is not None:
             found = self.minimum(np.where(free, np.maximum(theta, self._start(free)), theta), free, loud, errors)
         return found
@@ -225,13 +225,12 @@ class Likelihood(Portable):
         return least.theta, least.least
 
     def minimum(
-        self, theta: FloatArray, moving: BoolArray, loud: int = 0, errors: FloatArray = NO_ERRORS, *,
-        known: bool = False,
-    ) -> Minimum:  # fmt: skip
+        self, theta: FloatArray, moving: BoolArray, loud: int = 0, errors: FloatArray = NO_ERRORS, first: int = 0
+    ) -> Minimum:
         """The minimum from a first theta on; what is not `moving` is held."""
         from allanite.kernels.whittle import minimise
 
-        return Minimum(*minimise(theta, moving, self._held, self.columns, self.data, loud, errors, known))
+        return Minimum(*minimise(theta, moving, self._held, self.columns, self.data, loud, errors, first))
 
     def _start(self, free: BoolArray) -> FloatArray:
         """Least squares relative to the smoothed power; no column is left at zero, so that m > 0 everywhere."""

@@ -9,7 +9,7 @@ import numpy as np
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
 from allanite.identification.likelihood.likelihood import Likelihood
-from allanite.identification.likelihood.whittle import step_power
+from allanite.identification.likelihood.whittle import step_products
 
 from .components import ANGLE, BEHIND, COMPONENTS, STEP, Part
 from .frame import Frame, leak
@@ -248,7 +248,10 @@ def _stepped(frame: Frame, state: State, part: Likelihood, theta: FloatArray) ->
     eta, *_ = part.directions(theta)
     at = int(np.count_nonzero(~part.flat))
     size = eta[at : at + len(steps)]
-    known = step_power(frame.spectrum, [p.shape[0] for p in steps], size)[frame.used]
+    products = frame.remembered(
+        steps, lambda: step_products(frame.spectrum, [p.shape[0] for p in steps])[:, frame.used]
+    )
+    known = np.outer(size, size).ravel() @ products
     return part.adding(np.broadcast_to(part.added, known.shape) + known)
 
 

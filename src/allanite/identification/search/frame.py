@@ -307,16 +307,16 @@ class Frame(Portable):
         """Mean gain over all frequencies."""
         return self.remembered(("mean gain", row, cutoff), lambda: float(FILTERS[row].gain(EVENLY, cutoff).mean()))
 
-    def cosines(self, quality: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Cosines at the frequencies of a resonance, at twice these, and squares of the sine, shape (bins, points)."""
+    def cosines(self, quality: float) -> tuple[FloatArray, FloatArray]:
+        """Cosines at the frequencies of a resonance, and at twice these, shape (bins, points)."""
         # The mean over a bin of a peak that is as wide as `POINTS_OVER_QUALITY` says has an error below 0.1 %.
         points = next((k for k in (1, 2, 4, 8) if k > POINTS_OVER_QUALITY * quality), MOST_POINTS)
 
-        def computed() -> tuple[FloatArray, FloatArray, FloatArray]:
+        def computed() -> tuple[FloatArray, FloatArray]:
             inside = (np.arange(points) + 0.5) / points
             first, count = self.spectrum.first[self.used], self.spectrum.count[self.used]
             cosine = np.cos(np.pi / self.size * (first[:, None] + count[:, None] * inside - 0.5))
-            return cosine, 2 * cosine * cosine - 1, 1 - cosine * cosine
+            return cosine, 2 * cosine * cosine - 1
 
         return self.remembered(("cosines", points), computed)
 
