@@ -18,7 +18,7 @@ SMALLEST_STEP = 1e-4
 FASTEST = 0.95
 CONVERGED = 1e-7
 ITERATIONS = 200
-TURNS = 3
+LAST = 5
 ROOT_HALF = 0x3FE6A09E667F3BCD  # the bits of sqrt(1/2)
 SMALLEST = 2.3e-308
 
@@ -201,15 +201,16 @@ def _rate(weight, before, shift):  # type: ignore[no-untyped-def]
 
 
 @swift_part
-def _scored(theta, held, columns, data):  # type: ignore[no-untyped-def]
-    """Theta of the terms that move at the least L, and L; `held` is the expectation of the others.
+def _scored(theta, held, columns, data, iterations):  # type: ignore[no-untyped-def]
+    """Theta of the terms that move at the least L, L, the directions' part of 2 L, and what `_completed` gives.
 
-    Nothing moves where L is infinite. Where the model is wrong, the steps of Fisher scoring shrink evenly: from two of
-    them the sum of all is known.
+    `held` is the expectation of the other terms. Nothing moves where L is infinite, or without iterations. Where the
+    model is wrong, the steps of Fisher scoring shrink evenly: from two of them the sum of all is known.
     """
-    nothing = np.zeros(held.size)
+    nothing, r = np.zeros(held.size), data[3].shape[0]
     trial, move, shift, before = theta, theta, nothing, nothing
-    best, step, left = np.inf, 0.0, ITERATIONS
+    best, step, part = np.inf, 0.0, 0.0
+    completed = nothing, nothing, nothing, nothing, np.zeros(r), np.zeros((r, r))
     while True:
         m = _expectation(columns, trial, held)
         least, found = _evaluated(m, data)
@@ -222,22 +223,23 @@ def _scored(theta, held, columns, data):  # type: ignore[no-untyped-def]
             break
         else:
             before = shift if step == 1.0 else nothing
-            gain, theta, best = best - least, trial, least
-            if gain < close or left == 0 or theta.size == 0:
+            gain, theta, best, part = best - least, trial, least, found[3]
+            completed = _completed(m, found, data)
+            if gain < close or iterations == 0 or theta.size == 0:
                 break
-            left -= 1
-            weight, move = _towards(theta, held, columns, _completed(m, found, data)[:4])
+            iterations -= 1
+            weight, move = _towards(theta, held, columns, completed[:4])
             shift = _expectation(columns, move, nothing)
             step = _stretch(theta, move, _rate(weight, before, shift))
         trial = _moved(theta, move, step)
-    return theta, best
+    return theta, best, part, completed
 
 
 @swift_part
 def _integrated(count, ratio, d, trust):  # type: ignore[no-untyped-def]
-    """What 2 L changes by where an error of variance d of ln m is integrated out in each bin; trust 1 / (1 + d count / 2).
+    """What 2 L changes by where an error of variance d of ln m is integrated out in each bin.
 
-    `ratio` is the power over m.
+    `ratio` is the power over m; 1 / (1 + d count / 2) is put in the place of `trust`.
     """
     total, more, log_ratio = 0.0, np.zeros(d.size), _logarithms(ratio)
     for i in range(d.size):
@@ -265,71 +267,89 @@ def _trusted(data, trust):  # type: ignore[no-untyped-def]
     return power, less, products, sums
 
 
+@swift_part
+def _set(values, some, moving):  # type: ignore[no-untyped-def]
+    k = 0
+    for j in range(values.size):
+        if moving[j]:
+            values[j] = some[k]
+            k += 1
+
+
+@swift_part
+def _shares(theta, m, columns, share):  # type: ignore[no-untyped-def]
+    """Put the share of all columns in m in its place."""
+    for i in range(share.size):
+        share[i] = 0.0
+    for j in range(theta.size):
+        for i in range(share.size):
+            share[i] += theta[j] * columns[j, i] / m[i]
+
+
+@swift_part
+def _best_error(ratio, share, count, errors, trust):  # type: ignore[no-untyped-def]
+    """The error of a share of m that explains the power over m best, and what 2 L changes by; the trust beside it."""
+    best, error, d, tried = np.inf, 0.0, np.zeros(share.size), np.zeros(share.size)
+    for k in range(errors.size):
+        for i in range(share.size):
+            d[i] = (errors[k] * share[i]) * (errors[k] * share[i])
+        change = _integrated(count, ratio, d, tried)
+        if change < best:
+            best, error = change, errors[k]
+            for i in range(share.size):
+                trust[i] = tried[i]
+    return error, best
+
+
 @swift
-def minimise(theta, moving, held, columns, data, loud, errors, first):  # type: ignore[no-untyped-def]
+def minimise(theta, moving, held, columns, data, loud, errors, first):  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """Theta >= 0 at the least L by Fisher scoring; what is not `moving` keeps its theta.
 
     `held` is the expectation of what is no term. The last `loud` columns have a shape that is not exact: the best of
-    some errors, relative to their power, is integrated out, twice. The turns begin with the `first`: 0 knows nothing,
-    1 a theta, `TURNS` only evaluates one. Returns theta, L, the trust in each bin beside the error, 2 L with that
-    integrated out; of the last theta, the directions' part of 2 L and what `_completed` gives.
+    some errors, relative to their power, is integrated out. From the stage `first` on, least and error take turns:
+    `LAST` only evaluates. Returns theta, L, the trust in each bin beside the error, and 2 L with that integrated out;
+    of the last least, or if there was none the evaluation, the directions' part of 2 L and what `_completed` gives.
     """
     free, n = 0, data[0].size
     for j in range(theta.size):
         free += moving[j]
     some, chosen, rest, moved = np.zeros(free), np.zeros((free, held.size)), np.zeros(held.size), np.zeros(theta.size)
     _add(rest, 1.0, held)
+    _add(moved, 1.0, theta)
     k = 0
     for j in range(theta.size):
-        moved[j] = theta[j]
         if moving[j]:
             some[k] = theta[j]
             _add(chosen[k], 1.0, columns[j])
             k += 1
         elif theta[j] != 0.0:
             _add(rest, theta[j], columns[j])
-    best, error, value, part = np.inf, 0.0, np.inf, 0.0
-    share, ratio, d, trial, trust = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.ones(n)
-    nothing, counted = np.zeros(0), data
-    completed = nothing, nothing, nothing, nothing, nothing, np.zeros((0, 0))
-    for turn in range(first, TURNS + 1 if loud or first else 1):
-        if turn > 0:
-            m = _expectation(columns, moved, held)
-            least, found = _evaluated(m, data)
-            part, completed = found[3], _completed(m, found, data)
+    share, ratio, trust, error, r = np.zeros(n), np.zeros(n), np.ones(n), np.zeros(1), data[3].shape[0]
+    best, value, part, counted = np.inf, np.inf, 0.0, data
+    completed = rest, rest, rest, rest, np.zeros(r), np.zeros((r, r))
+    for stage in range(first, LAST + 1 if loud or first else 1):
+        weighing = stage % 2 == 1
+        some, least, own, what = _scored(
+            some, rest, chosen, data if weighing else counted, 0 if weighing else ITERATIONS
+        )
+        if weighing:
             for i in range(n):
-                ratio[i] = max(completed[0][i] / m[i], 1e-12)
-            if turn < TURNS:
-                for i in range(n):
-                    share[i] = 0.0
-                for j in range(theta.size - loud, theta.size):
-                    for i in range(n):
-                        share[i] += moved[j] * columns[j, i] / m[i]
-            value, last = np.inf, error
-            for k in range(errors.size if turn < TURNS else 1):
-                tried = errors[k] if turn < TURNS else last
-                for i in range(n):
-                    d[i] = (tried * share[i]) * (tried * share[i])
-                change = 2 * least + _integrated(data[1], ratio, d, trial)
-                if change < value:
-                    value, error = change, tried
-                    for i in range(n):
-                        trust[i] = trial[i]
-        if turn < TURNS:
-            if turn > 0:
-                counted = _trusted(data, trust)
-            some, best = _scored(some, rest, chosen, counted)
-            k = 0
-            for j in range(theta.size):
-                if moving[j]:
-                    moved[j] = some[k]
-                    k += 1
+                ratio[i] = max(what[0][i] / what[1][i], 1e-12)
+            if stage < LAST:
+                _shares(moved[theta.size - loud :], what[1], columns[theta.size - loud :], share)
+            error[0], change = _best_error(ratio, share, data[1], errors if stage < LAST else error, trust)
+            value, counted = 2 * least + change, _trusted(data, trust)
+        else:
+            best = least
+            _set(moved, some, moving)
+        if not weighing or first == LAST:
+            part, completed = own, what
     return moved, best, trust, value, part, completed
 
 
 @swift
 def resonance(cosine, twice, a, b, high_pass):  # type: ignore[no-untyped-def]
-    """Power of noise through two poles, and its derivatives by their coefficients a and b, summed over each bin's points.
+    """Power of noise through two poles and its derivatives by their coefficients a and b, sums over each bin's points.
 
     `cosine` and `twice` have shape (bins, points): cosines of the frequencies and of twice these.
     """

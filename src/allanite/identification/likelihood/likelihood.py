@@ -21,7 +21,7 @@ class Minimum(NamedTuple):
     least: float  # L
     trust: FloatArray  # shape (bins,); share of each bin's coefficients that counts beside their error
     value: float  # 2 L of all coefficients with the error integrated out
-    part: float  # of the directions in 2 L, where it was evaluated
+    part: float  # of the directions in 2 L
     completed: tuple[FloatArray, ...]  # power, expectation, the part of it that is not the terms', count; eta and V
 
 
@@ -169,10 +169,10 @@ class Likelihood(Portable):
         return power, m, rest, count
 
     def _evaluated(self, theta: FloatArray) -> Minimum:
-        from allanite.kernels.whittle import TURNS
+        from allanite.kernels.whittle import LAST
 
         theta = np.asarray(theta, dtype=np.float64)
-        return self.minimum(theta, np.zeros(theta.size, dtype=bool), first=TURNS)
+        return self.minimum(theta, np.zeros(theta.size, dtype=bool), first=LAST)
 
     def gradient(self, theta: FloatArray) -> FloatArray:
         """dL/dtheta, shape (p,)."""

@@ -33,6 +33,7 @@ class Fitted(Portable):
     v: FloatArray  # shape (k,); coefficients of the factors
     likelihood: Likelihood  # of the bins that are read
     trust: FloatArray | None  # shape (bins,); weights of the bins, where a shape is not known exactly
+    of: tuple[FloatArray, ...]  # power, expectation, the part of it that is not the terms', count: with these weights
     value: float
 
     @cached_property
@@ -57,7 +58,7 @@ class Fitted(Portable):
     @cached_property
     def completed(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Power, its expectation and half the count, of the bins and the finite directions."""
-        power, m, rest, count = self.trusted.completed(self.theta)
+        power, m, rest, count = self.of
         return power - rest, m, count / 2
 
     @cached_property
@@ -266,13 +267,13 @@ def valued(  # noqa: PLR0917 - what a fit is made of
     theta, value = least.theta, least.value if loud else 2 * least.least
     trust = least.trust if loud else None
     if not math.isfinite(value):  # a shape leaves nothing where the record has power
-        return Fitted(frame, state, may, theta, v, part, trust, math.inf)
+        return Fitted(frame, state, may, theta, v, part, trust, least.completed[:4], math.inf)
     value += _volume(part, theta, frame, state)
     if state.filter is not None:
         value += frame.told(state.filter.label, state.filter.shape[0])[0]
     if v.size:
         value += float(v @ v) + _laplace(frame, state, part, theta, trust)
-    return Fitted(frame, state, may, theta, v, part, trust, value)
+    return Fitted(frame, state, may, theta, v, part, trust, least.completed[:4], value)
 
 
 def _laplace(frame: Frame, state: State, part: Likelihood, theta: FloatArray, trust: FloatArray | None) -> float:
