@@ -189,7 +189,7 @@ def _resonance(frame: Frame, part: Part) -> FloatArray:
         power, by_a, by_b = summed(*frame.cosines(quality), a, b, part.label == "high-pass")
         level, change = power.max(), 2 * slow * b
         by_omega = by_a * (2 * r * omega * math.sin(omega) - slow * a) - by_b * change
-        return np.array((power, by_omega, by_a * (slow * a) + by_b * change)) / level
+        return np.asarray(np.array((power, by_omega, by_a * (slow * a) + by_b * change)) / level)
 
     return frame.remembered(part, computed)
 

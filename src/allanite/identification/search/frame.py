@@ -43,7 +43,6 @@ class Splines:
 
     centre: FloatArray
     top: float
-    known: dict[Place, FloatArray] = field(default_factory=dict, repr=False)  # the bases that were asked for
 
     @cached_property
     def knots(self) -> FloatArray:
@@ -71,9 +70,7 @@ class Splines:
 
     def basis(self, place: Place) -> FloatArray:
         """B L, shape (bins, rank)."""
-        if place not in self.known:
-            self.known[place] = np.asarray(self.B @ self.root(place))
-        return self.known[place]
+        return np.asarray(self.B @ self.root(place))
 
     @cached_property
     def places(self) -> list[Place]:
