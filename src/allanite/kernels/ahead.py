@@ -21,13 +21,13 @@ _X, _M, _FREE, _COLUMNS = "float64[::1]", "int64[::1]", "boolean[::1]", "float64
 _DATA = f"Tuple(({_X}, {_X}, float64[:, :, ::1], {_COLUMNS}))"
 
 THERE = {
-    "whittle.evaluated": f"({_X}, {_X}, {_COLUMNS}, {_DATA})",
-    "whittle.minimise": f"({_X}, {_FREE}, {_X}, {_COLUMNS}, {_DATA})",
+    "whittle.minimise": f"({_X}, {_FREE}, {_X}, {_COLUMNS}, {_DATA}, int64, {_X}, int64)",
 }
 """What the other process compiles: kernel and types of its arguments."""
 
 HERE = {
     "leastsquares.weighted_nnls": f"({_COLUMNS}, {_X}, {_X}, {_X})",
+    "whittle.resonance": f"({_COLUMNS}, {_COLUMNS}, float64, float64, boolean)",
     "squared.add_overlapped": f"({_X}, {_X}, {_M}, int64, int64)",
     "passing.off": f"({_X}, {_X}, int64)",
     "cosine._binned": f"({_X}, {_M}, {_M})",

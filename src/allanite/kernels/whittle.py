@@ -18,6 +18,7 @@ SMALLEST_STEP = 1e-4
 FASTEST = 0.95
 CONVERGED = 1e-7
 ITERATIONS = 200
+LAST = 5
 ROOT_HALF = 0x3FE6A09E667F3BCD  # the bits of sqrt(1/2)
 SMALLEST = 2.3e-308
 
@@ -159,14 +160,6 @@ def _completed(m, found, data):  # type: ignore[no-untyped-def]
     return full, whole, rest, weight, eta, V
 
 
-@swift
-def evaluated(theta, held, columns, data):  # type: ignore[no-untyped-def]
-    """L, infinite where the expectation is not positive; the directions' part of 2 L; what `_completed` gives."""
-    m = _expectation(columns, theta, held)
-    least, found = _evaluated(m, data)
-    return least, found[3], _completed(m, found, data)
-
-
 @swift_part
 def _stretch(theta, move, rate):  # type: ignore[no-untyped-def]
     """How much further than `move` to go, if every next one is `rate` times as long; not beyond theta = 0."""
@@ -208,15 +201,16 @@ def _rate(weight, before, shift):  # type: ignore[no-untyped-def]
 
 
 @once
-def _scored(theta, held, columns, data):  # type: ignore[no-untyped-def]
-    """Theta of the terms that move at the least L, and L; `held` is the expectation of the others.
+def _scored(theta, held, columns, data, iterations):  # type: ignore[no-untyped-def]
+    """Theta of the terms that move at the least L, L, the directions' part of 2 L, and what `_completed` gives.
 
-    Nothing moves where L is infinite. Where the model is wrong, the steps of Fisher scoring shrink evenly: from two of
-    them the sum of all is known.
+    `held` is the expectation of the other terms. Nothing moves where L is infinite, or without iterations. Where the
+    model is wrong, the steps of Fisher scoring shrink evenly: from two of them the sum of all is known.
     """
-    nothing = np.zeros(held.size)
+    nothing, r = np.zeros(held.size), data[3].shape[0]
     trial, move, shift, before = theta, theta, nothing, nothing
-    best, step, left = np.inf, 0.0, ITERATIONS
+    best, step, part = np.inf, 0.0, 0.0
+    completed = nothing, nothing, nothing, nothing, np.zeros(r), np.zeros((r, r))
     while True:
         m = _expectation(columns, trial, held)
         least, found = _evaluated(m, data)
@@ -229,41 +223,144 @@ def _scored(theta, held, columns, data):  # type: ignore[no-untyped-def]
             break
         else:
             before = shift if step == 1.0 else nothing
-            gain, theta, best = best - least, trial, least
-            if gain < close or left == 0 or theta.size == 0:
+            gain, theta, best, part = best - least, trial, least, found[3]
+            completed = _completed(m, found, data)
+            if gain < close or iterations == 0 or theta.size == 0:
                 break
-            left -= 1
-            weight, move = _towards(theta, held, columns, _completed(m, found, data)[:4])
+            iterations -= 1
+            weight, move = _towards(theta, held, columns, completed[:4])
             shift = _expectation(columns, move, nothing)
             step = _stretch(theta, move, _rate(weight, before, shift))
         trial = _moved(theta, move, step)
-    return theta, best
+    return theta, best, part, completed
+
+
+@swift_part
+def _integrated(count, ratio, d, trust):  # type: ignore[no-untyped-def]
+    """What 2 L changes by where an error of variance d of ln m is integrated out in each bin.
+
+    `ratio` is the power over m; 1 / (1 + d count / 2) is put in the place of `trust`.
+    """
+    total, more, log_ratio = 0.0, np.zeros(d.size), _logarithms(ratio)
+    for i in range(d.size):
+        more[i] = 1.0 + d[i] * count[i] / 2
+    log_more = _logarithms(more)
+    for i in range(d.size):
+        trust[i] = 1.0 / more[i]
+        total += log_more[i] - count[i] * (ratio[i] - 1.0 - log_ratio[i]) * (d[i] * count[i] / 2) * trust[i]
+    return total
+
+
+@swift_part
+def _trusted(data, trust):  # type: ignore[no-untyped-def]
+    """The data of which only a share of each bin counts."""
+    power, count, UU, Uc = data
+    less, products, sums = np.zeros(count.size), np.zeros(UU.shape), np.zeros(Uc.shape)
+    for i in range(count.size):
+        less[i] = count[i] * trust[i]
+    for j in range(Uc.shape[0]):
+        for i in range(count.size):
+            sums[j, i] = Uc[j, i] * trust[i]
+        for k in range(Uc.shape[0]):
+            for i in range(count.size):
+                products[j, k, i] = UU[j, k, i] * trust[i]
+    return power, less, products, sums
+
+
+@swift_part
+def _set(values, some, moving):  # type: ignore[no-untyped-def]
+    k = 0
+    for j in range(values.size):
+        if moving[j]:
+            values[j] = some[k]
+            k += 1
+
+
+@swift_part
+def _shares(theta, m, columns, share):  # type: ignore[no-untyped-def]
+    """Put the share of all columns in m in its place."""
+    for i in range(share.size):
+        share[i] = 0.0
+    for j in range(theta.size):
+        for i in range(share.size):
+            share[i] += theta[j] * columns[j, i] / m[i]
+
+
+@swift_part
+def _best_error(ratio, share, count, errors, trust):  # type: ignore[no-untyped-def]
+    """The error of a share of m that explains the power over m best, and what 2 L changes by; the trust beside it."""
+    best, error, d, tried = np.inf, 0.0, np.zeros(share.size), np.zeros(share.size)
+    for k in range(errors.size):
+        for i in range(share.size):
+            d[i] = (errors[k] * share[i]) * (errors[k] * share[i])
+        change = _integrated(count, ratio, d, tried)
+        if change < best:
+            best, error = change, errors[k]
+            for i in range(share.size):
+                trust[i] = tried[i]
+    return error, best
 
 
 @swift
-def minimise(theta, moving, held, columns, data):  # type: ignore[no-untyped-def]
-    """Theta >= 0 at the least L, and L: Fisher scoring with step halving; what is not `moving` keeps its theta.
+def minimise(theta, moving, held, columns, data, loud, errors, first):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    """Theta >= 0 at the least L by Fisher scoring; what is not `moving` keeps its theta.
 
-    `held` is the expectation of what is no term.
+    `held` is the expectation of what is no term. The last `loud` columns have a shape that is not exact: the best of
+    some errors, relative to their power, is integrated out. From the stage `first` on, least and error take turns:
+    `LAST` only evaluates. Returns theta, L, the trust in each bin beside the error, and 2 L with that integrated out;
+    of the last least, or if there was none the evaluation, the directions' part of 2 L and what `_completed` gives.
     """
-    free = 0
+    free, n = 0, data[0].size
     for j in range(theta.size):
         free += moving[j]
-    some, chosen, rest, found = np.zeros(free), np.zeros((free, held.size)), np.zeros(held.size), np.zeros(theta.size)
+    some, chosen, rest, moved = np.zeros(free), np.zeros((free, held.size)), np.zeros(held.size), np.zeros(theta.size)
     _add(rest, 1.0, held)
+    _add(moved, 1.0, theta)
     k = 0
     for j in range(theta.size):
-        found[j] = theta[j]
         if moving[j]:
             some[k] = theta[j]
             _add(chosen[k], 1.0, columns[j])
             k += 1
         elif theta[j] != 0.0:
             _add(rest, theta[j], columns[j])
-    some, best = _scored(some, rest, chosen, data)
-    k = 0
-    for j in range(theta.size):
-        if moving[j]:
-            found[j] = some[k]
-            k += 1
-    return found, best
+    share, ratio, trust, error, r = np.zeros(n), np.zeros(n), np.ones(n), np.zeros(1), data[3].shape[0]
+    best, value, part, counted = np.inf, np.inf, 0.0, data
+    completed = rest, rest, rest, rest, np.zeros(r), np.zeros((r, r))
+    for stage in range(first, LAST + 1 if loud or first else 1):
+        weighing = stage % 2 == 1
+        some, least, own, what = _scored(
+            some, rest, chosen, data if weighing else counted, 0 if weighing else ITERATIONS
+        )
+        if weighing:
+            for i in range(n):
+                ratio[i] = max(what[0][i] / what[1][i], 1e-12)
+            if stage < LAST:
+                _shares(moved[theta.size - loud :], what[1], columns[theta.size - loud :], share)
+            error[0], change = _best_error(ratio, share, data[1], errors if stage < LAST else error, trust)
+            value, counted = 2 * least + change, _trusted(data, trust)
+        else:
+            best = least
+            _set(moved, some, moving)
+        if not weighing or first == LAST:
+            part, completed = own, what
+    return moved, best, trust, value, part, completed
+
+
+@swift
+def resonance(cosine, twice, a, b, high_pass):  # type: ignore[no-untyped-def]
+    """Power of noise through two poles and its derivatives by their coefficients a and b, sums over each bin's points.
+
+    `cosine` and `twice` have shape (bins, points): cosines of the frequencies and of twice these.
+    """
+    sums = np.zeros((3, cosine.shape[0]))
+    for i in range(cosine.shape[0]):
+        for j in range(cosine.shape[1]):
+            x, y = cosine[i, j], twice[i, j]
+            # at its peak the denominator of a sharp one is a difference of equal numbers
+            below = max((1 + a * a + b * b) + (2 * a * (1 + b)) * x + (2 * b) * y, 1e-15)
+            power = ((1 - x * x) if high_pass else 1.0) / below
+            sums[0, i] += power
+            sums[1, i] -= (2 * a + 2 * (1 + b) * x) * power / below
+            sums[2, i] -= (2 * b + 2 * a * x + 2 * y) * power / below
+    return sums

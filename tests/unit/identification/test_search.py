@@ -17,7 +17,7 @@ from allanite.identification.search import moves as ways
 from allanite.identification.search.components import CLAIMED, COMPONENTS, FACTORS, ODDS, Part, cost_of
 
 from allanite.identification.search.fitting import (  # isort: skip
-    admissible, factor_basis, fitted, likelihood_of, slopes, values_of, with_values
+    SHAPE_ERRORS, admissible, factor_basis, fitted, likelihood_of, slopes, values_of, with_values
 )  # fmt: skip
 from allanite.identification.search.frame import frame_of
 from allanite.identification.search.identify import moves_for
@@ -95,6 +95,44 @@ def test_slopes_are_those_of_the_expected_power(parts):
     assert ours.shape == expected.shape
     for a, b, c in zip(ours, expected, central / m, strict=True):
         assert np.linalg.norm(a - b) < 0.01 * np.linalg.norm(b) + 1e-4 * np.linalg.norm(c)
+
+
+def with_error(power, m, count, d):
+    """What 2 L changes by where an error of variance d of ln m is integrated out in each bin."""
+    r, dh = power / m, d * count / 2
+    return float(np.sum(np.log1p(dh) - count * (r - 1 - np.log(r)) * dh / (1 + dh)))
+
+
+@rows("parts", [(PEAK,), (GM, PEAK, HIGH_PASS), (Part("filter", "rc", (0.1,)), PEAK, ABOVE)])
+def test_the_error_of_shapes_is_the_best_of_some_twice(parts):
+    frame, state = frame_from(made(behind=RC)), State().having(*parts)
+    f, loud = fitted(frame, state), len(state.of("resonance"))
+    part = likelihood_of(frame, state, f.v)
+    theta, _ = part.minimise(f.free)
+    for _ in range(2):
+        power, m = (x[: part.power.size] for x in part.completed(theta)[:2])
+        share = part.S[:, -loud:] @ theta[-loud:] / m
+        d = min(((e * share) ** 2 for e in SHAPE_ERRORS), key=lambda d: with_error(power, m, part.count, d))
+        trusted = part.trusted(1 / (1 + d * part.count / 2))
+        theta, _ = trusted.minimise(f.free, theta)
+    power, m = (x[: part.power.size] for x in part.completed(theta)[:2])
+    J = factor_basis(frame, state) * (f.inside / f.m)[:, None]
+    volume = np.linalg.slogdet(np.eye(f.v.size) + (J.T * trusted.count / 2) @ J)[1]
+    assert f.theta == pytest.approx(theta, rel=1e-9, abs=1e-12 * theta.max())
+    assert f.value == pytest.approx(2 * part.value(theta) + with_error(power, m, part.count, d) + volume, abs=1e-8)
+    assert f.trusted.count == pytest.approx(trusted.count, rel=1e-12)
+    for ours, literal in zip(f.of, trusted.completed(theta), strict=True):
+        assert ours == pytest.approx(literal, rel=1e-9)
+
+
+@rows("part", [PEAK, HIGH_PASS, Part("resonance", "flat", (0.3, 150.0))])
+def test_a_resonance_is_white_noise_through_two_poles(part):
+    frame, (omega, quality) = frame_from(made()), part.shape
+    at = np.arccos(frame.cosines(quality)[0])
+    z, pole = np.exp(-1j * at), np.exp((-1 / (2 * quality) + 1j) * omega)
+    power = np.sin(at) ** (2 * (part.label == "high-pass")) / abs((1 - pole * z) * (1 - pole.conj() * z)) ** 2
+    power = power.mean(axis=1) / power.mean(axis=1).max()
+    assert COMPONENTS["resonance"].power(frame, part) == pytest.approx(power, rel=1e-8)
 
 
 def test_a_state_never_changes_and_its_parts_stand_in_the_order_of_the_table():

@@ -11,13 +11,34 @@ import numpy as np
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.plain import Portable
 
+NO_ERRORS = np.zeros(0)
 
-class PreparedData(NamedTuple):
+
+class Minimum(NamedTuple):
+    """Theta at the minimum of a likelihood, and what is known beside it where shapes of its columns are not exact."""
+
+    theta: FloatArray
+    least: float  # L
+    trust: FloatArray  # shape (bins,); share of each bin's coefficients that counts beside their error
+    value: float  # 2 L of all coefficients with the error integrated out
+    part: float  # of the directions in 2 L
+    completed: tuple[FloatArray, ...]  # power, expectation, the part of it that is not the terms', count; eta and V
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedData:
     """The data of likelihoods that differ in their columns, as the kernels take them."""
 
     of: tuple[FloatArray, ...]  # power, count and products of directions of which it is made
     data: tuple[FloatArray, ...]
-    smooth: FloatArray  # shape (bins,); power of the bins, smoothed and above zero
+
+    @cached_property
+    def smooth(self) -> FloatArray:
+        """Power of the bins, smoothed and above zero, shape (bins,)."""
+        power, count, *_ = self.of
+        window = np.ones(5)
+        smooth = np.convolve(power * count, window, "same") / np.convolve(count, window, "same")
+        return np.asarray(np.maximum(smooth, 1e-12 * smooth.max()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +96,9 @@ class Likelihood(Portable):
 
         The sums of the directions are over them too: else a direction could explain more than all power of a bin.
         """
-        return replace(self, count=self.count * share, UU=self.UU * share[:, None, None], Uc=self.Uc * share[:, None])
+        own = self.power, self.count * share, self.UU * share[:, None, None], self.Uc * share[:, None]
+        same = PreparedData(own, (self.power, own[1], self.data[2] * share, self.data[3] * share))
+        return replace(self, count=own[1], UU=own[2], Uc=own[3], prepared=same)
 
     def with_more(self, S: FloatArray) -> "Likelihood":
         """The likelihood with one more column, of a term that does not know the edges of the record."""
@@ -99,10 +122,7 @@ class Likelihood(Portable):
         if same is not None and all(a is b for a, b in zip(same.of, own, strict=True)):
             return same
         UU, Uc = self.UU.transpose(1, 2, 0)[np.ix_(self._order, self._order)], self.Uc.T[self._order]
-        window = np.ones(5)
-        smooth = np.convolve(self.power * self.count, window, "same") / np.convolve(self.count, window, "same")
-        data = self.power, self.count, np.ascontiguousarray(UU), np.ascontiguousarray(Uc)
-        return PreparedData(own, data, np.asarray(np.maximum(smooth, 1e-12 * smooth.max())))
+        return PreparedData(own, (self.power, self.count, np.ascontiguousarray(UU), np.ascontiguousarray(Uc)))
 
     @property
     def data(self) -> tuple[FloatArray, ...]:
@@ -131,13 +151,13 @@ class Likelihood(Portable):
 
     def directions(self, theta: FloatArray) -> tuple[FloatArray, FloatArray, float]:
         """Estimates eta, their covariance V and the directions' part of 2 L."""
-        _, part, (*_, eta, V) = self._evaluated(theta)
+        *_, part, (*_, eta, V) = self._evaluated(theta)
         back = np.argsort(self._order)
         return eta[back], V[np.ix_(back, back)], float(part)
 
     def value(self, theta: FloatArray) -> float:
         """L at `theta`; infinite where the expectation is not positive."""
-        return float(self._evaluated(theta)[0])
+        return self._evaluated(theta).value / 2
 
     def completed(self, theta: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """What the terms are to explain: power, its expectation, the part of that which is not theirs, and the count.
@@ -145,15 +165,14 @@ class Likelihood(Portable):
         First the bins, given the directions; then each direction of finite W, whose generalized least-squares estimate
         is one observation of variance W + (its error variance).
         """
-        power, m, rest, count, *_ = self._evaluated(theta)[2]
+        power, m, rest, count, *_ = self._evaluated(theta).completed
         return power, m, rest, count
 
-    def _evaluated(self, theta: FloatArray) -> tuple[float, float, tuple[FloatArray, ...]]:
-        from allanite.kernels.whittle import evaluated
+    def _evaluated(self, theta: FloatArray) -> Minimum:
+        from allanite.kernels.whittle import LAST
 
         theta = np.asarray(theta, dtype=np.float64)
-        result: tuple[float, float, tuple[FloatArray, ...]] = evaluated(theta, self._held, self.columns, self.data)
-        return result
+        return self.minimum(theta, np.zeros(theta.size, dtype=bool), first=LAST)
 
     def gradient(self, theta: FloatArray) -> FloatArray:
         """dL/dtheta, shape (p,)."""
@@ -182,18 +201,36 @@ class Likelihood(Portable):
         if fixed is not None:
             moving[fixed[0]] = False
             theta[fixed[0]] = fixed[1]
-        least, best = self.moved(theta, moving)
-        if best == np.inf and start is not None:  # it lies outside: let every free term in
-            theta = np.where(moving, np.maximum(theta, self._start(free)), theta)
-            least, best = self.moved(theta, moving)
-        return least, best
+        found = self.minimum(theta, moving)
+        if found.least == np.inf and start is not None:  # it lies outside: let every free term in
+            found = self.minimum(np.where(moving, np.maximum(theta, self._start(free)), theta), moving)
+        return found.theta, found.least
+
+    def settled(
+        self, free: BoolArray, start: FloatArray | None, loud: int, errors: FloatArray, *, known: bool = False
+    ) -> Minimum:
+        """The same where the last `loud` columns have an error of their shapes, the best of some.
+
+        `known` is whether `start` is the minimum without it, or with another.
+        """
+        theta = np.where(free, self._start(free) if start is None else start, 0.0)
+        found = self.minimum(theta, free, loud, errors, int(known))
+        if found.least == np.inf and start is not None:
+            found = self.minimum(np.where(free, np.maximum(theta, self._start(free)), theta), free, loud, errors)
+        return found
 
     def moved(self, theta: FloatArray, moving: BoolArray) -> tuple[FloatArray, float]:
         """Theta >= 0 at the minimum of L, and L; what is not `moving` is held."""
+        least = self.minimum(theta, moving)
+        return least.theta, least.least
+
+    def minimum(
+        self, theta: FloatArray, moving: BoolArray, loud: int = 0, errors: FloatArray = NO_ERRORS, first: int = 0
+    ) -> Minimum:
+        """The minimum from a first theta on; what is not `moving` is held."""
         from allanite.kernels.whittle import minimise
 
-        least, best = minimise(theta, moving, self._held, self.columns, self.data)
-        return least, float(best)
+        return Minimum(*minimise(theta, moving, self._held, self.columns, self.data, loud, errors, first))
 
     def _start(self, free: BoolArray) -> FloatArray:
         """Least squares relative to the smoothed power; no column is left at zero, so that m > 0 everywhere."""

@@ -93,13 +93,18 @@ def step_coefficients(n: int, at: npt.ArrayLike) -> FloatArray:
 
 def step_power(spectrum: BinnedSpectrum, at: Sequence[float], size: FloatArray) -> FloatArray:
     """Mean power of steps in the bins above the lowest coefficients, where their signs alternate within a bin."""
+    return np.asarray(np.outer(size, size).ravel() @ step_products(spectrum, at))
+
+
+def step_products(spectrum: BinnedSpectrum, at: Sequence[float]) -> FloatArray:
+    """The same of products of each two steps of size 1, shape (steps * steps, bins)."""
     # The coefficients of steps at i and j have the product [cos(pi k (i - j) / n) - cos(pi k (i + j) / n)] / (4 n
     # sin^2(pi k / 2n)). Within a bin the sine hardly changes, and the mean of a cosine is Dirichlet's kernel.
     n, centre = spectrum.size, spectrum.first + (spectrum.count - 1) / 2
     half = np.pi / (2 * n) * np.array((np.subtract.outer(at, at), np.add.outer(at, at)))[..., None]
     wide = np.sinc(half * spectrum.count / np.pi) / np.sinc(half / np.pi) * np.cos(2 * half * centre)
-    mean = np.einsum("i,j,ijb->b", size, size, wide[0] - wide[1]) / (4 * n * np.sin(np.pi * centre / (2 * n)) ** 2)
-    return np.where(spectrum.first > SINGLE, mean, 0.0)
+    mean = (wide[0] - wide[1]) / (4 * n * np.sin(np.pi * centre / (2 * n)) ** 2)
+    return np.where(spectrum.first > SINGLE, mean, 0.0).reshape(-1, centre.size)
 
 
 def in_bins(spectrum: BinnedSpectrum, lowest: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -166,48 +166,32 @@ def _power_law_slope(frame: Frame, part: Part) -> FloatArray:
     return (power_law(frame, moved) - power_law(frame, part))[None] / STEP
 
 
-def _poles(frame: Frame, part: Part) -> tuple[FloatArray, FloatArray, float, float]:
-    """Numerator and denominator of the power of a resonance, and the coefficients a, b of its two poles."""
-    omega, quality = part.shape
-    r = math.exp(-omega / (2 * quality))
-    a, b = -2 * r * math.cos(omega), r * r
-    cosine, twice, sine = frame.cosines(quality)
-    # at its peak the denominator of a sharp one is a difference of equal numbers
-    below = np.maximum((1 + a * a + b * b) + (2 * a * (1 + b)) * cosine + (2 * b) * twice, 1e-15)
-    return (sine if part.label == "high-pass" else np.ones(1)), below, a, b
-
-
 def resonance(frame: Frame, part: Part) -> FloatArray:
     """Mean power of a resonance in the bins, its highest 1: white noise through two poles."""
-
-    def computed() -> FloatArray:
-        above, below, *_ = _poles(frame, part)
-        mean = (above / below) @ np.full(below.shape[1], 1 / below.shape[1])
-        return np.asarray(mean / mean.max())
-
-    return frame.remembered(("resonance", part), computed)
+    return np.asarray(_resonance(frame, part)[0])
 
 
 def resonance_slope(frame: Frame, part: Part) -> FloatArray:
     """Its derivatives by the logarithms of frequency and quality, up to a share of itself."""
-    return frame.remembered(("resonance slope", part), lambda: _resonance_slope(frame, part))
+    return _resonance(frame, part)[1:]
 
 
-def _resonance_slope(frame: Frame, part: Part) -> FloatArray:
-    above, below, a, b = _poles(frame, part)
-    (omega, quality), (cosine, twice, _) = part.shape, frame.cosines(part.shape[1])
-    each = np.full(below.shape[1], 1 / below.shape[1])
-    change = above / below
-    level = (change @ each).max()
-    change = change / below
-    whole, first, second = change @ each, (change * cosine) @ each, (change * twice) @ each
-    by_a = -(2 * a * whole + 2 * (1 + b) * first) / level
-    by_b = -(2 * b * whole + 2 * a * first + 2 * second) / level
-    slow = omega / (2 * quality)  # -ln r
-    da = (slow * 2 * math.sqrt(b) * math.cos(omega) + 2 * math.sqrt(b) * omega * math.sin(omega), slow * a)
-    db = (-2 * slow * b, 2 * slow * b)
-    rows = [by_a * da[0] + by_b * db[0], by_a * da[1] + by_b * db[1]]
-    return np.array(rows)
+def _resonance(frame: Frame, part: Part) -> FloatArray:
+    """Its power and derivatives, shape (3, bins)."""
+
+    def computed() -> FloatArray:
+        from allanite.kernels.whittle import resonance as summed
+
+        omega, quality = part.shape
+        slow = omega / (2 * quality)  # -ln r
+        r = math.exp(-slow)
+        a, b = -2 * r * math.cos(omega), r * r  # coefficients of the poles
+        power, by_a, by_b = summed(*frame.cosines(quality), a, b, part.label == "high-pass")
+        level, change = power.max(), 2 * slow * b
+        by_omega = by_a * (2 * r * omega * math.sin(omega) - slow * a) - by_b * change
+        return np.asarray(np.array((power, by_omega, by_a * (slow * a) + by_b * change)) / level)
+
+    return frame.remembered(part, computed)
 
 
 def _resonance_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:

@@ -1,7 +1,7 @@
 """The fit of a state: sizes and shapes together, by Fisher scoring of one score (docs/derivations.md)."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
 from allanite.identification.likelihood.likelihood import Likelihood
-from allanite.identification.likelihood.whittle import step_power
+from allanite.identification.likelihood.whittle import step_products
 
 from .components import ANGLE, BEHIND, COMPONENTS, STEP, Part
 from .frame import Frame, leak
@@ -32,9 +32,14 @@ class Fitted(Portable):
     theta: FloatArray  # shape (sizes,)
     v: FloatArray  # shape (k,); coefficients of the factors
     likelihood: Likelihood  # of the bins that are read
-    trusted: Likelihood  # the same with the weights of bins in which a shape is not known exactly
-    error: float  # of the shapes of resonances; 0 without one
+    trust: FloatArray | None  # shape (bins,); weights of the bins, where a shape is not known exactly
+    of: tuple[FloatArray, ...]  # power, expectation, the part of it that is not the terms', count: with these weights
     value: float
+
+    @cached_property
+    def trusted(self) -> Likelihood:
+        """The likelihood with the weights of its bins."""
+        return self.likelihood if self.trust is None else self.likelihood.trusted(self.trust)
 
     @cached_property
     def score(self) -> float:
@@ -53,7 +58,7 @@ class Fitted(Portable):
     @cached_property
     def completed(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Power, its expectation and half the count, of the bins and the finite directions."""
-        power, m, rest, count = self.trusted.completed(self.theta)
+        power, m, rest, count = self.of
         return power - rest, m, count / 2
 
     @cached_property
@@ -82,9 +87,9 @@ class Fitted(Portable):
     def information(self) -> tuple[FloatArray, BoolArray]:
         """Information of the active sizes, shapes and v; and which sizes are active."""
         active = self.theta > 0
-        Z = np.column_stack((self.likelihood.columns[active].T, self._wide(self.slopes)))
+        Z = self.directions
         _, m, h = self.completed
-        H = (Z / m[:, None] ** 2 * h[:, None]).T @ Z
+        H = (Z * (h / (m * m))) @ Z.T
         k = self.v.size
         if k:
             H[-k:, -k:] += np.eye(k)
@@ -102,11 +107,13 @@ class Fitted(Portable):
         units = np.outer(size, size)
         return np.asarray(np.linalg.pinv(H / units, hermitian=True) / units)
 
-    def _wide(self, rows: FloatArray) -> FloatArray:
-        """Rows of the bins as columns of the bins and the finite directions."""
-        wide = np.zeros((self.likelihood.columns.shape[1], rows.shape[0]))
-        wide[: rows.shape[1]] = rows.T
-        return wide
+    @cached_property
+    def directions(self) -> FloatArray:
+        """Derivatives of the expectation by the active sizes, the shapes and v, shape (values, bins and directions)."""
+        columns, slopes = self.likelihood.columns[self.theta > 0], self.slopes
+        Z = np.zeros((columns.shape[0] + slopes.shape[0], columns.shape[1]))
+        Z[: columns.shape[0]], Z[columns.shape[0] :, : slopes.shape[1]] = columns, slopes
+        return Z
 
 
 def sizes_inside(frame: Frame, state: State) -> int:
@@ -156,9 +163,13 @@ def bounds_of(frame: Frame, state: State) -> tuple[FloatArray, FloatArray]:
 def factor_basis(frame: Frame, state: State) -> FloatArray:
     """B L of all factors side by side, shape (bins, k)."""
     parts = state.of("factor")
-    if not parts:
-        return np.zeros((frame.count.size, 0))
-    return np.column_stack([p.shape[2] * frame.splines.basis((p.label, p.shape[0], p.shape[1])) for p in parts])
+
+    def computed() -> FloatArray:
+        if not parts:
+            return np.zeros((frame.count.size, 0))
+        return np.column_stack([p.shape[2] * frame.splines.basis((p.label, p.shape[0], p.shape[1])) for p in parts])
+
+    return frame.remembered(("factors", parts), computed)
 
 
 def likelihood_of(frame: Frame, state: State, v: FloatArray) -> Likelihood:
@@ -170,32 +181,37 @@ def likelihood_of(frame: Frame, state: State, v: FloatArray) -> Likelihood:
     if through is not None:
         gain, mean = frame.gain(through.label, through.shape[0]), frame.mean_gain(through.label, through.shape[0])
         white = leak(through.label, through.shape[0])
-    inner = [part.S, *(_power(frame, p)[:, None] for p in state if COMPONENTS[p.name].inside)]
-    acting = gain
+    powers, acting = part.S.shape[1], gain
     if v.size:
-        acting = gain * np.exp(np.clip(factor_basis(frame, state) @ v, -STEEPEST, STEEPEST))
-    S = np.column_stack(inner) * acting[:, None] if acting.size > 1 else np.column_stack(inner)
-    outer = [
-        _power(frame, p) * (1 - gain if COMPONENTS[p.name].behind else 1.0)
-        for p in state if COMPONENTS[p.name].power and not COMPONENTS[p.name].inside
-    ]  # fmt: skip
-    if outer:
-        S = np.column_stack((S, *outer))
-    W = np.zeros((part.W.shape[0], S.shape[1]))
-    W[:, : part.W.shape[1]] = part.W * mean
+        acting = gain * raised(factor_basis(frame, state) @ v)
+    rows, inner = [], powers
+    for p in state:
+        row = COMPONENTS[p.name]
+        if row.power is not None and row.inside:
+            rows.append(row.power(frame, p))  # before all others: parts are in the order of the table
+            inner += 1
+        elif row.power is not None:
+            rows.append(row.power(frame, p) * (1 - gain) if row.behind else row.power(frame, p))
+    columns = np.empty((powers + len(rows), part.S.shape[0]))
+    columns[:powers] = part.S.T
+    for i, each in enumerate(rows):
+        columns[powers + i] = each
+    if acting.size > 1:
+        columns[:inner] *= acting
+    W = np.zeros((part.W.shape[0], columns.shape[0]))
+    W[:, :powers] = part.W * mean
     if white and frame.white is not None:
         W[~part.flat, frame.white] += white
-    explained = part.explained(S, W)
+    explained = part.explained(columns.T, W)
     rounding = frame.spectrum.rounding
     if rounding and through is not None:
         explained = explained.adding(rounding * (1 - gain))
     return explained
 
 
-def _power(frame: Frame, part: Part) -> FloatArray:
-    power = COMPONENTS[part.name].power
-    assert power is not None  # noqa: S101 - asked of noise, floor and resonances
-    return power(frame, part)
+def raised(logarithm: FloatArray) -> FloatArray:
+    """The power of factors from its logarithm."""
+    return np.exp(np.minimum(np.maximum(logarithm, -STEEPEST), STEEPEST))
 
 
 def admissible(frame: Frame, state: State, free: BoolArray | None, sizes: int) -> BoolArray:
@@ -218,79 +234,62 @@ def fitted(
     """The sizes of a state at its shapes."""
     rank = factor_basis(frame, state).shape[1]
     v = np.zeros(rank) if v is None or v.size != rank else v
-    part = _stepped(frame, state, likelihood_of(frame, state, v))
+    part = likelihood_of(frame, state, v)
     may = admissible(frame, state, free, part.S.shape[1])
     first = start.theta if start is not None and start.theta.size == may.size and (start.theta[may] > 0).any() else None
-    theta, _ = part.minimise(may, first)
     if state.of("step"):
-        part = _stepped(frame, state, part, theta)
-        theta, _ = part.minimise(may, theta)
-    return valued(frame, state, may, theta, v, part, start.error if start is not None else 0.03)
+        first, _ = part.minimise(may, first)
+        part = _stepped(frame, state, part, first)
+    return valued(frame, state, may, first, v, part)
 
 
-def _stepped(frame: Frame, state: State, part: Likelihood, theta: FloatArray | None = None) -> Likelihood:
+def _stepped(frame: Frame, state: State, part: Likelihood, theta: FloatArray) -> Likelihood:
     """Steps have known power above the lowest coefficients, once their sizes are known."""
     steps = state.of("step")
-    if not steps or theta is None:
-        return part
     eta, *_ = part.directions(theta)
     at = int(np.count_nonzero(~part.flat))
     size = eta[at : at + len(steps)]
-    known = step_power(frame.spectrum, [p.shape[0] for p in steps], size)[frame.used]
+    products = frame.remembered(
+        steps, lambda: step_products(frame.spectrum, [p.shape[0] for p in steps])[:, frame.used]
+    )
+    known = np.outer(size, size).ravel() @ products
     return part.adding(np.broadcast_to(part.added, known.shape) + known)
 
 
 def valued(  # noqa: PLR0917 - what a fit is made of
-    frame: Frame, state: State, may: BoolArray, theta: FloatArray, v: FloatArray, part: Likelihood, error: float
-) -> Fitted:
+    frame: Frame, state: State, may: BoolArray, start: FloatArray | None, v: FloatArray, part: Likelihood, *,
+    known: bool = False,
+) -> Fitted:  # fmt: skip
     """A fit with its value; where there are resonances, with the best error of their shapes and the sizes beside it."""
-    loud = state.of("resonance")
-    trusted, d = part, None
-    if loud:
-        for _ in range(2):
-            m, power = _observed(part, theta)
-            share = (part.S[:, -len(loud) :] @ theta[-len(loud) :]) / m
-            each = [_integrated(part.count, m, power, (e * share) ** 2) for e in SHAPE_ERRORS]
-            error = float(SHAPE_ERRORS[int(np.argmin(each))])
-            d = (error * share) ** 2
-            trusted = part.trusted(1 / (1 + d * part.count / 2))
-            theta, _ = trusted.minimise(may, theta)
-    least = part.value(theta)
-    if not math.isfinite(least):  # a shape leaves nothing where the record has power
-        return Fitted(frame, state, may, theta, v, part, trusted, error, math.inf)
-    value = 2 * least + float(v @ v) + _volume(part, theta, frame)
+    # `known` is whether `start` is the minimum at another error.
+    loud = len(state.of("resonance"))
+    least = part.settled(may, start, loud, SHAPE_ERRORS, known=known and loud > 0)
+    theta, value = least.theta, least.value if loud else 2 * least.least
+    trust = least.trust if loud else None
+    if not math.isfinite(value):  # a shape leaves nothing where the record has power
+        return Fitted(frame, state, may, theta, v, part, trust, least.completed[:4], math.inf)
+    value += _volume(part, theta, frame, state)
     if state.filter is not None:
         value += frame.told(state.filter.label, state.filter.shape[0])[0]
-    if d is not None:
-        m, power = _observed(part, theta)
-        value += _integrated(part.count, m, power, d)
-    result = Fitted(frame, state, may, theta, v, part, trusted, error if loud else 0.0, value)
-    return result if not v.size else replace(result, value=value + _laplace(result))
+    if v.size:
+        value += float(v @ v) + _laplace(frame, state, part, theta, trust)
+    return Fitted(frame, state, may, theta, v, part, trust, least.completed[:4], value)
 
 
-def _laplace(f: Fitted) -> float:
+def _laplace(frame: Frame, state: State, part: Likelihood, theta: FloatArray, trust: FloatArray | None) -> float:
     """Logarithm of the determinant of the information of v."""
-    J = factor_basis(f.frame, f.state) * (f.inside / f.m)[:, None]
-    h = f.trusted.count / 2
-    return float(np.linalg.slogdet(np.eye(f.v.size) + (J * h[:, None]).T @ J)[1])
+    B, k = factor_basis(frame, state), sizes_inside(frame, state)
+    h = (part.S[:, :k] @ theta[:k] / part.expectation(theta)) ** 2 * part.count / 2
+    G = (B.T * (h if trust is None else h * trust)) @ B
+    G.flat[:: G.shape[0] + 1] += 1
+    return 2 * float(np.log(np.linalg.cholesky(G).diagonal()).sum())
 
 
-def _observed(part: Likelihood, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Expected and observed power of the bins, given the loose directions."""
-    power, m, *_ = part.completed(theta)
-    n = part.power.size
-    return m[:n], power[:n]
-
-
-def _integrated(count: FloatArray, m: FloatArray, power: FloatArray, d: FloatArray) -> float:
-    """What 2 L changes by where an error of variance d of the logarithm of m is integrated out in each bin."""
-    r, dh = np.maximum(power / m, 1e-12), d * count / 2
-    return float(np.sum(np.log1p(dh) - count * (r - 1 - np.log(r)) * dh / (1 + dh)))
-
-
-def _volume(part: Likelihood, theta: FloatArray, frame: Frame) -> float:
+def _volume(part: Likelihood, theta: FloatArray, frame: Frame, state: State) -> float:
     """From the integral over steps and a warm-up of any size, whose unit would count, to their best sizes."""
     # What every state has, a ramp and what a slow noise did during long gaps, stays integrated.
+    if not (state.of("step") or state.of("warm-up")):
+        return 0.0
     own = int(part.flat.sum() - frame.plain.flat.sum())
     if own <= 0:
         return 0.0
@@ -305,14 +304,14 @@ def slopes(f: Fitted) -> FloatArray:
     frame, state, theta = f.frame, f.state, f.theta
     gain = frame.gain(state.filter.label, state.filter.shape[0]) if state.filter else np.ones(1)
     basis = factor_basis(frame, state)
-    raised = np.exp(np.clip(basis @ f.v, -STEEPEST, STEEPEST)) if f.v.size else np.ones(1)
+    acting = gain * raised(basis @ f.v) if f.v.size else gain
     rows, inner, outer = [], len(frame.powers), sizes_inside(frame, state)
     columns = [column_of_part(state, frame, p) for p in state if COMPONENTS[p.name].behind]
     behind = frame.spectrum.rounding + sum(float(theta[i]) for i in columns if i is not None)
     for part in state:
         row = COMPONENTS[part.name]
         if row.inside and row.slope is not None:
-            rows += list(theta[inner] * row.slope(frame, part) * (gain * raised))
+            rows += list(theta[inner] * row.slope(frame, part) * acting)
             inner += 1
         elif part.name == "filter":
             moved = frame.gain(part.label, part.shape[0] * math.exp(-STEP))

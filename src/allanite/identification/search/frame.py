@@ -1,6 +1,7 @@
 """One spectrum, and what may explain it: columns, gains and shapes of all states of a search; splines of factors."""
 
 import math
+from bisect import bisect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
@@ -117,6 +118,8 @@ EDGES_GRID = 0.01
 """Step in the logarithm of a cut-off at which the noise at the edges of a record is computed; it changes as little."""
 
 
+EVENLY = (np.arange(256) + 0.5) / 512  # frequencies over which a mean gain is taken, cycles a sample
+
 T = TypeVar("T")
 
 
@@ -142,16 +145,21 @@ class Common(NamedTuple):
         """The score of the other channels at a cut-off, and its first and second derivative by the logarithm."""
         if not self.at:
             return 0.0, 0.0, 0.0
-        curve = _curve(self.at, self.scores)
-        value, slope, curvature = (float(curve(math.log(cutoff), k)) for k in range(3))
-        return value, slope, max(curvature, 0.0)
+        at, (a, b, c, d) = self.at, _curve(self.at, self.scores)
+        x = math.log(cutoff)
+        i = min(max(bisect(at, x) - 1, 0), len(at) - 2)
+        x -= at[i]
+        value, slope = ((a[i] * x + b[i]) * x + c[i]) * x + d[i], (3 * a[i] * x + 2 * b[i]) * x + c[i]
+        return value, slope, max(6 * a[i] * x + 2 * b[i], 0.0)
 
 
 @lru_cache(256)
-def _curve(at: tuple[float, ...], scores: tuple[float, ...]) -> Any:
+def _curve(at: tuple[float, ...], scores: tuple[float, ...]) -> list[list[float]]:
+    """Coefficients of the cubics between the cut-offs, the highest power first."""
     from scipy.interpolate import CubicSpline
 
-    return CubicSpline(at, scores)
+    coefficients: list[list[float]] = CubicSpline(at, scores).c.tolist()
+    return coefficients
 
 
 @dataclass(frozen=True, eq=False)
@@ -279,7 +287,7 @@ class Frame(Portable):
         """What is computed once, as long as there is not too much of it."""
         if key not in self.known:
             if len(self.known) > MAX_REMEMBERED:
-                self.known.clear()
+                self.known.pop(next(iter(self.known)))  # the oldest
             self.known[key] = computed()
         result: T = self.known[key]
         return result
@@ -290,23 +298,22 @@ class Frame(Portable):
 
     def gain(self, row: str, cutoff: float) -> FloatArray:
         """Mean power that a filter lets pass in each bin, shape (bins,); the cut-off in cycles a sample."""
-        return gain_of(row, cutoff, self.spectrum)[self.used]
+        return self.remembered(("gain", row, cutoff), lambda: gain_of(row, cutoff, self.spectrum)[self.used])
 
     def mean_gain(self, row: str, cutoff: float) -> float:
         """Mean gain over all frequencies."""
-        f = (np.arange(256) + 0.5) / 512
-        return float(FILTERS[row].gain(f, cutoff).mean())
+        return self.remembered(("mean gain", row, cutoff), lambda: float(FILTERS[row].gain(EVENLY, cutoff).mean()))
 
-    def cosines(self, quality: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Cosines at the frequencies of a resonance, at twice these, and squares of the sine, shape (bins, points)."""
+    def cosines(self, quality: float) -> tuple[FloatArray, FloatArray]:
+        """Cosines at the frequencies of a resonance, and at twice these, shape (bins, points)."""
         # The mean over a bin of a peak that is as wide as `POINTS_OVER_QUALITY` says has an error below 0.1 %.
         points = next((k for k in (1, 2, 4, 8) if k > POINTS_OVER_QUALITY * quality), MOST_POINTS)
 
-        def computed() -> tuple[FloatArray, FloatArray, FloatArray]:
+        def computed() -> tuple[FloatArray, FloatArray]:
             inside = (np.arange(points) + 0.5) / points
             first, count = self.spectrum.first[self.used], self.spectrum.count[self.used]
             cosine = np.cos(np.pi / self.size * (first[:, None] + count[:, None] * inside - 0.5))
-            return cosine, 2 * cosine * cosine - 1, 1 - cosine * cosine
+            return cosine, 2 * cosine * cosine - 1
 
         return self.remembered(("cosines", points), computed)
 

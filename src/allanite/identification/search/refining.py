@@ -47,8 +47,8 @@ class Local:
     def _own(self) -> tuple[FloatArray, FloatArray]:
         """Directions of the sizes and shapes, relative to m, and the root of their inverse information."""
         f = self.f
-        H, active = f.information
-        Z = np.column_stack((f.likelihood.S[:, active], f.slopes.T)) / f.m[:, None]
+        H, _ = f.information
+        Z = (f.directions[:, : f.m.size] / f.m).T
         size = np.sqrt(np.maximum(np.diag(H), 1e-300))
         values, vectors = np.linalg.eigh(H / np.outer(size, size))
         root = vectors / np.sqrt(np.maximum(values, 1e-9)) / size[:, None]
@@ -134,17 +134,19 @@ def _step(f: Fitted, moving: BoolArray, damping: float) -> tuple[FloatArray, Flo
     H, active = f.information
     a, k = int(active.sum()), f.v.size
     power, m, h = f.completed
-    Z = np.column_stack((f.likelihood.columns[active].T, f._wide(f.slopes)))
-    g = (Z / m[:, None]).T @ (h * (power / m - 1))
+    g = f.directions @ (h * (power / m - 1) / m)
     if k:
         g[-k:] -= f.v
     through = f.state.filter
     if through is not None:
         g[a + place_of(f.state, through)] -= f.frame.told(through.label, through.shape[0])[1] / 2
-    some = np.concatenate((np.ones(a, dtype=bool), moving))
-    H, g = H[np.ix_(some, some)], g[some]
-    size = np.sqrt(np.maximum(np.diag(H), 1e-300))
-    move = np.linalg.solve(H / np.outer(size, size) + damping * np.eye(size.size), g / size) / size
+    if not moving.all():
+        some = np.concatenate((np.ones(a, dtype=bool), moving))
+        H, g = H[some][:, some], g[some]
+    size = np.sqrt(np.maximum(H.diagonal(), 1e-300))
+    damped = H / (size[:, None] * size)
+    damped.flat[:: size.size + 1] += damping
+    move = np.linalg.solve(damped, g / size) / size
     full = np.zeros(moving.size)
     full[moving] = move[a:]
     x = moving.size - k
@@ -159,8 +161,10 @@ def resized(f: Fitted, free: BoolArray) -> Fitted:
     """The same state and shapes with other terms free."""
     may = admissible(f.frame, f.state, free, f.theta.size)
     start = np.where(may, np.maximum(f.theta, 0.0), 0.0)
-    theta, _ = f.trusted.minimise(may, start if (start > 0).any() else None)
-    again = valued(f.frame, f.state, may, theta, f.v, f.likelihood, f.error)
+    first = start if (start > 0).any() else None
+    if f.trust is not None:
+        first, _ = f.trusted.minimise(may, first)
+    again = valued(f.frame, f.state, may, first, f.v, f.likelihood, known=True)
     return refined(again, 3) if f.v.size else again
 
 
