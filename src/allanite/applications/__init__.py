@@ -6,6 +6,5 @@ temperature effects.
 
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach(
-    __name__, submodules=["angle", "attitude", "compensation", "constant_rate", "signals"]
-)
+__getattr__, __dir__, __all__ = lazy_loader.attach(__name__, submodules=["angle", "attitude", "compensation",
+                                                                         "constant_rate", "signals"])  # fmt: skip

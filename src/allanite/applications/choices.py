@@ -47,12 +47,10 @@ class CompensationChoices:
 
     regressors: tuple[str, ...] = choice("A,B,...", "Columns on which the rate may depend.", default=(), told="")
     degree: int = choice("", "Highest power of a regressor to try.", default=1)
-    lags: tuple[float, ...] = choice(
-        "S,S,...", "Lags of the regressors, seconds.", kind=SECONDS, default=(), told="")
+    lags: tuple[float, ...] = choice("S,S,...", "Lags of the regressors, seconds.", kind=SECONDS, default=(), told="")
     derivative_of: tuple[str, ...] = choice("A,B,...", "Columns whose derivative is a regressor.", default=(), told="")
-    trend: bool = choice(
-        "", "Estimate a linear drift beside the regressors; it is not removed.", default=True, told="trend",
-        flags=("--trend/--no-trend",))
+    trend: bool = choice("", "Estimate a linear drift beside the regressors; it is not removed.", default=True,
+                         told="trend", flags=("--trend/--no-trend",))
     beside: str | None = choice("FILE", "Read the regressors from this file, with units and times.")
     interpolate: bool = choice(
         "", "Interpolate regressors of another time base to the record's samples.", default=False)
@@ -92,8 +90,7 @@ class RateChoices:
     latitude: float | None = choice("DEG", "Latitude of the site.")
     horizontal: bool = choice("", "The axis is horizontal: find north (needs --latitude).", default=False)
     turned: float = choice("DEG", "Rotation between the two positions.", default=180.0)
-    near: float = choice(
-        "DEG", "Approximate heading, which selects one of the two solutions for north.", default=90.0)
+    near: float = choice("DEG", "Approximate heading, which selects one of the two solutions for north.", default=90.0)
     position_method: str = choice("NAME", "Estimator for north and the bias.", default="optimal")
     durations: tuple[float, ...] = choice(
         "S,...", "Measuring times to compare.", default=(), told="", flags=("--measuring-times",), old=("--durations",))

@@ -130,10 +130,9 @@ class Dask:
         try:
             client = distributed.Client(self.address, timeout=PATIENCE)
         except (OSError, ValueError) as error:
-            raise UsageError(
-                f"the Dask scheduler {self.address!r} does not answer ({error}); start one with 'dask scheduler' and "
-                f"workers with 'dask worker {self.address}', or check the address"
-            ) from None
+            raise UsageError(f"the Dask scheduler {self.address!r} does not answer ({error}); start "
+                             f"one with 'dask scheduler' and workers with 'dask worker {self.address}', or check the "
+                             "address") from None  # fmt: skip
         with client:
             self._demand_workers(client)
             given, ended = {client.submit(task, item, pure=False): item for item in items}, SimpleQueue[Any]()
@@ -164,16 +163,14 @@ class Dask:
         try:
             client.wait_for_workers(1, timeout=PATIENCE)
         except TimeoutError:
-            raise UsageError(
-                f"the Dask scheduler {self.address!r} has no worker; start some with 'dask worker {self.address}' and "
-                "repeat the command: what is stored is not done again"
-            ) from None
+            raise UsageError(f"the Dask scheduler {self.address!r} has no worker; start some "
+                             f"with 'dask worker {self.address}' and repeat the command: what is stored is not done "
+                             "again") from None  # fmt: skip
         versions = client.get_versions(packages=SAME[1:])
         here, wrong = _versions(versions["client"]), []
         for worker, each in sorted(versions["workers"].items()):
-            other = [
-                f"{name} {has} instead of {here[name]}" for name, has in _versions(each).items() if has != here[name]
-            ]
+            other = [f"{name} {has} instead of {here[name]}"
+                     for name, has in _versions(each).items() if has != here[name]]  # fmt: skip
             wrong += [f"{worker} has {', '.join(other)}"] if other else []
         if wrong:
             more = f" (and {len(wrong) - 3} more)" if len(wrong) > 3 else ""

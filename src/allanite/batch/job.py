@@ -188,11 +188,9 @@ def _complete(files: dict[str, FileStatus], choices: Plain, store: Store, execut
     same: dict[str, list[FileStatus]] = {}
     for file in files.values():
         same.setdefault(file.key, []).append(file)
-    missing: list[Plain] = [
-        {"file": os.path.abspath(first.file), "key": key, "sha256": first.sha256, "choices": choices}
-        for key, (first, *_) in same.items()
-        if first.status == OPEN
-    ]
+    missing: list[Plain] = [{"file": os.path.abspath(first.file),
+                             "key": key, "sha256": first.sha256, "choices": choices}
+                            for key, (first, *_) in same.items() if first.status == OPEN]  # fmt: skip
     wrong = []
     for i, done in enumerate(executor.run(analyze_plainly, missing), 1):
         result = done.result or {}

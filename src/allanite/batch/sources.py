@@ -125,9 +125,8 @@ def _csv(lines: list[str], path: Path) -> Iterator[tuple[int, dict[str, str]]]:
         raise UsageError(f"the manifest {str(path)!r} has no column 'file' but {heads[:8]}; {FORM}")
     wrong = sorted({head for head in heads if head in OWN or not head or heads.count(head) > 1})
     if wrong:
-        raise UsageError(
-            f"the manifest {str(path)!r} has columns named {wrong}: empty, twice, or reserved; rename them"
-        )
+        raise UsageError(f"the manifest {str(path)!r} has columns named {wrong}: empty, twice, or reserved; rename "
+                         "them")  # fmt: skip
     for begin, cells in rows:
         if not any(cells):
             continue

@@ -80,10 +80,9 @@ class Specification(Value):
         own = self.channels.get(channel, ())
         for limit in own:
             if limit.signal is not signal:
-                raise UsageError(
-                    f"{self.source}: the limit of {limit.symbol} for the channel {channel!r} is in {limit.unit}, which "
-                    f"is a unit of a {limit.signal.name}; the channel is a {signal.name}"
-                )
+                raise UsageError(f"{self.source}: the limit of {limit.symbol} for the channel {channel!r} "
+                                 f"is in {limit.unit}, which is a unit of a {limit.signal.name}; the channel is a "
+                                 f"{signal.name}")  # fmt: skip
         common = {limit.symbol: limit for limit in self.limits if limit.signal is signal}
         return tuple((common | {limit.symbol: limit for limit in own}).values())
 
@@ -161,9 +160,8 @@ def _limits(table: Any, where: str) -> Iterator[Limit]:
         met = set()
         for entry in entries if isinstance(entries, list) else [entries]:
             if not isinstance(entry, dict) or not isinstance(entry.get("max"), str):
-                raise UsageError(
-                    f"the limit of {symbol} in [{where}] is written as {EXAMPLE}, with the unit; {entry!r} came"
-                )
+                raise UsageError(f"the limit of {symbol} in [{where}] is written as {EXAMPLE}, with the unit; "
+                                 f"{entry!r} came")  # fmt: skip
             _demand_keys(entry, ("max",), f"the limit of {symbol} in [{where}]")
             quantities = split_quantities(entry["max"].split())
             if len(quantities) != 1 or not quantities[0][0] > 0 or not quantities[0][1]:
@@ -174,9 +172,8 @@ def _limits(table: Any, where: str) -> Iterator[Limit]:
             signal = signal_with(unit_of(unit).dimension, 0 if symbol == MINIMUM else TERMS[symbol].power, values=True)
             if signal is None:  # of a coefficient the factor was found
                 usual = ", ".join(s.sheet[0] for s in SIGNALS if s.inertial)
-                raise UsageError(
-                    f"{unit!r} is not a unit of a {MINIMUM} of the Allan deviation; usual ones are {usual}"
-                )
+                raise UsageError(f"{unit!r} is not a unit of a {MINIMUM} of the Allan deviation; usual ones are "
+                                 f"{usual}")  # fmt: skip
             if signal.name in met:
                 raise UsageError(f"{symbol} in [{where}] has two limits for a {signal.name}; keep one")
             met.add(signal.name)

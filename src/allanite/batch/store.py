@@ -100,9 +100,8 @@ class Store:
             if (table.schema.metadata or {}).get(DIGEST) != _digest(row):
                 raise ValueError("its content is not what was stored")
         except (OSError, ArrowInvalid, ValueError) as error:
-            raise DataError(
-                f"the part {str(self.part(key))!r} cannot be read ({reason(error)}); run the batch again"
-            ) from None
+            raise DataError(f"the part {str(self.part(key))!r} cannot be read ({reason(error)}); run the batch "
+                            "again") from None  # fmt: skip
         return row
 
     @contextmanager
@@ -130,9 +129,8 @@ class Store:
         except OSError as error:
             raise UsageError(f"{name} cannot be written to ({error.strerror}); give another folder") from None
         if file is None:
-            raise UsageError(
-                f"another run writes its results to {name}; wait until it has ended, or give another folder"
-            )
+            raise UsageError(f"another run writes its results to {name}; wait until it has ended, or give another "
+                             "folder")  # fmt: skip
         with file:
             for draft in (*self.folder.glob(DRAFTS), *(self.folder / PARTS).glob(DRAFTS)):
                 draft.unlink()

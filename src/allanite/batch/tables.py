@@ -69,9 +69,8 @@ def put_tables(store: Store, files: Iterable[FileStatus]) -> Iterator[FileStatus
     """Write the other tables in the order of the files, and yield the files with what their results say of them."""
     # Each result is read once, and a few are held at a time.
     with ExitStack() as stack:
-        writers = {
-            name: stack.enter_context(store.writer(name, schema_of(columns))) for name, (columns, _) in TABLES.items()
-        }
+        writers = {name: stack.enter_context(store.writer(name, schema_of(columns)))
+                   for name, (columns, _) in TABLES.items()}  # fmt: skip
         ordered = sorted(files, key=lambda file: file.file)
         for i in range(0, len(ordered), AT_ONCE):
             group = ordered[i : i + AT_ONCE]
@@ -150,9 +149,8 @@ def gathered(
         name, signal = channel.record.name, channel.record.signal
         known: list[tuple[str, float | None, float | None]] = [
             (e.symbol, e.value, None) if e.valued else (e.symbol, None, e.upper)
-            for e in channel.fit or ()
-            if e.valued or e.status == "absent"
-        ]
+            for e in channel.fit or () if e.valued or e.status == "absent"
+        ]  # fmt: skip
         minimum = None if channel.readings is None else channel.readings.minimum
         if channel.readings is not None and minimum is not None:
             inside, most = channel.readings.inside, minimum.interval(level)[1]
@@ -183,23 +181,18 @@ def across(channels: Iterable[tuple[str, Channel]], level: float) -> tuple[Acros
 Rows = Iterator[dict[str, Any]]
 REFUSED = "refused"  # name of the finding about a channel without a result
 
-COEFFICIENTS = {
-    "file": str, "channel": str, "sensor": str, "symbol": str, "status": str, "value": float, "low": float,
-    "high": float, "upper": float, "standard_error": float, "unit": str, "level": float, "shown_value": float,
-    "shown_low": float, "shown_high": float, "shown_unit": str, "parameters": list, "method": str, "reason": str,
-}  # fmt: skip
+COEFFICIENTS = {"file": str, "channel": str, "sensor": str, "symbol": str, "status": str, "value": float, "low": float,
+                "high": float, "upper": float, "standard_error": float, "unit": str, "level": float,
+                "shown_value": float, "shown_low": float, "shown_high": float, "shown_unit": str, "parameters": list,
+                "method": str, "reason": str}  # fmt: skip
 """Columns of the coefficients: SI, and as data sheets have them; `parameters` are those of the term's shape."""
 
-CURVES = {
-    "file": str, "channel": str, "statistic": str, "m": int, "tau": float, "deviation": float, "low": float,
-    "high": float, "edf": float, "count": int, "unit": str,
-}  # fmt: skip
+CURVES = {"file": str, "channel": str, "statistic": str, "m": int, "tau": float, "deviation": float, "low": float,
+          "high": float, "edf": float, "count": int, "unit": str}  # fmt: skip
 """Columns of the curves, SI."""
 
-FINDINGS = {
-    "file": str, "channel": str, "name": str, "what": str, "consequence": str, "remedy": str, "start": float,
-    "end": float, "fatal": bool,
-}  # fmt: skip
+FINDINGS = {"file": str, "channel": str, "name": str, "what": str, "consequence": str, "remedy": str, "start": float,
+            "end": float, "fatal": bool}  # fmt: skip
 """Columns of the findings; those about a file as a whole have an empty channel."""
 
 

@@ -29,9 +29,8 @@ Source = Study | Channel | Fit | Model | Term | Mapping[str, Fit] | Sequence["So
 @singledispatch
 def axes_of(source: Any) -> Iterator[Axis]:
     """The axes of a source; refused channels are left out."""
-    raise UsageError(
-        f"a {type(source).__name__} holds no noise; give a Study, a Channel, a Fit, a Model, or a list of these"
-    )
+    raise UsageError(f"a {type(source).__name__} holds no noise; give a Study, a Channel, a Fit, a Model, or a list of "
+                     "these")  # fmt: skip
 
 
 @axes_of.register
@@ -51,10 +50,9 @@ def _of_channel(channel: Channel, level: float, known: Mapping[str, str]) -> Ite
         return
     fit, doubts = channel.noise.fit, channel.noise.doubts
     alerts = (*channel.noise.omitted, *(alert for alert in channel.alerts if alert not in doubts))
-    yield Axis(
-        channel.record.name, fit, channel.record.rate, join("; ", doubts) if doubts else "", channel.readings, level,
-        alerts, next((curve for curve in channel.curves if curve.statistic in ALLAN), None), known,
-    )  # fmt: skip
+    yield Axis(channel.record.name, fit, channel.record.rate, join("; ", doubts) if doubts else "", channel.readings,
+               level, alerts, next((curve for curve in channel.curves if curve.statistic in ALLAN), None),
+               known)  # fmt: skip
 
 
 @axes_of.register
@@ -173,10 +171,8 @@ def coefficients(axes: Sequence[Axis], symbol: str, *, markov: bool, unexplained
             reasons.setdefault(why, []).append(axis.label)
         else:
             chosen.append(coefficient)
-    return tuple(chosen), [
-        say("{axis}: {symbol} is {why}", axis=", ".join(names), symbol=symbol, why=why)
-        for why, names in reasons.items()
-    ]
+    return tuple(chosen), [say("{axis}: {symbol} is {why}", axis=", ".join(names), symbol=symbol, why=why)
+                           for why, names in reasons.items()]  # fmt: skip
 
 
 def _coefficient(axis: Axis, e: Estimate, *, unexplained: bool) -> AxisCoefficient | None:
@@ -203,9 +199,8 @@ def _markov(axis: Axis) -> AxisCoefficient | None:
     low, high = e.interval(axis.level)
     note = say("{name} {words}, T = {time:.4g} s", name=TERMS["GM"].title, words=e.words(level=axis.level), time=time)
     covers = e.method == COVER
-    return AxisCoefficient(
-        axis.name, e.value * walk, low * walk, high * walk, False, False, note, time, axis.level, covers
-    )
+    return AxisCoefficient(axis.name, e.value * walk, low * walk, high * walk, False, False, note, time, axis.level,
+                           covers)  # fmt: skip
 
 
 READ = "curve"  # method of estimates that are such bounds

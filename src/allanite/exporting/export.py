@@ -101,9 +101,8 @@ class Export(Value):
     def rows(self) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows: a field each."""
         return ["field", "value", "identified", "unit", "factor", "remark", "formula", "channel"], [
-            [e.full, _numbers(e.values), _numbers(e.identified), e.unit,
-             "" if e.factor is None else f"{e.factor:.3g}", e.remark, e.formula,
-             ", ".join(dict.fromkeys(e.channels))]
+            [e.full, _numbers(e.values), _numbers(e.identified), e.unit, "" if e.factor is None else f"{e.factor:.3g}",
+             e.remark, e.formula, ", ".join(dict.fromkeys(e.channels))]
             for e in self.entries
         ]  # fmt: skip
 
@@ -206,10 +205,8 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     if not how.partial:
         demand_rate(target, rate)
     doubts = [axis for axis in axes if axis.doubt and not how.unexplained]
-    notes = (
-        *without_cover(entries), *missing, *left_out(target, stand),
-        *(line for made in stated if made.covers for line in made.words()),
-    )  # fmt: skip
+    notes = (*without_cover(entries), *missing, *left_out(target, stand),
+             *(line for made in stated if made.covers for line in made.words()))  # fmt: skip
     known = 1 if target.simulates else None  # what it says of filters is none of a simulator's business
     warned = [line for made in stated if made.confident for line in made.words()[:known]]
     omitted = (f"left out: {axis.name} ({axis.doubt})" for axis in doubts)
@@ -230,10 +227,9 @@ def _axes(source: Source, how: How) -> tuple[Axis, ...]:
     inertial = [axis for axis in axes if axis.fit.signal.inertial]
     if axes and not inertial:
         names = ", ".join(f"{axis.label!r} ({axis.sensor})" for axis in axes)
-        raise DataError(
-            f"files for other programs hold the noise of gyroscopes and accelerometers, not of {names}; write the "
-            "coefficients of any quantity with " + spelled("'allanite analyze FILE --coefficients PATH'", "fit.rows()")
-        )
+        raise DataError(f"files for other programs hold the noise of gyroscopes and accelerometers, not of {names}; "
+                        "write the coefficients of any quantity with "
+                        + spelled("'allanite analyze FILE --coefficients PATH'", "fit.rows()"))  # fmt: skip
     known = how.rate or next((axis.rate for axis in inertial if axis.rate), None)
     return tuple(bounded(replace(axis, rate=axis.rate or known), asked=how.from_curve) for axis in inertial)
 

@@ -13,10 +13,9 @@ from .targets.robots import (  # isort: skip
 )  # fmt: skip
 from .targets.sheets import DATASHEET, STATESPACE
 
-_OWN = (
-    KALIBR, OPENVINS, ORB_SLAM3, VINS_MONO, VINS_FUSION, LIO_SAM, GTSAM, ROS_IMU, ROBOT_LOCALIZATION, PX4, ARDUPILOT,
-    MATLAB, GNSS_INS_SIM, GAZEBO, GAZEBO_CLASSIC, PEGASUS, KF_GINS, PSINS, NAVEGO, STATESPACE, DATASHEET,
-)  # fmt: skip
+_OWN = (KALIBR, OPENVINS, ORB_SLAM3, VINS_MONO, VINS_FUSION, LIO_SAM, GTSAM, ROS_IMU, ROBOT_LOCALIZATION,
+        PX4, ARDUPILOT, MATLAB, GNSS_INS_SIM, GAZEBO, GAZEBO_CLASSIC, PEGASUS, KF_GINS, PSINS, NAVEGO, STATESPACE,
+        DATASHEET)  # fmt: skip
 
 EXPORTS = Registry({row.name: row for row in _OWN}, "allanite.targets", kind=Target, key="name")
 """Targets of `allanite.export` by name."""

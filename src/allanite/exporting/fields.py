@@ -65,18 +65,15 @@ def fill(target: Target, axes: Sequence[Axis], how: How) -> tuple[tuple[Entry, .
             entries.append(_entry(field, POLICIES[how.axis](coefs), group, target, how))
             if reasons and field.term:
                 others = join("; ", reasons)
-                missing.append(
-                    say("{field} is taken from the other axes ({reasons})", field=field.full, reasons=others)
-                )
+                missing.append(say("{field} is taken from the other axes ({reasons})", field=field.full,
+                                   reasons=others))  # fmt: skip
             continue
         why = say("{field} has no value ({reasons})", field=field.full, reasons=join("; ", reasons))
         (fatal if field.needed and not how.partial else missing).append(why)
     if fatal:
         measured = any(axis.fit.method != "given" for axis in axes)
-        cure = (
-            "A longer record gives at least an upper limit (allanite plan), or choose an axis that has one with "
-            f"{spelled('--axis', 'axis')}; {remedy()}" if measured else "State it as well"
-        )  # fmt: skip
+        cure = ("A longer record gives at least an upper limit (allanite plan), or choose an axis that has one with "
+                f"{spelled('--axis', 'axis')}; {remedy()}" if measured else "State it as well")  # fmt: skip
         raise DataError(f"{target.name} cannot be written: {'; '.join(fatal)}. {cure}")
     return tuple(entries), tuple(missing)
 
@@ -119,11 +116,10 @@ def _entry(field: TargetField, coefs: Found, group: Sequence[Axis], target: Targ
     pairs = [_value(field, c, rates[c.channel] or 1.0, how.inflate) for c in coefs]
     values, remarks = zip(*pairs, strict=True)
     each = (join(" ", (c.channel, remark)) for c, remark in zip(coefs, remarks, strict=True))
-    return Entry(
-        field.name, field.sensor, field.section, field.unit, field.formula, values,
-        tuple(c.channel for c in coefs if c.channel), join("; ", remarks[:1] if len(set(remarks)) == 1 else each),
-        not any(c.limit for c in coefs), all(c.covers for c in coefs),
-    )  # fmt: skip
+    return Entry(field.name, field.sensor,
+                 field.section, field.unit, field.formula, values, tuple(c.channel for c in coefs if c.channel),
+                 join("; ", remarks[:1] if len(set(remarks)) == 1 else each), not any(c.limit for c in coefs),
+                 all(c.covers for c in coefs))  # fmt: skip
 
 
 def _value(field: TargetField, coef: AxisCoefficient, rate: float, inflate: float) -> tuple[float, str]:
@@ -164,9 +160,8 @@ def demand_how(target: Target, how: How) -> None:
     if how.inflate != 1 and not target.inflatable:
         raise UsageError(f"{target.name} states what was measured: it is not inflated")
     if how.cover and not target.drifts:
-        what = (
-            "only white noise, which covers no drift" if target.fields else "the whole model: there is nothing to cover"
-        )
+        what = ("only white noise, which covers no drift" if target.fields else "the whole model: there is nothing to "
+                "cover")  # fmt: skip
         raise UsageError(f"{target.name} takes {what}; omit {spelled('--cover', 'cover')}")
     if how.axis == "each" and target.fields and not target.each:
         raise UsageError(f"{target.name} takes one value for all axes; choose worst, median, x, y or z")

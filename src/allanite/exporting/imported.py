@@ -96,17 +96,12 @@ class Explanation(Value):
     def targets(self) -> list[dict[str, Any]]:
         """Title, fields, notes and source of each."""
         rows = [row_of_file(self.target)] if self.target else list(EXPORTS.values())
-        return [
-            {
-                "name": row.name, "title": row.title,
-                "fields": [
-                    {"name": f.full, "sensor": f.sensor, "unit": f.unit, "formula": f.formula,
-                     **dict(zip(("kind", "mistaken_for", "wrong_by"), f.nature, strict=True))} for f in row.fields
-                ],
-                "notes": list(row.notes), "source": row.source,
-            }
-            for row in rows
-        ]  # fmt: skip
+        return [{"name": row.name, "title": row.title,
+                 "fields": [{"name": f.full, "sensor": f.sensor, "unit": f.unit, "formula": f.formula,
+                             **dict(zip(("kind", "mistaken_for", "wrong_by"), f.nature, strict=True))}
+                            for f in row.fields],
+                 "notes": list(row.notes), "source": row.source}
+                for row in rows]  # fmt: skip
 
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
@@ -195,10 +190,8 @@ def noise_in(text: str, target: Target, rate: float | None, name: str = "the tex
         wanted = ", ".join(field.name for field in target.fields)
         raise DataError(f"{name!r} has none of the fields of {target.name}: {wanted}")
     if rate is None and any(each and field.rate for field, each in values.items()):
-        raise UsageError(
-            f"the fields of {target.name} are of discrete time: give the sampling rate, "
-            + spelled("--rate HZ", "rate=...")
-        )
+        raise UsageError(f"the fields of {target.name} are of discrete time: give the sampling rate, "
+                         + spelled("--rate HZ", "rate=..."))  # fmt: skip
     # the correlation time of a sensor, or the one that both have in common, s
     own = {f.sensor: max(each) * unit_of(f.unit).factor for f, each in values.items() if each and not f.term}
     times = {sensor: own.get(sensor, next(iter(own.values()))) for sensor in _SENSORS} if own else {}
@@ -210,9 +203,8 @@ def _correlated(model: Model, time: float) -> Model:
     """A model whose random walk is a Gauss-Markov process of this correlation time, unless that is very long."""
     if not 0 < time < LONG:
         return model
-    return Model(tuple(
-        Term("GM", t.value * math.sqrt(time / 2), t.signal, (time,)) if t.symbol == "K" else t for t in model
-    ))  # fmt: skip
+    return Model(tuple(Term("GM", t.value * math.sqrt(time / 2), t.signal, (time,)) if t.symbol == "K" else t
+                       for t in model))  # fmt: skip
 
 
 def _model(sensor: str, values: dict[TargetField, list[float]], rate: float, time: float) -> Model | None:

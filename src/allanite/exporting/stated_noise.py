@@ -163,20 +163,16 @@ class StatedNoise(Value):
         (low, high), (ratio, at), wrong = self.span, self.lowest, self.actual / self.predicted
         sensor = say(self.noise.signal.name)
         if not self.covers:
-            return (
-                say("{channels}: the Allan deviation of this file is {ratio:.2f} of that of the noise at {at:.4g} s",
-                    channels=self.label, ratio=ratio, at=at),
-                say("{sensor}: a filter errs up to {wrong:.2g} times what it predicts with this file",
-                    sensor=sensor, wrong=float(wrong.max())),
-            )  # fmt: skip
+            return (say("{channels}: the Allan deviation of this file is {ratio:.2f} of that of the noise at {at:.4g} "
+                        "s", channels=self.label, ratio=ratio, at=at),
+                    say("{sensor}: a filter errs up to {wrong:.2g} times what it predicts with this file",
+                        sensor=sensor, wrong=float(wrong.max())))  # fmt: skip
         loss = np.round(100 * (self.actual / self.best - 1))  # its maximum is where it is first, not where rounding is
-        return (
-            say("{channels}: covers the noise from {low:.4g} to {high:.4g} s, lowest ratio {ratio:.2f} at {at:.4g} s",
-                channels=self.label, low=low, high=high, ratio=ratio, at=at),
-            say("{sensor}: errors without aid up to {loss:.0f} % above the best filter's ({time:.4g} s), predicted up "
-                "to {wide:.2g} times as large", sensor=sensor, loss=float(loss.max()),
-                time=float(self.times[loss.argmax()]), wide=1 / float(wrong.min())),
-        )  # fmt: skip
+        return (say("{channels}: covers the noise from {low:.4g} to {high:.4g} s, lowest ratio {ratio:.2f} at {at:.4g} "
+                    "s", channels=self.label, low=low, high=high, ratio=ratio, at=at),
+                say("{sensor}: errors without aid up to {loss:.0f} % above the best filter's ({time:.4g} s), predicted "
+                    "up to {wide:.2g} times as large", sensor=sensor, loss=float(loss.max()),
+                    time=float(self.times[loss.argmax()]), wide=1 / float(wrong.min())))  # fmt: skip
 
     @property
     def confident(self) -> bool:
@@ -284,11 +280,9 @@ def model_of_fields(
     times = [by_name[f.full] * unit_of(f.unit).factor for f in target.fields if not f.term and f.full in by_name]
     own = [by_name[f.full] * unit_of(f.unit).factor for f in fields if not f.term]
     time = (own or times or [LONG])[0]
-    terms = [
-        _term(f, f.coefficient(by_name[f.full], rate or 1.0, time), axis.fit.signal, time if own or times else None)
-        for f in fields
-        if f.term and by_name.get(f.full)
-    ]
+    terms = [_term(f,
+                   f.coefficient(by_name[f.full], rate or 1.0, time), axis.fit.signal, time if own or times else None)
+             for f in fields if f.term and by_name.get(f.full)]  # fmt: skip
     return Model(tuple(terms)) if terms else None
 
 
@@ -353,8 +347,7 @@ def beside(noises: Sequence[AxisNoise], model: Model, *, covers: bool) -> Stated
     actual = np.max([cov.errors(weights) for cov in truths], axis=0)
     return StatedNoise(
         tuple(noise.axis.name for noise in noises if noise.axis.name), model, first.model, tau,
-        np.sqrt(_allan(tuple(model), tau, first.axis.rate)),
-        np.sqrt(np.max([n.identified for n in noises], axis=0)), np.sqrt(np.max([n.upper for n in noises], axis=0)),
-        times, np.sqrt(own.errors(weights)), np.sqrt(actual), np.sqrt(best), covers,
-        tuple(noise.axis.curve for noise in noises if noise.axis.curve is not None),
+        np.sqrt(_allan(tuple(model), tau, first.axis.rate)), np.sqrt(np.max([n.identified for n in noises], axis=0)),
+        np.sqrt(np.max([n.upper for n in noises], axis=0)), times, np.sqrt(own.errors(weights)), np.sqrt(actual),
+        np.sqrt(best), covers, tuple(noise.axis.curve for noise in noises if noise.axis.curve is not None),
     )  # fmt: skip

@@ -213,16 +213,13 @@ class ThermalTarget(Target):
         wrong = [r.label for r in kept if r.smooth is not None or r.lag]
         wrong = wrong or [r.label for r in kept if r.channel != kept[0].channel][:1]
         if wrong:
-            raise UsageError(
-                f"{self.program} takes the powers of one temperature, not {', '.join(wrong)} as well; fit the "
-                "temperature of the sensor alone, for example " + spelled("--regressors temp", "regressors=('temp',)")
-            )
+            raise UsageError(f"{self.program} takes the powers of one temperature, not {', '.join(wrong)} as well; fit "
+                             "the temperature of the sensor alone, for example "
+                             + spelled("--regressors temp", "regressors=('temp',)"))  # fmt: skip
         most = max((r.power for r in kept), default=1)
         if most > self.order:
-            raise UsageError(
-                f"{self.program} takes powers up to {self.order}, not {most}: "
-                + spelled(f"--degree {self.order}", f"degree={self.order}")
-            )
+            raise UsageError(f"{self.program} takes powers up to {self.order}, not {most}: "
+                             + spelled(f"--degree {self.order}", f"degree={self.order}"))  # fmt: skip
 
     @property
     def program(self) -> str:
@@ -233,8 +230,6 @@ class ThermalTarget(Target):
         """What the names of the fields of a sensor begin with."""
         chosen = next(iter(self.prefixes)) if instance is None else instance
         if chosen not in self.prefixes:
-            raise UsageError(
-                f"{self.program} numbers its sensors from {min(self.prefixes)} to {max(self.prefixes)}; there is no "
-                + spelled(f"--instance {chosen}", f"instance={chosen}")
-            )
+            raise UsageError(f"{self.program} numbers its sensors from {min(self.prefixes)} to {max(self.prefixes)}; "
+                             "there is no " + spelled(f"--instance {chosen}", f"instance={chosen}"))  # fmt: skip
         return self.prefixes[chosen].format(sensor=self.letters[sensor])

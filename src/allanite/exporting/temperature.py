@@ -126,10 +126,9 @@ def _axes(study: CompensationStudy, sensor: str) -> Iterator[_Axis]:
     names = [c.record.name for c in channels]
     places = {axis: placed(names, axis) for axis in AXES}
     if sorted(place for place in places.values() if place is not None) != list(range(len(names))):
-        raise UsageError(
-            f"which axes {', '.join(names)} are is not known: one sensor has at most three channels, "
-            f"whose names end in x, y and z; choose them with {spelled('--channels gx,gy,gz', 'Recipe(channels=...)')}"
-        )
+        raise UsageError(f"which axes {', '.join(names)} are is not known: "
+                         "one sensor has at most three channels, whose names end in x, y and z; choose them with "
+                         f"{spelled('--channels gx,gy,gz', 'Recipe(channels=...)')}")  # fmt: skip
     for axis, place in places.items():
         if place is not None and (regression := channels[place].regression) is not None:
             yield _Axis(sensor, axis, channels[place], regression)
@@ -139,10 +138,9 @@ def _demand(row: ThermalTarget, regression: Regression) -> None:
     row.demand(regression.regressors)
     first = regression.regressors[0]
     if first.unit != "degC":
-        raise UsageError(
-            f"{row.program} takes temperatures in degC, and {first.channel!r} is in {first.unit!r}: give its unit, "
-            + spelled(f"for example --unit 'gyro=deg/s,{first.channel}=degC'", "Record(..., unit='degC')")
-        )
+        raise UsageError(f"{row.program} takes temperatures in degC, and {first.channel!r} is in {first.unit!r}: give "
+                         "its unit, " + spelled(f"for example --unit 'gyro=deg/s,{first.channel}=degC'",
+                                                "Record(..., unit='degC')"))  # fmt: skip
     if first.span is None:
         raise DataError(f"the saved regression of {regression.name!r} lacks the range of {first.channel!r}: fit again")
 
@@ -185,9 +183,8 @@ def _entries(row: ThermalTarget, sensor: str, own: Sequence[_Axis], prefix: str)
                 value, error = (float(numbers[power]) * row.scale for numbers in polynomials[axis])
                 names = [axes[axis].name]
                 remark = say("standard error {error:.2g}", error=error) if error else say("not in the fit")
-            yield Entry(
-                name, sensor, "", unit + per, f"coefficient of (T - T0)^{power}", (value,), tuple(names), remark
-            )
+            yield Entry(name, sensor, "", unit + per, f"coefficient of (T - T0)^{power}", (value,), tuple(names),
+                        remark)  # fmt: skip
 
 
 def _header(row: ThermalTarget, study: CompensationStudy, used: Sequence[_Axis]) -> Iterator[str]:

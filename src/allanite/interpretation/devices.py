@@ -11,18 +11,15 @@ from allanite.core.names import row_of
 from allanite.phrases.phrase import say
 
 # none by angle random walk: the bounds of overviews contradict the data sheets of tactical sensors
-GRADES: dict[str, float] = {
-    say("Navigation grade"): 0.01, say("Tactical grade"): 5.0, say("Industrial grade"): 360.0,
-    say("Consumer grade"): math.inf,
-}  # fmt: skip
+GRADES: dict[str, float] = {say("Navigation grade"): 0.01, say("Tactical grade"): 5.0, say("Industrial grade"): 360.0,
+                            say("Consumer grade"): math.inf}  # fmt: skip
 """Grades of gyroscopes, the best first, each with the in-run bias stability, deg/h, that it is below."""
 
-GRADES_SOURCE = (
-    "navigation and consumer: N. El-Sheimy, A. Youssef, Inertial sensors technologies for navigation applications, "
-    "Satellite Navigation 1 (2020) 2, doi:10.1186/s43020-019-0001-5, table 1 (gyroscope drift below 0.01 deg/h; "
-    "0.1 deg/s); tactical against industrial: N. Miller, D. Robbins, J. Bessette, Benefits of a tactical grade IMU in "
-    "low-cost GNSS/INS systems, RoboticsTomorrow, July 2021 (in-run bias stability of 5 deg/h)"
-)
+GRADES_SOURCE = ("navigation and consumer: N. El-Sheimy, A. Youssef, Inertial sensors technologies for navigation "
+                 "applications, Satellite Navigation 1 (2020) 2, doi:10.1186/s43020-019-0001-5, table 1 (gyroscope "
+                 "drift below 0.01 deg/h; 0.1 deg/s); tactical against industrial: N. Miller, D. Robbins, J. Bessette, "
+                 "Benefits of a tactical grade IMU in low-cost GNSS/INS systems, RoboticsTomorrow, July 2021 (in-run "
+                 "bias stability of 5 deg/h)")  # fmt: skip
 
 
 def grade_of(stability: float) -> str:

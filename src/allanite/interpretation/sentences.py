@@ -137,11 +137,10 @@ def meaning(
         return Meaning(fit.name, texts)
     row = named(device)
     if fit.signal.name not in row.signals:
-        note = say(
-            "the table of {device} is about {signals} signals, not about this {sensor}", device=row.title,
-            signals=reduce(lambda first, second: say("{first} or {second}", first=first, second=second), row.signals),
-            sensor=fit.signal.name,
-        )  # fmt: skip
+        note = say("the table of {device} is about {signals} signals, not about this {sensor}", device=row.title,
+                   signals=reduce(lambda first, second: say("{first} or {second}", first=first, second=second),
+                                  row.signals),
+                   sensor=fit.signal.name)  # fmt: skip
         return Meaning(fit.name, texts, device, (), note)
     symbols = tuple(e.symbol for e in fit if e.claimed and e.symbol in row.terms) if fit.valid is not None else ()
     return Meaning(fit.name, texts, device, symbols, row.note)
@@ -155,10 +154,8 @@ def sentences(fit: Fit, readings: Readings | None = None, *, rate: float, length
     if fit.valid is None or not fit.validity:
         return ()
     present = {e.symbol: e for e in fit if e.claimed and e.value}
-    return (
-        *_dominating(present, rate, length), *_minimum(fit, readings, rate, length), *_drift(fit, present, length),
-        *_time_constants(fit, present), *_grade(readings),
-    )  # fmt: skip
+    return (*_dominating(present, rate, length), *_minimum(fit, readings, rate, length), *_drift(fit, present, length),
+            *_time_constants(fit, present), *_grade(readings))  # fmt: skip
 
 
 def _title(estimate: Estimate) -> str:
@@ -198,10 +195,8 @@ def _white(span: Span, found: dict[str, Estimate], limits: tuple[float, float]) 
     late = span.start > limits[0]
     if span.end >= limits[1]:
         if late:
-            where = say(
-                "White noise ({term}) dominates from {start} up to half the length of the record", term=title,
-                start=start,
-            )  # fmt: skip
+            where = say("White noise ({term}) dominates from {start} up to half the length of the record", term=title,
+                        start=start)  # fmt: skip
         else:
             where = say("White noise ({term}) dominates at all averaging times", term=title)
         return join(": ", (where, say("averaging reduces the error with the square root of time")))
@@ -220,10 +215,9 @@ def _minimum(fit: Fit, readings: Readings | None, rate: float, length: float) ->
     flicker = next((e for e in fit if TERMS[e.symbol].slope == 0 and not TERMS[e.symbol].parameters), None)
     if flicker is None:
         return
-    stated = say(
-        "The minimum of the Allan deviation is {minimum}; divided by 0.664 it would be a B of {flicker}",
-        minimum=readings.lowest_words(), flicker=_size(readings.minimum.deviation * FLICKER, flicker, 0),
-    )  # fmt: skip
+    stated = say("The minimum of the Allan deviation is {minimum}; divided by 0.664 it would be a B of {flicker}",
+                 minimum=readings.lowest_words(),
+                 flicker=_size(readings.minimum.deviation * FLICKER, flicker, 0))  # fmt: skip
     if flicker.claimed and flicker.value:
         own = _size(flicker.value, flicker, 0)
         because = say("the identified B is {value}, because the minimum contains the other terms too.", value=own)
@@ -243,11 +237,10 @@ def _drift(fit: Fit, found: dict[str, Estimate], length: float) -> Iterator[str]
     """Whether the drift is systematic, a ramp, or random, a random walk."""
     ramp, walk = found.get("R"), found.get("K")
     if ramp is not None and walk is not None:
-        yield say(
-            "The drift has a systematic part, R, which changes the output by {systematic} over the record, and a "
-            "random part, K, of {random} (1 sigma); R is larger than K beyond {tau}.",
-            systematic=_over(ramp, length), random=_over(walk, length), tau=averaging(crossing(walk, ramp)),
-        )  # fmt: skip
+        yield say("The drift has a systematic part, R, which changes the output by {systematic} over the record, and a "
+                  "random part, K, of {random} (1 sigma); R is larger than K beyond {tau}.",
+                  systematic=_over(ramp, length), random=_over(walk, length),
+                  tau=averaging(crossing(walk, ramp)))  # fmt: skip
     elif ramp is not None:
         change = _over(ramp, length)
         stated = say("The drift is systematic: R changes the output by {change} over the record", change=change)
@@ -276,25 +269,18 @@ def _absent(fit: Fit, symbol: str) -> Iterator[str]:
 def _time_constants(fit: Fit, found: dict[str, Estimate]) -> Iterator[str]:
     """The time constants of Gauss-Markov processes, of an oscillation and of a filter."""
     for process in (found[symbol] for symbol in ("GM", "GML") if symbol in found):
-        yield say(
-            "A Gauss-Markov process with a time constant of {time} was identified: look for a control loop, a "
-            "temperature or a filter with this time constant.",
-            time=averaging(process.shape[0]),
-        )
+        yield say("A Gauss-Markov process with a time constant of {time} was identified: look for a control loop, a "
+                  "temperature or a filter with this time constant.", time=averaging(process.shape[0]))  # fmt: skip
     if "GM2" in found:
         frequency, damping = found["GM2"].shape
-        yield say(
-            "A damped oscillation of {frequency:.3g} Hz with a damping ratio of {damping:.2g} was identified: look for "
-            "a control loop, a resonance or sway with this frequency; it makes a hump near {time}.",
-            frequency=frequency, damping=damping, time=averaging(HUMP_PERIODS / frequency),
-        )  # fmt: skip
+        yield say("A damped oscillation of {frequency:.3g} Hz with a damping ratio of {damping:.2g} was identified: "
+                  "look for a control loop, a resonance or sway with this frequency; it makes a hump near {time}.",
+                  frequency=frequency, damping=damping, time=averaging(HUMP_PERIODS / frequency))  # fmt: skip
     if fit.scope is not None and fit.scope.filter is not None:
         cutoff = fit.scope.filter.cutoff
-        yield say(
-            "A low-pass filter of {cutoff:.3g} Hz was identified (time constant {time:.3g} ms if it is of first "
-            "order): the bandwidth of the sensor, or a filter before the output.",
-            cutoff=cutoff, time=1000 / (2 * math.pi * cutoff),
-        )  # fmt: skip
+        yield say("A low-pass filter of {cutoff:.3g} Hz was identified (time constant {time:.3g} ms if it is of first "
+                  "order): the bandwidth of the sensor, or a filter before the output.", cutoff=cutoff,
+                  time=1000 / (2 * math.pi * cutoff))  # fmt: skip
 
 
 def _grade(readings: Readings | None) -> Iterator[str]:

@@ -75,10 +75,9 @@ def _alike(shown: str, wanted: str) -> bool:
 AGREES, DIFFERS, DRAWN = "agrees", "differs", "drawn"  # verdicts that are found
 SHOWN, MISSING = "shown", "not built"  # verdicts of rows that hold no number
 
-VERDICTS = {
-    AGREES: say("agrees"), DIFFERS: say("differs"), DRAWN: say("drawn"), "misprint": say("misprint"),
-    "not resolved": say("not resolved"), "computed": say("computed"), SHOWN: say("shown"), MISSING: say("not built"),
-}  # fmt: skip
+VERDICTS = {AGREES: say("agrees"), DIFFERS: say("differs"), DRAWN: say("drawn"), "misprint": say("misprint"),
+            "not resolved": say("not resolved"), "computed": say("computed"), SHOWN: say("shown"),
+            MISSING: say("not built")}  # fmt: skip
 """All of them, as they are shown; the others stand in the file of the paper, each with its reason."""
 
 
@@ -220,9 +219,8 @@ def compare(paper: Paper, folder: Path) -> Reproduction:
     """The items of a paper beside the files in a folder, where its commands have run."""
     items = tuple(compared(item, folder) for item in paper.items)
     commands, own = (tuple(f"allanite {line}" for line in lines) for lines in (paper.commands, paper.own))
-    return Reproduction(
-        paper.name, paper.title, paper.source, paper.data, items, paper.captions, str(folder), commands, own
-    )  # fmt: skip
+    return Reproduction(paper.name, paper.title, paper.source, paper.data, items, paper.captions, str(folder), commands,
+                        own)  # fmt: skip
 
 
 def compared(item: Item, folder: Path) -> Compared:
@@ -237,9 +235,8 @@ def compared(item: Item, folder: Path) -> Compared:
     shown = item.form.format(*numbers) if item.form else " ".join(f"{each:.4g}" for each in numbers)
     why = item.why or (say("within {share} %", share=f"{100 * item.tolerance:g}") if item.tolerance else "")
     here = "; ".join(filter(None, (shown, *drawn)))
-    return Compared(
-        item.item, item.claim, item.paper, item.source, here, tuple(numbers), verdict, why, expected, bool(item.numbers)
-    )
+    return Compared(item.item, item.claim, item.paper, item.source, here, tuple(numbers), verdict, why, expected,
+                    bool(item.numbers))  # fmt: skip
 
 
 def verdict_on(item: Item, found: Sequence[float]) -> tuple[str, bool]:

@@ -146,10 +146,9 @@ def _expected(
     # other columns are of squares of coefficients, whose errors are halved.
     edges, none = edges_of(n), np.zeros(0)
     first, nothing = edges[:-1], np.zeros(edges.size - 1)
-    spectrum = BinnedSpectrum(
-        n, rate, first, np.diff(edges), nothing, nothing, first, nothing, nothing,
-        ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n), 0.0, whole(n), 1.0, none,
-    )  # fmt: skip
+    spectrum = BinnedSpectrum(n, rate, first, np.diff(edges), nothing, nothing, first, nothing,
+                              nothing, ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n), 0.0, whole(n), 1.0,
+                              none)  # fmt: skip
     UU, Uc = directions_of(spectrum, ramp)
     flat = np.arange(UU.shape[1]) >= 2
 
@@ -180,9 +179,8 @@ def _errors(information: FloatArray) -> FloatArray:
     """Relative standard errors of coefficients, half of those of their squares; infinite where nothing tells of one."""
     scale = np.sqrt(np.diag(information))
     size = np.where(scale > 0, scale, 1.0)
-    values, vectors = np.linalg.eigh(
-        np.where(scale * scale[:, None] > 0, information / size / size[:, None], np.eye(size.size))
-    )
+    values, vectors = np.linalg.eigh(np.where(scale * scale[:, None] > 0, information / size / size[:, None],
+                                              np.eye(size.size)))  # fmt: skip
     known = values > RESOLVED
     variance = (vectors[:, known] ** 2 / values[known]).sum(axis=1)
     lost = (vectors[:, ~known] ** 2).sum(axis=1) > 1e-12
@@ -199,11 +197,8 @@ def _beside(model: Model, terms: str) -> list[Term]:
 
 
 def _names(noise: list[Term], model: Model) -> list[str]:
-    return [
-        name
-        for t in noise
-        for name in (name_of(t, model), *(join(" ", (name_of(t, model), p.title)) for p in t.row.parameters))
-    ]
+    return [name for t in noise for name in (name_of(t, model), *(join(" ", (name_of(t, model), p.title))
+                                                                  for p in t.row.parameters))]  # fmt: skip
 
 
 def name_of(t: Term, model: Model) -> str:

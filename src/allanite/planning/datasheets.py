@@ -128,10 +128,8 @@ class DataSheet(Value):
 def _own() -> dict[str, DataSheet]:
     """The sheets of the table in this package, whose lines begin with sheet, maker and document."""
     _, *lines = csv.reader(Path(__file__).with_name("datasheets.csv").read_text("utf-8").splitlines())
-    return {
-        name: DataSheet(name, maker, document, tuple(_claim(*cells[3:]) for cells in rows))
-        for (name, maker, document), rows in groupby(lines, lambda cells: cells[:3])
-    }
+    return {name: DataSheet(name, maker, document, tuple(_claim(*cells[3:]) for cells in rows))
+            for (name, maker, document), rows in groupby(lines, lambda cells: cells[:3])}  # fmt: skip
 
 
 def _claim(*cells: str) -> Claim:
@@ -170,11 +168,9 @@ def claimed(text: str) -> tuple[Model, ...]:
     return models
 
 
-SENSORS: dict[str, str] = {
-    "mems": "N 0.005 deg/sqrt(s), B 0.002 deg/s, K 3e-4 deg/s/sqrt(s)",
-    "fog": "Q 0.4 arcsec, N 3 deg/h*sqrt(s), B 1 deg/h, K 0.09 deg/h/sqrt(s), R 0.002 deg/h/s",
-    "rlg": "Q 0.5 arcsec, N 0.18 arcsec/sqrt(s), B 0.05 deg/h",
-}
+SENSORS: dict[str, str] = {"mems": "N 0.005 deg/sqrt(s), B 0.002 deg/s, K 3e-4 deg/s/sqrt(s)",
+                           "fog": "Q 0.4 arcsec, N 3 deg/h*sqrt(s), B 1 deg/h, K 0.09 deg/h/sqrt(s), R 0.002 deg/h/s",
+                           "rlg": "Q 0.5 arcsec, N 0.18 arcsec/sqrt(s), B 0.05 deg/h"}  # fmt: skip
 """Models of typical gyros: MEMS, fiber-optic, ring laser. Orders of magnitude; not of any specific product."""
 
 

@@ -72,11 +72,9 @@ class RecordingPlan(Value):
         """Headings and rows, with the terms known and then not; errors in percent, lengths in s."""
         headings = ["parameter", "terms", *(f"{d:g} s, %" for d in self.durations), f"s for {100 * self.accuracy:g} %"]
         kinds = (("known", self.errors, self.needed), ("searched", self.searched, self.searched_needed))
-        rows = [
-            [name, kind, *row, least]
-            for kind, errors, needed in kinds
-            for name, row, least in zip(self.names, (100 * errors).tolist(), needed.tolist(), strict=True)
-        ]
+        rows = [[name, kind, *row, least] for kind, errors, needed in kinds
+                for name, row, least in zip(self.names, (100 * errors).tolist(), needed.tolist(),
+                                            strict=True)]  # fmt: skip
         return headings, rows
 
     def _summary(self) -> str:
@@ -128,10 +126,8 @@ def plan(
     if accuracy > 1:
         raise UsageError(f"the accuracy is a share between 0 and 1, not {accuracy:g}; did you mean {accuracy / 100:g}?")
     if not (math.isfinite(rate) and rate > 0) or not accuracy > 0 or not all(d > 0 for d in durations):
-        raise UsageError(
-            f"the sampling rate, the accuracy and all lengths must be above 0, not {given(rate)} Hz, "
-            f"{given(accuracy)}, ({', '.join(map(given, durations))})"
-        )
+        raise UsageError(f"the sampling rate, the accuracy and all lengths must be above 0, not {given(rate)} Hz, "
+                         f"{given(accuracy)}, ({', '.join(map(given, durations))})")  # fmt: skip
     model = usable_model(model)
     unknown = model.drifts if ramp is None else ramp
 
@@ -154,9 +150,8 @@ def plan(
     expected = [bound(model, n, rate, terms="auto").limits if n >= SHORTEST else {} for n in sizes]
     absent = tuple(next(filter(None, expected), {}))
     limits = np.array([[of.get(symbol, math.nan) for of in expected] for symbol in absent])
-    return RecordingPlan(
-        model, rate, unknown, names, tuple(durations), errors, accuracy, needed, searched, least, absent, limits
-    )
+    return RecordingPlan(model, rate, unknown, names, tuple(durations), errors, accuracy, needed, searched, least,
+                         absent, limits)  # fmt: skip
 
 
 def further(model: ModelLike, size: int, rate: float, accuracy: float) -> dict[str, float]:

@@ -243,12 +243,10 @@ class SelfCheck(Value):
                 judged.append((say("missed in"), (1 - share, error), missed, 1))
             else:
                 judged.append((say("falsely found in"), (share, error), false, 1))
-            sentences += [
-                say("{term}: {what} {measured:.3g} +- {error:.2g} %, limit {limit:.3g} %",
-                    term=c.symbol, what=what, measured=100 * measured, error=100 * scatter, limit=100 * limit)
-                for what, (measured, scatter), limit, sign in judged
-                if sign * (measured - limit) > 2 * scatter
-            ]  # fmt: skip
+            sentences += [say("{term}: {what} {measured:.3g} +- {error:.2g} %, limit {limit:.3g} %",
+                              term=c.symbol, what=what, measured=100 * measured, error=100 * scatter, limit=100 * limit)
+                          for what, (measured, scatter), limit, sign in judged
+                          if sign * (measured - limit) > 2 * scatter]  # fmt: skip
         return sentences
 
 

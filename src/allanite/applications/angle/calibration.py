@@ -38,20 +38,16 @@ def caveats(
         growth = errors[:count] / known.without(turning).errors[:count]
         worst = int(growth.argmax())
         if growth[worst] > DISTURBED:
-            increased = say(
-                "the auto-compensating rotation increases the standard error of {constant} by a factor of {factor:.2g}",
-                constant=names[worst], factor=float(growth[worst]),
-            )  # fmt: skip
+            increased = say("the auto-compensating rotation increases the standard error of {constant} by a factor of "
+                            "{factor:.2g}", constant=names[worst], factor=float(growth[worst]))  # fmt: skip
             remedy = say("choose another period of the rotation, or another range of angles")
             findings.append(Finding("turn", increased, say("its period is near that of an error"), remedy))
     findings += _sparse(gimbals, harmonics)
     ratios = errors / (math.inf if prior is None else prior)
     little = [name for name, ratio in zip(names, ratios, strict=True) if ratio > UNTOLD and name[0] in "SC"]
     if little:
-        untold = say(
-            "the samples carry little information about {constants}: their estimates depend mostly on the prior",
-            constants=", ".join(little),
-        )
+        untold = say("the samples carry little information about {constants}: their estimates depend mostly on the "
+                     "prior", constants=", ".join(little))  # fmt: skip
         remedy = say("choose a longer interval or another range of angles")
         findings.append(Finding("untold", untold, say("their estimates are biased towards zero"), remedy))
     return tuple(findings)
@@ -67,10 +63,9 @@ def _short(
             others = np.abs(correlation[mine] - np.eye(len(names))[mine])
             i, j = np.unravel_index(int(others.argmax()), others.shape)
             yield Finding(
-                "span",
-                say("the angle {angle} moves by {span:.3g} deg, less than one period of its harmonic {order} "
-                    "({period:.3g} deg)", angle=angle, span=math.degrees(span), order=min(orders),
-                    period=math.degrees(period)),
+                "span", say("the angle {angle} moves by {span:.3g} deg, less than one period of its harmonic {order} "
+                            "({period:.3g} deg)",
+                            angle=angle, span=math.degrees(span), order=min(orders), period=math.degrees(period)),
                 say("its harmonics can hardly be separated: {first} correlates with {second} by {correlation:+.3f}",
                     first=names[mine[i]], second=names[j], correlation=float(correlation[mine[i], j])),
                 say("choose a longer interval, or a part of the day where the angle moves faster"),
@@ -97,10 +92,9 @@ def _sparse(gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]) -> Itera
         moved = np.abs(np.diff(np.unwrap(getattr(gimbals, angle)))) * max(orders) / (2 * math.pi)
         worst = int(moved.argmax())
         if moved[worst] > 0.25:
-            yield Finding("sparse",
-                          say("between two samples ({step:.4g} s) {angle} moves by up to {periods:.2g} periods of its "
-                              "harmonic {order}", step=float(step[worst]), angle=angle, periods=float(moved[worst]),
-                              order=max(orders)),
+            yield Finding("sparse", say("between two samples ({step:.4g} s) {angle} moves by up to {periods:.2g} "
+                                        "periods of its harmonic {order}", step=float(step[worst]),
+                                        angle=angle, periods=float(moved[worst]), order=max(orders)),
                           say("an error between the samples is not observed, and angle and cosine must be sampled at "
                               "the same instant"),
                           say("sample at least four times per period"))  # fmt: skip
@@ -250,9 +244,8 @@ def prior_of(prior: Prior | None, harmonics: Mapping[str, tuple[int, ...]], size
     try:
         amplitudes, rest = (float(v) for v in prior)
     except (TypeError, ValueError):
-        raise UsageError(
-            f"prior must be two standard deviations, of the amplitudes and the other parameters, not {prior!r}"
-        ) from None
+        raise UsageError("prior must be two standard deviations, of the amplitudes and the other parameters, not "
+                         f"{prior!r}") from None  # fmt: skip
     if not (0 < amplitudes < math.inf and 0 < rest < math.inf):
         raise UsageError(f"prior standard deviations must be positive and finite, not {prior!r}")
     count = len(amplitude_names(harmonics))

@@ -86,11 +86,9 @@ def calibrate(
     z = np.asarray(np.mod(angle - against - middle + math.pi, 2 * math.pi) - math.pi + middle)
     demand_motion("the angle", float(np.ptp(np.unwrap(angle))), chosen, "Turn the sensor")
     if (scatter := float(np.std(z))) * max(chosen) > MAX_SCATTER:
-        raise DataError(
-            f"measured and reference differ by {scatter:.3g} rad about their mean, which is not small relative to a "
-            f"period of harmonic {max(chosen)} ({2 * math.pi / max(chosen):.3g} rad): are units, signs and columns "
-            "right?"
-        )
+        raise DataError(f"measured and reference differ by {scatter:.3g} rad about their mean, which is not small "
+                        f"relative to a period of harmonic {max(chosen)} ({2 * math.pi / max(chosen):.3g} rad): are "
+                        "units, signs and columns right?")  # fmt: skip
     amplitudes = (f"{wave}{k}" for k in chosen for wave in "SC")
     names = (*amplitudes, *(say("offset"), say("drift"), say("bend"))[: trend + 1])
     number = np.linspace(-1.0, 1.0, angle.size)
@@ -107,9 +105,8 @@ def _angle(what: str, values: Any, unit: str) -> tuple[FloatArray, float]:
     """Angles in rad, and what a number of `unit` is in rad."""
     if isinstance(values, Record):
         if values.kind != "angle" or values.signal.name != "gyro":
-            raise UsageError(
-                f"{what} must be a record of kind 'angle' in rad or deg, not of kind {values.kind!r} in {values.unit}"
-            )
+            raise UsageError(f"{what} must be a record of kind 'angle' in rad or deg, not of kind {values.kind!r} in "
+                             f"{values.unit}")  # fmt: skip
         return column(what, values.values) * values.factor, 1.0
     size = unit_of(unit)
     if size.dimension != unit_of("rad").dimension:
@@ -124,13 +121,11 @@ def _caveats(angle: FloatArray, orders: tuple[int, ...], solution: Solution) -> 
     pair = say("{first} correlates with {second} by {correlation:+.3f}", first=solution.names[i],
                second=solution.names[j], correlation=float(correlation[i, j]))  # fmt: skip
     if span < period:
-        yield Finding(
-            "span",
-            say("the angle moves by {span:.3g} deg, less than one period of harmonic {order} ({period:.3g} deg)",
-                span=math.degrees(span), order=min(orders), period=math.degrees(period)),
-            say("the parameters can hardly be separated: {pair}", pair=pair),
-            say("turn further, or omit the lowest orders"),
-        )  # fmt: skip
+        yield Finding("span",
+                      say("the angle moves by {span:.3g} deg, less than one period of harmonic {order} ({period:.3g} "
+                          "deg)", span=math.degrees(span), order=min(orders), period=math.degrees(period)),
+                      say("the parameters can hardly be separated: {pair}", pair=pair),
+                      say("turn further, or omit the lowest orders"))  # fmt: skip
     elif abs(correlation[i, j]) > 0.9:
         what = say("hardly separable: {pairs}", pairs=pair)
         yield Finding("alike", what, say("their errors are large and correlated"), say("turn further"))

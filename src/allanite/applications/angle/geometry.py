@@ -28,10 +28,8 @@ def column(name: str, values: ArrayLike, size: int | None = None) -> FloatArray:
     bad = ~np.isfinite(array)
     if bad.any():
         first = int(bad.argmax())
-        raise DataError(
-            f"{int(bad.sum())} of {bad.size} samples of {name} are not finite, the first at sample {first}; omit "
-            "those rows: the samples need not be evenly spaced"
-        )
+        raise DataError(f"{int(bad.sum())} of {bad.size} samples of {name} are not finite, the first at sample "
+                        f"{first}; omit those rows: the samples need not be evenly spaced")  # fmt: skip
     return np.ascontiguousarray(array, dtype=np.float64)
 
 
@@ -41,10 +39,9 @@ def demand_increasing(time: FloatArray) -> None:
     if (steps <= 0).any():
         at = int((steps <= 0).argmax())
         how = "decreases" if steps[at] < 0 else "does not increase"
-        raise DataError(
-            f"time {how} at sample {at + 1} ({time[at + 1]:.9g} s after {time[at]:.9g} s), "
-            f"{int((steps <= 0).sum())} such steps in all; sort the rows by time and remove repeated ones"
-        )
+        raise DataError(f"time {how} at sample {at + 1} ({time[at + 1]:.9g} s after {time[at]:.9g} "
+                        f"s), {int((steps <= 0).sum())} such steps in all; sort the rows by time and remove repeated "
+                        "ones")  # fmt: skip
 
 
 def demand_motion(name: str, span: float, orders: tuple[int, ...], remedy: str) -> None:

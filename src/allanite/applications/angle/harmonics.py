@@ -40,15 +40,13 @@ def _turning(g: Gimbals) -> tuple[FloatArray, FloatArray]:
 
 
 NUISANCES: dict[str, Nuisance] = {
-    "ax": Nuisance(
-        say("misalignment of the rotor's optical sensor in the rotating frame, x"), 0,
-        lambda g: g.partials["h"] * _turning(g)[1] + g.g * _turning(g)[0],
-    ),
+    "ax": Nuisance(say("misalignment of the rotor's optical sensor in the rotating frame, x"),
+                   0, lambda g: g.partials["h"] * _turning(g)[1] + g.g * _turning(g)[0]),
     "az": Nuisance(say("the same, z"), 0, lambda g: g.g * _turning(g)[1] - g.partials["h"] * _turning(g)[0]),
     "A1": Nuisance(say("daily sine of the gyros' unknown drift"), 0, lambda g: np.sin(EARTH_RATE * g.time)),
     "A2": Nuisance(say("daily cosine of it"), 0, lambda g: np.cos(EARTH_RATE * g.time)),
-    "A3": Nuisance(say("linear growth of it"), 1, lambda g: g.time),
-    "A0": Nuisance(say("a constant"), 0, lambda g: np.ones(g.time.size)),
+    "A3": Nuisance(say("linear growth of it"), 1, lambda g: g.time), "A0": Nuisance(say("a constant"),
+                                                                                    0, lambda g: np.ones(g.time.size)),
 }  # fmt: skip
 """Constants estimated jointly with the harmonics; by default all but A0.
 
@@ -277,12 +275,9 @@ class Harmonics(Correction):
         headings = ["angle", "order", "S", "S error", "C", "C error", "amplitude", "low", "high", "phase", "status"]
         errors = np.sqrt(np.diag(self.covariance))
         columns = (self.sine, errors[::2], self.cosine, errors[1::2], self.amplitude)
-        rows = [
-            [self.name, k, *numbers, *self.limits(k, level), phase, self.status(k)]
-            for k, phase, *numbers in zip(
-                self.orders, self.phase.tolist(), *(column.tolist() for column in columns), strict=True
-            )
-        ]
+        rows = [[self.name, k, *numbers, *self.limits(k, level), phase, self.status(k)]
+                for k, phase, *numbers in zip(self.orders, self.phase.tolist(),
+                                              *(column.tolist() for column in columns), strict=True)]  # fmt: skip
         return headings, rows
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:

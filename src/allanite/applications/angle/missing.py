@@ -42,10 +42,9 @@ class Residuals(NamedTuple):
             s, c = self.slope * np.sin(phase), self.slope * np.cos(phase)
             inside, beside, by, on = s @ self.known, c @ self.known, s @ self.rest, c @ self.rest
             total = (s * s).sum(axis=1) + (c * c).sum(axis=1)
-            ss, sc, cc = (
-                (u * v).sum(axis=1) - (p * q).sum(axis=1)
-                for u, v, p, q in ((s, s, inside, inside), (s, c, inside, beside), (c, c, beside, beside))
-            )
+            ss, sc, cc = ((u * v).sum(axis=1) - (p * q).sum(axis=1)
+                          for u, v, p, q in ((s, s, inside, inside), (s, c, inside, beside),
+                                             (c, c, beside, beside)))  # fmt: skip
             new = (ss + cc) / 2 - np.hypot((ss - cc) / 2, sc) > NEW * NEW * total
             det = np.where(new, ss * cc - sc * sc, np.inf)
             sine, cosine = (cc * by - sc * on) / det, (ss * on - sc * by) / det

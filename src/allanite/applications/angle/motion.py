@@ -56,9 +56,8 @@ class Sway(Value):
         if not np.isfinite([self.roll, self.pitch, self.period, self.heading]).all() or self.period <= 0:
             raise UsageError(f"sway must be two finite amplitudes in rad and a period in s above 0, not {self}")
         if max(abs(self.roll), abs(self.pitch)) > math.pi / 4:
-            raise UnitError(
-                f"sway of {max(abs(self.roll), abs(self.pitch)):g} rad: is that in degrees? rad is expected"
-            )
+            raise UnitError(f"sway of {max(abs(self.roll), abs(self.pitch)):g} rad: is that in degrees? rad is "
+                            "expected")  # fmt: skip
 
     def turn(self, vectors: FloatArray, time: FloatArray) -> FloatArray:
         """Vectors of the local axes, shape (3, n), as the swaying base sees them at `time`, s."""
@@ -118,14 +117,12 @@ class Ring(Value):
     def __post_init__(self) -> None:
         numbers = [self.rate, self.low, self.high, self.step, self.heading]
         if not np.isfinite(numbers).all() or self.rate <= 0 or self.high <= self.low or self.step < 0:
-            raise UsageError(
-                f"a ring needs a rate in rad/s above 0, an angle in rad below another, and no negative step, not {self}"
-            )
+            raise UsageError("a ring needs a rate in rad/s above 0, an angle in rad below another, and no negative "
+                             f"step, not {self}")  # fmt: skip
         if max(abs(self.low), abs(self.high)) >= math.pi / 2:
-            raise UnitError(
-                f"a ring turned by {max(abs(self.low), abs(self.high)):g} rad, a right angle or more, may lay the "
-                "momentum vector along the axis of q, where the gimbals fold: is it in degrees?"
-            )
+            raise UnitError(f"a ring turned by {max(abs(self.low), abs(self.high)):g} rad, a right angle or "
+                            "more, may lay the momentum vector along the axis of q, where the gimbals fold: is it in "
+                            "degrees?")  # fmt: skip
         if self.step > self.high - self.low:
             raise UsageError(f"a step of {self.step:g} rad exceeds the range of {self.high - self.low:g} rad")
 

@@ -259,13 +259,12 @@ def scan(settings: AngleSettings, starts: Sequence[float] | None = None) -> Scan
     thin = settings.thinned()
     plans = [plan(thin, float(start)) for start in grid]
     totals = np.array([p.total for p in plans])
-    return Scan(
-        starts=grid, totals=totals, conditions=np.array([p.condition for p in plans]), h=np.array([p.h for p in plans]),
-        names=plans[0].names[: plans[0].amplitudes], errors=np.array([p.errors[: p.amplitudes] for p in plans]),
-        periods={name: np.array([p.periods[name] for p in plans]) for name in plans[0].periods},
-        mean_periods={name: np.array([p.mean_periods[name] for p in plans]) for name in plans[0].periods},
-        best=plan(settings, float(grid[int(totals.argmin())])),
-    )  # fmt: skip
+    return Scan(starts=grid,
+                totals=totals, conditions=np.array([p.condition for p in plans]), h=np.array([p.h for p in plans]),
+                names=plans[0].names[: plans[0].amplitudes], errors=np.array([p.errors[: p.amplitudes] for p in plans]),
+                periods={name: np.array([p.periods[name] for p in plans]) for name in plans[0].periods},
+                mean_periods={name: np.array([p.mean_periods[name] for p in plans]) for name in plans[0].periods},
+                best=plan(settings, float(grid[int(totals.argmin())])))  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

@@ -113,12 +113,11 @@ class Service:
         known = SquareRoot(self.known.factor / ratio, self.known.squares / ratio**2, n)
         counts, times, values, errors = (np.array(part) for part in zip(*self.history, strict=True))
         innovations = self.recent[-1] / ratio
-        solution = Solution(
-            names=names, values=known.values, covariance=known.covariance, sigma=ratio * self.unit,
-            given=self.sigma is not None, freedom=math.inf if self.sigma is not None else n - p,
-            condition=known.condition, prior=self.prior, history=History(counts, times, values, ratio * errors),
-            innovations=innovations, known=known,
-            checks=checks(innovations, known.squares, n - p, given=self.sigma is not None),
-            findings=omission(np.full(self.omitted, self.first), n + self.omitted, gate(max(LATEST, n))),
-        )  # fmt: skip
+        solution = Solution(names=names, values=known.values, covariance=known.covariance, sigma=ratio * self.unit,
+                            given=self.sigma is not None, freedom=math.inf if self.sigma is not None else n - p,
+                            condition=known.condition, prior=self.prior,
+                            history=History(counts, times, values, ratio * errors), innovations=innovations,
+                            known=known, checks=checks(innovations, known.squares, n - p, given=self.sigma is not None),
+                            findings=omission(np.full(self.omitted, self.first), n + self.omitted,
+                                              gate(max(LATEST, n))))  # fmt: skip
         return examined(solution, rows, z, gimbals, self.harmonics)

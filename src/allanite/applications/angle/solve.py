@@ -71,9 +71,8 @@ def steady(innovations: FloatArray) -> tuple[float, float, str]:
 
 
 TESTS: dict[str, tuple[str, Callable[[FloatArray], tuple[float, float, str]]]] = {
-    "white": (say("the innovations are uncorrelated"), white),
-    "steady": (say("the constants do not change"), steady),
-}
+    "white": (say("the innovations are uncorrelated"), white), "steady": (say("the constants do not change"), steady),
+}  # fmt: skip
 """Name: title, and innovations of unit variance -> (statistic, p, words if it fails)."""
 
 
@@ -253,13 +252,12 @@ def solve(
     rows, values = system.rows / spread, system.values / spread
     demand_name("method", method, METHODS)
     end, history, innovations = METHODS[method](SquareRoot.before(vague), rows, values, system.time)
-    return Solution(
-        names=system.names, values=end.values, covariance=end.covariance, sigma=spread, given=sigma is not None,
-        freedom=math.inf if sigma is not None else freedom, condition=alone.condition, prior=prior, history=history,
-        innovations=innovations, known=end, omitted=np.flatnonzero(~kept),
-        checks=checks(innovations, alone.squares / spread**2, freedom, given=sigma is not None),
-        findings=omission(whole.time[~kept], kept.size, gate(kept.size)),
-    )  # fmt: skip
+    return Solution(names=system.names,
+                    values=end.values, covariance=end.covariance, sigma=spread, given=sigma is not None,
+                    freedom=math.inf if sigma is not None else freedom, condition=alone.condition,
+                    prior=prior, history=history, innovations=innovations, known=end, omitted=np.flatnonzero(~kept),
+                    checks=checks(innovations, alone.squares / spread**2, freedom, given=sigma is not None),
+                    findings=omission(whole.time[~kept], kept.size, gate(kept.size)))  # fmt: skip
 
 
 def within_gate(system: System, known: SquareRoot, sigma: float | None) -> BoolArray:
@@ -319,10 +317,8 @@ def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tup
     rank = int((values > SINGULAR * values[0]).sum())
     if rank < p and prior is None:
         mixed = [name for name, part in zip(system.names, np.abs(directions[-1]), strict=True) if part > 0.1]
-        raise DataError(
-            f"the samples determine {rank} combinations of {p} constants; {', '.join(mixed)} cannot be separated: omit "
-            "one of them, let the angles move further, or give a prior"
-        )
+        raise DataError(f"the samples determine {rank} combinations of {p} constants; {', '.join(mixed)} cannot be "
+                        "separated: omit one of them, let the angles move further, or give a prior")  # fmt: skip
     # a column in the span of others leaves rounding noise on the diagonal; least squares proper ignores it
     columns, rest = alone.factor[:, :-1], alone.factor[:, -1]
     columns = columns / np.where((length := np.linalg.norm(columns, axis=0)) > 0, length, 1.0)

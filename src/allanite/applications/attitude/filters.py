@@ -116,10 +116,8 @@ def _complementary(data: Inertial, setting: Setting) -> Angles:
     angles = np.empty((len(data.gyro), 2))
     held, steep = complementary(data.gyro, data.force, gains, data.start, angles)
     if steep >= 0:
-        raise DataError(
-            f"the pitch is within 1 degree of 90 at {steep * dt:.6g} s, where roll has no meaning; use a filter of "
-            f"quaternions: {spelled('--filter mahony', 'method=...')}"
-        )
+        raise DataError(f"the pitch is within 1 degree of 90 at {steep * dt:.6g} s, where roll has no meaning; use a "
+                        f"filter of quaternions: {spelled('--filter mahony', 'method=...')}")  # fmt: skip
     return angles, held
 
 

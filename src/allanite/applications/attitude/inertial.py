@@ -68,11 +68,9 @@ def demand_upright(force: FloatArray) -> None:
     if axes.index[2] == 2:
         return
     up, size = str(axes).split(",")[2], np.abs(force) / np.linalg.norm(force)
-    raise DataError(
-        f"gravity is along {up}, not z: {size.max():.0%} of the mean specific force; give {_spelled(axes)}, the axes "
-        f"that are forward, sideways and vertical (another one may be forward), or {_spelled('x,y,z')} if the body "
-        "lies on its side"
-    )
+    raise DataError(f"gravity is along {up}, not z: {size.max():.0%} of the mean specific force; give "
+                    f"{_spelled(axes)}, the axes that are forward, sideways and vertical (another one may be forward), "
+                    f"or {_spelled('x,y,z')} if the body lies on its side")  # fmt: skip
 
 
 def _spelled(axes: Axes | str) -> str:
@@ -138,10 +136,8 @@ def six_channels(recording: Recording) -> tuple[tuple[Record, ...], tuple[Record
         if not sensors[1]:
             cure = spelled("if the file has no units, give --unit gyro=deg/s,accel=g",
                            "add the accelerometers to the recording")  # fmt: skip
-        raise DataError(
-            f"roll and pitch need three gyros and three accelerometers, but there are {' and '.join(counts)}: "
-            f"{', '.join(recording.channels)}; {cure}"
-        )
+        raise DataError("roll and pitch need three gyros and three accelerometers, but there are "
+                        f"{' and '.join(counts)}: {', '.join(recording.channels)}; {cure}")  # fmt: skip
     sizes = {(record.size, record.rate) for records in sensors for record in records}
     if len(sizes) > 1:
         sampling = ", ".join(f"{r.name} {r.size} samples at {r.rate:g} Hz" for records in sensors for r in records)
@@ -158,19 +154,15 @@ def inertial(recording: Recording, axes: Axes | None = None) -> Inertial:
     gyro, force = (np.stack([r.rate_values for r in records], axis=1) for records in (gyros, accelerometers))
     fastest = float(np.sqrt((gyro**2).mean(axis=0)).max())
     if fastest > FASTEST:
-        raise DataError(
-            f"the gyros read {fastest:.3g} rad/s (RMS), which no vehicle does: are they in deg/s? Give the unit with "
-            f"{spelled('--unit gyro=deg/s', 'unit=...')}"
-        )
+        raise DataError(f"the gyros read {fastest:.3g} rad/s (RMS), which no vehicle does: are they in deg/s? Give the "
+                        f"unit with {spelled('--unit gyro=deg/s', 'unit=...')}")  # fmt: skip
     size = float(np.median(np.linalg.norm(force, axis=1)))
     if size < 0.1:
         raise DataError("the accelerometers read nothing (free fall): without specific force there is no vertical")
     for wrong, unit in ((1.0, "g"), (GRAVITY**2, "m/s^2")):
         if abs(size / wrong - 1) < PLAUSIBLE:
-            raise DataError(
-                f"the median specific force is {size:.4g} m/s^2, not {GRAVITY:.4g}: are the accelerometers in {unit}? "
-                f"Give the unit with {spelled(f'--unit accel={unit}', 'unit=...')}"
-            )
+            raise DataError(f"the median specific force is {size:.4g} m/s^2, not {GRAVITY:.4g}: are the accelerometers "
+                            f"in {unit}? Give the unit with {spelled(f'--unit accel={unit}', 'unit=...')}")  # fmt: skip
     if axes is None:
         demand_upright(force.mean(axis=0))
     else:
@@ -187,8 +179,6 @@ def demand_whole(record: Record) -> None:
     runs = np.flatnonzero(np.diff(np.concatenate(([1], lost.astype(np.int8), [1])))).reshape(-1, 2)
     first, last = runs[np.diff(runs, axis=1)[:, 0].argmax()] if runs.size else (0, 0)
     where = between(record.cut + first / record.rate, record.cut + last / record.rate)
-    raise DataError(
-        f"{plural(int(lost.sum()), 'sample')} of {record.name!r} are missing, the first at "
-        f"{record.cut + int(lost.argmax()) / record.rate:.6g} s, and an attitude cannot be carried across a gap; the "
-        f"longest stretch without a gap: {where}"
-    )
+    raise DataError(f"{plural(int(lost.sum()), 'sample')} of {record.name!r} are missing, the first at "
+                    f"{record.cut + int(lost.argmax()) / record.rate:.6g} s, and an attitude cannot be carried across "
+                    f"a gap; the longest stretch without a gap: {where}")  # fmt: skip

@@ -139,9 +139,8 @@ class Loop(Value):
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.k1) and self.k1 > 0 and math.isfinite(self.k2) and self.k2 >= 0):
-            raise UsageError(
-                f"a filter has a gain k1 above 0 and k2 of at least 0, not k1 = {given(self.k1)}, k2 = {given(self.k2)}"
-            )
+            raise UsageError(f"a filter has a gain k1 above 0 and k2 of at least 0, not k1 = {given(self.k1)}, k2 = "
+                             f"{given(self.k2)}")  # fmt: skip
 
     @classmethod
     def of(cls, time_constant: "float | Loop") -> "Loop":
@@ -200,11 +199,9 @@ class Loop(Value):
     def demand_sampled(self, interval: float) -> None:
         """Refuse a time constant that is not above the sample interval."""
         if self.time_constant <= interval:
-            raise UsageError(
-                f"the time constant must be above the sample interval of {interval:g} s, not {self.time_constant:g} s: "
-                f"the angle would be that of the accelerometer alone; give a longer one with "
-                f"{spelled('--time-constant', 'time_constant=...')}"
-            )
+            raise UsageError(f"the time constant must be above the sample interval of {interval:g} s, not "
+                             f"{self.time_constant:g} s: the angle would be that of the accelerometer alone; give a "
+                             f"longer one with {spelled('--time-constant', 'time_constant=...')}")  # fmt: skip
 
     def _summary(self) -> str:
         second = f", k2 = {self.k2:.4g} 1/s^2" if self.k2 else ""

@@ -37,11 +37,10 @@ def best_loop(noises: Sequence[SensorNoise], bias: Bias = (0.0, 0.0)) -> Loop:
     at = int(np.argmin([error(float(log)) for log in grid]))
     if at in (0, GRID_POINTS - 1):
         short = at == 0
-        raise UsageError(
-            f"no time constant is best: the {'shortest' if short else 'longest'} one, {math.exp(grid[at]):.3g} s, has "
-            f"the least error, because the {'accelerometer' if short else 'gyro'} has too little noise; give "
-            + spelled("--time-constant", "time_constant=...")
-        )
+        raise UsageError(f"no time constant is best: the {'shortest' if short else 'longest'} "
+                         f"one, {math.exp(grid[at]):.3g} s, has the least error, because the "
+                         f"{'accelerometer' if short else 'gyro'} has too little noise; give "
+                         + spelled("--time-constant", "time_constant=..."))  # fmt: skip
     minimum = minimize_scalar(error, bounds=(grid[at - 1], grid[at + 1]), method="bounded", options={"xatol": 1e-9})
     return Loop.of(math.exp(minimum.x))
 

@@ -33,17 +33,13 @@ def _level(t: FloatArray) -> Motion:
 
 SCENARIOS: dict[str, Scenario] = {
     row.name: row
-    for row in (
-        Scenario(say("fixed base"), "level and at rest", _level, np.zeros_like),
-        Scenario(say("acceleration"), "1 m/s^2 for 20 s and -1 m/s^2 for 20 s, every two minutes", _level,
-                 lambda t: np.where(t % 120.0 < 20, 1.0, np.where(t % 120.0 < 40, -1.0, 0.0))),
-        Scenario(
-            say("oscillation"), "roll 8 deg at 0.12 Hz and pitch 10 deg at 0.2 Hz, sensor 1 m above the center",
-            lambda t: (np.radians(8.0) * np.sin(2 * math.pi * 0.12 * t),
-                       np.radians(10.0) * np.sin(2 * math.pi * 0.2 * t)),
-            np.zeros_like, 1.0,
-        ),
-    )
+    for row in (Scenario(say("fixed base"), "level and at rest", _level, np.zeros_like),
+                Scenario(say("acceleration"), "1 m/s^2 for 20 s and -1 m/s^2 for 20 s, every two minutes",
+                         _level, lambda t: np.where(t % 120.0 < 20, 1.0, np.where(t % 120.0 < 40, -1.0, 0.0))),
+                Scenario(say("oscillation"), "roll 8 deg at 0.12 Hz and pitch 10 deg at 0.2 Hz, sensor 1 m above the "
+                         "center", lambda t: (np.radians(8.0) * np.sin(2 * math.pi * 0.12 * t),
+                                              np.radians(10.0) * np.sin(2 * math.pi * 0.2 * t)),
+                         np.zeros_like, 1.0))
 }  # fmt: skip
 
 

@@ -58,11 +58,9 @@ def vertical(
     axes = settings.turned or Axes()
     data = inertial(recording, settings.turned)
     gyros, accelerometers = map(axes.ordered, six_channels(recording))
-    channels = each_channel(
-        [(record.name, (record,)) for record in (*gyros[:2], *accelerometers[:2])],
-        partial(_identified, settings=settings, recipe=recipe), VerticalChannel.refused, findings=recording.findings,
-        doing="identifying", progress=progress,
-    )  # fmt: skip
+    channels = each_channel([(record.name, (record,)) for record in (*gyros[:2], *accelerometers[:2])],
+                            partial(_identified, settings=settings, recipe=recipe), VerticalChannel.refused,
+                            findings=recording.findings, doing="identifying", progress=progress)  # fmt: skip
     noises = settings.noises(channels, len(data.gyro) * data.interval, data.rate)
     static = not (settings.keep_bias or any(channel.refusal for channel in channels[:2]))
     bias = data.gyro.mean(axis=0) if static else np.zeros(3)
@@ -77,10 +75,8 @@ def vertical(
     biases = (*(bias * np.array(axes.sign))[:2].tolist(), 0.0, 0.0)
     channels = tuple(replace(c, bias=b) for c, b in zip(channels, biases, strict=True))
     remarks = _remarks(data, bias, settings, channels, loop, static=static)
-    return VerticalStudy(
-        channels, recipe, recording.findings, recording.notes, provenance_of(recording), settings, angles, loop,
-        data.rate, held, falling, data.downward, tuple(remarks),
-    )  # fmt: skip
+    return VerticalStudy(channels, recipe, recording.findings, recording.notes, provenance_of(recording), settings,
+                         angles, loop, data.rate, held, falling, data.downward, tuple(remarks))  # fmt: skip
 
 
 def _identified(seen: Inspected, settings: VerticalSettings, recipe: Recipe) -> VerticalChannel:

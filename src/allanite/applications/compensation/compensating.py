@@ -143,11 +143,10 @@ def compensate_file(
     known = {regression.name: regression for regression in study.regressions}
     findings = (replace(f, what=join(": ", (other.signals.source, f.what))) for f in other.findings)
     notes = dict.fromkeys((*study.notes, *other.signals.notes, *other.along.notes))
-    return replace(
-        study, applied=_each(lambda channels, *_: channels, other, known, recipe, progress=_part(progress, 1, parts)),
-        findings=(*study.findings, *findings), notes=tuple(notes),
-        provenance=study.provenance | {"applied to": os.fspath(apply_to), "sha256 applied to": other.signals.digest},
-    )  # fmt: skip
+    return replace(study, applied=_each(lambda channels, *_: channels,
+                                        other, known, recipe, progress=_part(progress, 1, parts)),
+                   findings=(*study.findings, *findings), notes=tuple(notes), provenance=study.provenance
+                   | {"applied to": os.fspath(apply_to), "sha256 applied to": other.signals.digest})  # fmt: skip
 
 
 def _part(progress: Progress | None, part: int, parts: int) -> Progress | None:

@@ -131,10 +131,8 @@ def _measured(name: str, record: Record, along: Recording) -> tuple[Regressor, i
         raise DataError(say("the regressor {regressor!r} has no finite sample", regressor=name))
     mean, spread, span = float(finite.mean()), float(finite.std()), (float(finite.min()), float(finite.max()))
     if span[0] == span[1]:
-        raise DataError(
-            say("the regressor {regressor!r} is constant (always {value:g} {unit}) and cannot explain anything",
-                regressor=name, value=span[0], unit=unit)
-        )  # fmt: skip
+        raise DataError(say("the regressor {regressor!r} is constant (always {value:g} {unit}) and cannot explain "
+                            "anything", regressor=name, value=span[0], unit=unit))  # fmt: skip
     centre = round(mean, int(4 - np.floor(np.log10(spread))))
     return Regressor(name, unit, centre, span=span), int(np.isnan(x).sum())
 
@@ -147,10 +145,8 @@ def _stretches(fine: BoolArray, n: int) -> tuple[tuple[Stretch, ...], tuple[str,
                             least=MIN_STRETCH))  # fmt: skip
     if count == n:
         return kept, ()
-    missing = say(
-        "{missing} of {samples} samples are missing, have no regressors, or belong to stretches shorter than {least}",
-        missing=n - count, samples=n, least=MIN_STRETCH,
-    )  # fmt: skip
+    missing = say("{missing} of {samples} samples are missing, have no regressors, or belong to stretches shorter than "
+                  "{least}", missing=n - count, samples=n, least=MIN_STRETCH)  # fmt: skip
     used = say_count(len(kept), "{count} stretch used", "{count} stretches used, each with its own constant")
     return kept, (join("; ", (missing, used)),)
 
@@ -248,15 +244,9 @@ def folds(design: Design, theta: FloatArray, symbols: str, blocks: int) -> list[
     edges = np.linspace(first, last, blocks + 1).astype(int)
     held = []
     for a, b in pairwise(edges.tolist()):
-        parts = [
-            [
-                (max(i, c), min(j, d))
-                for i, j in design.stretches
-                for c, d in windows
-                if min(j, d) - max(i, c) >= MIN_STRETCH
-            ]
-            for windows in ([(first, a), (b, last)], [(a, b)])
-        ]
+        parts = [[(max(i, c), min(j, d))
+                  for i, j in design.stretches for c, d in windows if min(j, d) - max(i, c) >= MIN_STRETCH]
+                 for windows in ([(first, a), (b, last)], [(a, b)])]  # fmt: skip
         if all(parts):
             (rest, _), block = (products(design.likelihood(symbols, parts=p), theta) for p in parts)
             held.append(HeldBlock(rest, *block))

@@ -97,11 +97,10 @@ def compensate(
         raise DataError(say("{name!r} is constant (always {value:g} SI): check the sensor", name=record.name,
                             value=float(whole.y[whole.stretches[0][0]])))  # fmt: skip
     if rest < MIN_RESIDUAL * size:
-        raise DataError(
-            say("{regressors} explain {name!r} completely: no noise remains. Is the record, or something derived from "
-                "it, among the regressors?", name=record.name,
-                regressors=join(", ", [join("", ("'", whole.labels[i], "'")) for i in whole.taken]))
-        )  # fmt: skip
+        raise DataError(say("{regressors} explain {name!r} completely: no noise remains. Is the record, or something "
+                            "derived from it, among the regressors?", name=record.name,
+                            regressors=join(", ",
+                                            [join("", ("'", whole.labels[i], "'")) for i in whole.taken])))  # fmt: skip
     terms = settings.symbols
     theta, _ = whole.likelihood(terms).minimise(np.ones(len(terms), dtype=bool))
     blocks = folds(whole, theta, terms, settings.blocks)
@@ -129,26 +128,21 @@ def _regression(
     effective = _effective(part, likelihood, theta)
     if effective < settings.least * len(part.taken):
         raise DataError(
-            say_count(
-                len(part.taken),
-                "the noise of {name!r} has {effective:.3g} effective samples, as a whole or where the regressors vary: "
-                "too few for {count} regressor, each of which needs {least:g}. Use fewer regressors, record for "
-                "longer, or require fewer samples per regressor with {option}",
-                "the noise of {name!r} has {effective:.3g} effective samples, as a whole or where the regressors vary: "
-                "too few for {count} regressors, each of which needs {least:g}. Use fewer regressors, record for "
-                "longer, or require fewer samples per regressor with {option}",
-                name=record.name, effective=effective, least=settings.least,
-                option=spelled("--least", "FitSettings(least=...)"),
-            )
+            say_count(len(part.taken), "the noise of {name!r} has {effective:.3g} effective samples, as a whole "
+                      "or where the regressors vary: too few for {count} regressor, each of which needs {least:g}. Use "
+                      "fewer regressors, record for longer, or require fewer samples per regressor with {option}",
+                      "the noise of {name!r} has {effective:.3g} effective samples, as a whole or where the regressors "
+                      "vary: too few for {count} regressors, each of which needs {least:g}. Use fewer regressors, "
+                      "record for longer, or require fewer samples per regressor with {option}", name=record.name,
+                      effective=effective, least=settings.least, option=spelled("--least", "FitSettings(least=...)"))
         )  # fmt: skip
     sizes = zip(settings.symbols, mean, strict=True)
     noise = [Term(s, math.sqrt(v) * record.rate ** -TERMS[s].power, record.signal) for s, v in sizes if v > 0]
-    return Regression(
-        record.signal, record.name, part.regressors, coefficients.scaled(1 / part.size, first),
-        chosen=tuple(bool(o) and not settings.every for o in part.optional), candidates=int(whole.optional.sum()),
-        inflation=inflation, condition=condition, noise=Model(tuple(noise)), effective=effective, inside=inside,
-        held=held, notes=(*part.notes, *notes, *alike),
-    )  # fmt: skip
+    return Regression(record.signal, record.name, part.regressors, coefficients.scaled(1 / part.size, first),
+                      chosen=tuple(bool(o) and not settings.every for o in part.optional),
+                      candidates=int(whole.optional.sum()), inflation=inflation, condition=condition,
+                      noise=Model(tuple(noise)), effective=effective, inside=inside, held=held,
+                      notes=(*part.notes, *notes, *alike))  # fmt: skip
 
 
 def _plain(part: Design) -> FloatArray:

@@ -126,9 +126,8 @@ class Mixture(Value):
     def scaled(self, by: FloatArray, shift: FloatArray) -> "Mixture":
         """The mixture of by * (coefficient + shift)."""
         size = np.abs(by)
-        return Mixture(
-            self.weights, by * (self.centres + shift), size * self.spreads, self.covariance * np.outer(by, by)
-        )
+        return Mixture(self.weights, by * (self.centres + shift), size * self.spreads,
+                       self.covariance * np.outer(by, by))  # fmt: skip
 
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> Self:

@@ -131,10 +131,9 @@ class Regression(Columns, Correction):
     def rate_error(self, record: Record, along: Recording | None = None) -> FloatArray:
         """Error of the rate in each interval, SI, shape (record.size,); NaN where a regressor has no value."""
         if record.signal is not self.signal:
-            raise UsageError(
-                f"this regression belongs to a {self.signal.name} ({self.signal.unit}), but {record.name!r} was "
-                f"measured by another type of sensor, {record.signal.name} ({record.signal.unit})"
-            )
+            raise UsageError(f"this regression belongs to a {self.signal.name} ({self.signal.unit}), "
+                             f"but {record.name!r} was measured by another type of sensor, {record.signal.name} "
+                             f"({record.signal.unit})")  # fmt: skip
         columns = (self.mixture.values[i] * self.regressors[i].column(record, along) for i in self.taken)
         return np.asarray(sum(columns))
 
@@ -213,9 +212,8 @@ def gain_on(regression: Regression, record: Record, along: Recording | None) -> 
     count = int(fine.sum())
     if count < 2 + len(regression.trend):
         raise DataError(say("{name!r} and its regressors have no samples in common", name=record.name))
-    drift = np.column_stack(
-        [np.ones(y.size), *(regression.regressors[i].column(record, None) for i in regression.trend)]
-    )
+    drift = np.column_stack([np.ones(y.size),
+                             *(regression.regressors[i].column(record, None) for i in regression.trend)])  # fmt: skip
     X, y = (about_line(np.where(fine, of.T, 0.0).T, np.where(fine, drift.T, 0.0).T) for of in (X, y))
     b, V = regression.mixture.values[taken], regression.mixture.covariance[np.ix_(taken, taken)]
     S, v = X.T @ X, X @ b

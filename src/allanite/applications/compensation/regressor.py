@@ -18,9 +18,8 @@ def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
     # in its neighbours' windows, and has no slope of its own.
     half = int(window * rate / 2)
     if not (np.isfinite(window) and window >= MIN_WINDOW and half >= 1):
-        raise UsageError(
-            f"the window of a derivative must have at least {MIN_WINDOW:g} s and 3 samples, not {window!r} s"
-        )
+        raise UsageError(f"the window of a derivative must have at least {MIN_WINDOW:g} s and 3 samples, not "
+                         f"{window!r} s")  # fmt: skip
     from scipy.signal import oaconvolve
 
     j = np.arange(-half, half + 1, dtype=np.float64)
@@ -285,11 +284,9 @@ def demand_clock(record: Record, other: Record) -> None:
     lengths = (record.size, record.size + 1) if record.kind == "angle" else (record.size,)
     if same_rate and apart < 0.5 / record.rate and other.size in lengths:
         return
-    raise DataError(
-        say("{regressor!r} ({clock}) does not have the sample times of {name!r} ({own}); interpolate it with {option}",
-            regressor=other.name, clock=_clock(other), name=record.name, own=_clock(record),
-            option=spelled("--interpolate", "compensation.aligned"))
-    )  # fmt: skip
+    raise DataError(say("{regressor!r} ({clock}) does not have the sample times of {name!r} ({own}); interpolate it "
+                        "with {option}", regressor=other.name, clock=_clock(other), name=record.name,
+                        own=_clock(record), option=spelled("--interpolate", "compensation.aligned")))  # fmt: skip
 
 
 def _clock(record: Record) -> str:

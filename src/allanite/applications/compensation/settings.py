@@ -29,10 +29,9 @@ class FitSettings(FitChoices, Value):
         symbols = self.symbols
         wrong = [s for s in symbols if s not in TERMS or TERMS[s].waveform is not None or TERMS[s].parameters]
         if wrong or not symbols or len(set(symbols)) < len(symbols):
-            raise UsageError(
-                f"terms must be different noise terms such as QNBK, not {self.terms!r}; a linear drift is "
-                f"estimated beside the regressors, unless {spelled('--no-trend', 'trend=False')} is given"
-            )
+            raise UsageError(f"terms must be different noise terms such as QNBK, not {self.terms!r}; a linear drift "
+                             f"is estimated beside the regressors, unless {spelled('--no-trend', 'trend=False')} is "
+                             "given")  # fmt: skip
         if not _whole(self.blocks, 3, 50):
             raise UsageError(f"the number of blocks must be a whole number from 3 to 50, not {self.blocks!r}")
         if not (math.isfinite(self.least) and self.least > 0):
@@ -62,9 +61,8 @@ class CompensationSettings(CompensationChoices, Value):
     def __post_init__(self) -> None:
         named = self.regressors or self.derivative_of
         if self.use is None and not named:
-            raise UsageError(
-                "name at least one regressor, for example " + spelled("--regressors temp", "regressors=('temp',)")
-            )
+            raise UsageError("name at least one regressor, for example " + spelled("--regressors temp",
+                                                                                   "regressors=('temp',)"))  # fmt: skip
         if self.use is not None and named:
             raise UsageError("a saved regression has its own regressors: omit "
                              + spelled("--regressors and --derivative-of", "regressors and derivative_of"))  # fmt: skip

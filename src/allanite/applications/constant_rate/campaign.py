@@ -67,14 +67,11 @@ def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model
                                   "explains: dither and single pulses, which are faster, are part of Q",
                                   length=m / record.rate)  # fmt: skip
                     return RateNoise(coarse, model, alerts, FAST, (counted,))
-                note = say_count(
-                    m,
-                    "the noise was identified from blocks of {count} sample ({length:.3g} s), which the model "
-                    "explains; at the full rate: {statement}",
-                    "the noise was identified from blocks of {count} samples ({length:.3g} s), which the model "
-                    "explains; at the full rate: {statement}",
-                    length=m / record.rate, statement=join("; ", (noise.statement.head, *noise.statement.points[:1])),
-                )  # fmt: skip
+                note = say_count(m, "the noise was identified from blocks of {count} sample ({length:.3g} s), which "
+                                 "the model explains; at the full rate: {statement}",
+                                 "the noise was identified from blocks of {count} samples ({length:.3g} s), which the "
+                                 "model explains; at the full rate: {statement}", length=m / record.rate,
+                                 statement=join("; ", (noise.statement.head, *noise.statement.points[:1])))  # fmt: skip
                 return RateNoise(coarse, model, (note, *alerts), FAST)
     except DataError as error:
         return RateNoise(alerts=(say("no noise model: {reason}", reason=str(error)),))
@@ -287,19 +284,15 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
             other = experiment(seen.records[1], model, chosen)
             alike = (other.methods, other.duration) == (measured.methods, measured.duration)
             turned = measured.reversed_by(other) if alike else None
-    warned = (
-        say("second recording: {finding}", finding=str(f)) if i else str(f)
-        for i, quality in enumerate(seen.qualities)
-        for f in quality.warnings
-        if f.name not in settled
-    )
+    warned = (say("second recording: {finding}", finding=str(f)) if i else str(f)
+              for i, quality in enumerate(seen.qualities)
+              for f in quality.warnings if f.name not in settled)  # fmt: skip
     unfit = (say("{time:g} s is not measured: it needs three samples, and has to fit into {length:g} s",
                  time=d, length=record.duration) for d in short)  # fmt: skip
-    return RateChannel(
-        record, seen.quality, noise, experiment=measured, by_duration=by_duration(record, durations, model, chosen),
-        estimates=estimates, bias=bias, north=heading, by_reversal=turned,
-        whole=next(iter(wholes), None), alerts=(*alerts, *map(str, measured.findings), *unfit, *warned),
-    )  # fmt: skip
+    return RateChannel(record, seen.quality, noise, experiment=measured,
+                       by_duration=by_duration(record, durations, model, chosen), estimates=estimates,
+                       bias=bias, north=heading, by_reversal=turned, whole=next(iter(wholes), None),
+                       alerts=(*alerts, *map(str, measured.findings), *unfit, *warned))  # fmt: skip
 
 
 def _whole(record: Record, method: str, model: Model | None, chosen: ExperimentSettings) -> RateEstimate:

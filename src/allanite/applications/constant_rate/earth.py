@@ -64,12 +64,10 @@ class North(Value):
 
     def words(self) -> str:
         """The heading in a sentence."""
-        error = (
-            f"{60 * self.standard_error:.3g} arcmin" if self.standard_error < 1 else f"{self.standard_error:.3g} deg"
-        )
-        return say_count(self.positions,
-                         "heading {heading:.4f} deg ({low:.4f} .. {high:.4f}), standard error {error}; {count} "
-                         "position; {other:.4f} deg would give the same rate",
+        error = (f"{60 * self.standard_error:.3g} arcmin" if self.standard_error < 1
+                 else f"{self.standard_error:.3g} deg")  # fmt: skip
+        return say_count(self.positions, "heading {heading:.4f} deg ({low:.4f} .. {high:.4f}), standard error {error}; "
+                         "{count} position; {other:.4f} deg would give the same rate",
                          "heading {heading:.4f} deg ({low:.4f} .. {high:.4f}), standard error {error}; {count} "
                          "positions; {other:.4f} deg would give the same rate", heading=self.heading, low=self.low,
                          high=self.high, error=error, other=self.other)  # fmt: skip

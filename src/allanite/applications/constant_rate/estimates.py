@@ -11,9 +11,8 @@ def rate_factor(unit: str, signal: Signal) -> float:
     """Size of `unit`, a unit of the signal itself, in SI."""
     size = unit_of(unit)
     if size.dimension != signal.dimension:
-        raise UnitError(
-            f"{unit!r} is not a unit of the {signal.name}'s signal; usual units: {signal.sheet[0]}, {signal.unit}"
-        )
+        raise UnitError(f"{unit!r} is not a unit of the {signal.name}'s signal; usual units: {signal.sheet[0]}, "
+                        f"{signal.unit}")  # fmt: skip
     return size.factor
 
 

@@ -38,9 +38,8 @@ def _lines(task: Task) -> tuple[int, int]:
     if lines is None:
         lines = max(1, n // 160)
     if not 1 <= lines <= n - 1:
-        raise UsageError(
-            f"{lines} regression lines, each one sample later, do not fit into {n} samples; at most {n - 1} do"
-        )
+        raise UsageError(f"{lines} regression lines, each one sample later, do not fit into {n} samples; at most "
+                         f"{n - 1} do")  # fmt: skip
     return lines, n - lines + 1
 
 
@@ -79,33 +78,28 @@ def _conditional(interval: Interval, _: FloatArray, task: Task) -> RateMeasureme
     return RateMeasurement(float(slopes[kept].mean()), {"lines": float(slopes.size), "kept": float(kept.mean())})
 
 
-MEAN = RateEstimator(
-    name="mean", title=say("mean of all samples"), formula=r"\hat\Omega = \theta(T) / T",
-    reference=say("IEEE Std 647; the mean of means of equal parts is the same number"),
-    assumes=say("white rate noise (angle random walk) alone"), weights=lambda task: np.full(task.size, 1 / task.size),
-    measure=linear,
-)  # fmt: skip
-HAMMING = RateEstimator(
-    name="hamming", title=say("mean under a window"),
-    formula=r"\hat\Omega = \sum a_j \Omega_j / \sum a_j, a_j = 0.54 - 0.46 \cos(2 \pi j / (n - 1))",
-    reference=say("R. W. Hamming, Digital Filters, 1977"),
-    assumes=say("nothing: a sixth of the accuracy under angle random walk is given up for a low weight of the ends"),
-    weights=_window, measure=linear, color="#B97700",
-)  # fmt: skip
-REGRESSION = RateEstimator(
-    name="regression", title=say("slope of the line through the angle"),
-    formula=r"\hat\Omega = 12 \sum (t_i - \bar t) \theta_i / (n (n + 1) (n + 2) \tau_0)",
-    reference=say("Enin, Saneev, Science and Education of the Bauman MSTU 2017(2) 52, formula (1)"),
-    assumes=say("white angle noise (quantization, residual dither) alone"), weights=lambda task: parabola(task.size),
-    measure=linear, color="#0072B2",
-)  # fmt: skip
-CONDITIONAL = RateEstimator(
-    name="conditional", title=say("mean of regression lines without outliers"),
-    formula=r"\hat\Omega = \overline{\Omega_k}, |\Omega_k - \mathrm{median}| \le 2 \sigma",
-    reference=say("Saneev, Engineering Journal 2015(1); Enin, Saneev 2017"),
-    assumes=say("as regression, to which it is nearly identical: adjacent lines share all but one sample"),
-    weights=_many_parabolas, measure=_conditional, color="#56A0D3",
-)  # fmt: skip
+MEAN = RateEstimator(name="mean", title=say("mean of all samples"), formula=r"\hat\Omega = \theta(T) / T",
+                     reference=say("IEEE Std 647; the mean of means of equal parts is the same number"),
+                     assumes=say("white rate noise (angle random walk) alone"),
+                     weights=lambda task: np.full(task.size, 1 / task.size), measure=linear)  # fmt: skip
+HAMMING = RateEstimator(name="hamming", title=say("mean under a window"),
+                        formula=r"\hat\Omega = \sum a_j \Omega_j / \sum a_j, a_j = 0.54 - 0.46 \cos(2 \pi j / (n - 1))",
+                        reference=say("R. W. Hamming, Digital Filters, 1977"),
+                        assumes=say("nothing: a sixth of the accuracy under angle random walk is given up for a low "
+                                    "weight of the ends"),
+                        weights=_window, measure=linear, color="#B97700")  # fmt: skip
+REGRESSION = RateEstimator(name="regression", title=say("slope of the line through the angle"),
+                           formula=r"\hat\Omega = 12 \sum (t_i - \bar t) \theta_i / (n (n + 1) (n + 2) \tau_0)",
+                           reference=say("Enin, Saneev, Science and Education of the Bauman MSTU 2017(2) 52, formula "
+                                         "(1)"),
+                           assumes=say("white angle noise (quantization, residual dither) alone"),
+                           weights=lambda task: parabola(task.size), measure=linear, color="#0072B2")  # fmt: skip
+CONDITIONAL = RateEstimator(name="conditional", title=say("mean of regression lines without outliers"),
+                            formula=r"\hat\Omega = \overline{\Omega_k}, |\Omega_k - \mathrm{median}| \le 2 \sigma",
+                            reference=say("Saneev, Engineering Journal 2015(1); Enin, Saneev 2017"),
+                            assumes=say("as regression, to which it is nearly identical: adjacent lines share all but "
+                                        "one sample"),
+                            weights=_many_parabolas, measure=_conditional, color="#56A0D3")  # fmt: skip
 
 
 def white_and_angle(n: int, kappa: float) -> FloatArray:
@@ -300,9 +294,7 @@ STAIRCASE = RateEstimator(
     name="staircase", title=say("recognition of the staircase of counts"),
     formula=r"\min_{U, \varphi} \sum (y_i - \lfloor U t_i + \varphi \rfloor)^2",
     reference=say("Enin, Saneev, Science and Education of the Bauman MSTU 2017(2) 52, formula (2)"),
-    assumes=say(
-        "counts without noise, for which its limits are certain; with noise above a fraction of a pulse it is "
-        "slightly worse than regression"
-    ),
+    assumes=say("counts without noise, for which its limits are certain; with noise above a fraction of a pulse it is "
+                "slightly worse than regression"),
     weights=lambda task: parabola(task.size), measure=_staircase, excess=_excess, needs_quantum=True, color="#AA4499",
 )  # fmt: skip

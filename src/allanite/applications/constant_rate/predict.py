@@ -11,9 +11,8 @@ from allanite.extending import (  # isort: skip
 from .linear import CONDITIONAL, HAMMING, MEAN, OPTIMAL, REGRESSION, STAIRCASE
 from .row import EstimatorSettings, RateEstimator, Task, without_dither
 
-RATE_ESTIMATORS: dict[str, RateEstimator] = {
-    row.name: row for row in (MEAN, HAMMING, REGRESSION, CONDITIONAL, STAIRCASE, OPTIMAL)
-}
+RATE_ESTIMATORS: dict[str, RateEstimator] = {row.name: row for row in (MEAN, HAMMING, REGRESSION, CONDITIONAL,
+                                                                       STAIRCASE, OPTIMAL)}  # fmt: skip
 
 MAX_LOSS = 0.02  # loss of accuracy that is not worth another method
 

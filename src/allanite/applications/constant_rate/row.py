@@ -63,19 +63,17 @@ class Task:
         demand_name("target", self.target, TARGETS)
         if self.target == "constant" and self.wandering:
             walks = ", ".join(t.symbol for t in self.wandering)
-            raise UsageError(
-                f"a constant rate cannot be separated from {walks}, whose drift is unbounded; use target='mean', "
-                "'centre' or 'start': the rate including the drift, over or at that time"
-            )
+            raise UsageError(f"a constant rate cannot be separated from {walks}, whose drift is unbounded; "
+                             "use target='mean', 'centre' or 'start': the rate including the drift, over or at that "
+                             "time")  # fmt: skip
         for frequency in self.dither:
             if not (np.isfinite(frequency) and frequency > 0):
                 raise UsageError(f"a dither frequency must be a positive number of Hz, not {frequency!r}")
             alias = abs(frequency - self.rate * round(frequency / self.rate))
             if alias * self.size < 2 * self.rate:
-                raise UsageError(
-                    f"dither at {frequency:g} Hz, sampled at {self.rate:g} Hz, appears at {alias:.3g} Hz: less than "
-                    f"two periods in {self.size / self.rate:g} s cannot be separated from a rate"
-                )
+                raise UsageError(f"dither at {frequency:g} Hz, sampled at {self.rate:g} Hz, appears at {alias:.3g} "
+                                 f"Hz: less than two periods in {self.size / self.rate:g} s cannot be separated from a "
+                                 "rate")  # fmt: skip
 
     @property
     def duration(self) -> float:
@@ -240,11 +238,10 @@ def findings_of(record: Record) -> tuple[Finding, ...]:
     if away[worst] <= limit:
         return ()
     count = int((away > limit).sum())
-    what = say_count(count,
-                     "{count} sample with a jump, the first at sample {first}, the largest by {jump:.6g} at sample "
-                     "{worst}, where {typical:.3g} is typical",
-                     "{count} samples with a jump, the first at sample {first}, the largest by {jump:.6g} at sample "
-                     "{worst}, where {typical:.3g} is typical", first=int((away > limit).argmax()),
-                     jump=float(away[worst]), worst=worst, typical=spread)  # fmt: skip
+    what = say_count(count, "{count} sample with a jump, the first at sample {first}, the largest by {jump:.6g} "
+                     "at sample {worst}, where {typical:.3g} is typical", "{count} samples with a jump, the first at "
+                     "sample {first}, the largest by {jump:.6g} at sample {worst}, where {typical:.3g} is typical",
+                     first=int((away > limit).argmax()), jump=float(away[worst]), worst=worst,
+                     typical=spread)  # fmt: skip
     consequence = say("missing or doubled pulses enter the rate in full")
     return (Finding("slip", what, consequence, say("choose a window without them")),)

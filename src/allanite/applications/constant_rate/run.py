@@ -77,11 +77,10 @@ def estimate(
         raise UsageError(f"{method}: {lacking}")
     weights, interval = row.weights(task), interval_of(readings_of(record, task.options), task)
     measurement = in_si(row.measure(interval, weights, task), interval)
-    return RateEstimate(
-        value=measurement.value, standard_error=math.nan if task.model is None else standard_error(row, weights, task),
-        method=row.name, assumes=row.assumes, signal=record.signal, target=task.target, duration=task.duration,
-        limits=measurement.bounds, details=dict(measurement.details), findings=findings_of(record), name=record.name,
-    )  # fmt: skip
+    return RateEstimate(value=measurement.value, standard_error=math.nan if task.model is None
+                        else standard_error(row, weights, task), method=row.name, assumes=row.assumes,
+                        signal=record.signal, target=task.target, duration=task.duration, limits=measurement.bounds,
+                        details=dict(measurement.details), findings=findings_of(record), name=record.name)  # fmt: skip
 
 
 def in_si(measurement: RateMeasurement, interval: Interval) -> RateMeasurement:
@@ -197,15 +196,13 @@ def experiment(
             rates[j, i] = in_si(row.measure(interval, weights[method], task), interval).value
     rates = rates - settings.bias
     known = task.model is not None
-    return Experiment(
-        name=record.name, signal=record.signal, methods=tuple(rows), start=starts / record.rate,
-        duration=size / record.rate, rate=record.rate, rates=rates,
-        reference=float(rates[-1].mean()) if settings.reference is None else settings.reference,
-        known=settings.reference is not None,
-        predicted=np.array([standard_error(row, weights[m], task) if known else math.nan for m, row in rows.items()]),
-        ranking=None if task.model is None else ranking(task, task.model), left_out=left_out, notes=notes,
-        findings=() if settings.gaps == "split" else findings_of(record),
-    )  # fmt: skip
+    return Experiment(name=record.name, signal=record.signal, methods=tuple(rows), start=starts / record.rate,
+                      duration=size / record.rate, rate=record.rate, rates=rates, reference=float(rates[-1].mean())
+                      if settings.reference is None else settings.reference, known=settings.reference is not None,
+                      predicted=np.array([standard_error(row, weights[m], task) if known else math.nan
+                                          for m, row in rows.items()]),
+                      ranking=None if task.model is None else ranking(task, task.model), left_out=left_out, notes=notes,
+                      findings=() if settings.gaps == "split" else findings_of(record))  # fmt: skip
 
 
 def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[IntArray, tuple[str, ...]]:
@@ -215,10 +212,8 @@ def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[In
     extra = KINDS[record.kind][1]
     lost = np.flatnonzero(~np.isfinite(record.values))
     edges = np.concatenate(([-1], lost, [len(record.values)]))
-    starts = np.array([
-        start for omitted, right in zip(edges[:-1] + 1, edges[1:], strict=True)
-        for start in range(int(omitted), int(right) - extra - size + 1, size)
-    ])  # fmt: skip
+    starts = np.array([start for omitted, right in zip(edges[:-1] + 1, edges[1:], strict=True)
+                       for start in range(int(omitted), int(right) - extra - size + 1, size)])  # fmt: skip
     if not starts.size:
         raise DataError(say("no interval of {interval:g} s fits between the {missing} missing samples of {name!r}",
                             interval=size / record.rate, missing=lost.size, name=record.name))  # fmt: skip
@@ -332,9 +327,8 @@ def closeup(record: Record, settings: ExperimentSettings | None = None, *, start
     size = min(max(3, round(settings.interval * record.rate)), record.size)
     first = round(start * record.rate) if np.isfinite(start) else -1
     if not 0 <= first <= record.size - size:
-        raise UsageError(
-            f"an interval of {size / record.rate:g} s from {start:g} s does not fit into {record.duration:g} s"
-        )
+        raise UsageError(f"an interval of {size / record.rate:g} s from {start:g} s does not fit into "
+                         f"{record.duration:g} s")  # fmt: skip
     part = piece(record, first, size)
     demand_whole(part)
     task = task_of(part, None, settings.target, dither=settings.dither, options=settings.options)

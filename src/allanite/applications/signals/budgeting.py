@@ -40,9 +40,8 @@ def mixed(currents: Recording, axes: Sequence[float], stages: Sequence[Stage] = 
     and alike, are those of one converter of that scale.
     """
     if len(axes) != 4 or not all(math.isfinite(v) for v in axes):
-        raise UsageError(
-            f"the axes of two torquers are four numbers XX,XY,YX,YY, for example 0,-1,1,0, not {list(axes)!r}"
-        )
+        raise UsageError("the axes of two torquers are four numbers XX,XY,YX,YY, for example 0,-1,1,0, not "
+                         f"{list(axes)!r}")  # fmt: skip
     xx, xy, yx, yy = (float(v) for v in axes)
     if abs(xx * yy - xy * yx) <= 1e-9 * math.hypot(xx, xy) * math.hypot(yx, yy):
         raise UsageError(f"the axes {list(axes)!r} give both rates from the same current: the matrix is singular")

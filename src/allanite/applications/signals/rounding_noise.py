@@ -54,21 +54,17 @@ class StageNoise(Value):
         view = View(Record(rate.rate_values, rate.rate, rate.signal.unit, rate.signal.kind))
         worth = self.step * (rate.rate if self.stage.rounds_angle else 1.0)
         # too little fast noise makes the rounding errors on a grid depend on the signal
-        quiet = self.codes is not None and (
-            view.fast < NO_DITHER * worth or rounding(view.steps, view.fast).nearby <= 2
-        )
+        quiet = self.codes is not None and (view.fast < NO_DITHER * worth
+                                            or rounding(view.steps, view.fast).nearby <= 2)  # fmt: skip
         if quiet:
-            yield Finding(
-                "no dither",
-                say("the noise of the signal is below {share:g} of the step of {stage}", share=NO_DITHER,
-                    stage=self.stage.name),
-                say("its rounding errors are not a noise: they depend on the signal, and this budget is not valid"),
-                say("amplify before it, or add noise"),
-            )  # fmt: skip
+            yield Finding("no dither", say("the noise of the signal is below {share:g} of the step of {stage}",
+                                           share=NO_DITHER, stage=self.stage.name),
+                          say("its rounding errors are not a noise: they depend on the signal, and this budget is not "
+                              "valid"),
+                          say("amplify before it, or add noise"))  # fmt: skip
         if self.codes is not None and self.codes.missing:
-            what = say_count(self.codes.missing,
-                             "{count} code of {stage} never occurs, although adjacent codes are frequent",
-                             "{count} codes of {stage} never occur, although adjacent codes are frequent",
+            what = say_count(self.codes.missing, "{count} code of {stage} never occurs, although adjacent codes are "
+                             "frequent", "{count} codes of {stage} never occur, although adjacent codes are frequent",
                              stage=self.stage.name)  # fmt: skip
             consequence = say("its steps are uneven, and its noise is larger than in the budget")
             yield Finding("missing codes", what, consequence, say("check the converter"))
@@ -184,9 +180,8 @@ def budget(
     [0.134, False]
     """
     if not stages and record.signal.inertial:
-        raise UsageError(
-            "name at least one stage, for example " + spelled("--stage 'ADC 12 5V'", "Stage('ADC', 12, 5.0, 'V')")
-        )
+        raise UsageError("name at least one stage, for example " + spelled("--stage 'ADC 12 5V'",
+                                                                           "Stage('ADC', 12, 5.0, 'V')"))  # fmt: skip
     counts = [demand_in_range(record, stage) for stage in stages] if clipped is None else clipped
     rate, needs = record, spelled("--torquer or --torque-scale", "scale=...")
     if not record.signal.inertial:

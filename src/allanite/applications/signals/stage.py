@@ -72,10 +72,8 @@ class Stage(Value):
         dimension = unit_of(self.unit).dimension
         signals = signal_with(dimension), signal_with(dimension, 1)
         if not (signals[0] or (signals[1] and signals[1].inertial)):
-            raise UnitError(
-                f"the full scale of {self.name!r} is in {self.unit!r} instead of a unit of rate, angle, current or "
-                "voltage"
-            )
+            raise UnitError(f"the full scale of {self.name!r} is in {self.unit!r} instead of a unit of rate, angle, "
+                            "current or voltage")  # fmt: skip
 
     @classmethod
     def parse(cls, text: str) -> "Stage":
@@ -90,10 +88,9 @@ class Stage(Value):
         except UsageError:
             raise
         except ValueError:
-            raise UsageError(
-                "a stage is a name, its bits and its full scale with a unit, e.g. 'ADC 12 5V' or 'output 16 "
-                f"100deg/s', and the gain before it, e.g. 'ADC 12 5V gain=10', not {text!r}"
-            ) from None
+            raise UsageError("a stage is a name, its bits and its full scale with a unit, e.g. 'ADC "
+                             "12 5V' or 'output 16 100deg/s', and the gain before it, e.g. 'ADC 12 5V gain=10', not "
+                             f"{text!r}") from None  # fmt: skip
 
     @property
     def text(self) -> str:
@@ -246,9 +243,8 @@ class TorqueScale(Value):
             try:
                 constants[name] = float(number)
             except ValueError:
-                raise UsageError(
-                    f"a constant of the torquer is a name and a number, e.g. turns=100, not {part!r}"
-                ) from None
+                raise UsageError("a constant of the torquer is a name and a number, e.g. turns=100, not "
+                                 f"{part!r}") from None  # fmt: skip
         known = [constant.name for constant in fields(cls)]
         missing = [name for name in known[:-1] if name not in constants]
         strange = [name for name in constants if name not in known]
@@ -337,10 +333,9 @@ def ampere_of(record: Record, sense: float | None, stage: Stage | None) -> tuple
             raise UsageError(f"converting codes to a current needs a full scale in A or V, not in {stage.unit}")
         per = stage.step * unit_of(stage.unit).factor / gain_of(stage.unit, sense)
         return per, say("codes of {stage}", stage=str(stage))
-    raise UsageError(
-        f"{record.name!r} is in {record.unit!r}: a rate is computed from a current (A), from a voltage (V) with the "
-        "gain of its sensor in V per A, or from codes (unit '1') with the bits and full scale of their converter"
-    )
+    raise UsageError(f"{record.name!r} is in {record.unit!r}: a rate is computed from a current (A), from a voltage "
+                     "(V) with the gain of its sensor in V per A, or from codes (unit '1') with the bits and full "
+                     "scale of their converter")  # fmt: skip
 
 
 def electric(unit: str) -> bool:

@@ -93,9 +93,8 @@ def spaces(content: Content) -> Iterator[tuple[str, dict[str, FloatArray], list[
             yield name, {"R": np.array([[model["N"].value ** 2 * rate]])}, [*whose, "white noise only: no states"]
             continue
         space = state_space(model, rate)
-        remarks = [
-            f"{i}: {state} ({unit})" for i, (state, unit) in enumerate(zip(space.states, space.units, strict=True))
-        ]
+        remarks = [f"{i}: {state} ({unit})"
+                   for i, (state, unit) in enumerate(zip(space.states, space.units, strict=True))]  # fmt: skip
         yield name, {label: getattr(space, label) for label in MATRICES}, [*whose, *remarks, *space.notes]
 
 
@@ -134,11 +133,10 @@ def c_file(content: Content) -> str:
     return "\n".join([*lines, "", "#endif"]) + "\n"
 
 
-STATESPACE = Target(
-    name="statespace", synonyms=("kalman",),
-    title=say("matrices of a Kalman filter in SI: x' = Phi x + w, sample = H x + v"), fields=(),
-    forms={".npz": numpy_file, ".m": matlab_file, ".h": c_file},
-    source="exact discretization at the sampling rate; flicker as Gauss-Markov processes matched from 1 to 1000 s",
-    notes=(say("Qd is the covariance of w, R the variance of v, P0 the covariance of the states at the start"),),
-    rated=True,
-)  # fmt: skip
+STATESPACE = Target(name="statespace", synonyms=("kalman",),
+                    title=say("matrices of a Kalman filter in SI: x' = Phi x + w, sample = H x + v"), fields=(),
+                    forms={".npz": numpy_file, ".m": matlab_file, ".h": c_file}, source="exact discretization at the "
+                    "sampling rate; flicker as Gauss-Markov processes matched from 1 to 1000 s",
+                    notes=(say("Qd is the covariance of w, R the variance of v, P0 the covariance of the states at the "
+                               "start"),),
+                    rated=True)  # fmt: skip
