@@ -239,8 +239,7 @@ def read_lot(results: PathLike, limits: Specification | PathLike | None = None) 
     distributions, trends, outlying = list[Distribution](), list[Trend](), list[Outlying]()
     for of, known in gathered(batch.results(), batch.level, valued=True):
         values = np.array([unit.value for unit in known], dtype=np.float64)
-        quantiles = map(float, np.quantile(values, (SHARE, 0.5, 1 - SHARE)))
-        distributions.append(Distribution(*of, values, *quantiles))
+        distributions.append(Distribution(*of, values, *map(float, np.quantile(values, (SHARE, 0.5, 1 - SHARE)))))
         for along in (TEMPERATURE, DATE):
             at = np.array([_number(rows[unit.file].get(along)) for unit in known])
             given = np.isfinite(at)
@@ -258,8 +257,7 @@ def _unit(row: dict[str, Any], store: Store, limits: Specification | None, spool
     file, stored = row["file"], row["status"] == DONE or store.has(row["key"])
     part = store.get(row["key"]) if stored else {}
     if "study" in part:
-        data = part["study"] | {"provenance": part["study"]["provenance"] | {"source": file}}
-        study = Study.from_dict(data)
+        study = Study.from_dict(part["study"] | {"provenance": part["study"]["provenance"] | {"source": file}})
         return SpooledUnit(unit_of(file, study, limits), spool.put(study))
     error = say("not analyzed yet") if row["status"] == OPEN and not stored else part.get("error", row["error"])
     return BatchUnit(file, error=error, judged=limits is not None)

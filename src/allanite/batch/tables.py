@@ -61,8 +61,7 @@ class Resumed:
 def put_files(store: Store, files: Iterable[FileStatus], choices: Plain) -> None:
     """The table of files, with the recipe in its metadata."""
     ordered = sorted(files, key=lambda f: f.file)
-    rows = [{"file": f.file, **{name: getattr(f, name) for name in OWN}, **f.facts} for f in ordered]
-    store.put_files(rows, choices)
+    store.put_files([{"file": f.file, **{name: getattr(f, name) for name in OWN}, **f.facts} for f in ordered], choices)
 
 
 def put_tables(store: Store, files: Iterable[FileStatus]) -> Iterator[FileStatus]:

@@ -198,9 +198,8 @@ def _markov(axis: Axis) -> AxisCoefficient | None:
     walk = math.sqrt(2 / time)
     low, high = e.interval(axis.level)
     note = say("{name} {words}, T = {time:.4g} s", name=TERMS["GM"].title, words=e.words(level=axis.level), time=time)
-    covers = e.method == COVER
     return AxisCoefficient(axis.name, e.value * walk, low * walk, high * walk, False, False, note, time, axis.level,
-                           covers)  # fmt: skip
+                           e.method == COVER)  # fmt: skip
 
 
 READ = "curve"  # method of estimates that are such bounds
@@ -225,8 +224,7 @@ def bounded(axis: Axis, *, asked: bool) -> Axis:
         fit = Fit(estimates, READ, axis.fit.signal, model, name=axis.fit.name)
         return replace(axis, fit=fit, doubt="", alerts=(words, *axis.alerts))
     slow = [e.symbol for e in axis.fit if e.status == "not valid" and TERMS[e.symbol].slope >= 0]
-    empty = [e.symbol for e in axis.fit if asked and e.value is None and not e.upper]
-    missing = {*slow, *empty} & set(BOUNDED)
+    missing = {*slow, *(e.symbol for e in axis.fit if asked and e.value is None and not e.upper)} & set(BOUNDED)
     if axis.doubt or not missing or (axis.curve is None and not asked):
         return axis
     known = _estimates(axis, missing)

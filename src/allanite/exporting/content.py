@@ -178,8 +178,7 @@ class JsonLayout:
         """The file."""
         sections: dict[str, Any] = {}
         for section in dict.fromkeys(entry.section for entry in content.entries):
-            entries = content.of(section)
-            values = {e.name: list(spread(e.values)) if self.each else e.values[0] for e in entries}
+            values = {e.name: list(spread(e.values)) if self.each else e.values[0] for e in content.of(section)}
             sections[section] = {**values, **dict(self.extra)}
         if self.rate:
             sections[self.rate] = content.rate

@@ -209,8 +209,7 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
              *(line for made in stated if made.covers for line in made.words()))  # fmt: skip
     known = 1 if target.simulates else None  # what it says of filters is none of a simulator's business
     warned = [line for made in stated if made.confident for line in made.words()[:known]]
-    omitted = (f"left out: {axis.name} ({axis.doubt})" for axis in doubts)
-    head = (*header(target, kept, how), *notes, *warned, *omitted)
+    head = (*header(target, kept, how), *notes, *warned, *(f"left out: {axis.name} ({axis.doubt})" for axis in doubts))
     made = target.forms[suffix](Content(head, entries, kept, rate, how.inflate))
     binary = isinstance(made, bytes)
     text = base64.b64encode(made).decode() if isinstance(made, bytes) else made

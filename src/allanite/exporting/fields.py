@@ -64,9 +64,8 @@ def fill(target: Target, axes: Sequence[Axis], how: How) -> tuple[tuple[Entry, .
         if coefs and (how.axis != "each" or len(coefs) == 3):
             entries.append(_entry(field, POLICIES[how.axis](coefs), group, target, how))
             if reasons and field.term:
-                others = join("; ", reasons)
                 missing.append(say("{field} is taken from the other axes ({reasons})", field=field.full,
-                                   reasons=others))  # fmt: skip
+                                   reasons=join("; ", reasons)))  # fmt: skip
             continue
         why = say("{field} has no value ({reasons})", field=field.full, reasons=join("; ", reasons))
         (fatal if field.needed and not how.partial else missing).append(why)
@@ -113,8 +112,7 @@ def _entry(field: TargetField, coefs: Found, group: Sequence[Axis], target: Targ
     if field.rate or (target.rated and not how.partial):
         for rate in rates.values():
             demand_rate(target, rate)
-    pairs = [_value(field, c, rates[c.channel] or 1.0, how.inflate) for c in coefs]
-    values, remarks = zip(*pairs, strict=True)
+    values, remarks = zip(*(_value(field, c, rates[c.channel] or 1.0, how.inflate) for c in coefs), strict=True)
     each = (join(" ", (c.channel, remark)) for c, remark in zip(coefs, remarks, strict=True))
     return Entry(field.name, field.sensor,
                  field.section, field.unit, field.formula, values, tuple(c.channel for c in coefs if c.channel),

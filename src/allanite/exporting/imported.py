@@ -95,13 +95,12 @@ class Explanation(Value):
     @property
     def targets(self) -> list[dict[str, Any]]:
         """Title, fields, notes and source of each."""
-        rows = [row_of_file(self.target)] if self.target else list(EXPORTS.values())
         return [{"name": row.name, "title": row.title,
                  "fields": [{"name": f.full, "sensor": f.sensor, "unit": f.unit, "formula": f.formula,
                              **dict(zip(("kind", "mistaken_for", "wrong_by"), f.nature, strict=True))}
                             for f in row.fields],
                  "notes": list(row.notes), "source": row.source}
-                for row in rows]  # fmt: skip
+                for row in ([row_of_file(self.target)] if self.target else list(EXPORTS.values()))]  # fmt: skip
 
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"

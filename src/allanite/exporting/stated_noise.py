@@ -96,8 +96,7 @@ def _covariances(outages: Outages, symbol: str, shape: tuple[float, ...]) -> Cov
     points = np.concatenate([-edges, times])
     begin = np.append(np.arange(1, PAST + 1), np.zeros(len(times), dtype=np.int64))
     end = np.append(np.arange(PAST), PAST + 1 + np.arange(len(times)))
-    structure = (row.shaped(shape, 1.0) if row.shaped else row).structure
-    D = np.asarray(structure(np.abs(np.subtract.outer(points, points))))
+    D = np.asarray((row.shaped(shape, 1.0) if row.shaped else row).structure(np.abs(np.subtract.outer(points, points))))
     between, alike = D[np.ix_(begin, end)], D[np.ix_(begin, begin)] + D[np.ix_(end, end)]
     whole = (between + between.T - alike) / 2
     drifts = row.alpha is not None and row.alpha < 0
@@ -235,8 +234,7 @@ def noise_of(axis: Axis, tau: FloatArray, *, unexplained: bool) -> AxisNoise | N
     if not limits:
         return None
     identified = _allan(known, tau, axis.rate)
-    summed = np.full(tau.shape, np.inf) if struck else _allan(limits, tau, axis.rate)
-    upper = np.minimum(summed, _measured(axis, tau))
+    upper = np.minimum(np.full(tau.shape, np.inf) if struck else _allan(limits, tau, axis.rate), _measured(axis, tau))
     upper = np.maximum(np.where(np.isfinite(upper), upper, _allan(limits, tau, axis.rate)), identified)
     return AxisNoise(axis, Model(known or limits), tau, identified if known else upper, upper)
 
@@ -265,8 +263,7 @@ def _measured(axis: Axis, tau: FloatArray) -> FloatArray:
         return none
     upper = axis.curve.to(axis.fit.signal.unit).interval(axis.level)[1]
     upper = np.where(np.isfinite(upper), upper, np.inf)
-    logs = np.interp(np.log(tau), np.log(axis.curve.tau), np.log(upper), left=np.inf, right=np.inf)
-    return np.exp(2 * logs)
+    return np.exp(2 * np.interp(np.log(tau), np.log(axis.curve.tau), np.log(upper), left=np.inf, right=np.inf))
 
 
 def model_of_fields(

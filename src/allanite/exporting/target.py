@@ -168,8 +168,7 @@ def pair(gyro: str, accelerometer: str, like: TargetField, unit: str) -> tuple[T
 
 def sectioned(gyro: str, accelerometer: str, *fields: tuple[str, TargetField, str]) -> tuple[TargetField, ...]:
     """Fields with the same names in the sections of both sensors: name, that of the gyro, the accelerometer's unit."""
-    pairs = [pair(name, name, like, unit) for name, like, unit in fields]
-    own, other = zip(*pairs, strict=True)
+    own, other = zip(*(pair(name, name, like, unit) for name, like, unit in fields), strict=True)
     return *(replace(f, section=gyro) for f in own), *(replace(f, section=accelerometer) for f in other)
 
 

@@ -214,5 +214,4 @@ def polynomial(regression: Regression, order: int, reference: float) -> tuple[Fl
         for j in range(regressor.power + 1):
             shift[j, column] = comb(regressor.power, j) * (reference - regressor.centre) ** (regressor.power - j)
     covariance = regression.mixture.covariance[np.ix_(taken, taken)]
-    errors = np.sqrt(np.einsum("ij,jk,ik->i", shift, covariance, shift))
-    return shift @ regression.mixture.values[taken], errors
+    return shift @ regression.mixture.values[taken], np.sqrt(np.einsum("ij,jk,ik->i", shift, covariance, shift))

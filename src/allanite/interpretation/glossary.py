@@ -26,9 +26,8 @@ class Word(Value):
 @cache
 def words() -> Mapping[str, Word]:
     """The words by name."""
-    rows = tomllib.loads((files(__package__) / "words.toml").read_text("utf-8"))
     own = {name: Word(name, tuple(row["names"]), say(row["is"]), row["formula"], row["example"], tuple(row["see"]))
-           for name, row in rows.items()}  # fmt: skip
+           for name, row in tomllib.loads((files(__package__) / "words.toml").read_text("utf-8")).items()}  # fmt: skip
     named = {name for word in own.values() for name in word.synonyms}
     added = {row.title: Word(row.title, (symbol,), row.meaning) for symbol, row in TERMS.items() if symbol not in named}
     return own | added

@@ -36,8 +36,7 @@ class Span:
 
 def straight(estimate: Estimate) -> bool:
     """Whether the asymptote of a term that was found is a straight line: not that of a hump."""
-    row = TERMS[estimate.symbol]
-    return estimate.claimed and bool(estimate.value) and not row.parameters
+    return estimate.claimed and bool(estimate.value) and not TERMS[estimate.symbol].parameters
 
 
 def lasting(estimate: Estimate) -> bool:
@@ -223,9 +222,7 @@ def _minimum(fit: Fit, readings: Readings | None, rate: float, length: float) ->
         because = say("the identified B is {value}, because the minimum contains the other terms too.", value=own)
         yield join("; ", (stated, because))
     elif flicker.upper is not None:
-        below = _size(flicker.upper, flicker, 0)
-        missing = say("flicker was not identified, B is below {limit}", limit=below)
-        parts = [stated, missing]
+        parts = [stated, say("flicker was not identified, B is below {limit}", limit=_size(flicker.upper, flicker, 0))]
         lowest = least(fit.estimates, 1 / rate, length / 2)
         if lowest is not None:  # the minimum that the other terms have together, if they have one within the record
             size, at = _size(lowest[1], fit.estimates[0], 0), averaging(lowest[0])

@@ -70,8 +70,7 @@ class TermCheck(Value):
     @property
     def coverage(self) -> Measured:
         """Share of the intervals that contain the true value; NaN if there are none."""
-        given = np.isfinite(self.low)
-        return share(((self.low <= self.truth) & (self.truth <= self.high))[given])
+        return share(((self.low <= self.truth) & (self.truth <= self.high))[np.isfinite(self.low)])
 
     @property
     def found(self) -> Measured:
@@ -104,8 +103,7 @@ def term_checks(truth: Model, fits: Sequence[Fit], least: Bound, level: float) -
     """The check of each term that was looked for, then of each time constant that was found."""
     true, duration = compared(truth), least.size / least.rate
     for symbol in sought(fits):
-        triples = [_seen(symbol, fit, true.get(symbol), duration) for fit in fits]
-        values, intervals, claimed = zip(*triples, strict=True)
+        values, intervals, claimed = zip(*(_seen(symbol, fit, true.get(symbol), duration) for fit in fits), strict=True)
         limits = np.array([(math.nan, math.nan) if interval is None else interval(level) for interval in intervals])
         own = true.get(symbol) or Term(symbol, 0.0, truth.signal)
         known = least[symbol] if own.value else math.nan
@@ -118,8 +116,7 @@ def term_checks(truth: Model, fits: Sequence[Fit], least: Bound, level: float) -
 
 def sought(fits: Sequence[Fit]) -> list[str]:
     """Symbols of the terms that were looked for; sinusoids where one was found."""
-    symbols = [e.symbol for fit in fits for e in fit] + [LINE for fit in fits if fit.lines]
-    return list(dict.fromkeys(symbols))
+    return list(dict.fromkeys([e.symbol for fit in fits for e in fit] + [LINE for fit in fits if fit.lines]))
 
 
 def compared(truth: Model) -> dict[str, Term]:

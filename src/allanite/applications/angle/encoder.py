@@ -89,8 +89,7 @@ def calibrate(
         raise DataError(f"measured and reference differ by {scatter:.3g} rad about their mean, which is not small "
                         f"relative to a period of harmonic {max(chosen)} ({2 * math.pi / max(chosen):.3g} rad): are "
                         "units, signs and columns right?")  # fmt: skip
-    amplitudes = (f"{wave}{k}" for k in chosen for wave in "SC")
-    names = (*amplitudes, *(say("offset"), say("drift"), say("bend"))[: trend + 1])
+    names = (*(f"{wave}{k}" for k in chosen for wave in "SC"), *(say("offset"), say("drift"), say("bend"))[: trend + 1])
     number = np.linspace(-1.0, 1.0, angle.size)
     rows = np.column_stack([waves(angle, chosen), *(number**i for i in range(trend + 1))])
     system = System(names, rows, z, np.arange(angle.size, dtype=np.float64))

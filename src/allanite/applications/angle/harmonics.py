@@ -330,8 +330,7 @@ def simulate(
     -------
     array, shape (n,)
     """
-    measured = readings(gimbals, harmonics)
-    z = measured.cosine - gimbals.cosine
+    z = readings(gimbals, harmonics).cosine - gimbals.cosine
     for name, value in (nuisance or {}).items():
         demand_name("nuisance", name, NUISANCES)
         z += value * NUISANCES[name].column(gimbals)

@@ -45,8 +45,7 @@ class Residuals(NamedTuple):
             ss, sc, cc = ((u * v).sum(axis=1) - (p * q).sum(axis=1)
                           for u, v, p, q in ((s, s, inside, inside), (s, c, inside, beside),
                                              (c, c, beside, beside)))  # fmt: skip
-            new = (ss + cc) / 2 - np.hypot((ss - cc) / 2, sc) > NEW * NEW * total
-            det = np.where(new, ss * cc - sc * sc, np.inf)
+            det = np.where((ss + cc) / 2 - np.hypot((ss - cc) / 2, sc) > NEW * NEW * total, ss * cc - sc * sc, np.inf)
             sine, cosine = (cc * by - sc * on) / det, (ss * on - sc * by) / det
             squares[part], sizes[part] = sine * by + cosine * on, np.hypot(sine, cosine)
         return squares, sizes
@@ -110,10 +109,8 @@ def _peak(name: str, residuals: Residuals, asked: tuple[int, ...]) -> Peak | Non
         return None
     squares, _ = residuals.explained(orders)
     best = int(squares.argmax())
-    near = squares[max(0, best - AROUND) : best + AROUND + 1]
-    variance = max(variance, float(np.median(near)) / MEDIAN)
-    share = squares[best] / (variance * (freedom + 2))
-    p = orders.size * (1 - min(share, 1.0)) ** (freedom / 2)
+    variance = max(variance, float(np.median(squares[max(0, best - AROUND) : best + AROUND + 1])) / MEDIAN)
+    p = orders.size * (1 - min(squares[best] / (variance * (freedom + 2)), 1.0)) ** (freedom / 2)
     fine = np.arange(max(orders[0], orders[best] - 2 * gap), min(most, orders[best] + 2 * gap) + 1)
     fine = fine[~np.isin(fine, asked)]
     if not fine.size:

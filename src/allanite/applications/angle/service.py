@@ -33,8 +33,7 @@ class Service:
         self.nuisance, self.sigma, self.unit = tuple(nuisance), sigma, sigma or UNIT
         count = 2 * sum(map(len, self.harmonics.values())) + len(self.nuisance)
         self.prior = prior_of(prior, self.harmonics, count)
-        before = np.full(count, UNKNOWN) if self.prior is None else self.prior
-        self.known = SquareRoot.before(before)
+        self.known = SquareRoot.before(np.full(count, UNKNOWN) if self.prior is None else self.prior)
         self.recent, self.history = np.empty((len(ANGLES) + 4, 0)), list[tuple[int, float, FloatArray, FloatArray]]()
         self.omitted, self.row, self.first, self.last, self.stride = 0, 0, 0.0, -math.inf, 1
         self.heading, self.turning = 0.0, False

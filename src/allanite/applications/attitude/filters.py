@@ -140,8 +140,7 @@ def _tilts(up: FloatArray) -> FloatArray:
 
 
 def _bortz(data: Inertial, setting: Setting) -> Angles:
-    vectors = rotation_vectors(data.gyro * data.interval)
-    w, a, b, c = attitudes(vectors, quaternion(data.start)).T
+    w, a, b, c = attitudes(rotation_vectors(data.gyro * data.interval), quaternion(data.start)).T
     angles = _tilts(np.stack([2 * (a * c - w * b), 2 * (w * a + b * c), 1 - 2 * (a * a + b * b)], axis=1))
     # an attitude holds at the end of its pair of samples; the sample before takes that of the pair before
     index = (np.arange(len(data.gyro)) + 1) // 2 - 1
@@ -162,8 +161,7 @@ def beta_of(data: Inertial, setting: Setting) -> float:
     if setting.beta is not None:
         return setting.beta
     steps = np.diff(data.force[:, :2], axis=0) / data.gravity
-    scatter = math.sqrt(float((steps**2).mean()) / 2)
-    return scatter / (math.sqrt(math.pi / 2) * setting.loop.time_constant)
+    return math.sqrt(float((steps**2).mean()) / 2) / (math.sqrt(math.pi / 2) * setting.loop.time_constant)
 
 
 FILTERS: dict[str, AttitudeFilter] = {

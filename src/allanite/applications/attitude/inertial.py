@@ -138,8 +138,7 @@ def six_channels(recording: Recording) -> tuple[tuple[Record, ...], tuple[Record
                            "add the accelerometers to the recording")  # fmt: skip
         raise DataError("roll and pitch need three gyros and three accelerometers, but there are "
                         f"{' and '.join(counts)}: {', '.join(recording.channels)}; {cure}")  # fmt: skip
-    sizes = {(record.size, record.rate) for records in sensors for record in records}
-    if len(sizes) > 1:
+    if len({(record.size, record.rate) for records in sensors for record in records}) > 1:
         sampling = ", ".join(f"{r.name} {r.size} samples at {r.rate:g} Hz" for records in sensors for r in records)
         raise DataError(f"the six channels must have one sampling rate and length, but these differ: {sampling}; "
                         "resample them first")  # fmt: skip

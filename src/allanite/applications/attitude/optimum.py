@@ -130,8 +130,7 @@ def wiener_error(noise: SensorNoise, best: Loop) -> float:
     cross[n // 2 :] = 0.0  # what precedes the innovation
     causal = np.fft.rfft(cross)
     optimal = _error((causal / L * interval, 1 - causal * rise / L), (rate, tilt))
-    first = _error(best.responses(np.maximum(f, f[1] / 4), interval), (rate, tilt))
-    return random_error(noise, best) * optimal / first
+    return random_error(noise, best) * optimal / _error(best.responses(np.maximum(f, f[1] / 4), interval), (rate, tilt))
 
 
 def random_error(noise: SensorNoise, loop: Loop) -> float:
@@ -238,8 +237,7 @@ def optimal_time_constant(
     UsageError, UnitError
         As for `predicted_error`; or no time constant is best, because one of the sensors has no noise.
     """
-    noise = SensorNoise.of(gyro, accelerometer, duration, rate)
-    return optimum(noise, biases(gyro_bias, accelerometer_bias))
+    return optimum(SensorNoise.of(gyro, accelerometer, duration, rate), biases(gyro_bias, accelerometer_bias))
 
 
 def optimum(noise: SensorNoise, bias: Bias = (0.0, 0.0)) -> Optimum:

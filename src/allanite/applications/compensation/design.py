@@ -133,8 +133,7 @@ def _measured(name: str, record: Record, along: Recording) -> tuple[Regressor, i
     if span[0] == span[1]:
         raise DataError(say("the regressor {regressor!r} is constant (always {value:g} {unit}) and cannot explain "
                             "anything", regressor=name, value=span[0], unit=unit))  # fmt: skip
-    centre = round(mean, int(4 - np.floor(np.log10(spread))))
-    return Regressor(name, unit, centre, span=span), int(np.isnan(x).sum())
+    return Regressor(name, unit, round(mean, int(4 - np.floor(np.log10(spread)))), span=span), int(np.isnan(x).sum())
 
 
 def _stretches(fine: BoolArray, n: int) -> tuple[tuple[Stretch, ...], tuple[str, ...]]:
@@ -175,8 +174,7 @@ def collinearity(
     if design.trend:
         return condition, inflation, tuple(notes)
     # the share of a ramp that the columns explain, whitened, and the ramp beside them over its standard error
-    ramp = np.linspace(-1.0, 1.0, design.y.size)
-    wider = replace(design, X=np.column_stack((design.X, ramp))).likelihood(symbols)
+    wider = replace(design, X=np.column_stack((design.X, np.linspace(-1.0, 1.0, design.y.size)))).likelihood(symbols)
     eta, V, _ = wider.directions(theta)
     share, t = 1 - 1 / float(V[-1, -1] * information(wider, theta)[-1, -1]), float(eta[-1] / np.sqrt(V[-1, -1]))
     why = None

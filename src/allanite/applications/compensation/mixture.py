@@ -34,11 +34,10 @@ def restricted(y: FloatArray, X: FloatArray, stretches: Sequence[Stretch], *, ra
         UU.append(wide)
         Uc.append(long)
         W += [base.W] if edged else []
-    terms = parts[0][0].S.shape[1]
     return Likelihood(
         S=np.concatenate([base.S for base, *_ in parts]), power=np.concatenate([base.power for base, *_ in parts]),
         count=np.concatenate([base.count for base, *_ in parts]), UU=np.concatenate(UU), Uc=np.concatenate(Uc),
-        W=np.concatenate([*W, np.zeros((p, terms))]), flat=np.arange(edges + p) >= edges,
+        W=np.concatenate([*W, np.zeros((p, parts[0][0].S.shape[1]))]), flat=np.arange(edges + p) >= edges,
     )  # fmt: skip
 
 
@@ -125,8 +124,7 @@ class Mixture(Value):
 
     def scaled(self, by: FloatArray, shift: FloatArray) -> "Mixture":
         """The mixture of by * (coefficient + shift)."""
-        size = np.abs(by)
-        return Mixture(self.weights, by * (self.centres + shift), size * self.spreads,
+        return Mixture(self.weights, by * (self.centres + shift), np.abs(by) * self.spreads,
                        self.covariance * np.outer(by, by))  # fmt: skip
 
     @classmethod
@@ -179,8 +177,7 @@ def mixture(likelihood: Likelihood, symbols: str) -> tuple[FloatArray, FloatArra
     within = np.array([V[np.ix_(flat, flat)] for _, V in directions])
     off = centres - weight @ centres
     covariance = np.einsum("k,kij->ij", weight, within) + (off.T * weight) @ off
-    spreads = np.sqrt(np.einsum("kii->ki", within))
-    return best, weight @ np.array(likely), Mixture(weight, centres, spreads, covariance)
+    return best, weight @ np.array(likely), Mixture(weight, centres, np.sqrt(np.einsum("kii->ki", within)), covariance)
 
 
 def _grid(

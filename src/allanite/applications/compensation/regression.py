@@ -134,8 +134,7 @@ class Regression(Columns, Correction):
             raise UsageError(f"this regression belongs to a {self.signal.name} ({self.signal.unit}), "
                              f"but {record.name!r} was measured by another type of sensor, {record.signal.name} "
                              f"({record.signal.unit})")  # fmt: skip
-        columns = (self.mixture.values[i] * self.regressors[i].column(record, along) for i in self.taken)
-        return np.asarray(sum(columns))
+        return np.asarray(sum(self.mixture.values[i] * self.regressors[i].column(record, along) for i in self.taken))
 
     def error(self, record: Record, along: Recording | None = None) -> FloatArray:
         """Error of each sample, SI, shape of its values; see `Correction`."""
@@ -162,8 +161,7 @@ class Regression(Columns, Correction):
             result = super()._stored(data)
         except AllaniteError as error:
             raise DataError(f"not a saved regression, or it was changed: {error}") from None
-        count = result.mixture.centres.shape[1]
-        if {len(result.regressors), len(result.chosen), result.inflation.size} != {count}:
+        if {len(result.regressors), len(result.chosen), result.inflation.size} != {result.mixture.centres.shape[1]}:
             raise DataError("the numbers of coefficients and regressors of this regression differ: it was changed")
         return result
 
@@ -221,8 +219,7 @@ def gain_on(regression: Regression, record: Record, along: Recording | None) -> 
     expected = float(b @ S @ b - 2 * np.trace(V @ S))
     noise = Covariance(regression.noise.terms, y.size, record.rate).variance(v)
     spread = WITHIN * math.sqrt(4 * (float(b @ S @ V @ S @ b) + float(np.trace(V @ S @ V @ S)) + noise))
-    sums = (before, after, expected, expected - spread, expected + spread)
-    return Gain(*(total / count for total in sums))
+    return Gain(*(total / count for total in (before, after, expected, expected - spread, expected + spread)))
 
 
 @public

@@ -65,8 +65,7 @@ def regression_lines(interval: Interval, task: Task) -> tuple[FloatArray, BoolAr
     slopes = np.asarray(whole + centred * 12 / (length * (length + 1.0) * (length + 2.0)))
     away = np.abs(slopes - float(np.median(slopes)))
     allowed = task.options.allowed
-    reach = MAX_AWAY * float(np.median(away)) if allowed is None else allowed / interval.size
-    kept = away <= reach
+    kept = away <= (MAX_AWAY * float(np.median(away)) if allowed is None else allowed / interval.size)
     if not kept.any():
         raise UsageError(f"no regression line is within {allowed:.3g} (SI) of their median; allow at least "
                          f"{float(away.min()) * interval.size:.3g}")  # fmt: skip

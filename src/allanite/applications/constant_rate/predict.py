@@ -35,8 +35,7 @@ def variance(weights: FloatArray, task: Task) -> float:
     for t in task.wandering:
         wave = t.sampled(task.rate).waveform
         if wave is not None:
-            drift = t.value * task.rate**t.row.power * wave(task.size)
-            total += float((weights - task.aim) @ drift) ** 2
+            total += float((weights - task.aim) @ (t.value * task.rate**t.row.power * wave(task.size))) ** 2
     return max(total, 0.0)
 
 
