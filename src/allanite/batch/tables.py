@@ -146,10 +146,9 @@ def gathered(
     results: dict[tuple[str, str, str], tuple[tuple[str, str, Signal], list[Known]]] = {}
     for file, channel in channels:
         name, signal = channel.record.name, channel.record.signal
-        known: list[tuple[str, float | None, float | None]] = [
-            (e.symbol, e.value, None) if e.valued else (e.symbol, None, e.upper)
-            for e in channel.fit or () if e.valued or e.status == "absent"
-        ]  # fmt: skip
+        known: list[tuple[str, float | None, float | None]] = [(e.symbol, e.value, None) if e.valued
+                                                               else (e.symbol, None, e.upper) for e in channel.fit or ()
+                                                               if e.valued or e.status == "absent"]  # fmt: skip
         minimum = None if channel.readings is None else channel.readings.minimum
         if channel.readings is not None and minimum is not None:
             inside, most = channel.readings.inside, minimum.interval(level)[1]

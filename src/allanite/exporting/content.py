@@ -112,18 +112,6 @@ def number(value: float) -> str:
 JSON_COMMENT = r'(?s:"comment": \[.*?\n\s*\])'
 
 
-def triple(values: Sequence[float]) -> str:
-    """One number for each axis."""
-    return ", ".join(map(number, spread(values)))
-
-
-def diagonal(values: Sequence[float]) -> str:
-    """The nine numbers of a 3 x 3 covariance, by rows."""
-    x, y, z = map(number, spread(values))
-    zero = number(0.0)
-    return ", ".join((x, zero, zero, zero, y, zero, zero, zero, z))
-
-
 def spread(values: Sequence[float]) -> tuple[float, float, float]:
     """The values of three axes, of three values or of one."""
     x, y, z = values if len(values) == 3 else (values[0],) * 3
@@ -134,7 +122,8 @@ def spread(values: Sequence[float]) -> tuple[float, float, float]:
 class LineLayout:
     """A file of lines."""
 
-    line: str  # template of a field, with `name`, `value` (a single number), `triple` or `diagonal`
+    # template of a field, with `name`, `value` (a single number), `triple` or `diagonal` (a 3 x 3 covariance, by rows)
+    line: str
     syntax: Syntax = YAML  # of its comments
     first: tuple[str, ...] = ()  # what must stand before any comment
     # start, end: LineLayout around the fields, templates with `rate`
@@ -150,7 +139,9 @@ class LineLayout:
         indent = self.line[: len(self.line) - len(self.line.lstrip())]
         for e in content.entries:
             line = self.line.replace("[{triple}]", "{value}") if e.name in self.alone else self.line
-            forms = {"value": number(e.values[0]), "triple": triple(e.values), "diagonal": diagonal(e.values)}
+            x, y, z = map(number, spread(e.values))
+            diagonal = ", ".join((x, *["0.0"] * 3, y, *["0.0"] * 3, z))
+            forms = {"value": number(e.values[0]), "triple": f"{x}, {y}, {z}", "diagonal": diagonal}
             lines += [indent + part for part in self.syntax.comments(told(e))]
             lines.append(line.format(name=e.name, **forms))
         return "\n".join([*lines, *(line.replace("{rate}", rate) for line in self.end)]) + "\n"

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
 from allanite.core.syntax import YAML
@@ -161,9 +161,9 @@ class Target:
         raise UsageError(f"{self.name} is written as {', '.join(self.forms)}, not as {suffix!r}")
 
 
-def pair(gyro: str, accelerometer: str, like: TargetField, unit: str) -> tuple[TargetField, TargetField]:
+def pair(gyro: str, accelerometer: str, like: TargetField, unit: str, **own: Any) -> tuple[TargetField, TargetField]:
     """The fields of both sensors for one term: names, that of the gyro without its name, the accelerometer's unit."""
-    return replace(like, name=gyro), replace(like, name=accelerometer, sensor=ACCELEROMETER, unit=unit)
+    return replace(like, name=gyro), replace(like, name=accelerometer, sensor=ACCELEROMETER, unit=unit, **own)
 
 
 def sectioned(gyro: str, accelerometer: str, *fields: tuple[str, TargetField, str]) -> tuple[TargetField, ...]:

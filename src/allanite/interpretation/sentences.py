@@ -13,6 +13,7 @@ from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.kinds import title_of
 from allanite.core.model import Term
+from allanite.core.names import row_of
 from allanite.core.plain import Value
 from allanite.core.readings import FLICKER, IN_RUN, Readings
 from allanite.core.units import convert
@@ -20,7 +21,7 @@ from allanite.phrases.phrase import averaging, join, say
 from allanite.statistics.moments.moments import expected
 from allanite.terms import TERMS, WHITE
 
-from .devices import Cause, bounds_of, device as named, grade_of
+from .devices import DEVICES, Cause, bounds_of, grade_of
 
 POINTS_PER_DECADE = 1000  # points of a decade at which humps are held against lines
 
@@ -120,7 +121,7 @@ class Meaning(Value):
     @property
     def causes(self) -> dict[str, Cause]:
         """The rows of the device's table for the terms that were found."""
-        table = named(self.device).terms if self.device else {}
+        table = row_of("device", self.device, DEVICES).terms if self.device else {}
         return {symbol: table[symbol] for symbol in self.symbols}
 
     def _summary(self) -> str:
@@ -134,7 +135,7 @@ def meaning(
     texts = sentences(fit, readings, rate=rate, length=length)
     if device is None:
         return Meaning(fit.name, texts)
-    row = named(device)
+    row = row_of("device", device, DEVICES)
     if fit.signal.name not in row.signals:
         note = say("the table of {device} is about {signals} signals, not about this {sensor}", device=row.title,
                    signals=reduce(lambda first, second: say("{first} or {second}", first=first, second=second),
@@ -177,10 +178,9 @@ def _dominating(found: dict[str, Estimate], rate: float, length: float) -> Itera
     parts = [_white(white, found, (1 / rate, length / 2))] if white else []
     if drift is not None:
         title = _title(found[drift.symbol])
-        if drift.start <= 1 / rate:
-            parts.append(say("Drift ({term}) dominates at all averaging times", term=title))
-        else:
-            parts.append(say("Drift ({term}) dominates from {start} on", term=title, start=averaging(drift.start)))
+        parts.append(say("Drift ({term}) dominates at all averaging times", term=title) if drift.start <= 1 / rate
+                     else say("Drift ({term}) dominates from {start} on", term=title,
+                              start=averaging(drift.start)))  # fmt: skip
     if parts:
         yield _ended(join(". ", parts))
 
@@ -193,16 +193,12 @@ def _white(span: Span, found: dict[str, Estimate], limits: tuple[float, float]) 
     title, start, end = _title(found[span.symbol]), averaging(span.start), averaging(span.end)
     late = span.start > limits[0]
     if span.end >= limits[1]:
-        if late:
-            where = say("White noise ({term}) dominates from {start} up to half the length of the record", term=title,
-                        start=start)  # fmt: skip
-        else:
-            where = say("White noise ({term}) dominates at all averaging times", term=title)
+        where = (say("White noise ({term}) dominates from {start} up to half the length of the record", term=title,
+                     start=start) if late
+                 else say("White noise ({term}) dominates at all averaging times", term=title))  # fmt: skip
         return join(": ", (where, say("averaging reduces the error with the square root of time")))
-    if late:
-        where = say("White noise ({term}) dominates from {start} to {end}", term=title, start=start, end=end)
-    else:
-        where = say("White noise ({term}) dominates up to {end}", term=title, end=end)
+    where = (say("White noise ({term}) dominates from {start} to {end}", term=title, start=start, end=end) if late
+             else say("White noise ({term}) dominates up to {end}", term=title, end=end))  # fmt: skip
     slower = say("beyond that, averaging longer reduces the error more slowly than with the square root of time")
     return join(": ", (where, slower))
 
@@ -239,12 +235,12 @@ def _drift(fit: Fit, found: dict[str, Estimate], length: float) -> Iterator[str]
                   systematic=_over(ramp, length), random=_over(walk, length),
                   tau=averaging(crossing(walk, ramp)))  # fmt: skip
     elif ramp is not None:
-        change = _over(ramp, length)
-        stated = say("The drift is systematic: R changes the output by {change} over the record", change=change)
+        stated = say("The drift is systematic: R changes the output by {change} over the record",
+                     change=_over(ramp, length))  # fmt: skip
         yield _ended(join("; ", (stated, *_absent(fit, "K"))))
     elif walk is not None:
-        change = _over(walk, length)
-        stated = say("The drift is random: K changes the output by {change} (1 sigma) over the record", change=change)
+        stated = say("The drift is random: K changes the output by {change} (1 sigma) over the record",
+                     change=_over(walk, length))  # fmt: skip
         yield _ended(join("; ", (stated, *_absent(fit, "R"))))
 
 
@@ -287,8 +283,6 @@ def _grade(readings: Readings | None) -> Iterator[str]:
     level = readings.minimum.deviation if readings.inside else readings.minimum.interval(0.95)[1]
     grade = grade_of(convert(level, readings.unit, "deg/h"))
     facts = {"grade": grade, "scale": IN_RUN, "span": bounds_of(grade), "size": readings.lowest_words()}
-    if readings.inside:
-        text = say("{grade} by its {scale}, {size} ({span})", **facts)
-    else:
-        text = say("{grade} or better by its {scale}, {size} ({span})", **facts)
+    text = (say("{grade} by its {scale}, {size} ({span})", **facts) if readings.inside
+            else say("{grade} or better by its {scale}, {size} ({span})", **facts))  # fmt: skip
     yield join("; ", (text, say("grades are conventions, and a data sheet needs more than noise.")))

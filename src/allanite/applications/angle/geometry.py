@@ -33,17 +33,6 @@ def column(name: str, values: ArrayLike, size: int | None = None) -> FloatArray:
     return np.ascontiguousarray(array, dtype=np.float64)
 
 
-def demand_increasing(time: FloatArray) -> None:
-    """Refuse times that are not increasing."""
-    steps = np.diff(time)
-    if (steps <= 0).any():
-        at = int((steps <= 0).argmax())
-        how = "decreases" if steps[at] < 0 else "does not increase"
-        raise DataError(f"time {how} at sample {at + 1} ({time[at + 1]:.9g} s after {time[at]:.9g} "
-                        f"s), {int((steps <= 0).sum())} such steps in all; sort the rows by time and remove repeated "
-                        "ones")  # fmt: skip
-
-
 def demand_motion(name: str, span: float, orders: tuple[int, ...], remedy: str) -> None:
     """Refuse an angle that stands still; `span` is how far it moves, rad."""
     period = 2 * math.pi / max(orders)
@@ -122,7 +111,12 @@ class Gimbals(Value):
         time = column("time", self.time)
         if time.size < 2:
             raise DataError(f"{time.size} samples are too few; the angles must move during the record")
-        demand_increasing(time)
+        steps = np.diff(time)
+        if (steps <= 0).any():
+            at = int((steps <= 0).argmax())
+            raise DataError(f"time {'decreases' if steps[at] < 0 else 'does not increase'} at sample {at + 1} "
+                            f"({time[at + 1]:.9g} s after {time[at]:.9g} s), {int((steps <= 0).sum())} such steps in "
+                            "all; sort the rows by time and remove repeated ones")  # fmt: skip
         object.__setattr__(self, "time", time)
         for name in (*ANGLES, *(["rho"] if self.rho is not None else [])):
             values = np.asarray(getattr(self, name))

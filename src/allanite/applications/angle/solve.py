@@ -78,20 +78,18 @@ TESTS: dict[str, tuple[str, Callable[[FloatArray], tuple[float, float, str]]]] =
 
 def checks(innovations: FloatArray, squares: float, freedom: int, *, given: bool) -> tuple[InnovationTest, ...]:
     """Every test of `TESTS`; of noise that was given, also whether `squares`, what is left, are as many."""
-    level = (_level(squares, freedom),) if given else ()
-    return (*level, *(InnovationTest(name, title, *test(innovations)) for name, (title, test) in TESTS.items()))
-
-
-def _level(squares: float, freedom: int) -> InnovationTest:
-    """Whether the noise is as large as was said: chi-square of what is left, both ways."""
+    tests = tuple(InnovationTest(name, title, *test(innovations)) for name, (title, test) in TESTS.items())
+    if not given:
+        return tests
     from scipy.special import gammainc, gammaincc
 
+    # whether the noise is as large as was said: chi-square of what is left, both ways
     low, high = float(gammainc(freedom / 2, squares / 2)), float(gammaincc(freedom / 2, squares / 2))
     ratio = math.sqrt(squares / freedom)
     words = say("the residuals are {ratio:.3g} times the sigma given; correct sigma, or omit it to have it estimated",
                 ratio=ratio)  # fmt: skip
     title = say("the noise is as large as sigma states")
-    return InnovationTest("level", title, ratio, min(1.0, 2 * min(low, high)), words)
+    return InnovationTest("level", title, ratio, min(1.0, 2 * min(low, high)), words), *tests
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.extending import DataError, FloatArray, public, row_of, say, spelled
+from allanite.extending import DataError, FloatArray, public, say, spelled
 
 from .inertial import Inertial
 from .loop import Loop, SensorNoise
@@ -207,8 +207,3 @@ FILTERS: dict[str, AttitudeFilter] = {
         ),
     )
 }  # fmt: skip
-
-
-def filter_named(name: str) -> AttitudeFilter:
-    """The row of `FILTERS` of this name."""
-    return row_of("filter", name, FILTERS)

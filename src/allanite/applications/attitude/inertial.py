@@ -62,17 +62,6 @@ class Axes:
         return np.asarray(values[:, list(self.index)] * np.array(self.sign, dtype=np.float64))
 
 
-def demand_upright(force: FloatArray) -> None:
-    """Refuse specific forces whose mean, shape (3,), is not mostly along z."""
-    axes = Axes.upright(force)
-    if axes.index[2] == 2:
-        return
-    up, size = str(axes).split(",")[2], np.abs(force) / np.linalg.norm(force)
-    raise DataError(f"gravity is along {up}, not z: {size.max():.0%} of the mean specific force; give "
-                    f"{_spelled(axes)}, the axes that are forward, sideways and vertical (another one may be forward), "
-                    f"or {_spelled('x,y,z')} if the body lies on its side")  # fmt: skip
-
-
 def _spelled(axes: Axes | str) -> str:
     """The option that gives these axes."""
     return spelled(f"--axes {axes}", f"axes='{axes}'")
@@ -162,10 +151,14 @@ def inertial(recording: Recording, axes: Axes | None = None) -> Inertial:
         if abs(size / wrong - 1) < PLAUSIBLE:
             raise DataError(f"the median specific force is {size:.4g} m/s^2, not {GRAVITY:.4g}: are the accelerometers "
                             f"in {unit}? Give the unit with {spelled(f'--unit accel={unit}', 'unit=...')}")  # fmt: skip
-    if axes is None:
-        demand_upright(force.mean(axis=0))
-    else:
+    mean = force.mean(axis=0)
+    if axes is not None:
         gyro, force = axes.turned(gyro), axes.turned(force)
+    elif (own := Axes.upright(mean)).index[2] != 2:
+        up, share = str(own).split(",")[2], np.abs(mean).max() / np.linalg.norm(mean)
+        raise DataError(f"gravity is along {up}, not z: {share:.0%} of the mean specific force; give {_spelled(own)}, "
+                        "the axes that are forward, sideways and vertical (another one may be forward), or "
+                        f"{_spelled('x,y,z')} if the body lies on its side")  # fmt: skip
     downward = bool(force[:, 2].mean() < 0)
     return Inertial(gyro, -force if downward else force, gyros[0].rate, downward)
 

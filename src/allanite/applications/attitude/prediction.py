@@ -82,21 +82,16 @@ class Prediction(Value):
         UnitError
             It is not a unit of an angle.
         """
-        return self.rms / angle_unit(unit)
+        size = unit_of(unit)
+        if size.dimension != unit_of("rad").dimension:
+            raise UnitError(f"{unit!r} is not a unit of an angle, such as arcsec, deg or mrad")
+        return self.rms / size.factor
 
     def _summary(self) -> str:
         return f"{self.to('arcsec'):.4g} arcsec with {self.loop._summary()}"
 
 
 FLOOR = ("B", "bias")  # sources of the accelerometer that no time constant removes
-
-
-def angle_unit(unit: str) -> float:
-    """Size of a unit of angle in rad."""
-    size = unit_of(unit)
-    if size.dimension != unit_of("rad").dimension:
-        raise UnitError(f"{unit!r} is not a unit of an angle, such as arcsec, deg or mrad")
-    return size.factor
 
 
 @public

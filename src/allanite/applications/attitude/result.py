@@ -11,10 +11,10 @@ from allanite.applications.choices import VerticalChoices
 
 from allanite.extending import (  # isort: skip
     ChannelResult, DataError, Estimate, FloatArray, Header, Job, Model, Record, UsageError, Value, chosen, described,
-    given, say, spelled
+    given, row_of, say, spelled
 )  # fmt: skip
 
-from .filters import FILTERS, AttitudeFilter, filter_named
+from .filters import FILTERS, AttitudeFilter
 from .inertial import Axes
 from .loop import Loop, SensorNoise
 from .optimum import Optimum
@@ -41,7 +41,7 @@ class VerticalSettings(VerticalChoices, Value):
     """
 
     def __post_init__(self) -> None:
-        filter_named(self.method)
+        row_of("filter", self.method, FILTERS)
         if self.axes is not None:
             Axes.of(self.axes)
         for name in ("time_constant", "bias_time", "gate"):

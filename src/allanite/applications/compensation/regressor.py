@@ -265,7 +265,13 @@ def readings(channel: str, unit: str, record: Record, along: Recording | None) -
         known = "no channels were given" if along is None else f"channels: {', '.join(along.channels)}"
         raise UsageError(f"the regressor {channel!r} is missing: {known}")
     measured = along[channel]
-    demand_clock(record, measured)
+    apart = 0.0 if record.start is None or measured.start is None else abs(record.start - measured.start)
+    lengths = (record.size, record.size + 1) if record.kind == "angle" else (record.size,)
+    same_rate = math.isclose(record.rate, measured.rate, rel_tol=1e-9)
+    if not same_rate or not apart < 0.5 / record.rate or measured.size not in lengths:
+        raise DataError(say("{regressor!r} ({clock}) does not have the sample times of {name!r} ({own}); interpolate "
+                            "it with {option}", regressor=measured.name, clock=_clock(measured), name=record.name,
+                            own=_clock(record), option=spelled("--interpolate", "compensation.aligned")))  # fmt: skip
     own = measured.signal.unit if measured.integrated else measured.unit
     if unit != own and "degC" in (unit, own):
         raise UnitError(f"{channel!r} was in {unit} and is in {own}, whose zeros differ; give it in {unit}")
@@ -275,18 +281,6 @@ def readings(channel: str, unit: str, record: Record, along: Recording | None) -
     factor = 1.0 if unit == own else convert(1.0, own, unit)
     x = x if factor == 1.0 else x * factor
     return np.asarray((x[1:] + x[:-1]) / 2) if x.size == record.size + 1 else x
-
-
-def demand_clock(record: Record, other: Record) -> None:
-    """Make sure that a channel is on the record's clock."""
-    same_rate = math.isclose(record.rate, other.rate, rel_tol=1e-9)
-    apart = 0.0 if record.start is None or other.start is None else abs(record.start - other.start)
-    lengths = (record.size, record.size + 1) if record.kind == "angle" else (record.size,)
-    if same_rate and apart < 0.5 / record.rate and other.size in lengths:
-        return
-    raise DataError(say("{regressor!r} ({clock}) does not have the sample times of {name!r} ({own}); interpolate it "
-                        "with {option}", regressor=other.name, clock=_clock(other), name=record.name,
-                        own=_clock(record), option=spelled("--interpolate", "compensation.aligned")))  # fmt: skip
 
 
 def _clock(record: Record) -> str:

@@ -26,18 +26,17 @@ def sdf(content: Content) -> str:
     return "\n".join([*lines, "</imu>"]) + "\n"
 
 
-GAZEBO = Target(
-    name="gazebo", synonyms=("sdf", "gz"), title=say("noise of an IMU in SDF, for Gazebo"),
-    fields=sectioned("angular_velocity", "linear_acceleration",
-                     ("stddev", TargetField("", GYRO, "N", "rad/s", rate=1), "m/s^2"),
-                     ("dynamic_bias_stddev", *WALK), ("dynamic_bias_correlation_time", *TIME)),
-    forms={".sdf": sdf}, simulates=True, source="gz-sensors, src/GaussianNoiseModel.cc: white noise of stddev per "
-    "sample; the bias is a Gauss-Markov process driven with the variance dynamic_bias_stddev^2 T (1 - exp(-2 dt/T))/2 "
-    "per step: dynamic_bias_stddev is K, not a standard deviation. The copy of 2018 had no dynamic bias",
-    notes=(say("dynamic_bias_stddev is a density, K; the steady-state sigma is K sqrt(T/2)"),
-           say("f is the update_rate of the sensor"), say("SDF 1.6 or later")),
-    markov=True, each=True, comments=XML.pattern,
-)  # fmt: skip
+GAZEBO = Target(name="gazebo", synonyms=("sdf", "gz"), title=say("noise of an IMU in SDF, for Gazebo"),
+                fields=sectioned("angular_velocity", "linear_acceleration",
+                                 ("stddev", TargetField("", GYRO, "N", "rad/s", rate=1), "m/s^2"),
+                                 ("dynamic_bias_stddev", *WALK), ("dynamic_bias_correlation_time", *TIME)),
+                forms={".sdf": sdf},
+                simulates=True, source="gz-sensors, src/GaussianNoiseModel.cc: white noise of stddev per sample; the "
+                "bias is a Gauss-Markov process driven with the variance dynamic_bias_stddev^2 T (1 - exp(-2 dt/T))/2 "
+                "per step: dynamic_bias_stddev is K, not a standard deviation. The copy of 2018 had no dynamic bias",
+                notes=(say("dynamic_bias_stddev is a density, K; the steady-state sigma is K sqrt(T/2)"),
+                       say("f is the update_rate of the sensor"), say("SDF 1.6 or later")),
+                markov=True, each=True, comments=XML.pattern)  # fmt: skip
 
 GAZEBO_CLASSIC = Target(
     name="gazebo-classic", title=say("IMU plugin of gazebo-classic (RotorS, PX4 SITL, UUV simulator)"),
@@ -77,14 +76,10 @@ ROBOT_LOCALIZATION = replace(
 STEP_NOISE = TargetField("", GYRO, "N", "rad/s", rate=1, span=(1e-4, 0.1))
 PX4_WALK = TargetField("", GYRO, "K", "rad/s^2", rate=1, span=(0.0, 0.01))
 
-gyro, accelerometer = pair("EKF2_GYR_NOISE", "EKF2_ACC_NOISE", STEP_NOISE, "m/s^2")
-
 PX4 = Target(
     name="px4", synonyms=("ekf2", "px4-autopilot"), title=say("parameters of PX4's EKF2, for QGroundControl"),
-    fields=(
-        gyro, replace(accelerometer, span=(0.01, 1.0)),
-        *pair("EKF2_GYR_B_NOISE", "EKF2_ACC_B_NOISE", PX4_WALK, "m/s^3"),
-    ),
+    fields=(*pair("EKF2_GYR_NOISE", "EKF2_ACC_NOISE", STEP_NOISE, "m/s^2", span=(0.01, 1.0)),
+            *pair("EKF2_GYR_B_NOISE", "EKF2_ACC_B_NOISE", PX4_WALK, "m/s^3")),
     forms={".params": LineLayout("1\t1\t{name}\t{value}\t9", PARAMETERS)},
     source="src/modules/ekf2/EKF/covariance.cpp: variances of a step (dt EKF2_GYR_NOISE)^2 and (dt "
     "EKF2_GYR_B_NOISE)^2 with dt = 10 ms (EKF2_PREDICT_US); ranges of the parameters",
@@ -113,20 +108,16 @@ PX4_TC = ThermalTarget(
 
 ARDUPILOT_WALK = TargetField("", GYRO, "K", "rad/s^2", rate=1, span=(1e-5, 1e-3))
 
-ardupilot_gyro, ardupilot_accelerometer = pair("EK3_GYRO_P_NSE", "EK3_ACC_P_NSE", STEP_NOISE, "m/s^2")
-gyro_bias, accelerometer_bias = pair("EK3_GBIAS_P_NSE", "EK3_ABIAS_P_NSE", ARDUPILOT_WALK, "m/s^3")
-
-ARDUPILOT = Target(
-    name="ardupilot", synonyms=("ekf3", "arducopter"), title=say("parameters of ArduPilot's EKF3"),
-    fields=(ardupilot_gyro, replace(ardupilot_accelerometer, span=(0.01, 1.0)),
-            gyro_bias, replace(accelerometer_bias, span=(1e-5, 0.02))),
-    forms={".param": LineLayout("{name},{value}", PARAMETERS)},
-    source="libraries/AP_NavEKF3/AP_NavEKF3_core.cpp: variances of a step (dt EK3_GYRO_P_NSE)^2 and, of the bias "
-    "of the angle, (dt^2 EK3_GBIAS_P_NSE)^2, with dt = 12 ms (EKF_TARGET_DT); ranges of the parameters. The step is a "
-    "whole number of samples, and so up to 2 ms shorter or longer",
-    notes=(say("the defaults are larger, since they cover vibration in flight: values of a bench are lower bounds"),),
-    step=0.012,
-)  # fmt: skip
+ARDUPILOT = Target(name="ardupilot", synonyms=("ekf3", "arducopter"), title=say("parameters of ArduPilot's EKF3"),
+                   fields=(*pair("EK3_GYRO_P_NSE", "EK3_ACC_P_NSE", STEP_NOISE, "m/s^2", span=(0.01, 1.0)),
+                           *pair("EK3_GBIAS_P_NSE", "EK3_ABIAS_P_NSE", ARDUPILOT_WALK, "m/s^3", span=(1e-5, 0.02))),
+                   forms={".param": LineLayout("{name},{value}", PARAMETERS)},
+                   source="libraries/AP_NavEKF3/AP_NavEKF3_core.cpp: variances of a step (dt EK3_GYRO_P_NSE)^2 and, "
+                   "of the bias of the angle, (dt^2 EK3_GBIAS_P_NSE)^2, with dt = 12 ms (EKF_TARGET_DT); ranges of the "
+                   "parameters. The step is a whole number of samples, and so up to 2 ms shorter or longer",
+                   notes=(say("the defaults are larger, since they cover vibration in flight: values of a bench are "
+                              "lower bounds"),),
+                   step=0.012)  # fmt: skip
 
 ARDUPILOT_TCAL = ThermalTarget(
     name="ardupilot-tcal", title=say("IMU temperature calibration of ArduPilot"),
@@ -145,15 +136,14 @@ ARDUPILOT_TCAL = ThermalTarget(
     reference=35.0, constant=False, scale=1e6, together=True, enable="{prefix}ENABLE,1",
 )  # fmt: skip
 
-PEGASUS = Target(
-    name="pegasus", title=say("IMU of the Pegasus Simulator in Isaac Sim"),
-    fields=sectioned("gyroscope", "accelerometer",
-                     ("noise_density", *DENSITY), ("random_walk", *WALK), ("bias_correlation_time", *TIME)),
-    forms={".json": JsonLayout(rate="update_rate")}, simulates=True, source="pegasus/simulator/logic/sensors/imu.py: "
-    "white noise density/sqrt(dt), and a Gauss-Markov bias driven with the variance walk^2 T (1 - exp(-2 dt/T))/2 per "
-    "step. In the version that was read the bias is not added to the samples, and the gyro has the correlation time of "
-    "the accelerometer", notes=("config = json.load(open(file)); config.pop('comment'); IMU(config)",
-                                say("Isaac Sim itself has no noise of an IMU; in Isaac Lab the standard deviation of a "
-                                    "step is N sqrt(f), without drift")),
-    rated=True, comments=JSON_COMMENT,
-)  # fmt: skip
+PEGASUS = Target(name="pegasus", title=say("IMU of the Pegasus Simulator in Isaac Sim"),
+                 fields=sectioned("gyroscope", "accelerometer", ("noise_density", *DENSITY),
+                                  ("random_walk", *WALK), ("bias_correlation_time", *TIME)),
+                 forms={".json": JsonLayout(rate="update_rate")}, simulates=True,
+                 source="pegasus/simulator/logic/sensors/imu.py: white noise density/sqrt(dt), and a Gauss-Markov bias "
+                 "driven with the variance walk^2 T (1 - exp(-2 dt/T))/2 per step. In the version that was read the "
+                 "bias is not added to the samples, and the gyro has the correlation time of the accelerometer",
+                 notes=("config = json.load(open(file)); config.pop('comment'); IMU(config)",
+                        say("Isaac Sim itself has no noise of an IMU; in Isaac Lab the standard deviation of a step is "
+                            "N sqrt(f), without drift")),
+                 rated=True, comments=JSON_COMMENT)  # fmt: skip
