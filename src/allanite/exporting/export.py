@@ -26,7 +26,7 @@ from .choice import BOUND, READ, Source, axes_of, bounded, demand_policy, select
 from .content import Axis, Content, Entry, by_sensor
 from .cover import covered
 from .exports import target_named
-from .fields import How, demand_how, fill, usable, with_identified, without_cover
+from .fields import How, demand_how, fill, usable, with_identified
 from .stated_noise import StatedNoise, compared, groups_of, to_cover
 from .target import Target, demand_rate
 
@@ -205,7 +205,8 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     if not how.partial:
         demand_rate(target, rate)
     doubts = [axis for axis in axes if axis.doubt and not how.unexplained]
-    notes = (*without_cover(entries), *missing, *left_out(target, stand),
+    plain = [say("{option} writes the identified values", option=spelled("--cover=no", "cover=False"))]
+    notes = (*(plain if any(entry.covers for entry in entries) else ()), *missing, *left_out(target, stand),
              *(line for made in stated if made.covers for line in made.words()))  # fmt: skip
     known = 1 if target.simulates else None  # what it says of filters is none of a simulator's business
     warned = [line for made in stated if made.confident for line in made.words()[:known]]

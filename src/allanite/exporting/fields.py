@@ -1,7 +1,7 @@
 """From the coefficients of the axes to the fields of a target."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from allanite.core.choices import described
@@ -89,12 +89,6 @@ def with_identified(entries: Iterable[Entry], target: Target, axes: Sequence[Axi
             entry = replace(entry, identified=own.values, channels=channels)  # noqa: PLW2901 - with more
         made.append(entry)
     return tuple(made)
-
-
-def without_cover(entries: Sequence[Entry]) -> Iterator[str]:
-    """How the identified values are written."""
-    if any(entry.covers for entry in entries):
-        yield say("{option} writes the identified values", option=spelled("--cover=no", "cover=False"))
 
 
 def _demand_sensors(target: Target, groups: Mapping[str, Sequence[Axis]], axes: Sequence[Axis]) -> None:

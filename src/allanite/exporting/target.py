@@ -145,11 +145,6 @@ class Target:
         """Whether it has a field for slow noise."""
         return any(field.term and TERMS[field.term].slope >= 0 for field in self.fields)
 
-    @property
-    def needs_rate(self) -> bool:
-        """Whether a sampling rate is needed."""
-        return self.rated or (self.step is None and any(field.rate for field in self.fields))
-
     def rate(self, sampling: float | None, given: float | None) -> float | None:
         """The rate in the formulas: as given, the target's own, or that of the samples, in this order."""
         return given or (1 / self.step if self.step else sampling)
@@ -183,7 +178,8 @@ TIME = TargetField("", GYRO, "", "s", time=2), "s"  # a field that is a correlat
 
 def demand_rate(target: Target, rate: float | None) -> None:
     """Check that a target that needs the sampling rate gets it."""
-    if target.needs_rate and rate is None:
+    needed = target.rated or (target.step is None and any(field.rate for field in target.fields))
+    if needed and rate is None:
         raise UsageError(f"{target.name} needs the sampling rate: {spelled('--rate HZ', 'rate=...')}, since its "
                          "fields are discrete or its file states it")  # fmt: skip
 

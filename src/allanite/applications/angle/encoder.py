@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from allanite.extending import (  # isort: skip
-    DataError, Finding, FloatArray, Record, UnitError, UsageError, public, say, spelled, unit_of
-)  # fmt: skip
+    DataError, Finding, FloatArray, Record, UnitError, UsageError, public, say, spelled, unit_of)  # fmt: skip
 
 from .calibration import part, too_large
 from .geometry import column, demand_motion

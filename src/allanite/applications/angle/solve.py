@@ -10,8 +10,7 @@ import numpy as np
 
 from allanite.extending import (  # isort: skip
     BoolArray, DataError, Finding, FloatArray, IntArray, UsageError, Value, chance, demand_level, demand_name, join,
-    say, say_count
-)  # fmt: skip
+    say, say_count)  # fmt: skip
 
 from .squareroot import SquareRoot, batch
 

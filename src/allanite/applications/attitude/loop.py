@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from allanite.extending import (  # isort: skip
     LARGEST, FloatArray, Model, ModelLike, Term, UnitError, UsageError, Value, convert, given, public, spelled,
-    usable_model
-)  # fmt: skip
+    usable_model)  # fmt: skip
 
 GRAVITY = convert(1.0, "g", "m/s^2")
 SENSORS = ("gyro", "accelerometer")

@@ -11,8 +11,7 @@ from allanite.applications.choices import VerticalChoices
 
 from allanite.extending import (  # isort: skip
     ChannelResult, DataError, Estimate, FloatArray, Header, Job, Model, Record, UsageError, Value, chosen, described,
-    given, row_of, say, spelled
-)  # fmt: skip
+    given, row_of, say, spelled)  # fmt: skip
 
 from .filters import FILTERS, AttitudeFilter
 from .inertial import Axes

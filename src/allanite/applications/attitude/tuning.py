@@ -9,8 +9,7 @@ import numpy as np
 
 from allanite.extending import (  # isort: skip
     FloatArray, Inspected, Progress, Recipe, Record, Source, UsageError, each_channel, join, noise_of, open_recording,
-    provenance_of, public, say, spelled
-)  # fmt: skip
+    provenance_of, public, say, spelled)  # fmt: skip
 
 from .filters import Setting
 from .inertial import Axes, Inertial, inertial, six_channels

@@ -12,8 +12,7 @@ import numpy as np
 from allanite.extending import (  # isort: skip
     SHORTEST, Curve, DataError, Finding, FloatArray, Header, Inspected, Job, Noise, Progress, Quality, Recipe, Record,
     Recording, RecordResult, Source, deviation, inspect, join, noise_of, open_recording, public, run_together, say,
-    stretches, trim
-)  # fmt: skip
+    stretches, trim)  # fmt: skip
 
 from .fit import compensate
 from .mixture import Gain

@@ -9,8 +9,7 @@ import numpy as np
 
 from allanite.extending import (  # isort: skip
     BoolArray, DataError, FloatArray, Likelihood, Record, Recording, UsageError, join, say, say_count, spelled,
-    stretches
-)  # fmt: skip
+    stretches)  # fmt: skip
 
 from .mixture import Stretch, restricted
 from .regressor import TREND, Columns, Regressor, readings

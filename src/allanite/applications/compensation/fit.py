@@ -7,8 +7,7 @@ import numpy as np
 
 from allanite.extending import (  # isort: skip
     SHORTEST, TERMS, DataError, FloatArray, Likelihood, Model, Record, Recording, Term, UsageError, join, public, say,
-    say_count, spelled
-)  # fmt: skip
+    say_count, spelled)  # fmt: skip
 
 from .design import Design, choose, collinearity, design, folds
 from .mixture import Gain, about_line, mixture

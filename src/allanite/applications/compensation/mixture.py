@@ -10,8 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from allanite.extending import (  # isort: skip
-    TERMS, DataError, FloatArray, Likelihood, NormalMixture, Record, Value, likelihood, spectrum
-)  # fmt: skip
+    TERMS, DataError, FloatArray, Likelihood, NormalMixture, Record, Value, likelihood, spectrum)  # fmt: skip
 
 Stretch = tuple[int, int]
 

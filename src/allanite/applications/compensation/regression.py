@@ -11,8 +11,7 @@ import numpy as np
 
 from allanite.extending import (  # isort: skip
     AllaniteError, Correction, Covariance, DataError, FloatArray, Model, Record, Recording, Signal, UsageError, join,
-    public, say, write
-)  # fmt: skip
+    public, say, write)  # fmt: skip
 
 from .design import BEYOND_DOUBT, TRENDING
 from .mixture import Gain, Mixture, about_line

@@ -7,11 +7,9 @@ from .experiments import Experiment as Experiment
 
 from .predict import (  # isort: skip
     RATE_ESTIMATORS as RATE_ESTIMATORS, Ranking as Ranking, predicted_standard_error as predicted_standard_error, rank
-    as rank
-)  # fmt: skip
+    as rank)  # fmt: skip
 from .row import TARGETS as TARGETS, EstimatorSettings as EstimatorSettings
 
 from .run import (  # isort: skip
     Closeup as Closeup, ExperimentSettings as ExperimentSettings, by_duration as by_duration, closeup as closeup,
-    estimate as estimate, experiment as experiment
-)  # fmt: skip
+    estimate as estimate, experiment as experiment)  # fmt: skip

@@ -11,8 +11,7 @@ from allanite.applications.choices import RateChoices
 from allanite.extending import (  # isort: skip
     SHORTEST, TERMS, ChannelResult, DataError, Finding, Fit, Inspected, Job, Model, Noise, Progress, Recipe, Record,
     Signal, Source, Term, UsageError, Value, automatic, block_means, described, join, noise_of, open_recording, public,
-    run_together, say, say_count, spelled, unit_of, written
-)  # fmt: skip
+    run_together, say, say_count, spelled, unit_of, written)  # fmt: skip
 
 from .earth import North, earth_rate, north
 from .estimates import RateEstimate, reversal, subtract_bias

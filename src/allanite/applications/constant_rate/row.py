@@ -12,8 +12,7 @@ from allanite.applications.choices import EstimatorChoices
 
 from allanite.extending import (  # isort: skip
     DataError, Finding, FloatArray, Model, Record, Term, UsageError, Value, demand_name, described, say, say_count,
-    spelled, windowing
-)  # fmt: skip
+    spelled, windowing)  # fmt: skip
 
 
 @described

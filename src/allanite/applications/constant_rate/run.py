@@ -10,8 +10,7 @@ from allanite.applications.choices import IntervalChoices
 
 from allanite.extending import (  # isort: skip
     KINDS, BoolArray, DataError, FloatArray, IntArray, ModelLike, Record, Samples, Sampling, Signal, UnitError,
-    UsageError, Value, as_record, described, given, join, public, say, say_count, usable_model
-)  # fmt: skip
+    UsageError, Value, as_record, described, given, join, public, say, say_count, usable_model)  # fmt: skip
 
 from .estimates import RateEstimate
 from .experiments import Experiment
@@ -20,8 +19,7 @@ from .predict import RATE_ESTIMATORS, estimator_named, ranking, standard_error
 
 from .row import (  # isort: skip
     EstimatorSettings, Interval, RateMeasurement, Task, demand_whole, findings_of, interval_of, pulse_of, reading_size,
-    readings_of
-)  # fmt: skip
+    readings_of)  # fmt: skip
 
 
 @public

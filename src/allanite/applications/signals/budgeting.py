@@ -10,8 +10,7 @@ import numpy as np
 
 from allanite.extending import (  # isort: skip
     DataError, Inspected, Job, Noise, Progress, Recipe, Record, Recording, RecordResult, Source, UsageError, Value,
-    public, run, say, unit_of, whole_recording
-)  # fmt: skip
+    public, run, say, unit_of, whole_recording)  # fmt: skip
 
 from .rounding_noise import Budget, budget
 from .stage import Stage, TorqueScale, demand_in_range, factor_of

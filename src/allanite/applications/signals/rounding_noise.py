@@ -7,8 +7,7 @@ from typing import Any, Self
 
 from allanite.extending import (  # isort: skip
     NO_DITHER, TERMS, Finding, Fit, Noise, Recipe, Record, RecordResult, Signal, UsageError, Value, View,
-    coefficient_factor, noise_of, public, rounding, say, say_count, spelled, unit_of
-)  # fmt: skip
+    coefficient_factor, noise_of, public, rounding, say, say_count, spelled, unit_of)  # fmt: skip
 
 from .stage import Codes, Stage, TorqueScale, ampere_of, codes, converted, demand_in_range, electric, factor_of, gain_of
 

@@ -6,8 +6,7 @@ from allanite.core.syntax import PARAMETERS, XML
 from allanite.exporting.content import JSON_COMMENT, Content, JsonLayout, LineLayout, number, spread, told
 
 from allanite.exporting.target import (  # isort: skip
-    ACCELEROMETER, DENSITY, GYRO, TIME, WALK, Target, TargetField, ThermalTarget, pair, sectioned
-)  # fmt: skip
+    ACCELEROMETER, DENSITY, GYRO, TIME, WALK, Target, TargetField, ThermalTarget, pair, sectioned)  # fmt: skip
 from allanite.phrases.phrase import say
 
 
