@@ -7,6 +7,7 @@ from importlib.resources import files
 from itertools import pairwise
 from typing import Any
 
+from allanite.core.names import row_of
 from allanite.phrases.phrase import say
 
 # none by angle random walk: the bounds of overviews contradict the data sheets of tactical sensors
@@ -76,3 +77,8 @@ DEVICES: dict[str, Device] = {name: _device(name, **row) for name, row in _TEXTS
 
 REFERENCES: dict[str, str] = {say(name): say(text) for name, text in map(dict.values, _TEXTS["references"])}
 """What the tables cite."""
+
+
+def device(name: str) -> Device:
+    """A device of the table."""
+    return row_of("device", name, DEVICES)

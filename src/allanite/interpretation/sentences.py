@@ -13,7 +13,6 @@ from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.kinds import title_of
 from allanite.core.model import Term
-from allanite.core.names import row_of
 from allanite.core.plain import Value
 from allanite.core.readings import FLICKER, IN_RUN, Readings
 from allanite.core.units import convert
@@ -21,7 +20,7 @@ from allanite.phrases.phrase import averaging, join, say
 from allanite.statistics.moments.moments import expected
 from allanite.terms import TERMS, WHITE
 
-from .devices import DEVICES, Cause, bounds_of, grade_of
+from .devices import Cause, bounds_of, device as named, grade_of
 
 POINTS_PER_DECADE = 1000  # points of a decade at which humps are held against lines
 
@@ -121,7 +120,7 @@ class Meaning(Value):
     @property
     def causes(self) -> dict[str, Cause]:
         """The rows of the device's table for the terms that were found."""
-        table = row_of("device", self.device, DEVICES).terms if self.device else {}
+        table = named(self.device).terms if self.device else {}
         return {symbol: table[symbol] for symbol in self.symbols}
 
     def _summary(self) -> str:
@@ -135,7 +134,7 @@ def meaning(
     texts = sentences(fit, readings, rate=rate, length=length)
     if device is None:
         return Meaning(fit.name, texts)
-    row = row_of("device", device, DEVICES)
+    row = named(device)
     if fit.signal.name not in row.signals:
         note = say("the table of {device} is about {signals} signals, not about this {sensor}", device=row.title,
                    signals=reduce(lambda first, second: say("{first} or {second}", first=first, second=second),
