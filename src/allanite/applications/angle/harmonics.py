@@ -45,8 +45,8 @@ NUISANCES: dict[str, Nuisance] = {
     "az": Nuisance(say("the same, z"), 0, lambda g: g.g * _turning(g)[1] - g.partials["h"] * _turning(g)[0]),
     "A1": Nuisance(say("daily sine of the gyros' unknown drift"), 0, lambda g: np.sin(EARTH_RATE * g.time)),
     "A2": Nuisance(say("daily cosine of it"), 0, lambda g: np.cos(EARTH_RATE * g.time)),
-    "A3": Nuisance(say("linear growth of it"), 1, lambda g: g.time), "A0": Nuisance(say("a constant"),
-                                                                                    0, lambda g: np.ones(g.time.size)),
+    "A3": Nuisance(say("linear growth of it"), 1, lambda g: g.time),
+    "A0": Nuisance(say("a constant"), 0, lambda g: np.ones(g.time.size)),
 }  # fmt: skip
 """Constants estimated jointly with the harmonics; by default all but A0.
 

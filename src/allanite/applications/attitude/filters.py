@@ -167,43 +167,31 @@ def beta_of(data: Inertial, setting: Setting) -> float:
 FILTERS: dict[str, AttitudeFilter] = {
     row.name: row
     for row in (
-        AttitudeFilter(
-            "complementary", say("complementary filter of first order"),
-            r"\hat\theta = \frac{\tau s}{\tau s + 1} \int \omega + \frac{1}{\tau s + 1} \theta_a",
-            "Higgins, IEEE Trans. AES-11 (1975) 321", _complementary, looped=True,
-        ),
-        AttitudeFilter(
-            "second-order", say("complementary filter of second order, which estimates the gyro bias"),
-            r"\dot\theta = \omega - b + k_1 (\theta_a - \theta), \quad \dot b = -k_2 (\theta_a - \theta)",
-            "Brown and Hwang, Introduction to Random Signals (1997)", _complementary, looped=True, estimates=True,
-            best=best_second_order,
-        ),
-        AttitudeFilter(
-            "kalman", say("steady Kalman filter for angle and rate random walk"),
-            r"k_1 = \sqrt{N^2 + 2 K \sqrt{S_a}} / \sqrt{S_a}, \quad k_2 = K / \sqrt{S_a}",
-            say("the filter of second order with the gains of the Riccati equation"), _complementary, looped=True,
-            estimates=True, best=best_kalman,
-        ),
+        AttitudeFilter("complementary", say("complementary filter of first order"),
+                       r"\hat\theta = \frac{\tau s}{\tau s + 1} \int \omega + \frac{1}{\tau s + 1} \theta_a",
+                       "Higgins, IEEE Trans. AES-11 (1975) 321", _complementary, looped=True),
+        AttitudeFilter("second-order", say("complementary filter of second order, which estimates the gyro bias"),
+                       r"\dot\theta = \omega - b + k_1 (\theta_a - \theta), \quad \dot b = -k_2 (\theta_a - \theta)",
+                       "Brown and Hwang, Introduction to Random Signals (1997)", _complementary, looped=True,
+                       estimates=True, best=best_second_order),
+        AttitudeFilter("kalman", say("steady Kalman filter for angle and rate random walk"),
+                       r"k_1 = \sqrt{N^2 + 2 K \sqrt{S_a}} / \sqrt{S_a}, \quad k_2 = K / \sqrt{S_a}",
+                       say("the filter of second order with the gains of the Riccati equation"), _complementary,
+                       looped=True, estimates=True, best=best_kalman),
         AttitudeFilter(
             "mahony", say("Mahony's filter, kP = k1 and kI = k2"),
             r"\dot q = \tfrac{1}{2} q \otimes (\omega - b + k_P\, a \times v), \quad \dot b = -k_I\, a \times v",
             "Mahony et al., IEEE Trans. AC-53 (2008) 1203",
             lambda data, setting: _steered("mahony", data, setting, setting.loop.k1, setting.loop.k2), looped=True,
         ),
-        AttitudeFilter(
-            "madgwick", say("Madgwick's filter, which corrects at a constant rate of 2 beta"),
-            r"\dot q = \tfrac{1}{2} q \otimes \omega - \beta \nabla f / |\nabla f|",
-            "Madgwick et al., ICORR (2011)",
-            lambda data, setting: _steered("madgwick", data, setting, beta_of(data, setting), 0.0),
-        ),
-        AttitudeFilter(
-            "bortz", say("gyros alone, rotation vector with coning correction"),
-            r"\phi = \theta_1 + \theta_2 + \tfrac{2}{3} \theta_1 \times \theta_2",
-            "Bortz, IEEE Trans. AES-7 (1971) 61", _bortz,
-        ),
-        AttitudeFilter(
-            "accelerometer", say("accelerometers alone"), r"\theta_a = \arctan(-f_x / \sqrt{f_y^2 + f_z^2})",
-            say("the tilt of the specific force"), lambda data, setting: (_tilts(data.force), 0),
-        ),
+        AttitudeFilter("madgwick", say("Madgwick's filter, which corrects at a constant rate of 2 beta"),
+                       r"\dot q = \tfrac{1}{2} q \otimes \omega - \beta \nabla f / |\nabla f|",
+                       "Madgwick et al., ICORR (2011)",
+                       lambda data, setting: _steered("madgwick", data, setting, beta_of(data, setting), 0.0)),
+        AttitudeFilter("bortz", say("gyros alone, rotation vector with coning correction"),
+                       r"\phi = \theta_1 + \theta_2 + \tfrac{2}{3} \theta_1 \times \theta_2",
+                       "Bortz, IEEE Trans. AES-7 (1971) 61", _bortz),
+        AttitudeFilter("accelerometer", say("accelerometers alone"), r"\theta_a = \arctan(-f_x / \sqrt{f_y^2 + f_z^2})",
+                       say("the tilt of the specific force"), lambda data, setting: (_tilts(data.force), 0)),
     )
 }  # fmt: skip

@@ -20,9 +20,7 @@ from .predict import rank
 from .run import ExperimentSettings, by_duration, estimate, experiment, fits
 
 BLOCKS = (1.0, 0.4, 0.2, 0.1)
-"""Lengths of blocks for which the noise is identified if no model explains the full rate, s; the first success is
-used.
-"""
+"""Lengths of blocks, s, whose noise is identified if no model explains the full rate; the first success is used."""
 
 MIN_RATIO = 1.2  # ratio of standard errors from which noise that was not identified is mentioned
 
