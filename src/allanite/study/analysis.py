@@ -90,7 +90,7 @@ def _channel(seen: Inspected, recipe: Recipe) -> Channel:
     if keeper is None:
         if curve.supposes is not None:
             curve.supposes()  # the angle is given up; limits are computed where they are shown
-        if all(s.name in seen.beside for s in SIGNALS if s.inertial):
+        if curve.law is not None and all(s.name in seen.beside for s in SIGNALS if s.inertial):
             curve.interval(recipe.level)  # which the values for a filter need
         read = readings(seen.record, curve if curve.statistic == "oadev" and recipe.taus == "log" else None)
     noise = replace(noise, fit=replace(noise.fit, curve=curve))
