@@ -6,6 +6,6 @@ import allanite.batch.job  # noqa: F401 - the task
 from allanite.kernels.ahead import HERE, THERE, load
 from allanite.parallel.processors import IDENTIFICATION
 
-for name in IDENTIFICATION:
+for name in (*IDENTIFICATION, "scipy.optimize"):
     import_module(name)
 load(HERE | THERE)

@@ -38,7 +38,7 @@ MOST = 8192  # items whose numbers a pipe holds; more of them are not shared
 SAMPLES = 2**26
 """Samples on which processes work at once, unless their number is given: each needs several times their memory."""
 
-IDENTIFICATION = ("scipy.special", "scipy.fft", "scipy.optimize", "scipy.interpolate")
+IDENTIFICATION = ("scipy.special", "scipy.fft")
 """Modules that the identification of noise needs."""
 
 FIGURES = ("matplotlib.figure", "matplotlib.backends.backend_agg", "matplotlib.backends.backend_svg")

@@ -39,8 +39,7 @@ def bursts(view: View) -> Finding | None:
         return None
     if np.diff(runs, axis=1).max() > max(2, LONGEST * loud.size):
         return None
-    return Finding(
-        "bursts",
+    return Finding("bursts",
         say("bursts of stronger noise, about {length:.2g} s long, in {share} of the samples",
             length=float(np.diff(runs, axis=1).mean()) * span / view.rate, share=percent(share)),
         say("N is that of all samples: without the bursts about {factor:.2g} times as large", factor=1 / (1 + excess)),

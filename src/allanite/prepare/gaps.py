@@ -148,22 +148,14 @@ def refusal(record: Record) -> str:
     lost = say("{lost} of {size} samples are missing", lost=record.size - count, size=record.size)
     reasons = (
         (count < SHORTEST, say("{left} remain, {too_few}", left=count, too_few=FEW)),
-        (
-            count < LEAST * record.size,
-            say("less than a tenth remains, too little to determine slow noise; choose a window ({choice})",
-                choice=windowing()),
-        ),
-        (
-            count - pieces < NEIGHBOURS * count,
-            say(
-                "of {left} that remain, {followed} are followed by the next one: isolated samples cannot separate "
-                "rate noise from angle noise; choose a window ({choice}), or {apart}",
-                left=count, followed=count - pieces, choice=windowing(),
-                apart=spelled(
-                    say("read by themselves the channels that have samples in the same rows (--channels)"),
-                    say("make a record of these samples alone, at their rate: values[::2]"),
-                ),
-            ),
-        ),
+        (count < LEAST * record.size,
+         say("less than a tenth remains, too little to determine slow noise; choose a window ({choice})",
+             choice=windowing())),
+        (count - pieces < NEIGHBOURS * count,
+         say("of {left} that remain, {followed} are followed by the next one: isolated samples cannot separate "
+             "rate noise from angle noise; choose a window ({choice}), or {apart}",
+             left=count, followed=count - pieces, choice=windowing(),
+             apart=spelled(say("read by themselves the channels that have samples in the same rows (--channels)"),
+                           say("make a record of these samples alone, at their rate: values[::2]")))),
     )  # fmt: skip
     return next((join("; ", (lost, reason)) for holds, reason in reasons if holds), "")

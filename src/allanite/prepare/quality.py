@@ -82,16 +82,14 @@ def _gaps(view: View) -> Finding | None:
     start = float(view.left[holes[0] - 1] + 1) if holes[0] else 0.0
     end = float(view.left[holes[-1]]) if holes[-1] < view.left.size else float(size)
     start, end, first, last = (view.record.cut + at / view.rate for at in (start, end, first, last + 1))
-    return Finding(
-        "gaps",
+    return Finding("gaps",
         say("{lost} of {size} samples are missing ({share}), in {gaps}, the first from {start:.6g} s",
             lost=lost, size=size, share=percent(lost / size), gaps=say_count(holes.size, "{count} gap", "{count} gaps"),
             start=start),
         say("gaps are not filled: the fit joins the remaining samples and accounts for the joints, curves use "
             "complete windows only"),
         say("the longest stretch without a gap: {selection}", selection=between(first, last))
-        if np.diff(runs).max() >= SHORTEST
-        else "",
+        if np.diff(runs).max() >= SHORTEST else "",
         (start, end),
     )  # fmt: skip
 

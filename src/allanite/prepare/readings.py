@@ -34,8 +34,7 @@ def stuck(view: View) -> Finding | None:
         return None
     first, last = int(bad[0, 0]), int(bad[0, 1])
     lost = int((bad[:, 1] - bad[:, 0]).sum())
-    return Finding(
-        "stuck",
+    return Finding("stuck",
         say("the output is stuck in {places}, the first from {first:.6g} s to {last:.6g} s; {lost} samples in all",
             places=say_count(len(bad), "{count} place", "{count} places"), first=view.seconds(first),
             last=view.seconds(last), lost=lost),
@@ -99,8 +98,7 @@ def clipped(view: View) -> Finding | None:
     if limits.even:
         lost = say("{lost}: N is {factor:.2g} times that of the sensor if the noise is white", lost=lost,
                    factor=limits.factor)  # fmt: skip
-    return Finding(
-        "clipped",
+    return Finding("clipped",
         join(", ", (*sides, where)), lost,
         say("use a larger range, or a window without it ({choice})", choice=windowing()),
         (view.seconds(limits.first), view.seconds(limits.last + 1)),
@@ -155,8 +153,7 @@ def outlying(record: Record, found: Outliers, size: int) -> Finding | None:
     if not found.at.size:
         return None
     cut, rate = record.cut, record.rate
-    return Finding(
-        "outliers",
+    return Finding("outliers",
         found.words(record),
         say("each of them adds to curves and spectra at all short averaging times"),
         say("exclude them there, too ({option}), or choose a window without them ({choice})",

@@ -143,8 +143,7 @@ def _filled(view: View) -> Finding | None:
     )
     # what a sample weighs in a long sum: (1 + p)/(1 - p) where it is repeated, 1 + 1.5 p where it is interpolated
     excess = math.sqrt((1 + held) / (1 - held) * (1 + 1.5 * between)) - 1
-    return Finding(
-        "filled in",
+    return Finding("filled in",
         join(", ", [part for part in parts if part]),
         say("missing samples were filled in: N is too large by about {excess} if the noise is white",
             excess=percent(excess)),

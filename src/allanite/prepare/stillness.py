@@ -99,8 +99,7 @@ def moving(view: View) -> Finding | None:
     if not in_motion(loud):
         return None
     first = int(loud.argmax()) * view.span
-    return Finding(
-        "moving",
+    return Finding("moving",
         say("moves from {first:.4g} s (RMS over {times:g} times that of the quietest tenth in {share} of the blocks)",
             first=view.seconds(first), times=MOVING, share=percent(float(loud.mean()))),
         AT_REST, still_words([view.record]),
@@ -192,8 +191,7 @@ def level(view: View) -> Finding | None:
         return None
     parts = [(view.seconds(a), view.seconds(b)) for a, b in stretches(uneven) * (view.bent // LEVEL_PARTS)]
     first, last = parts[0]
-    return Finding(
-        "level",
+    return Finding("level",
         say("the noise level changes by a factor of {ratio:.3g} between parts; it differs from {start:.4g} s to "
             "{end:.4g} s", ratio=math.sqrt(ratio.max() / ratio.min()), start=first, end=last),
         NEITHER,
@@ -300,8 +298,7 @@ def slope(view: View) -> Finding | None:
     if 2 ** sigma[last + 1] * factors[last + 1] < math.sqrt(3) * view.pulses:  # Q of a pulse: the count, and dither
         return None
     tau = factors[last + 1] / record.rate
-    return Finding(
-        "slope",
+    return Finding("slope",
         say("slope near {slope:.1f} at {tau:.3g} s, {before:+.1f} before: no five-term model has such a curve",
             slope=slopes[last], tau=tau, before=before[last]),
         say("N is not meaningful here"),

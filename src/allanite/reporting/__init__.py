@@ -16,7 +16,7 @@ from allanite.core.syntax import uncomputed
 
 from .fonts import drawn_in, warn_of_page
 from .language import speaking
-from .views import has_view, level_of, view_of
+from .views import first_of, has_view, level_of, view_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -147,15 +147,10 @@ def first_screen(  # noqa: PLR0913 - each has a default, and is a choice of its 
     brief: bool = False, first: "First | None" = None, written: Collection[str] = (),
 ) -> str:  # fmt: skip
     """The answer, or a `brief` one; `first` replaces that of the view, options in `written` do not come next."""
-    from .first import condensed
     from .screen import render, render_brief
 
-    view = view_of(value)
-    level = level_of(value, level)
     with speaking(lang):
-        if first is None and view.first is not None:
-            first = view.first(value, level)
-        first = first or condensed(view.face(value, level), drawn=view.plot is not None)
+        first = first or first_of(value, level_of(value, level))
         first = replace(first, after=[step for step in first.after if step[0].split()[0].lstrip("-") not in written])
         return render_brief(first, ascii=ascii) if brief else render(first, width=width, color=color, ascii=ascii)
 

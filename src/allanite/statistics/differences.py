@@ -33,16 +33,13 @@ OADEV = Statistic(
     "record.",
     limits="A ramp hides slower noise; quantization and fast noise other than white have nearly the same slope.",
     cost="About 0.2 ns per sample and tau; one copy of the record. All tau together by FFT: 0.5 us per sample, six "
-    "copies.",
-    order=2, norm=constant(2.0), span=(2, 0), sums=partial(dense, order=2),
+    "copies.", order=2, norm=constant(2.0), span=(2, 0), sums=partial(dense, order=2),
     split=partial(split, order=2), window=binomial_window(2), differences=2,
     published_edf=partial(greenhall_riley, d=2),
 )  # fmt: skip
 
 ADEV = replace(
-    OADEV,
-    name="adev", synonyms=("nonoverlapping", "classic"),
-    title=say("Allan deviation"),
+    OADEV, name="adev", synonyms=("nonoverlapping", "classic"), title=say("Allan deviation"),
     formula=r"\frac{1}{2\tau^2 (J-2)} \sum_{j=0}^{J-3} (x_{(j+2)m} - 2x_{(j+1)m} + x_{jm})^2,"
     r"\quad J = \lfloor n/m \rfloor + 1",
     reference="D. W. Allan, Proc. IEEE 54, 1966; NIST SP 1065 eq. 8; IEEE Std 952",
@@ -67,8 +64,7 @@ HAAR = replace(
 )
 
 OHDEV = Statistic(
-    name="ohdev", synonyms=("ohvar", "hadamard"),
-    title=say("overlapping Hadamard deviation"),
+    name="ohdev", synonyms=("ohvar", "hadamard"), title=say("overlapping Hadamard deviation"),
     formula=r"\frac{1}{6\tau^2 (n+1-3m)} \sum_{i=0}^{n-3m} (x_{i+3m} - 3x_{i+2m} + 3x_{i+m} - x_i)^2",
     reference="NIST SP 1065 eq. 18; R. A. Baugh, 1971",
     meaning="Like the Allan deviation, but of the change of the rate: a constant ramp of the rate cancels.",
@@ -76,19 +72,15 @@ OHDEV = Statistic(
     limits="Below oadev at long tau even without a ramp: by a factor of 0.71 for rate random walk, 0.90 for flicker. "
     "Only a ratio below 0.71 requires a ramp.",
     cost="About 0.3 ns per sample and tau; one copy of the record. All tau together by FFT: 1 us per sample, six "
-    "copies.",
-    order=3, norm=constant(6.0), span=(3, 0), sums=partial(dense, order=3),
+    "copies.", order=3, norm=constant(6.0), span=(3, 0), sums=partial(dense, order=3),
     split=partial(split, order=3), window=binomial_window(3), differences=3,
     published_edf=partial(greenhall_riley, d=3),
 )  # fmt: skip
 
 HDEV = replace(
-    OHDEV,
-    name="hdev", synonyms=("hvar",),
-    title=say("Hadamard deviation"),
+    OHDEV, name="hdev", synonyms=("hvar",), title=say("Hadamard deviation"),
     formula=r"\frac{1}{6\tau^2 (J-3)} \sum_{j=0}^{J-4} (x_{(j+3)m} - 3x_{(j+2)m} + 3x_{(j+1)m} - x_{jm})^2,"
-    r"\quad J = \lfloor n/m \rfloor + 1",
-    reference="NIST SP 1065 eq. 17; R. A. Baugh, 1971",
+    r"\quad J = \lfloor n/m \rfloor + 1", reference="NIST SP 1065 eq. 17; R. A. Baugh, 1971",
     use="To reproduce older results; otherwise the overlapping form is better at the same cost.",
     limits="Uses every window only once; otherwise as ohdev.",
     cost="Less than ohdev: n/m terms per tau; one copy of the record.",
@@ -97,20 +89,16 @@ HDEV = replace(
 )  # fmt: skip
 
 MDEV = Statistic(
-    name="mdev", synonyms=("mvar", "modadev", "modified"),
-    title=say("modified Allan deviation"),
+    name="mdev", synonyms=("mvar", "modadev", "modified"), title=say("modified Allan deviation"),
     formula=r"\frac{1}{2\tau^2 m^2 (n+2-3m)} \sum_{j=0}^{n+1-3m} \Bigl[ \sum_{i=j}^{j+m-1} "
-    r"(x_{i+2m} - 2x_{i+m} + x_i) \Bigr]^2",
-    reference="D. W. Allan & J. A. Barnes, 1981; NIST SP 1065 eq. 14",
+    r"(x_{i+2m} - 2x_{i+m} + x_i) \Bigr]^2", reference="D. W. Allan & J. A. Barnes, 1981; NIST SP 1065 eq. 14",
     meaning="The Allan deviation of an angle smoothed over tau: fast noise is averaged, slow noise is not.",
     use="To distinguish kinds of fast noise: quantization falls with slope -3/2 and flicker angle noise with -1, "
     "while both fall with -1 in oadev.",
     limits="White rate noise gives half its Allan variance, other noise other ratios: coefficients cannot be read off "
     "directly.",
     cost="About 0.4 ns per sample and tau; one copy of the record and segments of 64 tau. All tau together by FFT: "
-    "1.5 us per sample.",
-    order=2,
-    norm=lambda m: 2.0 * np.asarray(m, dtype=np.float64) ** 2,
+    "1.5 us per sample.", order=2, norm=lambda m: 2.0 * np.asarray(m, dtype=np.float64) ** 2,
     span=(3, -1), sums=partial(dense, order=3, summed=True),
     split=partial(split, order=3, summed=True), window=_window, differences=3, summed=True,
     published_edf=partial(greenhall_riley, d=2, modified=True),

@@ -34,11 +34,7 @@ def _ramp(m: int) -> FloatArray:
 
 
 KEPT_AT = (0.06, 0.2, 0.39, 0.78, 1.0)
-KEPT = {
-    -0.5: (0.45, 0.47, 0.70, 0.91, 0.97),
-    0.0: (0.66, 0.66, 0.80, 0.92, 0.94),
-    0.5: (0.72, 0.74, 0.79, 0.88, 0.89),
-}
+KEPT = {-0.5: (0.45, 0.47, 0.70, 0.91, 0.97), 0.0: (0.66, 0.66, 0.80, 0.92, 0.94), 0.5: (0.72, 0.74, 0.79, 0.88, 0.89)}
 """EDF of TheoBR over that of Theo1 at m over the record's length, by the slope of the noise's Allan deviation: its bias
 ratio scatters too (simulated: benchmarks/hybrids.py)."""
 
@@ -50,8 +46,7 @@ def _kept(slope: float, share: float) -> float:
 
 
 THEO1 = Statistic(
-    name="theo1", synonyms=("theo",),
-    title=say("Theo1 deviation"),
+    name="theo1", synonyms=("theo",), title=say("Theo1 deviation"),
     formula=r"\frac{1}{0.75 (n+1-m) (m\tau_0)^2} \sum_{i=0}^{n-m} \sum_{d=0}^{m/2-1} \frac{1}{m/2-d} "
     r"\bigl[ (x_i - x_{i-d+m/2}) + (x_{i+m} - x_{i+d+m/2}) \bigr]^2, \quad \tau = 0.75\,m\,\tau_0",
     reference="D. A. Howe & T. K. Peppler, 2003; D. A. Howe & T. N. Tasset, EFTF 2004; NIST SP 1065 eq. 30 "
@@ -65,17 +60,12 @@ THEO1 = Statistic(
     order=2, norm=constant(0.75), span=(1, 0), sums=theo1_sums, split=split, pace=0.8, window=_theo_window,
     target="oadev", step=2, tau_factor=0.75,
     scheme=Scheme(
-        levels=(16, 32, 64),
-        power=1,
-        sharp=Sharp(levels=(16, 32, 64), scale=harmonic, itself=white_ratio),
-        response=theo_response,
-        leading=16,
-        ramp=_ramp,
+        levels=(16, 32, 64), power=1, sharp=Sharp(levels=(16, 32, 64), scale=harmonic, itself=white_ratio),
+        response=theo_response, leading=16, ramp=_ramp,
     ),
     published=PublishedBias(
         reference="D. A. Howe & T. N. Tasset, EFTF 2004; NIST SP 1065 section 5.2.15: AVAR = Theo1 (a + b/t^c), "
-        "t = 0.75 m",
-        limits="m of 10 or more",
+        "t = 0.75 m", limits="m of 10 or more",
         factor=lambda c, m, size: np.asarray(1 / (c[0] + c[1] / (0.75 * m) ** c[2])),
         coefficients={
             2: (0.09, 0.74, 0.40),
@@ -89,9 +79,7 @@ THEO1 = Statistic(
 )  # fmt: skip
 
 THEOBR = replace(
-    THEO1,
-    name="theobr", synonyms=(),
-    title=say("TheoBR deviation (Theo1, bias removed)"),
+    THEO1, name="theobr", synonyms=(), title=say("TheoBR deviation (Theo1, bias removed)"),
     formula=r"k_f\,\mathrm{Theo1}(\tau), \quad k_f = \frac{1}{p+1} \sum_{i=0}^{p} "
     r"\frac{\mathrm{OAVAR}(m = 9+3i)}{\mathrm{Theo1}(m = 12+4i)}, \quad p = \lfloor (n+1)/30 - 3 \rfloor",
     reference="D. A. Howe, Metrologia 43, 2006; J. A. Taylor & D. A. Howe, 2010",
@@ -133,19 +121,16 @@ def _parabolic_window(m: int) -> Window:
 
 
 PDEV = Statistic(
-    name="pdev", synonyms=("pvar", "parabolic"),
-    title=say("parabolic deviation"),
+    name="pdev", synonyms=("pvar", "parabolic"), title=say("parabolic deviation"),
     formula=r"\frac{72}{m^4 \tau^2 (n+1-2m)} \sum_{i=0}^{n-2m} \Bigl[ \sum_{k=0}^{m-1} \bigl(\tfrac{m-1}{2} - k\bigr) "
     r"(x_{i+k} - x_{i+m+k}) \Bigr]^2 \quad (m = 1: \mathrm{OAVAR})",
     reference="F. Vernotte, M. Lenczner, P.-Y. Bourgeois & E. Rubiola, IEEE UFFC 63, 2016; F. Vernotte et al., 2020",
     meaning="The Allan deviation with rates from least-squares slopes of the angle instead of its differences.",
     use="Fast angle noise (quantization): it is suppressed as in mdev, over windows of 2 tau instead of 3.",
     limits="White rate noise gives 6/5 of its Allan variance, other noise other ratios.",
-    cost="About 4 ns per sample and tau; a copy of the record and segments of 16 tau.",
-    order=2,
+    cost="About 4 ns per sample and tau; a copy of the record and segments of 16 tau.", order=2,
     norm=lambda m: np.where(m == 1, 2.0, np.asarray(m, dtype=np.float64) ** 4 / 72),
-    span=(2, 0), sums=_parabolic, pace=4.0, window=_parabolic_window,
-    scheme=Scheme(leading=12),
+    span=(2, 0), sums=_parabolic, pace=4.0, window=_parabolic_window, scheme=Scheme(leading=12),
 )  # fmt: skip
 
 
@@ -162,30 +147,23 @@ def _largest(x: FloatArray, m: IntArray) -> FloatArray:
 
 
 TIERMS = Statistic(
-    name="tierms", synonyms=("rmstie",),
-    title=say("TIE rms of the angle"),
+    name="tierms", synonyms=("rmstie",), title=say("TIE rms of the angle"),
     formula=r"\frac{1}{n+1-m} \sum_{i=0}^{n-m} (x_{i+m} - x_i)^2",
     reference="NIST SP 1065 section 5.2.19 (rms time interval error)",
     meaning="How far the angle moves within tau, RMS, in the unit of the angle, bias included.",
     use="The heading error that an uncorrected gyro accumulates within tau.",
     limits="A constant rate contributes fully: remove a known bias from the record first.",
-    cost="About 0.2 ns per sample and tau; one copy of the record.",
-    order=1,
-    norm=lambda m: np.ones(np.shape(m)),
+    cost="About 0.2 ns per sample and tau; one copy of the record.", order=1, norm=lambda m: np.ones(np.shape(m)),
     span=(1, 0), sums=_first, pace=0.2, window=binomial_window(1), differences=1, power=1,
 )  # fmt: skip
 
 MTIE = Statistic(
-    name="mtie", synonyms=("tie",),
-    title=say("maximum time interval error (MTIE) of the angle"),
+    name="mtie", synonyms=("tie",), title=say("maximum time interval error (MTIE) of the angle"),
     formula=r"\max_i \bigl( \max_{i \le j \le i+m} x_j - \min_{i \le j \le i+m} x_j \bigr)^2",
     reference="ITU-T G.810; NIST SP 1065 section 5.2.18 (maximum time interval error)",
     meaning="The largest range of the angle within any window of tau, in the unit of the angle, bias included.",
     use="A bound for this record: the angle error over tau never exceeded it.",
     limits="A maximum: it grows with the length of the record and has no degrees of freedom; a single outlier "
-    "determines it.",
-    cost="15 ns per sample and tau; three copies of the record.",
-    order=1,
-    norm=lambda m: np.ones(np.shape(m)),
-    span=(1, 0), sums=_largest, pace=15.0, window=None, power=1, extreme=True,
+    "determines it.", cost="15 ns per sample and tau; three copies of the record.", order=1,
+    norm=lambda m: np.ones(np.shape(m)), span=(1, 0), sums=_largest, pace=15.0, window=None, power=1, extreme=True,
 )  # fmt: skip

@@ -72,8 +72,7 @@ def _rate_window(m: int) -> Window:
 
 
 TOTDEV = Statistic(
-    name="totdev", synonyms=("totvar", "total"),
-    title=say("total deviation"),
+    name="totdev", synonyms=("totvar", "total"), title=say("total deviation"),
     formula=r"\frac{1}{2\tau^2 (n-1)} \sum_{i=1}^{n-1} (x^*_{i-m} - 2x^*_i + x^*_{i+m})^2, \quad "
     r"x^*_{-j} = 2x_0 - x_j, \quad x^*_{n+j} = 2x_n - x_{n-j}",
     reference="D. A. Howe, 1995; C. A. Greenhall, D. A. Howe & D. B. Percival, IEEE UFFC 46, 1999; NIST SP 1065 eq. 25",
@@ -81,34 +80,28 @@ TOTDEV = Statistic(
     use="Long tau of short records, up to the whole length: the last points scatter less than those of oadev.",
     limits="Biased at long tau: low by up to a quarter (flicker) or 3/8 (random walk) of the variance at half the "
     "record, high by two thirds for quantization, which published tables omit. Not defined for a record with "
-    "gaps.",
-    cost="About 0.3 ns per sample and tau; two copies of the record.",
+    "gaps.", cost="About 0.3 ns per sample and tau; two copies of the record.",
     order=2, norm=constant(2.0), span=(0, 2), sums=_folded, pace=0.4, window=None, target="oadev", gaps=False,
     published=PublishedBias(
         reference="C. A. Greenhall, D. A. Howe & D. B. Percival, IEEE UFFC 46, 1999; NIST SP 1065 section 5.2.11",
         limits="tau up to half the record; not for angle noise, whose variance is high by 1.34 tau/T",
-        factor=lambda c, m, size: np.asarray(1 - c[0] * m / size),
-        coefficients={0: (0.0,), -1: (0.481,), -2: (0.75,)},
+        factor=lambda c, m, size: np.asarray(1 - c[0] * m / size), coefficients={0: (0.0,), -1: (0.481,), -2: (0.75,)},
     ),
     published_edf=published.total,
 )  # fmt: skip
 
 MTOTDEV = Statistic(
-    name="mtotdev", synonyms=("mtotvar",),
-    title=say("modified total deviation"),
+    name="mtotdev", synonyms=("mtotvar",), title=say("modified total deviation"),
     formula=r"\frac{1}{2\tau^2 (n+2-3m)} \sum_{k=0}^{n+1-3m} \frac{1}{6m} \sum_{j=0}^{6m-1} "
     r"(\bar e_{j+2m} - 2 \bar e_{j+m} + \bar e_j)^2, \quad e: \text{window of } 3m \text{ points less its half-mean "
-    r"slope, folded back at both ends}",
-    reference="C. A. Greenhall & D. A. Howe, FCS 1999; NIST SP 1065 eq. 27",
+    r"slope, folded back at both ends}", reference="C. A. Greenhall & D. A. Howe, FCS 1999; NIST SP 1065 eq. 27",
     meaning="The modified Allan deviation with every window extended by reflection, so that all its points are used.",
     use="As mdev, if the record is short.",
     limits="Biased low: by 0 to 32 % of the variance, depending on the noise (the factor is known exactly); by half at "
     "m = 1.",
     cost="30 ns per sample and tau, independent of m: running sums replace the 6m terms of a window; a copy of the "
-    "record.",
-    order=2, norm=constant(2.0), span=(3, -1), sums=_modified_total, pace=40.0,
-    window=lambda m: (np.full(6 * m, 1 / (6 * m)), folding(m)),
-    target="mdev",
+    "record.", order=2, norm=constant(2.0), span=(3, -1), sums=_modified_total, pace=40.0,
+    window=lambda m: (np.full(6 * m, 1 / (6 * m)), folding(m)), target="mdev",
     published=PublishedBias(
         reference="D. A. Howe & F. Vernotte, PTTI 1999; NIST SP 1065 section 5.2.12",
         limits="one number for every m: at m = 1 the statistic is half its target for any noise, and beyond m = 8 the "
@@ -120,29 +113,21 @@ MTOTDEV = Statistic(
 )  # fmt: skip
 
 TTOTDEV = replace(
-    MTOTDEV,
-    name="ttotdev", synonyms=("ttotvar",),
-    title=say("time total deviation (TTOTDEV) of the angle"),
-    formula=r"\frac{\tau^2}{3}\,\mathrm{MTOT}(\tau)",
-    reference="NIST SP 1065 eq. 28 (which prints tau^3: a misprint)",
-    meaning="The time deviation with every window extended by reflection.",
-    use="As tdev, if the record is short.",
+    MTOTDEV, name="ttotdev", synonyms=("ttotvar",), title=say("time total deviation (TTOTDEV) of the angle"),
+    formula=r"\frac{\tau^2}{3}\,\mathrm{MTOT}(\tau)", reference="NIST SP 1065 eq. 28 (which prints tau^3: a misprint)",
+    meaning="The time deviation with every window extended by reflection.", use="As tdev, if the record is short.",
     norm=constant(6.0), target="tdev", power=1,
 )  # fmt: skip
 
 HTOTDEV = replace(
-    MTOTDEV,
-    name="htotdev", synonyms=("htotvar",),
-    title=say("Hadamard total deviation"),
+    MTOTDEV, name="htotdev", synonyms=("htotvar",), title=say("Hadamard total deviation"),
     formula=r"\frac{1}{6 (n+1-3m)} \sum_{k=0}^{n-3m} \frac{1}{6m} \sum_{j=0}^{6m-1} "
     r"(\bar e_{j+2m} - 2 \bar e_{j+m} + \bar e_j)^2, \quad e: \text{as in mtotdev, of the rate}",
     reference="D. A. Howe et al., FCS 2000; NIST SP 1065 eq. 29",
     meaning="The Hadamard deviation with every window extended by reflection.",
     use="Drift and random walk at long tau of short records.",
     limits="Biased low by 0 to 32 % of the variance, depending on the noise (the factor is known exactly). Equal to "
-    "ohdev at m = 1.",
-    order=3,
-    norm=lambda m: 6.0 / np.asarray(m, dtype=np.float64) ** 2,
+    "ohdev at m = 1.", order=3, norm=lambda m: 6.0 / np.asarray(m, dtype=np.float64) ** 2,
     span=(3, 0), sums=_hadamard_total, window=_rate_window, target="ohdev",
     scheme=Scheme(sharp=Sharp(levels=(10, 20, 40), scale=lambda m: 1.0)),
     published=PublishedBias(

@@ -9,6 +9,7 @@ from allanite.core.aliases import public
 from allanite.core.display_units import showing
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record
+from allanite.core.units import SIGNALS
 from allanite.parallel.processors import IDENTIFICATION, importing
 from allanite.phrases.phrase import say, spelled
 from allanite.statistics import deviation
@@ -86,9 +87,11 @@ def _channel(seen: Inspected, recipe: Recipe) -> Channel:
     (curve,) = keeper.curves(noise.fit, recipe.taus) if keeper else (
         deviation(seen.record, recipe.statistic, taus=recipe.taus, noise=noise.fit),
     )  # fmt: skip
-    if keeper is None and curve.supposes is not None:
-        curve.supposes()  # the angle is given up; limits are computed where they are shown
     if keeper is None:
+        if curve.supposes is not None:
+            curve.supposes()  # the angle is given up; limits are computed where they are shown
+        if curve.law is not None and all(s.name in seen.beside for s in SIGNALS if s.inertial):
+            curve.interval(recipe.level)  # which the values for a filter need
         read = readings(seen.record, curve if curve.statistic == "oadev" and recipe.taus == "log" else None)
     noise = replace(noise, fit=replace(noise.fit, curve=curve))
     return Channel(seen.first, seen.quality, noise, curves=(curve,), readings=read).to(*(recipe.to or ()))

@@ -118,9 +118,10 @@ def each_channel(  # noqa: PLR0913 - each has a default but those that make the 
     fatal = Quality(tuple(findings)).refusal
     every = [record for _, records in channels for record in records]
     count = 1 if alone else how_many(len(channels), max((record.size for record in every), default=0))
+    beside = frozenset(record.signal.name for record in every if count > 1)
 
     def inspected(channel: tuple[str, tuple[Record, ...]]) -> Inspected:
-        return Inspected(*channel, tuple(map(look, channel[1])))
+        return Inspected(*channel, tuple(map(look, channel[1])), beside=beside)
 
     together = begin if len(channels) > 1 else None
     searching = SEARCHING if together else 0.0

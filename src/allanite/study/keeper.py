@@ -113,6 +113,7 @@ class Inspected:
     qualities: tuple[Quality, ...]
     keeper: Keeper | None = None
     finish: Callable[[], Fit] | None = None
+    beside: frozenset[str] = frozenset()  # signals of the channels that several processes share
 
     @property
     def records(self) -> tuple[Record, ...]:

@@ -19,7 +19,7 @@ from allanite.parallel.processors import IDENTIFICATION
 
 def warm() -> None:
     """Load the commands and what the identification of noise needs."""
-    for name in IDENTIFICATION:
+    for name in (*IDENTIFICATION, "scipy.optimize"):
         import_module(name)
     for verb in VERBS:
         main.get_command(allanite.cli.main.make_context("allanite", ["--"], resilient_parsing=True), verb)

@@ -9,6 +9,7 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.limits import quantile
 from allanite.core.plain import Portable
+from allanite.core.splines import cubic, valued
 
 IMPOSSIBLE = 1e12  # misfit of squares under which the points have no covariance
 DOUBLINGS = 60  # doublings of a coefficient after which it has no limit
@@ -161,10 +162,8 @@ class RatioLimits(Portable):
 
 def signed(root: FloatArray, likelihood: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Values of a coefficient, closer together, and signed roots of their likelihood ratios."""
-    from scipy.interpolate import CubicSpline
-
     value = np.linspace(root[0], root[-1], FINE_VALUES)
-    cost = CubicSpline(root, -2 * np.log(np.maximum(likelihood, 1e-300 * likelihood.max())))(value)
+    cost = valued(root, cubic(root, -2 * np.log(np.maximum(likelihood, 1e-300 * likelihood.max()))), value)
     sign = np.where(np.arange(FINE_VALUES) < cost.argmin(), -1.0, 1.0)
     return value, np.maximum.accumulate(sign * np.sqrt(cost - cost.min()))
 

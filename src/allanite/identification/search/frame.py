@@ -11,6 +11,7 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.plain import Portable
+from allanite.core.splines import basis, cubic
 from allanite.identification.likelihood.filters import FILTERS
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.spectrum import BinnedSpectrum
@@ -53,10 +54,7 @@ class Splines:
     @cached_property
     def B(self) -> FloatArray:
         """Shape (bins, coefficients)."""
-        from scipy.interpolate import BSpline
-
-        x = np.clip(np.log2(self.centre), 0, self.top - 1e-9)
-        return np.asarray(BSpline.design_matrix(x, self.knots, 3).toarray())
+        return basis(self.knots, np.clip(np.log2(self.centre), 0, self.top - 1e-9))
 
     @cached_property
     def at(self) -> FloatArray:
@@ -156,9 +154,7 @@ class Common(NamedTuple):
 @lru_cache(256)
 def _curve(at: tuple[float, ...], scores: tuple[float, ...]) -> list[list[float]]:
     """Coefficients of the cubics between the cut-offs, the highest power first."""
-    from scipy.interpolate import CubicSpline
-
-    coefficients: list[list[float]] = CubicSpline(at, scores).c.tolist()
+    coefficients: list[list[float]] = cubic(np.array(at), np.array(scores)).tolist()
     return coefficients
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from allanite.core.arrays import FloatArray
+from allanite.core.splines import cubic, valued
 from allanite.identification.likelihood.filters import FILTERS
 
 from .components import COMPONENTS, ODDS, Part
@@ -133,11 +134,9 @@ class Scan:
     @property
     def weights(self) -> tuple[FloatArray, FloatArray]:
         """Logarithms of cut-offs, closely, and the weight of each, all that of the row."""
-        from scipy.interpolate import CubicSpline
-
         total = self.scores.sum(axis=0)
         x = np.linspace(self.at[0], self.at[-1], 20 * SCAN_POINTS)
-        w = np.exp((total.min() - CubicSpline(self.at, total)(x)) / 2)
+        w = np.exp((total.min() - valued(self.at, cubic(self.at, total), x)) / 2)
         return x, w / w.sum() * math.exp(-self.over / 2)
 
 

@@ -87,6 +87,18 @@ def view_of(value: Any) -> View:
     return _imported(VIEWS[name])
 
 
+def first_of(value: Any, level: float) -> "First":
+    """The first screen of a result: its own, or what its face begins with."""
+    from allanite.reporting.first import condensed
+
+    if type(value).__name__ == "Study":  # without the figures and tables of its view
+        from .channels import first_of
+
+        return first_of(value, level)
+    view = view_of(value)
+    return view.first(value, level) if view.first else condensed(view.face(value, level), drawn=view.plot is not None)
+
+
 def has_view(value: Any) -> bool:
     """Whether it is a result that can be shown."""
     return type(value).__name__ in VIEWS

@@ -12,8 +12,8 @@ from allanite.core.model import coefficient_factor
 from allanite.core.plain import Header
 from allanite.core.readings import FALLING_SIGN, IN_RUN
 from allanite.core.record import Record
+from allanite.core.units import SIGNALS
 from allanite.core.validity import APPROXIMATE, ROUGHLY, UNEXPLAINED
-from allanite.interpretation.devices import DEVICES
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import words
 from allanite.reporting.digits import digits, rounded
@@ -22,7 +22,6 @@ from allanite.study.job import Job
 from allanite.study.results import Channel, Noise, Study
 from allanite.terms import TERMS
 
-from .export import filter_line
 from .jobs import LEVELS, alerts, doubts, mean_and_spread, reservations, source_of, weighed, without_repeats
 
 MAIN = ("N", "B", "K")  # terms whose limits are told as long as there is room for any
@@ -43,11 +42,19 @@ def first_of(study: Study, level: float) -> First:
     lost = any(e.status == "absent" and e.symbol in MAIN for channel in fitted for e in channel.fit or ())
     answer: list[Answer] = [
         *(Channels(names_of(alike), list(_quantities(alike, level)), alike[0].record.signal.sensor)
-          for alike in by_sensor(channels)), *filter_line(study),
+          for alike in by_sensor(channels)),
     ]  # fmt: skip
-    inertial = any(channel.record.signal.inertial for channel in fitted)
+    signals = [channel.record.signal for channel in fitted]
+    inertial = any(signal.inertial for signal in signals)
+    # what motion adds to a curve is not noise
+    if all(s in signals for s in SIGNALS if s.inertial) and all(c.explained or not c.quality.moved for c in channels):
+        from .export import filter_line
+
+        answer += filter_line(study)
     device, meaning = study.recipe.device, MEANING[1]
     if device is not None:
+        from allanite.interpretation.devices import DEVICES
+
         meaning = say("intervals, densities, meaning, causes in a {device}", device=DEVICES[device].title)
     return First(
         title_of(study), _verdict(channels), answer,

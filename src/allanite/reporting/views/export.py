@@ -61,10 +61,6 @@ FILTER = EXPORTS["kalibr"]  # the target whose values stand beside every result
 
 def filter_line(study: Study) -> Iterator[Phrase]:
     """The values of an IMU for a filter, or their upper bounds, and the command that writes the file."""
-    signals = {channel.record.signal.name for channel in study if channel.fit is not None}
-    # what motion adds to a curve is not noise
-    if not signals.issuperset(SENSORS) or any(not c.explained and c.quality.moved for c in study):
-        return
     command = command_of(study.recipe, "allanite", "export", "FILE", "--to", FILTER.name)
     made = for_filter(study, How())[0]
     what, known = say("{filter}, gyro; accelerometer", filter=FILTER.name), made is not None

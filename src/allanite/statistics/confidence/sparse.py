@@ -11,6 +11,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import DerivedLaw, Law
+from allanite.core.splines import cubic, linear, valued
 from allanite.statistics.table import CurvePoints
 
 FIRST_NODES, FIRST_OF_WINDOWS = 4, 24
@@ -89,8 +90,6 @@ def _at_nodes(points: CurvePoints) -> CurvePoints:
 
 def _between(points: CurvePoints, values: FloatArray) -> FloatArray:
     """Values at the nodes, in their order, at all points, by their logarithm."""
-    from scipy.interpolate import CubicSpline, make_interp_spline
-
     result, at = np.empty((*values.shape[:-1], points.m.size)), 0
     for places, nodes, smooth in _parts(points):
         m, here = points.m[places], np.log(values[..., at : at + nodes.size])
@@ -99,8 +98,6 @@ def _between(points: CurvePoints, values: FloatArray) -> FloatArray:
         known, first = np.unique(u[nodes], return_index=True)
         if known.size == 1:
             result[..., places] = np.exp(here[..., :1])
-        elif smooth:
-            result[..., places] = np.exp(CubicSpline(known, here[..., first], axis=-1)(u))
         else:
-            result[..., places] = np.exp(make_interp_spline(known, here[..., first], 1, axis=-1)(u))
+            result[..., places] = np.exp(valued(known, (cubic if smooth else linear)(known, here[..., first]), u))
     return result

@@ -11,6 +11,7 @@ from allanite.core.arrays import FloatArray, stretches
 from allanite.core.errors import DataError, UsageError
 from allanite.core.names import demand_name
 from allanite.core.record import Record
+from allanite.core.splines import cubic, valued
 from allanite.phrases.phrase import say, spelled, windowing
 
 
@@ -303,10 +304,8 @@ def slepian(size: int, bandwidth: float, count: int) -> tuple[FloatArray, FloatA
     small = min(size, LARGEST_TAPERS)
     tapers, shares = _dpss(small, bandwidth, count)
     if small < size:
-        from scipy.interpolate import CubicSpline
-
-        shape = CubicSpline((np.arange(small) + 0.5) / small, tapers, axis=1)
-        tapers = shape((np.arange(size) + 0.5) / size)
+        at = (np.arange(small) + 0.5) / small
+        tapers = valued(at, cubic(at, tapers), (np.arange(size) + 0.5) / size)
         tapers /= np.sqrt((tapers**2).sum(axis=1, keepdims=True))
     return tapers, shares
 
