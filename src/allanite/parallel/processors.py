@@ -154,12 +154,13 @@ def shared(
     *,
     count: int,
     known: Sequence[Any] = (),
-    begun: Callable[[int], None] = lambda _: None,
+    begun: Callable[[int], None] | None = None,
 ) -> list[Result]:
     """``[function(item) for item in items]``, by `count` processes."""
 
     def process(i: int) -> Result:
-        begun(i)
+        if begun:
+            begun(i)
         return function(items[i])
 
     results: dict[int, Result] = {}
