@@ -11,7 +11,6 @@ Each takes the next item from a pipe that all of them read. What a fork could no
 was killed, this process does itself, in the order of the items, so that an error is that of the first.
 """
 
-import copyreg
 import gc
 import io
 import multiprocessing
@@ -28,8 +27,6 @@ from importlib import import_module
 from multiprocessing.connection import Connection
 from threading import Event
 from typing import Any, NamedTuple, TypeVar
-
-from allanite.core.plain import Portable
 
 from .processes import ANSWER, EndedError, Process, later
 
@@ -154,12 +151,13 @@ def shared(
     *,
     count: int,
     known: Sequence[Any] = (),
-    begun: Callable[[int], None] = lambda _: None,
+    begun: Callable[[int], None] | None = None,
 ) -> list[Result]:
     """``[function(item) for item in items]``, by `count` processes."""
 
     def process(i: int) -> Result:
-        begun(i)
+        if begun:
+            begun(i)
         return function(items[i])
 
     results: dict[int, Result] = {}
@@ -219,31 +217,15 @@ def _work(
     """What a fork does: items until none is left or the parent has ended, and then it tells all results."""
     signal.signal(signal.SIGTERM, signal.SIG_DFL)  # at once, whatever the parent does at its own
     gc.disable()  # it writes to all objects, and what is written to is copied first
+    numbers = {id(value): i for i, value in enumerate(known)}
 
     def packed(i: int) -> bytes:
         buffer = io.BytesIO()
-        _Pickler(buffer, known).dump(process(i))
+        pickler = pickle.Pickler(buffer, pickle.HIGHEST_PROTOCOL)
+        pickler.persistent_id = lambda value: numbers.get(id(value))  # type: ignore[method-assign]
+        pickler.dump(process(i))
         return buffer.getvalue()
 
     results = _take(packed, reading, lambda: os.getppid() == parent)
     connection.recv()
     connection.send((ANSWER, results))
-
-
-class _Pickler(pickle.Pickler):
-    """Writes what both processes know as its number, and values with what was computed of them."""
-
-    def __init__(self, file: io.BytesIO, known: Sequence[Any]) -> None:
-        super().__init__(file, protocol=pickle.HIGHEST_PROTOCOL)
-        self.known = {id(value): i for i, value in enumerate(known)}
-
-    def persistent_id(self, value: Any) -> int | None:
-        """The number of what is known."""
-        return self.known.get(id(value))
-
-    def reducer_override(self, value: Any) -> Any:
-        """A value with its cached properties, which the other process would compute once more."""
-        kind = type(value)
-        if not isinstance(value, Portable) or any("__reduce__" in vars(base) for base in kind.__mro__[:-1]):
-            return NotImplemented
-        return copyreg.__newobj__, (kind,), dict(vars(value))  # type: ignore[attr-defined]

@@ -119,47 +119,42 @@ def each_channel(  # noqa: PLR0913 - each has a default but those that make the 
     every = [record for _, records in channels for record in records]
     count = 1 if alone else how_many(len(channels), max((record.size for record in every), default=0))
     beside = frozenset(record.signal.name for record in every if count > 1)
-
-    def inspected(channel: tuple[str, tuple[Record, ...]]) -> Inspected:
-        return Inspected(*channel, tuple(map(look, channel[1])), beside=beside)
-
     together = begin if len(channels) > 1 else None
-    searching = SEARCHING if together else 0.0
 
-    def tells(name: str, i: int, since: float, until: float) -> None:
-        tell(f"{doing} {name}", since + (until - since) * (i + 0.3) / (len(channels) + 0.3))
+    def tells(since: float, until: float) -> Callable[[int], None]:
+        step = (until - since) / (len(channels) + 0.3)
+        return lambda i: tell(f"{doing} {channels[i][0]}", since + step * (i + 0.3))
+
+    def inspected(channel: tuple[str, tuple[Record, ...]]) -> tuple[Inspected, Started | None]:
+        seen = Inspected(*channel, tuple(map(look, channel[1])), beside=beside)
+        return seen, _begun(seen, together, fatal)
 
     imported(progress)
     with one_thread():
-        checked = _on_bodies(shared(inspected, channels, count=count, known=every))
-        if together:
-            checked = identified(checked, together, fatal, lambda begin, able: shared(
-                begin, able, count=count, known=every, begun=lambda i: tells(able[i].name, i, 0.0, searching)
-            ))  # fmt: skip
+        begun = shared(inspected, channels, count=count, known=every, begun=tells(0.0, SEARCHING) if together else None)
+        checked = _finishing(_on_bodies([seen for seen, _ in begun]), [search for _, search in begun])
         results = shared(lambda one: _result(one, work, refused, fatal), checked, count=count, known=every,
-                         begun=lambda i: tells(checked[i].name, i, searching, 1.0))  # fmt: skip
+                         begun=tells(SEARCHING if together else 0.0, 1.0))  # fmt: skip
     if demand:
         _demand_result(checked, results)
     tell("done", 1.0)
     return tuple(results)
 
 
-def identified(
-    channels: Sequence[Inspected], begin: Begin, fatal: str,
-    each: Callable[[Callable[[Inspected], Started | None], Sequence[Inspected]], Sequence[Started | None]],
-) -> Sequence[Inspected]:  # fmt: skip
-    """The channels with an identification to be finished, begun in `each` of them: they may have a filter in common."""
-    able = [i for i, channel in enumerate(channels) if not (fatal or any(q.refusal for q in channel.qualities))]
-    if len(able) < 2:
-        return channels
+def _begun(seen: Inspected, begin: Begin | None, fatal: str) -> Started | None:
+    """The identification of a channel, None where it is not begun before its result is asked for."""
+    if begin is None or fatal or any(quality.refusal for quality in seen.qualities):
+        return None
+    try:
+        return begin(seen)
+    except DataError:  # which it raises once more when its result is asked for
+        return None
 
-    def started(seen: Inspected) -> Started | None:
-        try:
-            return begin(seen)
-        except DataError:  # which it raises once more when its result is asked for
-            return None
 
-    known = {i: s for i, s in zip(able, each(started, [channels[i] for i in able]), strict=True) if s is not None}
+def _finishing(channels: Sequence[Inspected], begun: Sequence[Started | None]) -> list[Inspected]:
+    """The channels with their identifications to be finished: they may have a filter in common."""
+    known = {i: search for i, search in enumerate(begun)
+             if search is not None and not any(quality.refusal for quality in channels[i].qualities)}  # fmt: skip
     finish = dict(zip(known, finished(list(known.values())), strict=True))
     return [replace(channel, finish=finish.get(i)) for i, channel in enumerate(channels)]
 
@@ -198,7 +193,7 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
     if passing is not None and keeping is not None:
         read, findings, notes, provenance = passing.passed(recipe, keeping, progress)
         fatal = Quality(findings).refusal
-        channels = identified(read, begin, fatal, lambda f, items: list(map(f, items))) if begin else read
+        channels = _finishing(read, [_begun(seen, begin, fatal) for seen in read])
         results = tuple(_result(channel, work, refused, fatal) for channel in channels)
         if demand:
             _demand_result(channels, results)
