@@ -109,8 +109,10 @@ def element(d: str, styled: str) -> str:
 
 def shown(text: str) -> list[str]:
     """Lines of a text as they are read, in the language that is spoken; powers of ten in raised digits."""
-    raised = _POWER.sub(lambda found: f"{found[1]}10{found[2].translate(RAISED)}", str(tr(text)))
-    return raised.splitlines()
+    text = str(tr(text))
+    if "$" in text:
+        text = _POWER.sub(lambda found: f"{found[1]}10{found[2].translate(RAISED)}", text)
+    return text.splitlines()
 
 
 def size_of(lines: Iterable[str], size: float, *, bold: bool = False, spacing: float = 1.2) -> tuple[float, float]:
