@@ -6,7 +6,7 @@ import re
 from functools import cache
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
@@ -37,13 +37,13 @@ def render(face: Face) -> str:
     grounds = [{variable(c): c for c in DARK}, {variable(c): dark for c, dark in DARK.items()}]
     template, mould = (_environment().get_template(f"{name}.html.j2") for name in ("page", "parts"))
 
-    def drawn(place: str) -> str:
-        sheet = face.sheets[int(place[1:]) - 1]
-        return str(mould.module.sheet(sheet, drawer(f"{place}-"), place))  # type: ignore[attr-defined]
+    def drawn(i: int) -> str:
+        macros: Any = mould.module
+        draw = drawer(f"s{i}-")
+        return str(macros.sheet(face.sheets[i - 1], draw, f"s{i}") if i else macros.parts(face.parts, draw))
 
-    places = [f"s{i + 1}" for i in range(len(face.sheets))]
-    made = shared(drawn, places, count=how_many(len(places)))
-    return template.render(face=face, sheets=made, draw=drawer(), grounds=grounds, lang=spoken(), copy=_script())
+    parts = shared(drawn, range(len(face.sheets) + 1), count=how_many(len(face.sheets)))
+    return template.render(face=face, parts=parts, draw=drawer(), grounds=grounds, lang=spoken(), copy=_script())
 
 
 @cache
