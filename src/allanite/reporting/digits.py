@@ -20,10 +20,8 @@ _SIGNS = (
 )  # fmt: skip
 _BARE = re.compile(r"[-+\d.,e ()]*")  # numbers, which have no unit
 _ANGLE = re.compile(r"(?<=\d) °(?![/*C√²³])")
-_ASCII: dict[str, str | int | None] = {
-    "°": "deg", "√": "sqrt", "±": "+-", "≤": "<=", "≥": ">=", "≈": "~", "−": "-", "–": "-", "×": "x", "…": "..",
-    "τ": "tau", "↓": "falling",
-}  # fmt: skip
+_ASCII: dict[str, str | int | None] = {"°": "deg", "√": "sqrt", "±": "+-", "≤": "<=", "≥": ">=", "≈": "~", "−": "-",
+    "–": "-", "×": "x", "…": "..", "τ": "tau", "↓": "falling"}  # fmt: skip
 WRITTEN = "µ²³·⁵" + "".join(_ASCII)  # signs of results: an encoding that lacks one of them has ASCII instead
 
 _ENDLESS = re.compile(r"\S{401,}")
