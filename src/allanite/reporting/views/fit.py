@@ -131,8 +131,9 @@ def _plot(fits: Sequence[Fit], fit: Fit | None, level: float) -> Plot:
 @view(_plot, lambda fit, level: fit.rows(level))
 def fit_view(fit: Fit, level: float) -> Face:
     """The coefficients, and how well they explain the record."""
-    return one_sheet(fit.name or say("Noise"), say("noise coefficients"), fit.name or say("noise"), fit_parts(fit, level),
-        about=(say("method {method}", method=fit.method),), how=(definitions([fit]),))  # fmt: skip
+    return one_sheet(fit.name or say("Noise"), say("noise coefficients"), fit.name or say("noise"),
+        fit_parts(fit, level), about=(say("method {method}", method=fit.method),),
+        how=(definitions([fit]),))  # fmt: skip
 
 
 @view(lambda values, fit, level: figures.plot_residuals(values[0]))
