@@ -104,4 +104,4 @@ def test_letters_of_figures_can_be_read_on_a_phone(opened: Any) -> None:
              f.getBoundingClientRect().width / f.viewBox.baseVal.width *
              Math.min(...[...f.querySelectorAll('text')].map((t) => parseFloat(getComputedStyle(t).fontSize))))"""
     )
-    assert min(sizes) > 7.5
+    assert min(sizes) > 10

@@ -1,5 +1,6 @@
 """Types of arrays used in annotations, and the samples of a record, made exactly from what is given."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -40,7 +41,9 @@ def mean_and_deviation(values: FloatArray) -> tuple[float, float]:
         return np.nan, np.nan
     scale = max(abs(float(finite.min())), abs(float(finite.max()))) or 1.0
     finite = finite / scale  # whose squares can be represented
-    return scale * float(finite.mean()), scale * float(finite.std())
+    mean = float(finite.mean())
+    finite -= mean
+    return scale * mean, scale * math.sqrt(finite @ finite / finite.size)
 
 
 def samples(values: Any, unit: str, kind: str, name: str) -> NDArray[Any]:

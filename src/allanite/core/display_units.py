@@ -1,6 +1,7 @@
 """Units in which results are shown."""
 
 from collections.abc import Sequence
+from functools import cache
 
 from allanite.terms import TERMS
 
@@ -27,6 +28,7 @@ def showing(unit: str) -> list[Signal]:
     return sorted(filter(None, signals), key=SIGNALS.index)
 
 
+@cache
 def readable_unit(unit: str) -> str:
     """The data-sheet unit for an SI unit; any other unit is unchanged."""
     sheets = (signal.sheet[row.power] for signal in SIGNALS for row in TERMS.values() if signal.si[row.power] == unit)

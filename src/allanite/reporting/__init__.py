@@ -129,7 +129,7 @@ def page(value: Any, *, level: float | None = None, command: str = "", lang: str
     with speaking(lang):
         warn_of_page(lang)
         face = view_of(value).face(value, level_of(value, level))
-        data = gzip.compress(encoded(to_json(value)), mtime=0)
+        data = gzip.compress(encoded(to_json(value)), compresslevel=6, mtime=0)
         return render(replace(face, command=command, data=data if len(data) < MAX_DATA_BYTES else b""))
 
 

@@ -18,11 +18,10 @@ _SIGNS = (
     (re.compile(r"\bu(?=(?:g|rad|A|V|T)\b)"), "µ"),
     (re.compile(r"\^(-?[\d.]+)"), lambda power: power[1].translate(RAISED)),
 )  # fmt: skip
+_BARE = re.compile(r"[-+\d.,e ()]*")  # numbers, which have no unit
 _ANGLE = re.compile(r"(?<=\d) °(?![/*C√²³])")
-_ASCII: dict[str, str | int | None] = {
-    "°": "deg", "√": "sqrt", "±": "+-", "≤": "<=", "≥": ">=", "≈": "~", "−": "-", "–": "-", "×": "x", "…": "..",
-    "τ": "tau", "↓": "falling",
-}  # fmt: skip
+_ASCII: dict[str, str | int | None] = {"°": "deg", "√": "sqrt", "±": "+-", "≤": "<=", "≥": ">=", "≈": "~", "−": "-",
+    "–": "-", "×": "x", "…": "..", "τ": "tau", "↓": "falling"}  # fmt: skip
 WRITTEN = "µ²³·⁵" + "".join(_ASCII)  # signs of results: an encoding that lacks one of them has ASCII instead
 
 _ENDLESS = re.compile(r"\S{401,}")
@@ -39,7 +38,7 @@ def printable(text: str) -> str:
 
 def printed_unit(text: str) -> str:
     """A unit as it is shown, which `unit_of` reads as well, or a sentence with all of its units so."""
-    return _ANGLE.sub("°", _UNIT.sub(_with_signs, text))
+    return text if _BARE.fullmatch(text) else _ANGLE.sub("°", _UNIT.sub(_with_signs, text))
 
 
 def _with_signs(found: re.Match[str]) -> str:

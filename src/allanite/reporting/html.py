@@ -6,11 +6,12 @@ import re
 from functools import cache
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
+from allanite.parallel.processors import how_many, shared
 from allanite.phrases.phrase import join, say, say_count
 from allanite.terms import TERMS
 
@@ -34,8 +35,15 @@ def render(face: Face) -> str:
     from .style import DARK
 
     grounds = [{variable(c): c for c in DARK}, {variable(c): dark for c, dark in DARK.items()}]
-    template = _environment().get_template("page.html.j2")
-    return template.render(face=face, draw=drawer(), grounds=grounds, lang=spoken(), copy=_script())
+    template, mould = (_environment().get_template(f"{name}.html.j2") for name in ("page", "parts"))
+
+    def drawn(i: int) -> str:
+        macros: Any = mould.module
+        draw = drawer(f"s{i}-")
+        return str(macros.sheet(face.sheets[i - 1], draw, f"s{i}") if i else macros.parts(face.parts, draw))
+
+    parts = shared(drawn, range(len(face.sheets) + 1), count=how_many(len(face.sheets)))
+    return template.render(face=face, parts=parts, draw=drawer(), grounds=grounds, lang=spoken(), copy=_script())
 
 
 @cache
@@ -85,14 +93,13 @@ def _environment() -> Environment:
     )  # fmt: skip
     env.filters.update(
         clean=_clean, prose=_prose, unit=printed_unit, made=_made, capital=capital,
-        heading=lambda text: printed_heading(tr(text)), base64=lambda data: base64.b64encode(data).decode(),
+        heading=_heading, base64=lambda data: base64.b64encode(data).decode(),
         firm=lambda text: _BREAK.sub("\N{NO-BREAK SPACE}", _clean(text)),
     )  # fmt: skip
     env.globals.update(
-        say=say, say_count=say_count, cell=_cell,
+        say=say, say_count=say_count, body=_body,
         kind_of=lambda part: {Table: "table", Note: "note", Drawing: "drawing", Code: "code", Fold: "fold"}[type(part)],
-        css=_css, numeric=lambda column: column.kind in ("number", "interval", "unit"), shown=on_page,
-        color_of=_color_of,
+        css=_css, numeric=lambda column: column.kind in NUMERIC, shown=on_page, color_of=_color_of,
     )  # fmt: skip
     return env
 
@@ -106,6 +113,30 @@ def _color_of(symbol: str) -> str:
     """The color of a term: that of the page's ground, or of white paper in a notebook."""
     name = symbol.strip("|")
     return f"var({variable(TERMS[name].color)}, {TERMS[name].color})" if name in TERMS else ""
+
+
+def _heading(text: str) -> str:
+    return printed_heading(tr(text))
+
+
+NUMERIC = ("number", "interval", "unit")  # kinds of columns whose cells are at the right
+
+
+def _body(table: Table) -> Markup:
+    """The rows of a table; where it is no list of numbers, a narrow screen has the heading beside each cell."""
+    labels = [f' data-label="{escape(_heading(column.heading))}"' if column.heading else "" for column in table.columns]
+    made = []
+    for i, row in enumerate(table.rows):
+        mark, cells = table.mark(i), []
+        for j, (column, text) in enumerate(zip(table.columns, row, strict=True)):
+            start = 'th scope="row"' if not j and text and column.kind in ("name", "symbol") else "td"
+            named = _css(column, text, mark) if not table.details else "" if column.kind in NUMERIC else "left"
+            label = labels[j] if text and not table.details else ""
+            color = _color_of(text) if column.kind == "symbol" else ""
+            look = (f' class="{named}"' if named else "") + label + (f' style="color: {color}"' if color else "")
+            cells.append(f"<{start}{look}>{escape(_cell(column, text))}</{start[:2]}>")
+        made.append(f"<tr>{''.join(cells)}</tr>")
+    return Markup("\n".join(made))  # noqa: S704 - escaped
 
 
 def _cell(column: Column, text: str) -> Markup | str:

@@ -14,7 +14,12 @@ class Plain(Protocol):
 
 def to_json(value: Plain) -> str:
     """Strictly valid JSON; NaN and infinity become null."""
-    return json.dumps(_strict(value.to_dict()), allow_nan=False, ensure_ascii=False) + "\n"
+    made = value.to_dict()
+    try:
+        text = json.dumps(made, allow_nan=False, ensure_ascii=False)
+    except ValueError:
+        text = json.dumps(_strict(made), allow_nan=False, ensure_ascii=False)
+    return text + "\n"
 
 
 def _strict(value: Any) -> Any:

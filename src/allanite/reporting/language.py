@@ -61,4 +61,7 @@ def spoken() -> str:
 
 def tr(value: Any) -> Any:
     """A phrase in the language of this context, its units as printed; anything else, such as a name, unchanged."""
-    return printed_unit(value.within(catalogue(_SPOKEN.get()))) if isinstance(value, Phrase) else value
+    if not isinstance(value, Phrase):
+        return value
+    lang = _SPOKEN.get()
+    return printed_unit(str.__str__(value) if lang == ENGLISH else value.within(catalogue(lang)))

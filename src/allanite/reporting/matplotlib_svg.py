@@ -24,7 +24,7 @@ def variable(color: str) -> str:
     return f"--{color.lower().lstrip('#')}"
 
 
-PHONE_INCHES = 4.6  # inches of a figure on a phone, whose letters are then as large as those of the text
+PHONE_INCHES = 3.9  # inches of a figure on a phone: 8 points are 10 pixels where it is 357 pixels wide
 
 
 def within(shown: Picture, prefix: str, label: str) -> Markup:
@@ -84,8 +84,8 @@ _STYLE_ATTRIBUTE = re.compile(r'style="([^"]*)"')
 _SCROLLED = ' tabindex="0"'  # a figure without a narrow form is scrolled on a narrow screen, by keys too
 
 
-def drawer() -> Callable[[Drawing], Markup]:
-    """Gives the figures of one page: each with a prefix of its own, the styles of all of them as common classes."""
+def drawer(place: str = "") -> Callable[[Drawing], Markup]:
+    """Gives the figures of a place of a page: each with a prefix of its own, the styles of all as common classes."""
     from .style import DARK
 
     numbers, classes = count(), dict[str, str]()
@@ -93,18 +93,16 @@ def drawer() -> Callable[[Drawing], Markup]:
     @cache
     def named(style: str) -> str:
         style = re.sub(r"#[0-9a-f]{6}\b", lambda c: f"var({variable(c[0])})" if c[0] in DARK else c[0], style)
-        return f'class="{classes.setdefault(style, f"k{len(classes)}")}"'
+        return f'class="{classes.setdefault(style, f"{place}k{len(classes)}")}"'
 
     def draw(drawing: Drawing) -> Markup:
         known = len(classes)
         broad = drawn(drawing)
         forms = {"broad": broad, "narrow": broad.narrow} if broad.narrow else {"only": broad}
-        texts = {width: within(form, f"f{next(numbers)}", drawing.label) for width, form in forms.items()}
+        texts = {width: within(form, f"{place}f{next(numbers)}", drawing.label) for width, form in forms.items()}
         classed = {width: _STYLE_ATTRIBUTE.sub(lambda found: named(found[1]), text) for width, text in texts.items()}
-        made = "".join(
-            f'<div class="{width}"{_SCROLLED if width == "only" else ""}>{text}</div>'
-            for width, text in classed.items()
-        )
+        made = "".join(f'<div class="{width}"{_SCROLLED if width == "only" else ""}>{text}</div>'
+            for width, text in classed.items())  # fmt: skip
         new = "".join(f".{name}{{{style}}}" for style, name in list(classes.items())[known:])
         return Markup(f"<style>{new}</style>{made}" if new else made)  # noqa: S704 - as `within` has made it
 

@@ -21,10 +21,8 @@ from .language import tr
 from .sheet import Code, Column, Face, Note, Part, Table
 
 STYLES = {"good": "green", "weak": "yellow", "alarm": "red", "quiet": "dim", "strong": "bold", "struck": "dim", "": ""}
-NOTES = {
-    "alert": "bold red", "warning": "bold red", "remark": "", "good": "green", "fair": "yellow", "note": "",
-    "strong": "bold", "quiet": "dim",
-}  # fmt: skip
+NOTES = {"alert": "bold red", "warning": "bold red", "remark": "", "good": "green", "fair": "yellow", "note": "",
+    "strong": "bold", "quiet": "dim"}  # fmt: skip
 LABEL_COLUMNS = 10  # columns of the header's labels
 _COLUMNS = 10_000  # columns of the console that tables are laid out in: a number is never torn in two
 
@@ -163,10 +161,8 @@ def _blocks(table: Table, width: int) -> list[list[int]]:
     """Columns that stand side by side: all, or the main ones and below them those aside."""
     every = list(range(len(table.columns)))
     aside = [i for i in every if table.columns[i].aside]
-    widths = [
-        max(cell_len(text) for text in (_heading(column), *(_cell(column, row[i]) for row in table.rows)))
-        for i, column in enumerate(table.columns)
-    ]
+    widths = [max(cell_len(text) for text in (_heading(column), *(_cell(column, row[i]) for row in table.rows)))
+        for i, column in enumerate(table.columns)]  # fmt: skip
     if not aside or 2 * len(every) + sum(widths) <= width:
         return [every]
     return [[i for i in every if i not in aside], [0, *aside]]

@@ -5,6 +5,7 @@ import pytest
 from tests.rows import paired, refused, rows
 
 import allanite as al
+from allanite.core import arrays
 
 
 @rows(
@@ -36,3 +37,10 @@ def test_a_channel_that_cannot_be_analyzed_stands_beside_one_that_can(scale, tmp
     assert study.channels[1].refusal
     al.report(study, tmp_path / "page.html")
     assert study.channels[1].refusal.split(";")[0].split(" (")[0] in (tmp_path / "page.html").read_text("utf-8")
+
+
+def test_mean_and_deviation_are_those_of_numpy():
+    values = 1e5 + np.random.default_rng(1).standard_normal(1000)
+    for given in (values, values.astype(np.int64), np.append(values, np.nan)):
+        expected = np.nanmean(given), np.nanstd(given)
+        np.testing.assert_allclose(arrays.mean_and_deviation(given), expected, rtol=1e-10)

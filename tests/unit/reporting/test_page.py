@@ -16,8 +16,10 @@ from tests.unit.reporting.test_report import HOSTILE, Tags, channel_of, refused,
 
 from allanite.cli import main
 from allanite.core.errors import UsageError
+from allanite.parallel.processors import processes
+from allanite.phrases.phrase import Phrase
 from allanite.reporting import page, table
-from allanite.reporting.language import tr
+from allanite.reporting.language import catalogue, tr
 from allanite.reporting.views import view_of
 from allanite.reporting.views.datasheet import alternative
 from allanite.study.analysis import analyze
@@ -33,6 +35,20 @@ def study():
 @pytest.fixture(scope="module")
 def text(study):
     return page(study, command="allanite analyze fog.csv --report page.html")
+
+
+def test_two_processes_make_the_page_that_one_does(study, text):
+    with processes(2):
+        assert page(study, command="allanite analyze fog.csv --report page.html") == text
+
+
+def test_a_phrase_is_shown_in_english_as_it_is(monkeypatch, study):
+    """Its template filled once more, as for any other language, is the same."""
+    made, form = [], Phrase.__str__
+    monkeypatch.setattr(Phrase, "__str__", lambda phrase: made.append(phrase) or form(phrase))
+    table(study)
+    assert len(made) > 0
+    assert all(phrase.within(catalogue("en")) == phrase for phrase in made)
 
 
 @pytest.fixture(scope="module")

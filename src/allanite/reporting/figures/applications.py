@@ -39,10 +39,8 @@ def plot_budgets(new_figure: style.NewFigure, budgets: Sequence[Budget]) -> "Fig
         for s, color, marker in zip(shown, style.SERIES * 9, style.MARKERS * 9, strict=False):
             at = s.to(s.coefficient) or 0.0
             ax.plot(bits, [at * 2.0 ** (s.stage.bits - b) for b in bits], color=color, lw=1.1)
-            ax.plot(
-                [s.stage.bits], [at], marker, color=color, ms=7,
-                label=say("{stage}, as it is", stage=printable(s.stage.name)),
-            )  # fmt: skip
+            ax.plot([s.stage.bits], [at], marker, color=color, ms=7,
+                label=say("{stage}, as it is", stage=printable(s.stage.name)))  # fmt: skip
         known = first.to(first.measured if first.measured is not None else first.limit)
         if known is not None:
             label = say("measured") if first.measured is not None else say("upper limit")
@@ -115,10 +113,8 @@ MAX_MARKED = 40  # intervals up to which each is marked
 def plot_rates(new_figure: style.NewFigure, channels: Sequence[tuple[Experiment, tuple[Experiment, ...]]]) -> "Figure":
     """A column a channel: its experiment, and below it the experiments of several measuring times, if any."""
     # a scatter of nothing has no place on a logarithmic axis
-    channels = [
-        (experiment, tuple(e for e in series if any(e.scatter(m).deviation > 0 for m in e.methods)))
-        for experiment, series in channels
-    ]
+    channels = [(experiment, tuple(e for e in series if any(e.scatter(m).deviation > 0 for m in e.methods)))
+        for experiment, series in channels]  # fmt: skip
     rows = 1 + any(series for _, series in channels)
     figure = new_figure(7.2 if len(channels) == 1 else 5.2 * len(channels), 3.2 if rows == 1 else 5.6)
     grid = figure.subplots(rows, len(channels), squeeze=False)

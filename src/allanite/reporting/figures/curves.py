@@ -88,7 +88,7 @@ def _scaled(spans: Sequence[Span], wide: float) -> tuple[Span, float, float]:
 
 def _draw_panel(ax: "Axes", panel: CurvePanel, level: float) -> None:
     style.grid(ax)
-    placed = _draw_landmarks(ax)
+    placed = _draw_landmarks(ax, 8.0 if panel.brief else 7.5)
     drawn, title = points(panel, level), statistic_named(panel.curve.statistic).title
     if panel.model is None:
         if drawn.low is not None and drawn.high is not None:
@@ -129,16 +129,14 @@ def _hint(ax: "Axes", panels: dict[str, CurvePanel], level: float) -> None:
         ax.hint(sorted(texts), hints)
 
 
-def _draw_landmarks(ax: "Axes") -> list[drawing.LabelBox]:
+def _draw_landmarks(ax: "Axes", size: float) -> list[drawing.LabelBox]:
     """Rules at a minute, an hour and a day; where their labels are."""
     (low, high), taken = ax.get_xlim(), []
     for tau, label in LANDMARKS:
         if low < tau < high / 1.2:
             ax.axvline(tau, color=style.OTHER, lw=0.7, ls=(0, (1, 2)), zorder=1)
-            ax.annotate(
-                label, (tau, 1), xycoords=("data", "axes fraction"), xytext=(2, -3), textcoords="offset points",
-                va="top", fontsize=7.5, color=style.SOFT,
-            )  # fmt: skip
+            ax.annotate(label, (tau, 1), xycoords=("data", "axes fraction"), xytext=(2, -3), textcoords="offset points",
+                va="top", fontsize=size, color=style.SOFT)  # fmt: skip
             taken.append(drawing.LabelBox(math.log(tau / low) / math.log(high / low) + 0.035, 0.965, 0.07, 0.05))
     return taken
 

@@ -33,7 +33,7 @@ NEAR = np.array([(dx, dy) for dx in (0.0, 0.58, -0.58) for dy in (0.9, -0.9, 1.7
 """Where a label may stand: shift from its anchor in widths and heights; beside these, on a grid over the panel."""
 
 GRID = np.array(np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 27))).reshape(2, -1).T
-BLOCK = 64  # places that are looked at together, the nearest first
+BLOCK, FIRST = 64, 4  # places that are looked at together, the nearest first, and those whose leaders are
 CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
 FREE_END = 0.02  # part of a leader at its anchor, in fractions of the panel, where it may touch what it is about
 BREAK = np.full((1, 2), np.nan)  # where one line of the obstacles ends
@@ -61,8 +61,8 @@ def place(anchors: FloatArray, size: tuple[float, float], lines: FloatArray, tak
     low, high = MARGIN + shape / 2, 1 - MARGIN - shape / 2
     centres = np.minimum(np.maximum(np.concatenate((wanted, GRID)), low), high)
     # earlier anchors are preferred
-    away = np.hypot(*(np.subtract.outer(centres[:, i], anchors[:, i]) for i in range(2)))
-    away += 0.002 * np.arange(len(anchors))
+    x, y = (np.subtract.outer(centres[:, i], anchors[:, i]) for i in range(2))
+    away = np.sqrt(x * x + y * y) + 0.002 * np.arange(len(anchors))
     at = anchors[away.argmin(axis=1)]
     far = np.hypot(*(at - centres).T)
     nearest, best, most = np.argsort(far, kind="stable"), 0, -math.inf
@@ -71,10 +71,13 @@ def place(anchors: FloatArray, size: tuple[float, float], lines: FloatArray, tak
             break
         free = _freedom(centres[few], size, lines, taken)
         worth = free - (free < 1) - far[few]
-        better, worth = few[worth > most], worth[worth > most]
-        worth -= 0.7 * np.minimum(crossings(centres[better], at[better], shape, lines, taken), 3)
-        if worth.max(initial=-math.inf) > most:
-            best, most = int(better[worth.argmax()]), float(worth.max())
+        order = np.argsort(-worth, kind="stable")
+        for some in (order[:FIRST], order[FIRST:]):  # leaders of the freest places first: few others are as good then
+            kept = some[worth[some] > most]
+            better, known = few[kept], worth[kept]
+            known -= 0.7 * np.minimum(crossings(centres[better], at[better], shape, lines, taken), 3)
+            if known.max(initial=-math.inf) > most:
+                best, most = int(better[known.argmax()]), float(known.max())
     (x, y), (end, height) = centres[best].tolist(), at[best].tolist()
     return LabelBox(x, y, *size, (end, height))
 

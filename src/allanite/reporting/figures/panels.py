@@ -164,10 +164,8 @@ def _panels(value: Any, fit: Fit | None) -> list[CurvePanel]:
         return _panels(value.curve, value)
     if hasattr(value, "channels") and hasattr(value, "recipe"):  # a Study
         file = PurePath(value.provenance.get("source", "")).name
-        return [
-            p._replace(facts=", ".join(filter(None, (file, p.facts))), wanted=value.recipe.to or ())
-            for p in _panels(value.channels, None)
-        ]
+        return [p._replace(facts=", ".join(filter(None, (file, p.facts))), wanted=value.recipe.to or ())
+            for p in _panels(value.channels, None)]  # fmt: skip
     if hasattr(value, "curve") and hasattr(value, "quality"):  # a Channel
         return [panel._replace(readings=value.readings) for panel in _panels(value.curve, value.fit)]
     if isinstance(value, Sequence) and not isinstance(value, str):

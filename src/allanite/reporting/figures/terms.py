@@ -103,11 +103,8 @@ def _labels(panel: CurvePanel, model: Model, level: float) -> list[Named]:
         terms, sizes = [t for t in model if t.symbol == symbol], []
         unit = terms[0].signal.sheet[terms[0].row.power]
         for term in terms:  # coefficient and parameters: ``GM = 0.1 deg/h, T = 20 s``
-            shape = [
-                f"{p.letter} = {value:.4g} {p.unit}"
-                for p, value in zip(term.row.parameters, term.shape, strict=True)
-                if value != p.default
-            ]
+            shape = [f"{p.letter} = {value:.4g} {p.unit}"
+                for p, value in zip(term.row.parameters, term.shape, strict=True) if value != p.default]  # fmt: skip
             sizes.append(", ".join((f"{symbol} = {term.to(unit):.4g} {printed_unit(unit)}", *shape)))
         named.append(Named(symbol, join("\n", sizes), unit, terms[0] if len(terms) == 1 else None))
     return named
@@ -150,10 +147,8 @@ def _draw_slope(
     if freedom(box, lines, placed) < 1 or math.dist(box.anchor or visible[0], (box.x, box.y)) > MAX_SLOPE_DISTANCE:
         return
     placed.append(box._replace(anchor=None))
-    ax.text(
-        box.x, box.y, text, transform=ax.transAxes, ha="center", va="center", fontsize=SLOPE_POINTS,
-        color=color_of(named[0]), zorder=5,
-    )  # fmt: skip
+    ax.text(box.x, box.y, text, transform=ax.transAxes, ha="center", va="center", fontsize=SLOPE_POINTS,
+        color=color_of(named[0]), zorder=5)  # fmt: skip
 
 
 def draw_minimum(ax: "Axes", panel: CurvePanel, lines: FloatArray, placed: list[LabelBox], level: float) -> None:

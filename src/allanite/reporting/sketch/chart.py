@@ -71,10 +71,8 @@ class PanelFrame:
 
     def svg(self, number: int) -> str:
         """All of it; `number` names its clip."""
-        rectangle = "".join(
-            f' {name}="{ink.number(value)}"'
-            for name, value in zip(("x", "y", "width", "height"), self.box, strict=True)
-        )
+        rectangle = "".join(f' {name}="{ink.number(value)}"'
+            for name, value in zip(("x", "y", "width", "height"), self.box, strict=True))  # fmt: skip
         place = place_in(self.panel, self.box)
         marks = sorted(self.panel.marks, key=lambda mark: mark.z)
         legend = ""
@@ -94,10 +92,8 @@ class PanelFrame:
         """Where major and minor ticks are: of the abscissa, and of the ordinate."""
         left, top, width, height = self.box
         of = ((self.panel.xaxis, self.across, left, width), (self.panel.yaxis, self.up, top + height, -height))
-        return {
-            which: tuple((start + length * side.share(getattr(t, which))).tolist() for side, t, start, length in of)
-            for which in ("major", "minor")
-        }
+        return {which: tuple((start + length * side.share(getattr(t, which))).tolist() for side, t, start, length in of)
+            for which in ("major", "minor")}  # fmt: skip
 
     def _grid(self) -> Iterator[str]:
         left, top, width, height = (ink.number(value) for value in self.box)
@@ -164,10 +160,8 @@ def arranged(
     for _ in range(ROUNDS):
         boxes = _boxes(room, ratios, page)
         boxes = [[_fitted(p, box) for p, box in zip(*pair, strict=True)] for pair in zip(grid, boxes, strict=True)]
-        room = np.array(
-            [[PanelFrame(p, box, "").room() if p.axison else (0, 0, 0, 0) for p, box in zip(*pair, strict=True)]
-             for pair in zip(grid, boxes, strict=True)]
-        )  # fmt: skip
+        room = np.array([[PanelFrame(p, box, "").room() if p.axison else (0, 0, 0, 0)
+            for p, box in zip(*pair, strict=True)] for pair in zip(grid, boxes, strict=True)])  # fmt: skip
     boxes = _boxes(room, ratios, page)
     pairs = (pair for row in zip(grid, boxes, strict=True) for pair in zip(*row, strict=True))
     return [(panel, _fitted(panel, box)) for panel, box in pairs]

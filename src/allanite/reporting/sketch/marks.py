@@ -191,10 +191,8 @@ class Boxes(Patch):
             (x0, _), (x1, _) = (place(np.full(self.low.size, end), self.low, AXES) for end in (0.0, 1.0))
         if self.up:
             (_, y0), (_, y1) = (place(self.left, np.full(self.left.size, end), AXES) for end in (0.0, 1.0))
-        d = "".join(
-            ink.path(np.array([a, b, b, a]), np.array([c, c, e, e]), closed=True)
-            for a, b, c, e in zip(x0.tolist(), x1.tolist(), y0.tolist(), y1.tolist(), strict=True)
-        )
+        d = "".join(ink.path(np.array([a, b, b, a]), np.array([c, c, e, e]), closed=True)
+            for a, b, c, e in zip(x0.tolist(), x1.tolist(), y0.tolist(), y1.tolist(), strict=True))  # fmt: skip
         return ink.element(d, ink.fill(self.color, self.alpha))
 
 
@@ -256,10 +254,8 @@ class Words(Beside):
             a, b = a + beside, b + beside
             ground = ink.path(a[[0, 1, 1, 0]], b[[0, 0, 1, 1]], closed=True)
             parts.append(ink.element(ground, ink.fill("#ffffff", self.opacity)))
-        parts.append(
-            ink.words(lines, (x, y), self.size, color=self.color, ha=self.ha, va=self.va, bold=self.bold,
-                      spacing=self.spacing)
-        )  # fmt: skip
+        parts.append(ink.words(lines, (x, y), self.size, color=self.color, ha=self.ha, va=self.va, bold=self.bold,
+            spacing=self.spacing))  # fmt: skip
         return "".join(parts)
 
     def _point(self, place: Place, at: tuple[float, float]) -> tuple[float, float]:
@@ -303,10 +299,8 @@ class Legend:
         count = max(1, min(columns, len(labels)))
         self.columns = [part.tolist() for part in np.array_split(np.arange(len(labels)), count)]
         self.handles, self.spacing = handles, spacing * SIZE
-        self.widths = [
-            max((KEY + GAP + ink.size_of([self.labels[i]], SIZE)[0] for i in column), default=0.0)
-            for column in self.columns
-        ]
+        self.widths = [max((KEY + GAP + ink.size_of([self.labels[i]], SIZE)[0] for i in column), default=0.0)
+            for column in self.columns]  # fmt: skip
 
     def get_texts(self) -> list[str]:
         """None that matplotlib would read as a formula."""

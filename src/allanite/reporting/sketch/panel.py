@@ -251,10 +251,8 @@ class Panel:
         at = xy if moved or xytext is None else xytext
         offset = (float(xytext[0]), float(xytext[1])) if moved else (0.0, 0.0)
         leader = None if arrowprops is None else (float(xy[0]), float(xy[1]))
-        self._add(
-            Words(text, (float(at[0]), float(at[1])), fontsize, color or self.ink, ha, va, spacing=linespacing,
-                  meaning=meaning, offset=offset, pad=pad, opacity=opacity, leader=leader, z=zorder)
-        )  # fmt: skip
+        self._add(Words(text, (float(at[0]), float(at[1])), fontsize, color or self.ink, ha, va, spacing=linespacing,
+            meaning=meaning, offset=offset, pad=pad, opacity=opacity, leader=leader, z=zorder))  # fmt: skip
 
     def _add(self, mark: Artist, *, wide: bool = False) -> None:
         if wide:

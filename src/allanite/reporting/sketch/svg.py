@@ -91,10 +91,8 @@ def hexadecimal(color: str) -> str:
 def stroke(color: str, width: float, dash: Sequence[float] = (), opacity: float | None = None) -> str:
     """The style of a line; dashes are in widths of it."""
     dashes = ",".join(f"{width * part:.4g}" for part in dash) or None
-    return style(
-        fill="none", stroke=hexadecimal(color), stroke_width=f"{width:.4g}", stroke_dasharray=dashes,
-        stroke_opacity=opacity,
-    )  # fmt: skip
+    return style(fill="none", stroke=hexadecimal(color), stroke_width=f"{width:.4g}", stroke_dasharray=dashes,
+        stroke_opacity=opacity)  # fmt: skip
 
 
 def fill(color: str, opacity: float | None = None) -> str:
@@ -109,8 +107,10 @@ def element(d: str, styled: str) -> str:
 
 def shown(text: str) -> list[str]:
     """Lines of a text as they are read, in the language that is spoken; powers of ten in raised digits."""
-    raised = _POWER.sub(lambda found: f"{found[1]}10{found[2].translate(RAISED)}", str(tr(text)))
-    return raised.splitlines()
+    text = str(tr(text))
+    if "$" in text:
+        text = _POWER.sub(lambda found: f"{found[1]}10{found[2].translate(RAISED)}", text)
+    return text.splitlines()
 
 
 def size_of(lines: Iterable[str], size: float, *, bold: bool = False, spacing: float = 1.2) -> tuple[float, float]:
@@ -130,16 +130,11 @@ def words(  # noqa: PLR0913 - each has a default, and is a property of its own
     step = spacing * size
     _, height = size_of(lines, size, spacing=spacing)
     above = {"baseline": -ABOVE * size, "top": 0.0, "center": -height / 2, "bottom": -height}[va] + ABOVE * size
-    look = style(
-        font=f"{'bold ' if bold else ''}{size:g}px {ON_PAGE}", text_anchor=ANCHORS[ha] if ha != "left" else None,
-        fill=hexadecimal(color),
-    )  # fmt: skip
+    look = style(font=f"{'bold ' if bold else ''}{size:g}px {ON_PAGE}",
+        text_anchor=ANCHORS[ha] if ha != "left" else None, fill=hexadecimal(color))  # fmt: skip
     x, y = at
     turn = f' transform="rotate(-90 {number(x)} {number(y)})"' if turned else ""
     # several blanks, of which browsers show one
     kept = (_BLANKS.sub(lambda blanks: "\N{NO-BREAK SPACE}" * len(blanks[0]), line) for line in lines)
-    return "".join(
-        f'<text x="{number(x)}" y="{number(y + above + i * step)}"{turn} {look}>{escape(line)}</text>'
-        for i, line in enumerate(kept)
-        if line.strip()
-    )
+    return "".join(f'<text x="{number(x)}" y="{number(y + above + i * step)}"{turn} {look}>{escape(line)}</text>'
+        for i, line in enumerate(kept) if line.strip())  # fmt: skip

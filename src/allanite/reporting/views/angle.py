@@ -32,10 +32,8 @@ ENCODER = {
 }  # fmt: skip
 """Parameters estimated together with the harmonics of an encoder."""
 
-OTHERS = (
-    Column(say("constant"), "symbol"), Column(say("value")), Column(say("error")), Column(say("unit"), "unit"),
-    Column(say("meaning"), "text", aside=True),
-)  # fmt: skip
+OTHERS = (Column(say("constant"), "symbol"), Column(say("value")), Column(say("error")), Column(say("unit"), "unit"),
+    Column(say("meaning"), "text", aside=True))  # fmt: skip
 """Columns of the constants that are no harmonics."""
 
 MARKS: dict[str, Mark] = {"identified": "", "weak": "weak", "absent": "quiet"}

@@ -67,10 +67,8 @@ def _table(batch: Batch, signal: Signal, level: float) -> Table:
     heads = [Column(say("file"), "name"), Column(say("channel"), "name")]
     heads += [Column(join(" ", (s, printed_unit(signal.sheet[power_of(s)])))) for s in symbols[:3]]
     heads += [Column(join(" ", (IN_RUN_SHORT, printed_unit(signal.sheet[0])))), Column(say("model"), "name")]
-    rows = [
-        [batch.label(unit), c.record.name, *_cells(c, symbols[:3], level), fit_words(c.noise, c.refusal)]
-        for unit, c in channels
-    ]
+    rows = [[batch.label(unit), c.record.name, *_cells(c, symbols[:3], level), fit_words(c.noise, c.refusal)]
+        for unit, c in channels]  # fmt: skip
     return Table(heads, rows)
 
 
@@ -160,14 +158,10 @@ def _judged(batch: Batch) -> Iterator[Part]:
     """What fails or is not decided by the limits, and the rule."""
     judged = [(unit, j) for unit in batch for j in unit.judgements if j.outcome in (FAIL, NOT_DECIDED)]
     judged.sort(key=lambda pair: OUTCOMES.index(pair[1].outcome))
-    heads = (
-        Column(say("file"), "name"), Column(say("channel"), "name"), Column(say("term"), "symbol"),
-        Column(say("found"), "name"), Column(say("limit"), "interval"), Column(say("result"), "name"),
-    )  # fmt: skip
-    rows = [
-        [batch.label(u), j.channel, symbol_of(j.limit.symbol), j.reason, j.limit.words(), OUTCOME_WORDS[j.outcome]]
-        for u, j in judged
-    ]
+    heads = (Column(say("file"), "name"), Column(say("channel"), "name"), Column(say("term"), "symbol"),
+        Column(say("found"), "name"), Column(say("limit"), "interval"), Column(say("result"), "name"))  # fmt: skip
+    rows = [[batch.label(u), j.channel, symbol_of(j.limit.symbol), j.reason, j.limit.words(), OUTCOME_WORDS[j.outcome]]
+        for u, j in judged]  # fmt: skip
     marks = [MARKS.get(j.outcome, "") for _, j in judged]
     if judged:
         yield Table(heads, rows, say("limits that are exceeded or not decided"), marks, most=ALL_ROWS)

@@ -39,10 +39,8 @@ COLUMNS = (
 )  # fmt: skip
 
 
-HEADINGS = (
-    "channel", "stage", "bits", "full_scale", "step", "unit", "makes", "coefficient", "measured", "coefficient_unit",
-    "share_percent", "bits_enough", "distinct_codes", "missing_codes", "clipped",
-)  # fmt: skip
+HEADINGS = ("channel", "stage", "bits", "full_scale", "step", "unit", "makes", "coefficient", "measured",
+    "coefficient_unit", "share_percent", "bits_enough", "distinct_codes", "missing_codes", "clipped")  # fmt: skip
 
 
 def sentence(s: StageNoise) -> str:

@@ -308,10 +308,8 @@ def _terms_table(channel: PooledChannel, level: float) -> Table:
 
 
 def _runs_table(channel: PooledChannel, whole: Pool, level: float) -> Table:
-    heads = (
-        Column(say("record"), "name"), *(Column(f"{term.symbol} [{term.sheet_unit}]") for term in channel.terms),
-        Column(say("apart, p"), form=lambda p: "" if p is None else words.probability(p)),
-    )  # fmt: skip
+    heads = (Column(say("record"), "name"), *(Column(f"{term.symbol} [{term.sheet_unit}]") for term in channel.terms),
+        Column(say("apart, p"), form=lambda p: "" if p is None else words.probability(p)))  # fmt: skip
     each = zip(whole.names, channel.fits, strict=True)
     rows = [[name, *(words.brief(fit[t.symbol], level) for t in channel.terms), channel.apart.get(name)]
             for name, fit in each]  # fmt: skip
@@ -330,10 +328,8 @@ def _curve_rows(channel: PooledChannel, curve: Curve, level: float) -> Iterator[
 
 def _curve_table(channel: PooledChannel, curve: Curve, level: float) -> Table:
     whole = join(" ", (say("all records"), f"[{readable_unit(curve.unit)}]"))
-    heads = (
-        Column("tau [s]", form=".6g"), Column(whole), Column(words.interval(level), "interval"),
-        Column(say("edf"), form=".4g"), Column(say("p of one variance"), form=words.probability),
-    )  # fmt: skip
+    heads = (Column("tau [s]", form=".6g"), Column(whole), Column(words.interval(level), "interval"),
+        Column(say("edf"), form=".4g"), Column(say("p of one variance"), form=words.probability))  # fmt: skip
     rows, marks = [], list[Mark]()
     for tau, value, low, high, edf, p, *_ in _curve_rows(channel, curve, level):
         rows.append([tau, *digits(value, low, high).plain(), edf, p])

@@ -105,10 +105,8 @@ HOW = (
         "deviations before and after come from the same samples: overlapping bands do not show that they agree."
     ),
 )
-HEADINGS = (
-    "channel", "of", "tau_s", "m", "before", "before_low", "before_high", "after", "after_low", "after_high", "unit",
-    "before_edf", "after_edf",
-)  # fmt: skip
+HEADINGS = ("channel", "of", "tau_s", "m", "before", "before_low", "before_high", "after", "after_low", "after_high",
+    "unit", "before_edf", "after_edf")  # fmt: skip
 
 
 def coefficients(regression: Regression, level: float) -> Table:
@@ -193,11 +191,8 @@ def first_of_study(study: CompensationStudy, level: float) -> First:
     if len(shown) < 2 or study.applied:
         return first
     sensors = dict.fromkeys(c.record.signal.name for c in shown)
-    told = [
-        c
-        for c in shown
-        if c.regression and (c.regression.ambiguous or (c.regression.significant and not c.regression.harmless))
-    ]
+    told = [c for c in shown if c.regression
+        and (c.regression.ambiguous or (c.regression.significant and not c.regression.harmless))]  # fmt: skip
     doubted = [Remark.of("", verdict(c), grave=True) for c in told]
     own = [(c.record.name, alert) for c in shown if c.regression for alert in (*c.regression.notes, *c.alerts)]
     about = merged(Remark.of(name, alert, grave=True) for name, alert in own)

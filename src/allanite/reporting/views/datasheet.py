@@ -82,10 +82,8 @@ def first_of_sheet(value: DataSheet, _: float) -> First:
     answer: list[str | Table] = list(_models(value))
     rows = [[c.printed, *_size(c), LIMITS[c.limit], c.place] for c in value.claims if c.limit != "maximum"]
     answer.append(Table([Column("", "name"), *[Column("", "text")] * 4], rows))
-    after = (
-        (f"allanite export --datasheet {value.name} --to kalibr", say("a file of a filter")),
-        (f"allanite compare FILE --datasheet {value.name}", say("what was measured beside it")), DETAILS,
-    )  # fmt: skip
+    after = ((f"allanite export --datasheet {value.name} --to kalibr", say("a file of a filter")),
+        (f"allanite compare FILE --datasheet {value.name}", say("what was measured beside it")), DETAILS)  # fmt: skip
     return First(join(" ", (value.maker, value.name)), value.document, answer, after=after)
 
 
@@ -97,16 +95,11 @@ def sheet_view(value: DataSheet, _: float) -> Face:
         Column(say("unit"), "unit"), Column("", "text"), Column(say("conditions"), "text"),
         Column(say("place"), "text"), Column(say("is"), "text"),
     )  # fmt: skip
-    rows = [
-        [signal_named(c.sensor).name, c.printed, *_size(c), LIMITS[c.limit], c.conditions, c.place,
-         printed_unit(str(c.term or ""))]
-        for c in value.claims
-    ]  # fmt: skip
+    rows = [[signal_named(c.sensor).name, c.printed, *_size(c), LIMITS[c.limit], c.conditions, c.place,
+        printed_unit(str(c.term or ""))] for c in value.claims]  # fmt: skip
     means = dict.fromkeys(QUANTITIES[claim.quantity].meaning for claim in value.claims)
-    parts: list[Part] = [
-        *(Note(text, "strong") for text in _models(value)),
-        Table(heads, rows, most=99), *(Note(text, "quiet") for text in means),
-    ]  # fmt: skip
+    parts: list[Part] = [*(Note(text, "strong") for text in _models(value)), Table(heads, rows, most=99),
+        *(Note(text, "quiet") for text in means)]  # fmt: skip
     title = join(" ", (value.maker, value.name))
     return one_sheet(title, BRAND, value.name, parts, about=(say("source: {source}", source=value.document),))
 
@@ -172,10 +165,8 @@ def comparison_view(value: SheetComparison, level: float) -> Face:
         Column(words.interval(level), "interval"), Column(say("unit"), "unit"), Column(say("ratio")),
         Column(words.interval(level), "interval"), Column(say("remark"), "text"),
     )  # fmt: skip
-    sheets = [
-        channel_sheet(channel, [Table(heads, list(_rows(value, channel, level)))] if not channel.refusal else ())
-        for channel in value
-    ]
+    sheets = [channel_sheet(channel, [Table(heads, list(_rows(value, channel, level)))] if not channel.refusal else ())
+        for channel in value]  # fmt: skip
     names = say("{file} beside the data sheet of the {sensor}", file=source_of(value), sensor=value.sheet.name), BRAND
     means = dict.fromkeys(QUANTITIES[claim.quantity].meaning for claim in value.sheet.claims)
     source = Note(say("source: {source}", source=join(" ", (value.sheet.maker, value.sheet.document))), "quiet")
@@ -189,7 +180,5 @@ def _rows(value: SheetComparison, channel: Channel, level: float) -> Iterator[li
             digits(*numbers).plain() for numbers in ((measured.value, measured.low, measured.high), measured.ratio)
         ]
         (size, limits), (ratio, around) = shown if rounded(measured.value) else [("", "")] * 2
-        yield [
-            claim.printed, LIMITS[claim.limit], f"{claim.value:g}", size, limits, claim.unit, ratio, around,
-            measured.remark,
-        ]  # fmt: skip
+        yield [claim.printed, LIMITS[claim.limit], f"{claim.value:g}", size, limits, claim.unit, ratio, around,
+            measured.remark]  # fmt: skip

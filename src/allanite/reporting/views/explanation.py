@@ -68,10 +68,8 @@ def explanation_view(value: Explanation, _: float) -> Face:
     fields = list[list[str]]()
     for section, own in groupby(row.fields, lambda f: f.section):
         fields += [[section, *[""] * 7]] if section else []
-        fields += [
-            ["  " * bool(section) + f.name, f.formula, *f.nature, f.unit, SENSORS[f.sensor],
-             title_of(f.term, signal_named(f.sensor)) if f.term else ""] for f in own
-        ]  # fmt: skip
+        fields += [["  " * bool(section) + f.name, f.formula, *f.nature, f.unit, SENSORS[f.sensor],
+            title_of(f.term, signal_named(f.sensor)) if f.term else ""] for f in own]  # fmt: skip
     columns = (Column(say("field"), "name"), Column(say("is"), "text"), Column(say("kind"), "text"),
                Column(say("often mistaken for"), "text"), Column(say("wrong by"), "text"), Column(say("unit"), "unit"),
                Column(say("sensor"), "text", aside=True), Column("", "text", aside=True))  # fmt: skip

@@ -39,10 +39,8 @@ def terms_table(fit: Fit, level: float) -> Table:
         Column(say("unit"), "unit"), Column(say("status"), "status"), Column(say("SI value"), aside=True),
         Column(interval, "interval", aside=True), Column(say("SI unit"), "unit", aside=True),
     )  # fmt: skip
-    rows = [
-        [words.symbol(e), words.named(e, level), *_cells(e, e.sheet_unit, level), e.row.name, *_cells(e, e.unit, level)]
-        for e in fit
-    ]
+    rows = [[words.symbol(e), words.named(e, level), *_cells(e, e.sheet_unit, level), e.row.name,
+        *_cells(e, e.unit, level)] for e in fit]  # fmt: skip
     return Table(heads, rows, marks=[e.row.mark for e in fit])
 
 
@@ -76,10 +74,8 @@ def goodness_parts(fit: Fit, residuals: Residuals | None) -> Iterator[Part]:
 
 
 def _checks(residuals: Residuals, where: Any = "") -> Table:
-    heads = (
-        Column(say("check"), "name"), Column(say("value"), form=".4g"), Column("p", "name", form=chance),
-        Column(say("meaning"), "text"),
-    )  # fmt: skip
+    heads = (Column(say("check"), "name"), Column(say("value"), form=".4g"), Column("p", "name", form=chance),
+        Column(say("meaning"), "text"))  # fmt: skip
     rows = [row[1:] for row in residuals.rows()[1]]
     return Table(heads, rows, marks=["quiet" if c.passed else "weak" for c in residuals.checks], where=where)
 
@@ -87,15 +83,10 @@ def _checks(residuals: Residuals, where: Any = "") -> Table:
 def definitions(fits: Iterable[Fit]) -> Table:
     """What each coefficient means, with its formula and source."""
     signals = {e.symbol: e.signal for fit in fits for e in fit}
-    heads = (
-        Column("", "symbol"), Column(say("term"), "name"), Column(say("Allan variance"), "formula"),
-        Column(say("meaning"), "text"), Column(say("source"), "text"),
-    )  # fmt: skip
-    rows = [
-        [s, words.title(s, signals[s]), row.formula, meaning_of(s, signals[s]), row.reference]
-        for s, row in TERMS.items()
-        if s in signals
-    ]
+    heads = (Column("", "symbol"), Column(say("term"), "name"), Column(say("Allan variance"), "formula"),
+        Column(say("meaning"), "text"), Column(say("source"), "text"))  # fmt: skip
+    rows = [[s, words.title(s, signals[s]), row.formula, meaning_of(s, signals[s]), row.reference]
+        for s, row in TERMS.items() if s in signals]  # fmt: skip
     return Table(heads, rows, say("definitions of the coefficients"), where="page")
 
 
@@ -116,10 +107,8 @@ def coefficients(fit: Fit, level: float) -> Iterator[Part]:
     for e in fit:
         if e.status == "not observable":
             unseen.setdefault(e.reason, []).append(e.symbol)
-    yield from (
-        Note(say("{symbols} not observable: {reason}", symbols=", ".join(symbols), reason=why), "quiet")
-        for why, symbols in unseen.items()
-    )
+    yield from (Note(say("{symbols} not observable: {reason}", symbols=", ".join(symbols), reason=why), "quiet")
+        for why, symbols in unseen.items())  # fmt: skip
 
 
 def model_table(model: Model) -> Table:
@@ -142,10 +131,9 @@ def _plot(fits: Sequence[Fit], fit: Fit | None, level: float) -> Plot:
 @view(_plot, lambda fit, level: fit.rows(level))
 def fit_view(fit: Fit, level: float) -> Face:
     """The coefficients, and how well they explain the record."""
-    return one_sheet(
-        fit.name or say("Noise"), say("noise coefficients"), fit.name or say("noise"), fit_parts(fit, level),
-        about=(say("method {method}", method=fit.method),), how=(definitions([fit]),),
-    )  # fmt: skip
+    return one_sheet(fit.name or say("Noise"), say("noise coefficients"), fit.name or say("noise"),
+        fit_parts(fit, level), about=(say("method {method}", method=fit.method),),
+        how=(definitions([fit]),))  # fmt: skip
 
 
 @view(lambda values, fit, level: figures.plot_residuals(values[0]))

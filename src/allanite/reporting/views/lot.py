@@ -49,20 +49,15 @@ def _parts(lot: Lot) -> Iterator[Part]:
     if lot.outlying:
         heads = (Column(say("file"), "name"), *TERM, Column(say("value"), form=rounded),
                  Column(say("median"), form=rounded), UNIT)  # fmt: skip
-        rows = [
-            [lot.batch.label(lot.batch[row.file]), row.channel, symbol_of(row.symbol), row.value / row.factor,
-             row.median / row.factor, row.sheet_unit]
-            for row in lot.outlying
-        ]  # fmt: skip
+        rows = [[lot.batch.label(lot.batch[row.file]), row.channel, symbol_of(row.symbol), row.value / row.factor,
+            row.median / row.factor, row.sheet_unit] for row in lot.outlying]  # fmt: skip
         yield Table(heads, rows, say("outlying units"), key=OUTLYING_KEY, most=ALL_ROWS)
     yield from _tested(lot)
 
 
 def _trends_table(lot: Lot) -> Table:
-    heads = (
-        *TERM, Column(say("against"), "name"), Column(say("units")), Column(say("slope"), form=rounded),
-        Column(say("interval"), "interval"), UNIT,
-    )  # fmt: skip
+    heads = (*TERM, Column(say("against"), "name"), Column(say("units")), Column(say("slope"), form=rounded),
+        Column(say("interval"), "interval"), UNIT)  # fmt: skip
     rows = []
     for course in lot.trends:
         slope, low, high = (value * course.step / course.factor for value in (course.slope, course.low, course.high))

@@ -121,10 +121,8 @@ def _plan_about(plan: RecordingPlan) -> str:
 def _plan_parts(plan: RecordingPlan, channel: Modelled | None) -> Iterator[Part]:
     """The accuracy of each coefficient by the length of the record."""
     wanted = say("for {accuracy}", accuracy=_percent(plan.accuracy))
-    heads = (
-        Column("", "symbol"), Column(say("expected")), Column(say("unit"), "unit"),
-        *(Column(words.duration(d)) for d in plan.durations), Column(wanted),
-    )  # fmt: skip
+    heads = (Column("", "symbol"), Column(say("expected")), Column(say("unit"), "unit"),
+        *(Column(words.duration(d)) for d in plan.durations), Column(wanted))  # fmt: skip
     values, signal = expected_values(plan.model, channel), plan.model.signal
     kinds = [(SEARCHED if plan.absent else "", plan.searched, plan.searched_needed)]
     kinds += [(KNOWN, plan.errors, plan.needed)] if plan.absent else []
@@ -168,16 +166,11 @@ def _check_about(check: SelfCheck) -> str:
 def _check_parts(check: SelfCheck, channel: Modelled | None) -> Iterator[Part]:
     """What the identification finds of known noise."""
     values = expected_values(check.model, channel)
-    rows = [
-        [c.symbol, *(values.get(c.symbol, ("", "")) if c.truth else (say("absent"), "")),
-         c.bound, c.bias, c.spread, c.coverage, c.found]
-        for c in check.terms
-    ]  # fmt: skip
+    rows = [[c.symbol, *(values.get(c.symbol, ("", "")) if c.truth else (say("absent"), "")), c.bound, c.bias, c.spread,
+        c.coverage, c.found] for c in check.terms]  # fmt: skip
     measured = (say("bias of the estimate"), say("spread"), say("coverage"), say("found"))
-    heads = (
-        Column("", "symbol"), Column(say("truth")), Column(say("unit"), "unit"), Column(say("bound"), form=_percent),
-        *(Column(heading, form=_with_error) for heading in measured),
-    )  # fmt: skip
+    heads = (Column("", "symbol"), Column(say("truth")), Column(say("unit"), "unit"),
+        Column(say("bound"), form=_percent), *(Column(heading, form=_with_error) for heading in measured))  # fmt: skip
     yield Table(heads, rows)
     share = _with_error(check.unexplained)
     yield Note(say("records whose model is reported not to explain them: {share}", share=share))
@@ -195,10 +188,8 @@ def _with_error(measured: tuple[float, float]) -> str:
     return f"{100 * value:.{places}f} +- {100 * error:.{places}f} %"
 
 
-PLAN, PLANS = ModelledForm(
-    name=say("plan"), title=say("Plan for"), brand=say("how long to record"), key=PLANNED, about=_plan_about,
-    parts=_plan_parts,
-).views(_plot_plans)  # fmt: skip
+PLAN, PLANS = ModelledForm(name=say("plan"), title=say("Plan for"), brand=say("how long to record"), key=PLANNED,
+    about=_plan_about, parts=_plan_parts).views(_plot_plans)  # fmt: skip
 CHECK, CHECKS = ModelledForm(
     name=say("check"), title=say("Check of the identification:"), brand=say("simulated records, identified"),
     key=CHECKED, about=_check_about, parts=_check_parts,

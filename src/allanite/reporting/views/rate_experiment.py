@@ -88,10 +88,8 @@ def table_of(found: Experiment, level: float) -> Table:
         (Column(say("worst"), aside=True, form=signed), [s.worst for s in errors]),
         (Column(say("neighbours"), aside=True, form=plain), [s.neighbours for s in scatters]),
     ]
-    shown = [
-        (column, cells) for column, cells in columns
-        if any(cell if isinstance(cell, str) else math.isfinite(cell) for cell in cells)
-    ]  # fmt: skip
+    shown = [(column, cells) for column, cells in columns
+        if any(cell if isinstance(cell, str) else math.isfinite(cell) for cell in cells)]  # fmt: skip
     heads = [column for column, _ in shown]
     heads[1] = replace(heads[1], heading=join(" ", (heads[1].heading, f"[{unit}]")))
     return Table(heads, list(zip(*(cells for _, cells in shown), strict=True)), key=KEY)

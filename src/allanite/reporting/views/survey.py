@@ -33,8 +33,6 @@ def survey_view(survey: Survey, level: float) -> Face:
     sheets = [channel_sheet(c, [numbers_table(value, level) for value in c.values]) for c in survey]
     names = ", ".join(dict.fromkeys(value.name for value in survey.values if value.name))
     titles = join("; ", dict.fromkeys(FORMS[type(value)].title(value) for value in survey.values))
-    drawing = Drawing(
-        lambda: _plot_survey([survey], None, level),
-        say("{titles}, of {channels}", titles=titles, channels=names) if names else titles,
-    )
+    drawing = Drawing(lambda: _plot_survey([survey], None, level),
+        say("{titles}, of {channels}", titles=titles, channels=names) if names else titles)  # fmt: skip
     return job_face(survey, (source_of(survey), BRAND), sheets, [drawing])

@@ -64,10 +64,8 @@ def _curve_table(curve: Curve, level: float) -> tuple[Sequence[Column], list[lis
     else:
         heads += [Column(words.interval(level), "interval"), Column("edf", form=".4g")]
         limits = zip(*(v.tolist() for v in (*curve.interval(level), curve.edf)), strict=True)
-        rows = [
-            [m, tau, *digits(value, low, high).plain(), edf]
-            for (m, tau, value), (low, high, edf) in zip(numbers, limits, strict=True)
-        ]
+        rows = [[m, tau, *digits(value, low, high).plain(), edf]
+            for (m, tau, value), (low, high, edf) in zip(numbers, limits, strict=True)]  # fmt: skip
     heads.append(Column(say("terms averaged")))
     rows = [[*row, count] for row, count in zip(rows, curve.count, strict=True)]
     if curve.alpha is not None:
@@ -164,10 +162,8 @@ READINGS_KEY = say(
 
 def readings_table(readings: Readings, level: float) -> Table:
     """Values read off a curve, in the units of data sheets."""
-    heads = (
-        Column(say("read off the curve"), "name"), Column(say("value")), Column(words.interval(level), "interval"),
-        Column(say("unit"), "unit"), Column("", "name"),
-    )  # fmt: skip
+    heads = (Column(say("read off the curve"), "name"), Column(say("value")), Column(words.interval(level), "interval"),
+        Column(say("unit"), "unit"), Column("", "name"))  # fmt: skip
     rows = []
     for title, _, value, low, high, unit, *_, remark in readings.rows(level)[1]:
         slope = (f"{value:.3f}", f"{low:.3f} .. {high:.3f}")  # which has no unit
@@ -178,10 +174,8 @@ def readings_table(readings: Readings, level: float) -> Table:
 @view(rows=lambda readings, level: readings.rows(level))
 def readings_view(readings: Readings, level: float) -> Face:
     """Values read off a curve."""
-    return Face(
-        say("Readings"), say("read off the Allan deviation"),
-        (Sheet(say("readings"), parts=(readings_table(readings, level),)),),
-    )  # fmt: skip
+    return Face(say("Readings"), say("read off the Allan deviation"),
+        (Sheet(say("readings"), parts=(readings_table(readings, level),)),))  # fmt: skip
 
 
 MAX_ROWS = 12  # rows of all tables together

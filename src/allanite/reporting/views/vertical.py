@@ -123,10 +123,8 @@ def _scenario_parts(found: ScenarioErrors) -> Iterator[Part]:
                        "acceleration tilts the accelerometers by 1.6 deg; with a gate of 2 deg it is {wide[1]:.2g} and "
                        "{wide[2]:.2g} deg", free=free, narrow=narrow, wide=wide))  # fmt: skip
     heads = [Column(say("filter"), "name"), *(Column(join(" ", (s, "[deg]"))) for s in found.scenarios)]
-    cells = [
-        [name, *(f"{r:.3g} ({w:.2g})" for r, w in zip(np.degrees(rms), np.degrees(worst), strict=True))]
-        for name, rms, worst in zip(found.filters, found.rms, found.worst, strict=True)
-    ]
+    cells = [[name, *(f"{r:.3g} ({w:.2g})" for r, w in zip(np.degrees(rms), np.degrees(worst), strict=True))]
+        for name, rms, worst in zip(found.filters, found.rms, found.worst, strict=True)]  # fmt: skip
     yield Table(heads, cells, say("filters in the scenarios"), key=SCENARIOS_KEY)
     yield Drawing(lambda: figures.plot_scenarios(found), say("filters in the scenarios"), SCENARIOS_KEY)
 

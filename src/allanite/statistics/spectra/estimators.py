@@ -62,7 +62,7 @@ Those of scipy.signal, which takes a second to import; the number of cosines say
 """
 
 MAX_SEGMENT = 2**22  # samples of a segment of a record that is read in parts, at most
-BATCH_SAMPLES = 2**22  # samples that are transformed at once: what bounds the memory
+BATCH_SAMPLES = 2**19  # samples that are transformed at once: 4 MB, which stay in the cache of a processor
 
 
 @dataclass(frozen=True)
