@@ -188,7 +188,9 @@ class Stamps:
     @cached_property
     def departure(self) -> FloatArray:
         """Deviation from an even grid without gaps, in intervals, shape (n,)."""
-        return np.asarray(self.elapsed / self.mean - np.arange(self.elapsed.size))
+        even = self.elapsed / self.mean
+        even -= np.arange(even.size)
+        return even
 
     @cached_property
     def resolution(self) -> float:

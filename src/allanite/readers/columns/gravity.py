@@ -215,7 +215,8 @@ def _noise_of(signal: SignalColumn, rate: float) -> tuple[float, float]:
     levels = list[float]()
     for block in BLOCKS:
         with np.errstate(all="ignore"):  # of numbers that are no samples
-            steps = np.diff(values[: values.size // block * block].reshape(-1, block).mean(axis=1))
+            means = values[: values.size // block * block].reshape(-1, block).mean(axis=1) if block > 1 else values
+            steps = np.diff(means)
             steps = steps[np.isfinite(steps)]
             if steps.size > FEWEST // BLOCKS[-1]:
                 levels.append(float(np.std(steps)) * math.sqrt(block / rate / 2) * size)
