@@ -180,6 +180,16 @@ class Stamps:
         """Differences of successive time stamps, shape (n - 1,)."""
         return np.diff(self.elapsed)
 
+    @cached_property
+    def equal(self) -> NDArray[np.bool_]:
+        """Which time stamps are equal to the previous one, shape (n - 1,)."""
+        return np.asarray(self.steps == 0)
+
+    @cached_property
+    def equals(self) -> int:
+        """The number of these."""
+        return int(np.count_nonzero(self.equal))
+
     @property
     def mean(self) -> float:
         """The mean step."""
@@ -257,15 +267,14 @@ class Holes:
 
 def duplicates(stamps: Stamps) -> tuple[Finding, ...]:
     """Time stamps that repeat while the samples do not."""
-    equal = stamps.steps == 0
-    if not equal.any():
+    if not stamps.equals:
         return ()
-    what = say_count(int(equal.sum()),
+    what = say_count(stamps.equals,
                      "{count} stamp of {column} is equal to the previous one, although the samples differ; the first "
                      "is in row {row} of the data",
                      "{count} stamps of {column} are equal to the previous one, although the samples differ; the "
                      "first is in row {row} of the data",
-                     column=stamps.label, row=int(np.argmax(equal)) + 2)  # fmt: skip
+                     column=stamps.label, row=int(np.argmax(stamps.equal)) + 2)  # fmt: skip
     return (finding("duplicate time stamps", what),)
 
 
