@@ -185,11 +185,6 @@ class Stamps:
         """Which time stamps are equal to the previous one, shape (n - 1,)."""
         return np.asarray(self.steps == 0)
 
-    @cached_property
-    def equals(self) -> int:
-        """The number of these."""
-        return int(np.count_nonzero(self.equal))
-
     @property
     def mean(self) -> float:
         """The mean step."""
@@ -267,9 +262,9 @@ class Holes:
 
 def duplicates(stamps: Stamps) -> tuple[Finding, ...]:
     """Time stamps that repeat while the samples do not."""
-    if not stamps.equals:
+    if not stamps.equal.any():
         return ()
-    what = say_count(stamps.equals,
+    what = say_count(int(stamps.equal.sum()),
                      "{count} stamp of {column} is equal to the previous one, although the samples differ; the first "
                      "is in row {row} of the data",
                      "{count} stamps of {column} are equal to the previous one, although the samples differ; the "

@@ -94,7 +94,7 @@ LONGEST_TIME = 1e15
 def seconds_since(stamps: NDArray[Any], unit: str) -> FloatArray:
     """Seconds since the first time stamp; integers are subtracted as such, since epoch nanoseconds exceed float64."""
     with np.errstate(all="ignore"):  # values that are not finite are refused by `fit`
-        elapsed = (stamps - stamps[0]).astype(np.float64, copy=False)
+        elapsed: FloatArray = (stamps - stamps[0]).astype(np.float64, copy=False)
         elapsed *= unit_of(unit).factor
         return elapsed
 
@@ -117,7 +117,7 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
         what = say("all time stamps of {column} are equal", column=label)
         return SampleGrid(findings=(finding("constant time stamps", what),), trouble=what)
     equal = stamps.equal
-    if stamps.equals and bool(np.broadcast_to(repeated(), equal.shape)[equal].all()):
+    if equal.any() and bool(np.broadcast_to(repeated(), equal.shape)[equal].all()):
         # some rows are written twice
         rows = np.flatnonzero(np.concatenate(([True], ~equal)))
         grid = fit(elapsed[rows], label, lambda: np.zeros(1, dtype=bool))
@@ -166,7 +166,7 @@ def _reversed(stamps: Stamps) -> SampleGrid:
 
 def _forward(stamps: Stamps) -> SampleGrid:
     """The grid of time stamps that never decrease."""
-    if stamps.equals >= TICKS * stamps.steps.size:
+    if stamps.equal.sum() >= TICKS * stamps.steps.size:
         return _in_ticks(stamps)
     again, mean = duplicates(stamps), stamps.mean
     even = SampleGrid(mean, findings=(*again, *unsteady(stamps, stamps.departure, mean)))

@@ -1,7 +1,7 @@
 """Parses the rows of numbers of a text file to columns with pyarrow; locates what is not a number."""
 
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, NoReturn
 
@@ -163,7 +163,8 @@ def clean_rows(
     body: bytes | memoryview = memoryview(data)[layout.offset :]
     comments, marks = 0, [mark for mark in marks_of(layout.delimiter) if held.issuperset(mark)]
     if marks:
-        body, comments = _comment_of(marks).subn(b"", bytes(body))
+        pattern = rb"(?m)^[ \t]*(?:" + b"|".join(re.escape(mark.encode()) for mark in marks) + rb")[^\r\n]*"
+        body, comments = re.subn(pattern, b"", bytes(body))
     if layout.delimiter == " ":
         text = bytes(body).translate(bytes.maketrans(b"\t\v\f", b"   ")).replace(b"\r\n", b"\n")
         while b"  " in text:  # halves the runs each time
@@ -184,10 +185,6 @@ def clean_rows(
     note = say("the last line ({text!r}) has {count} of {width} columns and was left out",
                text=end[:40], count=count, width=layout.width)  # fmt: skip
     return body[: len(body) - min(len(body), 65536) + start], comments, (note,)
-
-
-def _comment_of(marks: Iterable[str]) -> re.Pattern[bytes]:
-    return re.compile(rb"(?m)^[ \t]*(?:" + b"|".join(re.escape(mark.encode()) for mark in marks) + rb")[^\r\n]*")
 
 
 def commented(count: int) -> tuple[str, ...]:
