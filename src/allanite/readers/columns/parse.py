@@ -21,8 +21,6 @@ _NULLS = [*MISSING, "NaN", "NAN", "NULL", "None", "NA", "N/A", "#N/A", "-NaN", "
 FEW_WORDS = 16  # maximum number of different words in a column that may distinguish rows
 JUDGED_BYTES = 1 << 20  # bytes of the rows that show whether it has more
 
-_BLOCK = 1 << 22  # bytes that pyarrow parses at a time, of which a quarter costs a tenth more
-
 Values = NDArray[Any]
 
 
@@ -209,8 +207,7 @@ def _table(body: bytes | memoryview, layout: Layout, forms: Forms | None, withou
     import pyarrow as pa
     from pyarrow import csv
 
-    names = [str(i) for i in range(layout.width)]
-    read = csv.ReadOptions(use_threads=spare(), block_size=_BLOCK, column_names=names)
+    read = csv.ReadOptions(use_threads=spare(), column_names=[str(i) for i in range(layout.width)])
     parse = csv.ParseOptions(delimiter=layout.delimiter)
     types = {str(place): kind for place, kind in forms.types.items()} if forms else {}
     convert = csv.ConvertOptions(null_values=_NULLS, decimal_point=layout.decimal, column_types=types)
