@@ -284,7 +284,7 @@ def bursty(stamps: Stamps, mean: float) -> Finding:
 
 def unsteady(stamps: Stamps, departure: FloatArray, interval: float) -> tuple[Finding, ...]:
     """Jitter and drift, from the deviation of time stamps in intervals."""
-    if largest(departure) < UNSTEADY / 2:  # of which neither second differences nor means are as large as is told
+    if largest(departure) < UNSTEADY / 2:  # of which neither second differences nor means are so large
         return ()
     return (*jitter(stamps, departure, interval), *drift(stamps, departure))
 
