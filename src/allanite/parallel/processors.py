@@ -139,6 +139,12 @@ def imported(tell: Callable[[str, float], None] | None = None) -> None:
     future.result()
 
 
+def spare() -> bool:
+    """Whether threads that compute have more than one processor: of two, one is taken while modules are imported."""
+    future = _use.get().importing
+    return processors() > 2 or future is None or future.done()
+
+
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 

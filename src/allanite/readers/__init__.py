@@ -101,7 +101,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     >>> folder.cleanup()
     """
     from allanite.parallel.processes import later
-    from allanite.readers.formats.registry import read_frame, readable, reader_for, reader_of_type
+    from allanite.readers.formats.registry import readable, reader_for, reader_of_type
     from allanite.readers.sandbox.packing import unpacked
     from allanite.readers.sandbox.source import digest_of, head_of, landed
 
@@ -113,7 +113,9 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
         columns=columns, offset=offset, sincos=channel_names(sincos), otherwise=tuple(otherwise), progress=progress,
     )  # fmt: skip
     if not isinstance(path, (str, os.PathLike)) and hasattr(path, "columns"):
-        return read_frame(path, options)
+        from .formats import frame
+
+        return frame.read(path, options)
     with landed(path) as (file, member, name):
         try:
             digest = later(lambda: digest_of(file))

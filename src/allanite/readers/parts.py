@@ -16,7 +16,8 @@ from allanite.core.validity import Finding
 from allanite.phrases.phrase import Phrase, say, spelled
 
 from .clock.clocks import counting
-from .clock.parts import Clock, Piece, clock_of
+from .clock.parts import Clock, Piece
+from .clock.sampling_rate import stamped
 from .columns import gravity, sensors
 from .columns.column import column
 from .columns.lines import Parts, chunks_of
@@ -211,13 +212,14 @@ def whole_findings(reader: PartsReader) -> tuple[Finding, ...]:
 
 def opened(path: Any, memory: str | None, choices: Mapping[str, Any], limit: int | None = None) -> PartsReader | None:
     """The reader in parts of a file of which no single channel fits into memory; None for anything else."""
+    from .sandbox.process import RATIO
     from .sandbox.source import STDIN, checked, size_of
 
     if not isinstance(path, (str, os.PathLike)) or path == STDIN:
         return None
     file, member = checked(path)
     limit = allowed(memory) if limit is None else limit
-    if needed(_most(size_of(file))) <= limit:
+    if needed(size_of(file) * RATIO // 8) <= limit:  # with as many samples as it may hold
         return None
     reader, need = _found(path, file, member, (_options(choices), limit))
     if reader is None and need > limit:
@@ -267,13 +269,6 @@ def _refused(name: str, need: int, limit: int, what: str) -> str:
                "write the file as one of these, or allow more with {option}",
                file=name, need=size_in_words(need), limit=size_in_words(limit), what=what,
                option=spelled(f"--memory {more}", f"memory={more!r}"))  # fmt: skip
-
-
-def _most(size: int) -> int:
-    """Samples that a file of this size may hold, at most."""
-    from .sandbox.process import RATIO
-
-    return size * RATIO // 8
 
 
 def _options(choices: Mapping[str, Any]) -> Options:
@@ -347,4 +342,4 @@ def _reader(name: str, file: str, parts: Parts, limit: int) -> PartsReader:
     sense = parts.head.sense(options)
     rows, columns = parts.rows, len(parts.head.columns)
     need = max(needed(rows * len(sense.signals), rows), needed_to_read(size_of(file), rows, columns))
-    return PartsReader(name, file, parts, sense, clock_of(sense, options.rate), heads, need, limit)
+    return PartsReader(name, file, parts, sense, Clock(stamped(sense.sources, options.rate)), heads, need, limit)

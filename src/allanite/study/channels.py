@@ -206,18 +206,8 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
         named = [name for name, result in zip(recording.channels, results, strict=True) if not result.refusal]
         return kind(results, recipe, (*findings, *drift_findings(recording, recipe, named)), *rest)
 
-    return run_together(
-        made,
-        (recording,),
-        recipe,
-        work,
-        refused,
-        begin=begin,
-        doing=doing,
-        demand=demand,
-        limit=limit,
-        progress=progress,
-    )
+    return run_together(made, (recording,), recipe, work, refused,
+                        begin=begin, doing=doing, demand=demand, limit=limit, progress=progress)  # fmt: skip
 
 
 def run_together(  # noqa: PLR0913 - each has a default but those that make the job

@@ -26,6 +26,20 @@ def test_what_is_imported_is_there_afterwards_and_the_inner_waits_for_the_outer(
         assert order == [("first", False), ("second", False), ("third", False)]
 
 
+def test_of_two_processors_one_is_not_spare_while_modules_are_imported(monkeypatch):
+    ended = threading.Event()
+    monkeypatch.setattr(processors, "import_module", lambda _: ended.wait(60))
+    for count, spare in ((1, False), (2, False), (3, True)):
+        monkeypatch.setattr(processors, "processors", lambda count=count: count)
+        ended.clear()
+        with importing(["slow"]):
+            assert processors.spare() == spare
+            ended.set()
+            imported()
+            assert processors.spare()
+        assert processors.spare()
+
+
 def test_an_error_is_told():
     with pytest.raises(ModuleNotFoundError, match="no_such_module"), importing(["no_such_module"]):
         pass

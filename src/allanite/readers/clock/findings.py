@@ -180,6 +180,11 @@ class Stamps:
         """Differences of successive time stamps, shape (n - 1,)."""
         return np.diff(self.elapsed)
 
+    @cached_property
+    def equal(self) -> NDArray[np.bool_]:
+        """Which time stamps are equal to the previous one, shape (n - 1,)."""
+        return np.asarray(self.steps == 0)
+
     @property
     def mean(self) -> float:
         """The mean step."""
@@ -188,7 +193,9 @@ class Stamps:
     @cached_property
     def departure(self) -> FloatArray:
         """Deviation from an even grid without gaps, in intervals, shape (n,)."""
-        return np.asarray(self.elapsed / self.mean - np.arange(self.elapsed.size))
+        even = self.elapsed / self.mean
+        even -= np.arange(even.size)
+        return even
 
     @cached_property
     def resolution(self) -> float:
@@ -255,15 +262,14 @@ class Holes:
 
 def duplicates(stamps: Stamps) -> tuple[Finding, ...]:
     """Time stamps that repeat while the samples do not."""
-    equal = stamps.steps == 0
-    if not equal.any():
+    if not stamps.equal.any():
         return ()
-    what = say_count(int(equal.sum()),
+    what = say_count(int(stamps.equal.sum()),
                      "{count} stamp of {column} is equal to the previous one, although the samples differ; the first "
                      "is in row {row} of the data",
                      "{count} stamps of {column} are equal to the previous one, although the samples differ; the "
                      "first is in row {row} of the data",
-                     column=stamps.label, row=int(np.argmax(equal)) + 2)  # fmt: skip
+                     column=stamps.label, row=int(np.argmax(stamps.equal)) + 2)  # fmt: skip
     return (finding("duplicate time stamps", what),)
 
 
@@ -278,7 +284,7 @@ def bursty(stamps: Stamps, mean: float) -> Finding:
 
 def unsteady(stamps: Stamps, departure: FloatArray, interval: float) -> tuple[Finding, ...]:
     """Jitter and drift, from the deviation of time stamps in intervals."""
-    if largest(departure) < UNSTEADY / 2:  # of which neither second differences nor means are as large as is told
+    if largest(departure) < UNSTEADY / 2:  # of which neither second differences nor means are so large
         return ()
     return (*jitter(stamps, departure, interval), *drift(stamps, departure))
 

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import say
-from allanite.readers.columns.table import Sense, repeated
+from allanite.readers.columns.table import repeated
 
 from .clocks import unwrapped
 from .findings import DRIFT, PARTS, Holes, Places, SampleGrid, drifting
-from .sampling_rate import Beat, Stamped, settled, stamped
+from .sampling_rate import Beat, Stamped, settled
 from .stamps import Damage, fit, mended, seconds_since
 
 LEAST_ROWS = 1024  # rows of a part whose interval is found anew; in fewer rows, that of the head is used
@@ -180,8 +180,3 @@ def _put(values: NDArray[Any], where: Places) -> NDArray[Any]:
     whole = np.full(int(where[-1]) + 1, np.nan)
     whole[where] = values
     return whole
-
-
-def clock_of(sense: Sense, rate: float | None) -> Clock:
-    """The clock of columns whose first rows have this sense."""
-    return Clock(stamped(sense.sources, rate))

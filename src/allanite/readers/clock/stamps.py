@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.arrays import FloatArray
+from allanite.core.arrays import FloatArray, complete
 from allanite.core.units import unit_of
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import say, say_count
@@ -33,7 +33,7 @@ def mended(stamps: NDArray[Any], known: int = 0) -> tuple[NDArray[Any], Places]:
     size, none = len(stamps), np.zeros(0, dtype=np.int64)
     if size < FEWEST_STAMPS:
         return stamps, none
-    t = stamps.astype(np.float64)
+    t = stamps.astype(np.float64, copy=False)
     steps = np.diff(t)
     back = np.flatnonzero(steps < 0)
     # the first step and the last may be gaps, unless they are longer than the rest
@@ -94,19 +94,20 @@ LONGEST_TIME = 1e15
 def seconds_since(stamps: NDArray[Any], unit: str) -> FloatArray:
     """Seconds since the first time stamp; integers are subtracted as such, since epoch nanoseconds exceed float64."""
     with np.errstate(all="ignore"):  # values that are not finite are refused by `fit`
-        return np.asarray((stamps - stamps[0]) * unit_of(unit).factor, dtype=np.float64)
+        elapsed: FloatArray = (stamps - stamps[0]).astype(np.float64, copy=False)
+        elapsed *= unit_of(unit).factor
+        return elapsed
 
 
 def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_]]) -> SampleGrid:
     """The grid of time stamps in seconds since the first, shape (n,); `label` is their column in messages."""
     # `repeated` marks rows with the same samples as the row before, shape (n - 1,) or (1,); called only if time stamps
     # repeat.
-    bad = ~np.isfinite(elapsed)
-    if bad.any():
+    if not complete(elapsed) and (bad := ~np.isfinite(elapsed)).any():
         where = say("the first in row {row} of the data", row=int(np.argmax(bad)) + 1)
         return SampleGrid(trouble=say("{column} has no time stamp in {count} of {size} rows, {where}", column=label,
                                       count=int(bad.sum()), size=bad.size, where=where))  # fmt: skip
-    if np.abs(elapsed).max() > LONGEST_TIME:
+    if largest(elapsed) > LONGEST_TIME:
         row = int(np.argmax(np.abs(elapsed[1:] / 2 - elapsed[:-1] / 2)))  # halves, whose difference is finite
         step = 2 * (elapsed[row + 1] / 2 - elapsed[row] / 2)
         return SampleGrid(trouble=say("the time stamps of {column} jump by {step:.3g} s before row {row} of the data",
@@ -115,7 +116,7 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
     if not stamps.steps.any():
         what = say("all time stamps of {column} are equal", column=label)
         return SampleGrid(findings=(finding("constant time stamps", what),), trouble=what)
-    equal = stamps.steps == 0
+    equal = stamps.equal
     if equal.any() and bool(np.broadcast_to(repeated(), equal.shape)[equal].all()):
         # some rows are written twice
         rows = np.flatnonzero(np.concatenate(([True], ~equal)))
@@ -165,7 +166,7 @@ def _reversed(stamps: Stamps) -> SampleGrid:
 
 def _forward(stamps: Stamps) -> SampleGrid:
     """The grid of time stamps that never decrease."""
-    if float((stamps.steps == 0).mean()) >= TICKS:
+    if stamps.equal.sum() >= TICKS * stamps.steps.size:
         return _in_ticks(stamps)
     again, mean = duplicates(stamps), stamps.mean
     even = SampleGrid(mean, findings=(*again, *unsteady(stamps, stamps.departure, mean)))

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.arrays import complete
 from allanite.core.errors import UNIT
 from allanite.core.units import unit_of
 from allanite.core.validity import Finding
@@ -215,8 +216,9 @@ def _noise_of(signal: SignalColumn, rate: float) -> tuple[float, float]:
     levels = list[float]()
     for block in BLOCKS:
         with np.errstate(all="ignore"):  # of numbers that are no samples
-            steps = np.diff(values[: values.size // block * block].reshape(-1, block).mean(axis=1))
-            steps = steps[np.isfinite(steps)]
+            means = values[: values.size // block * block].reshape(-1, block).mean(axis=1) if block > 1 else values
+            steps = np.diff(means)
+            steps = steps if complete(steps) else steps[np.isfinite(steps)]
             if steps.size > FEWEST // BLOCKS[-1]:
                 levels.append(float(np.std(steps)) * math.sqrt(block / rate / 2) * size)
     judged = len(signal.column.values) >= FEWEST and bool(levels) and math.isfinite(sum(levels))

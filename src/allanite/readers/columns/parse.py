@@ -1,7 +1,7 @@
 """Parses the rows of numbers of a text file to columns with pyarrow; locates what is not a number."""
 
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, NoReturn
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
+from allanite.parallel.processors import spare
 from allanite.phrases.phrase import say, say_count
 
 from . import dates
@@ -160,7 +161,8 @@ def clean_rows(
     body: bytes | memoryview = memoryview(data)[layout.offset :]
     comments, marks = 0, [mark for mark in marks_of(layout.delimiter) if held.issuperset(mark)]
     if marks:
-        body, comments = _comment_of(marks).subn(b"", bytes(body))
+        pattern = rb"(?m)^[ \t]*(?:" + b"|".join(re.escape(mark.encode()) for mark in marks) + rb")[^\r\n]*"
+        body, comments = re.subn(pattern, b"", bytes(body))
     if layout.delimiter == " ":
         text = bytes(body).translate(bytes.maketrans(b"\t\v\f", b"   ")).replace(b"\r\n", b"\n")
         while b"  " in text:  # halves the runs each time
@@ -181,10 +183,6 @@ def clean_rows(
     note = say("the last line ({text!r}) has {count} of {width} columns and was left out",
                text=end[:40], count=count, width=layout.width)  # fmt: skip
     return body[: len(body) - min(len(body), 65536) + start], comments, (note,)
-
-
-def _comment_of(marks: Iterable[str]) -> re.Pattern[bytes]:
-    return re.compile(rb"(?m)^[ \t]*(?:" + b"|".join(re.escape(mark.encode()) for mark in marks) + rb")[^\r\n]*")
 
 
 def commented(count: int) -> tuple[str, ...]:
@@ -209,7 +207,7 @@ def _table(body: bytes | memoryview, layout: Layout, forms: Forms | None, withou
     import pyarrow as pa
     from pyarrow import csv
 
-    read = csv.ReadOptions(column_names=[str(i) for i in range(layout.width)])
+    read = csv.ReadOptions(use_threads=spare(), column_names=[str(i) for i in range(layout.width)])
     parse = csv.ParseOptions(delimiter=layout.delimiter)
     types = {str(place): kind for place, kind in forms.types.items()} if forms else {}
     convert = csv.ConvertOptions(null_values=_NULLS, decimal_point=layout.decimal, column_types=types)
@@ -224,7 +222,6 @@ def _table(body: bytes | memoryview, layout: Layout, forms: Forms | None, withou
 def _values(column: Any, layout: Layout, place: int, forms: Forms | None) -> Any:
     """One column as numbers or as its first word; NotImplemented if words occur among its numbers."""
     import pyarrow as pa
-    import pyarrow.compute as pc
 
     kind = column.type
     if pa.types.is_null(kind):
@@ -238,6 +235,8 @@ def _values(column: Any, layout: Layout, place: int, forms: Forms | None) -> Any
             pass  # a year outside the range of 64-bit nanoseconds: words
     if place in layout.text:
         return _words(column, layout, place, forms)
+    import pyarrow.compute as pc  # which takes as long as the rest of pyarrow
+
     # numbers that pyarrow does not accept as they are: with a plus sign, or blanks for an empty cell
     try:
         text = pc.utf8_trim_whitespace(column.cast(pa.string()))

@@ -13,7 +13,7 @@ from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.plugins import broken, leave_out, plugins
-from allanite.readers.options import FrameLike, Options
+from allanite.readers.options import Options
 from allanite.readers.sandbox.process import demand_start
 
 if TYPE_CHECKING:
@@ -168,12 +168,6 @@ def reader_named(name: str) -> FormatReader:
 def reader_of_type(dtype: str) -> FormatReader:
     """The reader of raw binary of a type: that of the format of this name, otherwise of rows of numbers."""
     return reader_named(dtype if dtype in TYPES else "raw")
-
-
-def read_frame(frame: FrameLike, options: Options) -> Recording:
-    """The channels of a table in memory."""
-    recording: Recording = _module("frame").read(frame, options)
-    return recording
 
 
 def _module(name: str) -> Any:
