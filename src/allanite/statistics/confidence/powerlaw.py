@@ -2,7 +2,7 @@
 
 import math
 from bisect import bisect_right
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -146,9 +146,10 @@ def _flat(pieces: tuple[Piece, ...]) -> Flat:
 def _lag1(flat: Flat, m: int, sizes: Mapping[int, int], most: int) -> int:
     """Alpha from the lag-1 autocorrelation of the angle, differenced at most `most` times (2 or 3)."""
     # the mean of a short piece takes its correlation away; rates, which share one mean, are begun with then
-    for d in range(0 if sum(sizes.values()) >= MIN_PIECE * len(sizes) else 1, most + 1):
-        r1 = _autocorrelation(flat, m, sizes, d)
-        delta = r1 / (1 + r1)
+    first = 0 if sum(sizes.values()) >= MIN_PIECE * len(sizes) else 1
+    d = first - 1
+    for r1 in _autocorrelations(flat, m, sizes, first, most):
+        d, delta = d + 1, r1 / (1 + r1)
         if delta < 0.25:
             break
     if d in EDGES:
@@ -156,27 +157,28 @@ def _lag1(flat: Flat, m: int, sizes: Mapping[int, int], most: int) -> int:
     return min(2, 2 - round(2 * delta) - 2 * d)
 
 
-def _autocorrelation(flat: Flat, m: int, sizes: Mapping[int, int], d: int) -> float:
-    """``sum_i z_i z_{i+1} / sum_i z_i^2`` of the d-th differences of the pieces; 0 if all is constant."""
-    # of the angle less the mean of each piece, of its differences less one mean
-    sums = np.zeros((len(sizes), 5))
-    for i, (which, size) in enumerate(sizes.items()):
-        for a in range(0, size - d, BLOCK):
-            z = flat(which, m, a, min(a + BLOCK + 1, size - d) + d)
-            for _ in range(d):
-                z = z[1:] - z[:-1]
-            here = z[:BLOCK]
-            first = 0.0 if a else z[0]
-            sums[i] += np.array((here.size, np.add.reduce(here), here @ here, z[:-1] @ z[1:], first))
-        sums[i, 4] += z[-1]
-    count, total, squares, products, ends = sums.T
-    mean = total.sum() / count.sum() if d else total / count
-    power, pairs = float((squares - mean * total).sum()), float((count - 1).sum())
-    if not power > 0:
-        return 0.0
-    # the two sums have other numbers of terms in many short pieces: their ratio may then pass -1, a correlation not
-    shared = float((products - mean * (2 * total - ends) + (count - 1) * mean**2).sum())
-    return max(-0.95, shared / power * (float(count.sum()) - 1) / pairs)
+def _autocorrelations(flat: Flat, m: int, sizes: Mapping[int, int], first: int, most: int) -> Iterator[float]:
+    """``sum_i z_i z_{i+1} / sum_i z_i^2`` of the first and further differences of the pieces; 0 if all is constant."""
+    # of the angle less the mean of each piece, of its differences less one mean; two of them for each pass
+    for order in range(first, most + 1, 2):
+        sums = np.zeros((min(2, most + 1 - order), 5, len(sizes)))
+        for i, (which, size) in enumerate(sizes.items()):
+            for a in range(0, size - order, BLOCK):
+                z = flat(which, m, a, min(a + BLOCK + order + 2, size))
+                for d in range(order + len(sums)):
+                    z = z[1:] - z[:-1] if d else z
+                    if d >= order:
+                        here, after = z[:BLOCK], z[1 : BLOCK + 1]
+                        before, add = z[: after.size], np.add.reduce
+                        own = (here.size, add(here), here @ here, before @ after, add(before) + add(after))
+                        sums[d - order, :, i] += own  # type: ignore[arg-type]  # all are numbers
+        for d, (count, total, squares, products, pairs) in enumerate(sums, order):
+            mean = total.sum() / count.sum() if d else total / count
+            power = float((squares - mean * total).sum())
+            shared = float((products - mean * pairs + (count - 1) * mean**2).sum())
+            # in many short pieces the sums differ in their numbers of terms, and their ratio may pass -1
+            share = (float(count.sum()) - 1) / float((count - 1).sum())
+            yield max(-0.95, shared / power * share) if power > 0 else 0.0
 
 
 def _by_ratio(angle: AngleRecord, m: int, order: int) -> int:
