@@ -115,7 +115,7 @@ Flat = Callable[..., FloatArray]
 
 
 def _flat(pieces: tuple[Piece, ...]) -> Flat:
-    """Of a piece by its place, every m-th point from a first to a last, less one parabola with the piece's constant."""
+    """Every m-th point of one of the pieces, less one parabola whose constant is each piece's own."""
     from allanite.kernels.theo import parabola_sums
 
     step = 2 / max(pieces[-1].start + pieces[-1].x.size - 1, 1)
