@@ -213,15 +213,14 @@ def readings(record: Record, curve: Curve | None = None) -> Readings:
 
 
 def _begun(record: Record) -> AngleRecord:
-    """The angle, of which the overlapping Allan variances are taken that an analysis asks for one after another."""
-    octaves, grid = (factors_of(name, OADEV, record.size, record.rate) for name in ("octave", "log"))
-    usual = max(round(USUAL_TIME * record.rate), 1)
+    """The angle, of which the deviations are taken that an analysis asks for one after another."""
+    grids = [factors_of(name, OADEV, record.size, record.rate) for name in ("octave", "log")]
     tens = 10.0 ** np.arange(math.floor(math.log10(record.interval)), math.log10(record.duration))
-    marks = np.rint([usual, usual / 3, 3 * usual, *(tens * record.rate)]).astype(np.int64)
-    marks = marks[(marks >= 1) & (marks <= grid.max(initial=0))]
+    marks = np.rint(record.rate * np.array([USUAL_TIME / 3, USUAL_TIME, 3 * USUAL_TIME, *tens])).astype(np.int64)
+    marks = marks[(marks >= 1) & (marks <= grids[1].max(initial=0))]
     with one_thread():
         angle = integrated(record, OADEV.order)
-        estimated(record, OADEV, np.unique(np.concatenate((octaves, grid, marks))), angle=angle)
+        estimated(record, OADEV, np.unique(np.concatenate((*grids, marks))), angle=angle)
     return angle
 
 

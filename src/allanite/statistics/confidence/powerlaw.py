@@ -147,18 +147,17 @@ def _lag1(flat: Flat, m: int, sizes: Mapping[int, int], most: int) -> int:
     """Alpha from the lag-1 autocorrelation of the angle, differenced at most `most` times (2 or 3)."""
     # the mean of a short piece takes its correlation away; rates, which share one mean, are begun with then
     first = 0 if sum(sizes.values()) >= MIN_PIECE * len(sizes) else 1
-    d = first - 1
-    for r1 in _autocorrelations(flat, m, sizes, first, most):
-        d, delta = d + 1, r1 / (1 + r1)
-        if delta < 0.25:
+    for d, r1 in _correlations(flat, m, sizes, first, most):
+        delta = r1 / (1 + r1)
+        if d == most or delta < 0.25:
             break
     if d in EDGES:
         return next(alpha for edge, alpha in EDGES[d] if delta < edge)
     return min(2, 2 - round(2 * delta) - 2 * d)
 
 
-def _autocorrelations(flat: Flat, m: int, sizes: Mapping[int, int], first: int, most: int) -> Iterator[float]:
-    """``sum_i z_i z_{i+1} / sum_i z_i^2`` of the first and further differences of the pieces; 0 if all is constant."""
+def _correlations(flat: Flat, m: int, sizes: Mapping[int, int], first: int, most: int) -> Iterator[tuple[int, float]]:
+    """``sum_i z_i z_{i+1} / sum_i z_i^2`` of the d-th differences of the pieces, beside d; 0 if all is constant."""
     # of the angle less the mean of each piece, of its differences less one mean; two of them for each pass
     for order in range(first, most + 1, 2):
         sums = np.zeros((min(2, most + 1 - order), 5, len(sizes)))
@@ -178,7 +177,7 @@ def _autocorrelations(flat: Flat, m: int, sizes: Mapping[int, int], first: int, 
             shared = float((products - mean * pairs + (count - 1) * mean**2).sum())
             # in many short pieces the sums differ in their numbers of terms, and their ratio may pass -1
             share = (float(count.sum()) - 1) / float((count - 1).sum())
-            yield max(-0.95, shared / power * share) if power > 0 else 0.0
+            yield d, max(-0.95, shared / power * share) if power > 0 else 0.0
 
 
 def _by_ratio(angle: AngleRecord, m: int, order: int) -> int:
