@@ -34,7 +34,6 @@ HERE = {
     "cosine.less_constant": f"({_X}, float64)",
     "cosine.less_ramp": f"({_X}, float64)",
     "theo.parabola_sums": f"({_X}, float64, float64)",
-    "theo.less_parabola": f"({_X}, int64, float64, float64, UniTuple(float64, 3))",
     "allan.integrate": f"({_X}, float64)",
 }
 

@@ -114,17 +114,6 @@ def parabola_sums(x, start, step):  # type: ignore[no-untyped-def]
     return np.array((a, b, c, d, e, f, g))
 
 
-@kernel
-def less_parabola(x, m, start, step, factors):  # type: ignore[no-untyped-def]
-    """Every m-th sample less constant + line u + square u^2, with these three factors, u = start + step i."""
-    constant, line, square = factors
-    z = np.empty((x.size + m - 1) // m)
-    for i in range(z.size):
-        u = start + step * (i * m)
-        z[i] = x[i * m] - (constant + u * (line + u * square))
-    return z
-
-
 STRETCH = 1024
 """Floats of a spectrum that are multiplied before going on to the next block."""
 

@@ -57,6 +57,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     power_law: bool = False,
     threads: int = 1,
     omit: bool = False,
+    angle: AngleRecord | None = None,
 ) -> Curve:
     """Compute a statistic of a record at many averaging times: `allanite.deviation` without identification.
 
@@ -91,12 +92,12 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     _warn_of_long(row, record.size, factors, threads)
     by_means = gaps == "means"
     with one_thread():
-        means, places = estimated(record, row, factors, divisor=divisor, means=by_means, threads=threads)
+        means, places = estimated(record, row, factors, angle=angle, divisor=divisor, means=by_means, threads=threads)
     own_ratio, runs = correction is None or not correction.hybrid, [(size, 1) for _, size in places]
     points = CurvePoints(row, factors, runs, record.size, record.rate, own_ratio, places if by_means else ())
-    angle = Remembered(partial(integrated, record, row.order))
+    later = Remembered((lambda: angle) if angle else partial(integrated, record, row.order))
     named = omit or (m is None and isinstance(taus, str))
-    curve = CurveEstimate(points, *means, None, angle, record.signal)
+    curve = CurveEstimate(points, *means, None, later, record.signal)
     curve = curve.only(_complete(curve.number, row, factors, named=named))
     if correction or (len(points.places) > 1 and row.differences and noise is not None):
         curve = _corrected(curve, correction, assumed.noise, named=named)
@@ -107,7 +108,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         variance=curve.variance * (angle_scale(record) / record.interval ** (1 - row.power)) ** 2, count=curve.number,
         factor=curve.factor, unit=record.signal.si[row.power], rate=record.rate, size=record.size, name=record.name,
         history=history, noise=assumed.model, law=law, supposes=law.words if law else None,
-        alpha=_alphas(curve.points, angle()) if power_law else None,
+        alpha=_alphas(curve.points, later()) if power_law else None,
     )  # fmt: skip
 
 

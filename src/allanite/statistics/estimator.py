@@ -157,15 +157,17 @@ contradictions, readings and the curve ask for them one after another."""
 
 
 def estimated(
-    record: Record, row: Statistic, m: IntArray, *, divisor: int = 30, means: bool = True, threads: int = 1
-) -> tuple[WindowMeans, Places]:
+    record: Record, row: Statistic, m: IntArray, *, angle: AngleRecord | None = None, divisor: int = 30,
+    means: bool = True, threads: int = 1,
+) -> tuple[WindowMeans, Places]:  # fmt: skip
     """A statistic of a record at averaging factors, gaps by `means`, and its places; oadev once for each factor."""
     if row is not OADEV or not means or m.size > MAX_SWEPT:
-        return _estimated(record, row, m, divisor=divisor, means=means, threads=threads)
+        return _estimated(angle or integrated(record, row.order), row, m, divisor=divisor, means=means, threads=threads)
     places, known, variance, number = _allan.get(record, ((), _none, np.empty(0), _none))
     more = np.setdiff1d(m, known)
     if not places or more.size:
-        (own, count, _), places = _estimated(record, row, more, divisor=divisor, means=means, threads=threads)
+        angle = angle or integrated(record, row.order)
+        (own, count, _), places = _estimated(angle, row, more, divisor=divisor, means=means, threads=threads)
         known, at = np.unique(np.concatenate((known, more)), return_index=True)
         variance, number = np.concatenate((variance, own))[at], np.concatenate((number, count))[at]
         _allan[record] = places, known, variance, number
@@ -174,9 +176,8 @@ def estimated(
 
 
 def _estimated(
-    record: Record, row: Statistic, m: IntArray, *, divisor: int, means: bool, threads: int
+    angle: AngleRecord, row: Statistic, m: IntArray, *, divisor: int, means: bool, threads: int
 ) -> tuple[WindowMeans, Places]:
-    angle = integrated(record, row.order)
     plain = estimate(row, angle, m, divisor=divisor, threads=threads)
     return with_means(row, angle, m, plain) if means else plain, angle.places
 

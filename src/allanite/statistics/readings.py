@@ -22,7 +22,7 @@ from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.statistics import deviation
 from allanite.statistics.differences import OADEV
-from allanite.statistics.estimator import estimated
+from allanite.statistics.estimator import AngleRecord, estimated, integrated
 from allanite.statistics.grids import factors_of
 
 MIN_COMPLETE_MEANS = 2  # minimum number of complete means
@@ -188,6 +188,7 @@ def readings(record: Record, curve: Curve | None = None) -> Readings:
     >>> found.usual.tau, round(found.around.value, 2), found.inside
     (1.0, -0.5, False)
     """
+    angle = _begun(record) if curve is None else None
     wide = deviation(record, "oadev", taus="log", noise=None) if curve is None else curve
     known = wide.count >= MIN_SUCCESSIVE * wide.m
     factors = wide.m[known].tolist()
@@ -201,7 +202,7 @@ def readings(record: Record, curve: Curve | None = None) -> Readings:
         tens = (round(10.0**k * record.rate) for k in powers)
         marks = [start, *(m for m in tens if MIN_RANGE * start <= m <= end / MIN_RANGE), end]
     least = factors[lowest : lowest + 1]
-    points = _Points(deviation(record, "oadev", m=sorted({usual, *around, *marks, *least}), omit=True))
+    points = _Points(deviation(record, "oadev", m=sorted({usual, *around, *marks, *least}), omit=True, angle=angle))
     slopes = (points.slope(first, last) for first, last in pairwise(marks))
     return Readings(
         signal=record.signal, usual=points.reading(usual if usual in points.place else max(points.place)),
@@ -211,15 +212,16 @@ def readings(record: Record, curve: Curve | None = None) -> Readings:
     )  # fmt: skip
 
 
-def begin_with(record: Record) -> None:
-    """Take at once the overlapping Allan variances that the analysis of a record asks for one after another."""
-    octaves, grid = (factors_of(name, OADEV, record.size, record.rate) for name in ("octave", "log"))
-    usual = max(round(USUAL_TIME * record.rate), 1)
+def _begun(record: Record) -> AngleRecord:
+    """The angle, of which the deviations are taken that an analysis asks for one after another."""
+    grids = [factors_of(name, OADEV, record.size, record.rate) for name in ("octave", "log")]
     tens = 10.0 ** np.arange(math.floor(math.log10(record.interval)), math.log10(record.duration))
-    marks = np.rint([usual, usual / 3, 3 * usual, *(tens * record.rate)]).astype(np.int64)
-    marks = marks[(marks >= 1) & (marks <= grid.max(initial=0))]
+    marks = np.rint(record.rate * np.array([USUAL_TIME / 3, USUAL_TIME, 3 * USUAL_TIME, *tens])).astype(np.int64)
+    marks = marks[(marks >= 1) & (marks <= grids[1].max(initial=0))]
     with one_thread():
-        estimated(record, OADEV, np.unique(np.concatenate((octaves, grid, marks))))
+        angle = integrated(record, OADEV.order)
+        estimated(record, OADEV, np.unique(np.concatenate((*grids, marks))), angle=angle)
+    return angle
 
 
 class _Points:

@@ -13,7 +13,7 @@ from allanite.core.units import SIGNALS
 from allanite.parallel.processors import IDENTIFICATION, importing
 from allanite.phrases.phrase import say, spelled
 from allanite.statistics import deviation
-from allanite.statistics.readings import begin_with, readings
+from allanite.statistics.readings import readings
 
 from .channels import Progress, Source, run
 from .keeper import STRIDES, Inspected, Keeper, demand_grid
@@ -80,19 +80,16 @@ def analyzed(source: Source, recipe: Recipe, progress: Progress | None = None) -
 
 def _channel(seen: Inspected, recipe: Recipe) -> Channel:
     """The result of one channel."""
-    keeper, read = seen.keeper, None
-    if keeper is None:
-        begin_with(seen.record)
+    keeper = seen.keeper
+    read = readings(seen.record) if keeper is None else None  # first, as it takes every deviation that is asked for
     noise = noise_in(seen, recipe)
     (curve,) = keeper.curves(noise.fit, recipe.taus) if keeper else (
         deviation(seen.record, recipe.statistic, taus=recipe.taus, noise=noise.fit),
     )  # fmt: skip
-    if keeper is None:
-        if curve.supposes is not None:
-            curve.supposes()  # the angle is given up; limits are computed where they are shown
+    if keeper is None and curve.supposes is not None:
+        curve.supposes()  # the angle is given up; limits are computed where they are shown
         if curve.law is not None and all(s.name in seen.beside for s in SIGNALS if s.inertial):
             curve.interval(recipe.level)  # which the values for a filter need
-        read = readings(seen.record, curve if curve.statistic == "oadev" and recipe.taus == "log" else None)
     noise = replace(noise, fit=replace(noise.fit, curve=curve))
     return Channel(seen.first, seen.quality, noise, curves=(curve,), readings=read).to(*(recipe.to or ()))
 

@@ -164,5 +164,22 @@ def test_the_parabola_is_that_of_least_squares():
     u, x = np.concatenate(t), np.concatenate([piece.x for piece in pieces])
     design = np.column_stack((own, u, u**2))
     expected = x - design @ np.linalg.lstsq(design, x, rcond=None)[0]
-    flat = np.concatenate(powerlaw._flat(pieces)(1))
+    flat = np.concatenate([powerlaw._flat(pieces)(i) for i in range(len(pieces))])
     np.testing.assert_allclose(flat, expected, atol=1e-9 * np.ptp(x))
+
+
+@rows("first", [0, 1])
+def test_the_autocorrelation_by_blocks_is_that_of_whole_pieces(first, monkeypatch):
+    monkeypatch.setattr(powerlaw, "BLOCK", 7)
+    rng = np.random.default_rng(5)
+    pieces = [np.cumsum(rng.standard_normal(size)) + 3.0 for size in (40, 22, 15)]
+    flat = lambda which, m, first, last: pieces[which][::m][first:last]  # noqa: E731
+    for m in (1, 3):
+        sizes = {i: x[::m].size for i, x in enumerate(pieces)}
+        for d, r1 in powerlaw._correlations(flat, m, sizes, first, 3):
+            z = [np.diff(x[::m], d) for x in pieces]
+            common = np.concatenate(z).mean()
+            z = [y - (common if d else y.mean()) for y in z]
+            ratio = sum(y[:-1] @ y[1:] for y in z) / sum(y @ y for y in z)
+            count = sum(y.size for y in z)
+            np.testing.assert_allclose(r1, max(-0.95, ratio * (count - 1) / (count - len(z))), rtol=1e-9)
