@@ -39,9 +39,8 @@ ROUGH = 0.2
 VAGUE = 2.0  # ratio of the limits of a cut-off above which one between them is not confirmed: an octave, a definition
 
 
-def setting_rows(
-    study: Study, settings: Sequence[ClaimedSetting], alpha: float, tolerance: float
-) -> Iterator[CheckedTerm]:
+def setting_rows(study: Study, settings: Sequence[ClaimedSetting], alpha: float,
+                 tolerance: float) -> Iterator[CheckedTerm]:  # fmt: skip
     """Every setting held against the channels of its sensor; `alpha` is the chance of a false alarm of them all."""
     pairs = [(c, s) for c in study for s in settings if s.holds_for(c.record.signal)]
     level = 1 - alpha / max(sum(s.quantity == CUTOFF for _, s in pairs), 1)
@@ -139,11 +138,9 @@ SHARES = 5
 
 
 @public
-def check(
-    source: Source, claims: "str | os.PathLike[str] | Model | ClaimedNoise", recipe: Recipe | None = None, *,
-    claims_from: str | None = None, at_most: bool = False, tolerance: float = TOLERANCE,
-    progress: Progress | None = None, **choices: object,
-) -> ClaimCheck:  # fmt: skip
+def check(source: Source, claims: "str | os.PathLike[str] | Model | ClaimedNoise", recipe: Recipe | None = None,
+          *, claims_from: str | None = None, at_most: bool = False, tolerance: float = TOLERANCE,
+          progress: Progress | None = None, **choices: object) -> ClaimCheck:  # fmt: skip
     """Check whether a recording has the noise that a configuration, a simulator or a data sheet claims.
 
     A model and the file of a filter or simulator claim exact values: each coefficient is estimated by likelihood in the
@@ -238,9 +235,7 @@ def _bounds(study: Study, claims: dict[float, ClaimedNoise], alpha: float, toler
             yield _bounded(channel, limit, 1 - 2 * each, tolerance)
         model, fit = claims[channel.record.rate].of(channel.record.signal), fit_of(channel)
         if whole and model is not None and fit is not None and isinstance(channel.record, Record):
-            yield curve_row(
-                channel, model, fit, 2 * each, lambda low, _: EXCEEDS if low > 1 + tolerance else AGREES
-            )  # fmt: skip
+            yield curve_row(channel, model, fit, 2 * each, lambda low, _: EXCEEDS if low > 1 + tolerance else AGREES)
 
 
 BOUNDED = {PASS: AGREES, FAIL: EXCEEDS, NOT_DECIDED: NOT_DECIDED}

@@ -25,12 +25,9 @@ from allanite.terms import TERMS
 
 CUTOFF, RATE = SETTINGS = "cutoff", "rate"  # what may be claimed beside noise
 
-ITEM = re.compile(
-    r"(?:(?P<sensor>gyro|accel)\w*\s+)?"
-    r"(?:(?P<cutoff>low-?\s?pass|bandwidth|dlpf|cut-?off)|(?:output |sampling )?rate|odr)"
-    r"(?:\s+at|\s*[:=])?\s+(?P<value>[0-9.]+(?:e[+-]?\d+)?)\s*(?P<kilo>k?)hz",
-    re.IGNORECASE,
-)
+ITEM = re.compile(r"(?:(?P<sensor>gyro|accel)\w*\s+)?"
+                  r"(?:(?P<cutoff>low-?\s?pass|bandwidth|dlpf|cut-?off)|(?:output |sampling )?rate|odr)"
+                  r"(?:\s+at|\s*[:=])?\s+(?P<value>[0-9.]+(?:e[+-]?\d+)?)\s*(?P<kilo>k?)hz", re.IGNORECASE)  # fmt: skip
 """A setting: ``lowpass 42 Hz``, ``gyro bandwidth 250 Hz``, ``output rate 1 kHz``."""
 
 
@@ -156,9 +153,8 @@ class ClaimedNoise(Value):
 
 
 @public
-def claim_of(
-    given: "str | os.PathLike[str] | Model | ClaimedNoise", origin: str | None = None, rate: float | None = None
-) -> ClaimedNoise:
+def claim_of(given: "str | os.PathLike[str] | Model | ClaimedNoise", origin: str | None = None,
+             rate: float | None = None) -> ClaimedNoise:  # fmt: skip
     """The noise that a text, a file or a name claims.
 
     Parameters

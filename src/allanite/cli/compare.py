@@ -52,10 +52,8 @@ def check(file: str, **choices: Any) -> None:
     out = outputs(choices, [file, choices["recipe"], choices["claims"]])
     how = settings_of(ClaimChoices, choices)
     if how.claims is None:
-        raise UsageError(
-            "say what is claimed: --claims with a file, a data sheet or a model, e.g. --claims 'N 0.3 deg/sqrt(h)'",
-            choice="claims",
-        )
+        raise UsageError("say what is claimed: --claims with a file, a data sheet or a model, e.g. --claims 'N 0.3 "
+                         "deg/sqrt(h)'", choice="claims")  # fmt: skip
     claims, recipe = how.claims, recipe_of(choices)
     result = carry_out(lambda tell: checked(file, claims, recipe, claims_from=how.claims_from, at_most=how.at_most,
                                             tolerance=how.tolerance, progress=tell), out)  # fmt: skip

@@ -24,9 +24,8 @@ USUAL = "datasheet"  # the target where none is named
     "some files", "target", "axis", "inflate", "cover", "filter_rate", "models", "datasheet", "unexplained",
     "from_curve", *RECORDING, *IDENTIFYING, *FILE, settings=(NoiseChoices, ExportChoices),
 )  # fmt: skip
-def export(
-    files: tuple[str, ...], target: str | None, models: tuple[str, ...], datasheet: str | None, **choices: Any
-) -> None:
+def export(files: tuple[str, ...], target: str | None, models: tuple[str, ...], datasheet: str | None,
+           **choices: Any) -> None:  # fmt: skip
     """Write the noise as a file of a filter.
 
     FILES are recordings, or results that analyze has written with --json, for example of a gyro and of an

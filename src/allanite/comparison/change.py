@@ -161,10 +161,8 @@ def holm(p: list[float]) -> list[float]:
     return adjusted
 
 
-def changes_of(
-    contrasts: Mapping[tuple[str, str], Any], fits: tuple[Fit, Fit], level: float,
-    lines: Sequence[tuple[float, Any]] = (),
-) -> tuple[Change, ...]:  # fmt: skip
+def changes_of(contrasts: Mapping[tuple[str, str], Any], fits: tuple[Fit, Fit], level: float,
+               lines: Sequence[tuple[float, Any]] = ()) -> tuple[Change, ...]:  # fmt: skip
     """The change of each coefficient, by symbol and parameter, and of each sinusoid, from what contrasts it."""
     each: list[tuple[Any, ...]] = []
     each += [(c, s, fits[0][s], fits[1][s], parameter, None) for (s, parameter), c in contrasts.items()]

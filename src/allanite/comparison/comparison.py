@@ -138,9 +138,8 @@ class Pair(ComparedChannel):
         if self.p <= self.alpha:
             return say("the noise has changed, {evidence}", evidence=self._evidence)
         if self.changed:
-            return say(
-                "the records differ, although the noise as a whole shows no change, {evidence}", evidence=self._evidence
-            )
+            return say("the records differ, although the noise as a whole shows no change, {evidence}",
+                       evidence=self._evidence)  # fmt: skip
         return say("no change of the noise is detected, {evidence}", evidence=self._evidence)
 
     @property

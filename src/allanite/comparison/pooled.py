@@ -139,9 +139,8 @@ class PooledChannel(ComparedChannel):
                 parts.append(say("the remaining {runs} still differ ({p})", runs=kind, p=chance(self.rest)))
         named = [t.symbol for t in self.terms if t.adjusted <= self.alpha]
         if named:
-            parts.append(
-                say("the scatter between {runs} exceeds that within them in {terms}", runs=kind, terms=", ".join(named))
-            )
+            parts.append(say("the scatter between {runs} exceeds that within them in {terms}", runs=kind,
+                             terms=", ".join(named)))  # fmt: skip
         return join("; ", parts)
 
 
@@ -176,19 +175,17 @@ class Pool(Together[PooledChannel]):
         return f"{len(self.names)} runs: {self.verdict}"
 
 
-def pool_records(
-    inspected: Inspected, names: Sequence[str], recipe: Recipe, rng: "np.random.Generator"
-) -> PooledChannel:
+def pool_records(inspected: Inspected, names: Sequence[str], recipe: Recipe,
+                 rng: "np.random.Generator") -> PooledChannel:  # fmt: skip
     """What the records of several runs have in common."""
     alpha = alpha_of(recipe.level)
     joined = join_records(inspected.records, recipe)
     _, curves = shared_curves(joined.records, joined.fits, recipe.statistic, recipe.taus)
     edf, variance = (np.array(values) for values in zip(*((c.edf, c.variance) for c in curves), strict=True))
     whole = edf.sum(axis=0)
-    curve = replace(
-        curves[0], variance=(edf * variance).sum(axis=0) / whole, count=np.sum([c.count for c in curves], axis=0),
-        name=say("all runs"), law=PooledLaw(whole), noise=None, history=(),
-    )  # fmt: skip
+    curve = replace(curves[0], variance=(edf * variance).sum(axis=0) / whole,
+                    count=np.sum([c.count for c in curves], axis=0), name=say("all runs"), law=PooledLaw(whole),
+                    noise=None, history=())  # fmt: skip
     apart, rest = _apart(joined.joint, names, alpha)
     test = homogeneity(joined.joint, rng)
     terms = [*_noise_terms(joined.joint, joined.fits), *_ramp_terms(joined.joint, joined.fits)]
@@ -248,10 +245,9 @@ def _ramp_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
     low, high = common.limits(0.95)
     p = chi_square(common.chi_square, common.dof)
     for symbol in (e.symbol for e in fits[0] if TERMS[e.symbol].waveform is not None):
-        yield PooledTerm(
-            symbol, together.signal, runs=tuple(fit[symbol] for fit in fits), statistic=common.chi_square,
-            dof=common.dof, p=p, adjusted=p, **_scatter(common, abs(common.value) if low * high > 0 else math.nan),
-        )  # fmt: skip
+        yield PooledTerm(symbol, together.signal, runs=tuple(fit[symbol] for fit in fits),
+                         statistic=common.chi_square, dof=common.dof, p=p, adjusted=p,
+                         **_scatter(common, abs(common.value) if low * high > 0 else math.nan))  # fmt: skip
 
 
 def _apart(together: Joint, names: Sequence[str], alpha: float) -> tuple[dict[str, float], Joint]:

@@ -108,10 +108,9 @@ def separated(kind: type, name: str, count: int | None = None, example: str = ""
 
 def pieces(unit: str) -> ChoiceKind:
     """Pairs of numbers in a unit, as ``100..160,300..310``; plain data may hold a list of them."""
-    return ChoiceKind(
-        "pieces", lambda value: demand_pieces(value, unit), lambda name, value: demand_pieces(value, unit),
-        takes=LISTS, form=f"pairs of numbers in {unit}, e.g. 100..160,300..310",
-    )  # fmt: skip
+    return ChoiceKind("pieces", lambda value: demand_pieces(value,
+                                                            unit), lambda name, value: demand_pieces(value, unit),
+                      takes=LISTS, form=f"pairs of numbers in {unit}, e.g. 100..160,300..310")  # fmt: skip
 
 
 def _share(value: Any) -> float:
@@ -222,9 +221,8 @@ def _span(value: Any) -> Any:
 
 SPAN = ChoiceKind("span", _span, lambda _, value: _span(value), takes=(*LISTS, bool), form=_SPAN, alone="yes",
                   write=lambda value: ("no", "yes")[value] if isinstance(value, bool) else written(value))  # fmt: skip
-LINES = ChoiceKind(
-    "text", _lines, control="list", many=True, takes=(str, list, tuple, dict), form="text, a list of texts, or a table"
-)
+LINES = ChoiceKind("text", _lines, control="list", many=True, takes=(str, list, tuple, dict),
+                   form="text, a list of texts, or a table")  # fmt: skip
 
 KINDS: dict[Any, ChoiceKind] = {
     float: NUMBER, int: INTEGER, str: WORD, bool: FLAG,
@@ -333,9 +331,8 @@ def described(kind: type[Settings]) -> type[Settings]:
             continue
         name = f.type.__name__ if isinstance(f.type, type) and not get_args(f.type) else str(f.type)
         usual = f" By default {row.told}." if row.told and f.default is None else ""
-        words = re.sub(
-            "--([a-z-]+)", lambda option: f"`{option[1].replace('-', '_')}`", row.help + row.kind.measure + usual
-        )
+        words = re.sub("--([a-z-]+)", lambda option: f"`{option[1].replace('-', '_')}`",
+                       row.help + row.kind.measure + usual)  # fmt: skip
         lines += [f"{f.name} : {name.replace('typing.', '')}", f"    {words}"]
     kind.__doc__ = "\n".join(lines) + raises + rest
     return kind

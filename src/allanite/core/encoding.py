@@ -124,9 +124,8 @@ def _array(data: Any, args: tuple[Any, ...]) -> Any:
             raise unfit(data, "as many imaginary as real parts")
         return real + 1j * imag
     named = get_args(args[1])[0] if len(args) > 1 and get_args(args[1]) else Any
-    kinds, words = {np.bool_: ("b", "true and false"), np.int64: ("iu", "whole numbers")}.get(
-        named, ("biufUO", "numbers")
-    )
+    kinds, words = {np.bool_: ("b", "true and false"),
+                    np.int64: ("iu", "whole numbers")}.get(named, ("biufUO", "numbers"))  # fmt: skip
     try:
         array = np.array(data)
         if array.dtype.kind in kinds or not array.size:
@@ -230,10 +229,9 @@ def _read_literal(data: Any, args: tuple[Any, ...]) -> Any:
 
 
 _itself = Codec(lambda value, _, level: plain(value, level), lambda data, _: data, _no_type, _no_type)
-_float_form = Codec(
-    lambda value, _, level: _scalar(value), _read_float, _is(int, float, np.floating, np.integer),
-    lambda data: data is None or isinstance(data, float) or _whole(data) or data in NOT_FINITE, "a number",
-)  # fmt: skip
+_float_form = Codec(lambda value, _, level: _scalar(value), _read_float,
+                    _is(int, float, np.floating, np.integer), lambda data: data is None or isinstance(data, float)
+                    or _whole(data) or data in NOT_FINITE, "a number")  # fmt: skip
 _union = Codec(_write_union, _read_union, _no_type, _no_type)
 _dict = Codec(_write_dict, _read_dict, _is(dict), _is(dict), "a table")
 _tuple = Codec(

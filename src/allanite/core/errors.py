@@ -41,14 +41,8 @@ class AllaniteError(ValueError):
 
     exit_code = 3
 
-    def __init__(
-        self,
-        *words: object,
-        choice: str = "",
-        cure: Cure = ("", ""),
-        code: str = "",
-        columns: tuple[ColumnRow, ...] = (),
-    ) -> None:
+    def __init__(self, *words: object, choice: str = "", cure: Cure = ("", ""), code: str = "",
+                 columns: tuple[ColumnRow, ...] = ()) -> None:  # fmt: skip
         super().__init__(*words)
         self.choice, self.cure, self.code, self.columns = choice, cure, code, columns
 

@@ -310,10 +310,8 @@ def _term(words: list[str], text: str) -> Term:
     quantities = [*first, *split_quantities(words[1 + 2 * len(first) :])]
     if not 0 < len(quantities) <= 1 + len(parameters) or not quantities[0][1]:
         wanted = "".join(f", its {p.name.replace('_', ' ')}{p.unit and f' in {p.unit}'}" for p in parameters)
-        raise UsageError(
-            f"{' '.join(words)!r} is not a noise term: {symbol} must be followed by a number and a unit{wanted}, "
-            "e.g. 'N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s'"
-        )
+        raise UsageError(f"{' '.join(words)!r} is not a noise term: {symbol} must be followed by a number and a "
+                         f"unit{wanted}, e.g. 'N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s'")  # fmt: skip
     (value, unit), *rest = quantities
     shape = (convert(v, u or p.unit or "1", p.unit or "1") for (v, u), p in zip(rest, parameters, strict=False))
     return term(symbol, value, unit, tuple(shape))
@@ -348,10 +346,8 @@ def model_of(value: ModelLike) -> Model:
     if isinstance(inner, Model):
         return inner
     shown = f"the text {given(value)}" if isinstance(value, str) else f"an object of type {type(value).__name__}"
-    raise WrongTypeError(
-        f"a noise model must be a Model, a Term such as N(0.01, 'deg/sqrt(h)'), or a Fit, not {shown}; Model(text) "
-        "makes one of a text"
-    )
+    raise WrongTypeError("a noise model must be a Model, a Term such as N(0.01, 'deg/sqrt(h)'), or a Fit, not "
+                         f"{shown}; Model(text) makes one of a text")  # fmt: skip
 
 
 class Constructor(Protocol):

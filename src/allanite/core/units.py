@@ -111,11 +111,9 @@ _BASIC: tuple[tuple[str, float, Dimension, str], ...] = (
 )
 """Name, size in SI, dimension, and the prefixes that it takes."""
 
-ATOMS: dict[str, tuple[float, Dimension]] = {
-    prefix + name: (_PREFIXES.get(prefix, 1.0) * size, dimension)
-    for name, size, dimension, prefixes in _BASIC
-    for prefix in ("", *prefixes)
-}
+ATOMS: dict[str, tuple[float, Dimension]] = {prefix + name: (_PREFIXES.get(prefix, 1.0) * size, dimension)
+                                             for name, size, dimension, prefixes in _BASIC
+                                             for prefix in ("", *prefixes)}  # fmt: skip
 
 MAX_LETTERS, MAX_SIZE = 200, 1e60  # letters of a unit, and its size in SI, at most
 
@@ -291,10 +289,8 @@ class Signal:
         return signal_named, (str(self.name),)
 
 
-def _plain(
-    name: str, unit: str, sensor: tuple[str, str], *, sheet: str = "", named: dict[float, str] | None = None,
-    kind: str = "rate",
-) -> Signal:  # fmt: skip
+def _plain(name: str, unit: str, sensor: tuple[str, str], *, sheet: str = "", named: dict[float, str] | None = None,
+           kind: str = "rate") -> Signal:  # fmt: skip
     """A signal that is called as its quantity, and whose noise has the units of `sheet` times time."""
     si, shown = (Units(u, "s", named) for u in (unit, sheet or unit))
     integral = say("integrated {quantity}", quantity=name)

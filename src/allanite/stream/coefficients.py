@@ -75,9 +75,8 @@ def curve_of(stream: "Accumulator", noise: ModelLike | Fit | None) -> Curve:
     )  # fmt: skip
 
 
-def law_of(
-    row: Statistic, q: IntArray, level: IntArray, seen: tuple[IntArray, float], noise: Averaged | Literal["auto"]
-) -> DerivedLaw:
+def law_of(row: Statistic, q: IntArray, level: IntArray, seen: tuple[IntArray, float],
+           noise: Averaged | Literal["auto"]) -> DerivedLaw:  # fmt: skip
     """The law of points from their numbers of windows and the sampling rate, under models."""
     # Windows that start every 2^k samples, of an angle that is taken there only, are the windows at every sample of a
     # record with 2^k times the sample interval, for which everything is known exactly.
@@ -96,9 +95,8 @@ def law_of(
 FULL = 0.5  # share of its samples that a cell must have
 
 
-def search_in(
-    stream: "Accumulator", terms: str = "auto", *, band: Band = "auto", masks: Sequence[tuple[float, float]] = ()
-) -> Pending:
+def search_in(stream: "Accumulator", terms: str = "auto", *, band: Band = "auto",
+              masks: Sequence[tuple[float, float]] = ()) -> Pending:  # fmt: skip
     """Search for the noise of a stream; `terms`, `band` and `masks` are those of `identify`."""
     # Sinusoids are not looked for, and outliers not excluded: both need the samples.
     symbols = symbols_of(terms)
@@ -184,13 +182,11 @@ def spectrum_of(stream: "Accumulator", *, detrend: bool) -> BinnedSpectrum:
     ladder = Ladder(low, width, gaps, np.append(at, upper.level), np.append(at, upper.index),
                     np.append(np.diff(edges).astype(np.float64), upper.told))  # fmt: skip
     whole = Gaps(n * width, gaps.at * width, gaps.lost * width, gaps.shut)
-    return BinnedSpectrum(
-        size=n * width, rate=stream.like.rate, first=first, count=count,
-        power=np.maximum(power, ROUNDING_SHARE * float(power.mean())), peak=np.append(peak, none),
-        peak_at=np.append(peak_at, upper.first).astype(np.int64),
-        even=np.append(even, none), odd=np.append(odd, none), ramp=ramp * wide, slope=slope / wide, gaps=whole,
-        unit_factor=stream.like.rate_factor, times=(places + 0.5) * width, pieces=ladder,
-    )  # fmt: skip
+    return BinnedSpectrum(size=n * width, rate=stream.like.rate, first=first, count=count,
+                          power=np.maximum(power, ROUNDING_SHARE * float(power.mean())), peak=np.append(peak, none),
+                          peak_at=np.append(peak_at, upper.first).astype(np.int64), even=np.append(even, none),
+                          odd=np.append(odd, none), ramp=ramp * wide, slope=slope / wide, gaps=whole,
+                          unit_factor=stream.like.rate_factor, times=(places + 0.5) * width, pieces=ladder)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -26,9 +26,8 @@ def joined(provenances: Sequence[Mapping[str, str]]) -> dict[str, str]:
     """Those of several files as one: ``source``, ``source 2`` and so on."""
     first = dict(provenances[0]) if provenances else {}
     more = enumerate(provenances[1:], 2)
-    return first | {
-        f"{key} {i}": provenance[key] for i, provenance in more for key in ("source", "sha256") if key in provenance
-    }
+    return first | {f"{key} {i}": provenance[key] for i, provenance in more
+                    for key in ("source", "sha256") if key in provenance}  # fmt: skip
 
 
 Result = TypeVar("Result")
@@ -103,15 +102,12 @@ class Job(Value, Generic[Result]):
         """Plain data, with limits at `level`, by default that of the recipe."""
         level = self.recipe.level if level is None else level
         channels: tuple[Any, ...] = self.channels
-        return {
-            "allanite": VERSION,
-            "type": type(self).__name__,
-            "channels": [channel.to_dict(level) for channel in channels],
-            "findings": [finding.to_dict() for finding in self.findings],
-            "recipe": self.choices(),
-            "notes": list(self.notes),
-            "provenance": self.provenance,
-        } | {name: write_plain(getattr(self, name), hint, level) for name, hint in stored_fields(type(self), Job)}
+        return {"allanite": VERSION,
+                "type": type(self).__name__, "channels": [channel.to_dict(level) for channel in channels],
+                "findings": [finding.to_dict() for finding in self.findings], "recipe": self.choices(),
+                "notes": list(self.notes),
+                "provenance": self.provenance} | {name: write_plain(getattr(self, name), hint, level)
+                                                  for name, hint in stored_fields(type(self), Job)}  # fmt: skip
 
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> Self:

@@ -79,9 +79,8 @@ def _flicker_spectrum(f: FloatArray, tau0: float) -> FloatArray:
 
 def _flicker_dct(k: FloatArray, n: int) -> FloatArray:
     # the DCT-II nearly diagonalizes flicker: a factor of k alone, for any n (computed exactly for k <= 8)
-    edge = np.where(
-        k < 8.5, FLICKER_EDGE[np.clip(k, 1, 8).astype(np.int64) - 1], 1 - 2 / (math.pi**2 * np.maximum(k, 1))
-    )
+    edge = np.where(k < 8.5, FLICKER_EDGE[np.clip(k, 1, 8).astype(np.int64) - 1],
+                    1 - 2 / (math.pi**2 * np.maximum(k, 1)))  # fmt: skip
     return np.asarray(_flicker_spectrum(k / (2.0 * n), 1.0) * edge)
 
 

@@ -183,11 +183,9 @@ def markov_block(size: float, T: float, h: float) -> Block:
         else math.fsum((-1) ** k * (4 - 2.0**k) / math.factorial(k) * u ** (k - 2) for k in range(3, 20))
     )
     Q = np.array([[-math.expm1(-2 * u) * size**2, size**2 * loss**2 / u], [size**2 * loss**2 / u, var_mean]])
-    return Block(
-        names=((say("Gauss-Markov rate, T = {time:.6g} s", time=T), 0),),
-        F=np.array([[-1 / T]]), Qc=np.array([[2 * size**2 / T]]), Phi=np.array([[math.exp(-u)]]),
-        mean=np.array([loss / u]), Q=Q, P0=np.array([[size**2]]), output=np.ones(1),
-    )  # fmt: skip
+    return Block(names=((say("Gauss-Markov rate, T = {time:.6g} s", time=T), 0),), F=np.array([[-1 / T]]),
+                 Qc=np.array([[2 * size**2 / T]]), Phi=np.array([[math.exp(-u)]]), mean=np.array([loss / u]), Q=Q,
+                 P0=np.array([[size**2]]), output=np.ones(1))  # fmt: skip
 
 
 GAUSS_MARKOV, SLOW_GAUSS_MARKOV = gauss_markov(1.0), slow_gauss_markov(1.0)

@@ -100,15 +100,10 @@ def oscillation_block(size: float, shape: tuple[float, ...], h: float) -> Block:
     for _ in range(halvings):
         Phi, Q = Phi @ Phi, Phi @ Q @ Phi.T + Q
     mean = np.diag([1.0, 1.0, 1 / h])
-    return Block(
-        names=(
-            (say("oscillation of {frequency:.6g} Hz", frequency=shape[0]), 0),
-            (say("oscillation of {frequency:.6g} Hz, derivative", frequency=shape[0]), 0),
-        ),
-        F=F, Qc=Qc, Phi=Phi[:2, :2],
-        mean=Phi[2, :2] / h, Q=mean @ ((Q + Q.T) / 2) @ mean, P0=np.eye(2) * size**2,
-        output=np.array([1.0, 0.0]),
-    )  # fmt: skip
+    return Block(names=((say("oscillation of {frequency:.6g} Hz", frequency=shape[0]), 0),
+                        (say("oscillation of {frequency:.6g} Hz, derivative", frequency=shape[0]), 0)), F=F,
+                 Qc=Qc, Phi=Phi[:2, :2], mean=Phi[2, :2] / h, Q=mean @ ((Q + Q.T) / 2) @ mean, P0=np.eye(2) * size**2,
+                 output=np.array([1.0, 0.0]))  # fmt: skip
 
 
 OSCILLATION = oscillation(0.05, 0.15)

@@ -59,12 +59,9 @@ def integrators(names: tuple[str, ...], h: float, *, density: float = 0.0, start
     Q = density * h ** (power - np.add.outer(lost, lost)) / (power * np.outer(factorial[a], factorial[a]))
     Qc, P0 = np.zeros((s, s)), np.zeros((s, s))
     Qc[-1, -1], P0[-1, -1] = density, start**2
-    return Block(
-        names=tuple((name, -float(k)) for k, name in enumerate(names)),
-        F=np.eye(s, k=1),
-        Qc=Qc, Phi=Phi, mean=h ** np.arange(s) / factorial[1 : s + 1], Q=Q, P0=P0,
-        output=np.eye(s)[0], bias=True, note=note,
-    )  # fmt: skip
+    return Block(names=tuple((name, -float(k)) for k, name in enumerate(names)), F=np.eye(s, k=1), Qc=Qc,
+                 Phi=Phi, mean=h ** np.arange(s) / factorial[1 : s + 1], Q=Q, P0=P0, output=np.eye(s)[0], bias=True,
+                 note=note)  # fmt: skip
 
 
 def angle_noise(Q: float, h: float) -> Block:
@@ -81,10 +78,8 @@ def angle_noise(Q: float, h: float) -> Block:
     )  # fmt: skip
 
 
-TITLES = {
-    "accelerometer": (say("velocity random walk"), say("acceleration random walk"), say("acceleration ramp")),
-    "dimensionless": (say("time random walk"), say("signal random walk"), say("signal ramp")),
-}
+TITLES = {"accelerometer": (say("velocity random walk"), say("acceleration random walk"), say("acceleration ramp")),
+          "dimensionless": (say("time random walk"), say("signal random walk"), say("signal ramp"))}  # fmt: skip
 """Where N, K and R are called otherwise than for a gyro: name of the signal -> their titles."""
 
 

@@ -87,10 +87,8 @@ SINE = sine(0.125)
 
 
 def _none(*_: Any) -> FloatArray:
-    raise ValueError(
-        "a warm-up (W) has no structure function, as it depends on the time since the record began: pass the length of "
-        "the record, or omit W from the model"
-    )
+    raise ValueError("a warm-up (W) has no structure function, as it depends on the time since the record began: pass "
+                     "the length of the record, or omit W from the model")  # fmt: skip
 
 
 def warm_up(T: float) -> NoiseTerm:

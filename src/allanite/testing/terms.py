@@ -321,12 +321,8 @@ def sampled(row: NoiseTerm, rates: Sequence[float] = RATES) -> dict[str, NoiseTe
         return {row.symbol: row}
     typical = tuple(p.typical for p in row.parameters)
     # what is no time changes the form of the functions
-    others = (
-        (*typical[:i], value, *typical[i + 1 :])
-        for i, p in enumerate(row.parameters)
-        if not p.time
-        for value in (0.6, 1.5)
-    )
+    others = ((*typical[:i], value, *typical[i + 1 :]) for i, p in enumerate(row.parameters) if not p.time
+              for value in (0.6, 1.5))  # fmt: skip
     return {f"{row.symbol} {shape} {rate:g}": row.shaped(shape, rate) for shape in (typical, *others) for rate in rates}
 
 
@@ -337,6 +333,5 @@ def demand(check: Callable[[NoiseTerm], None], row: NoiseTerm, name: str) -> Non
             check(row)
     except Exception as error:
         what = " ".join((check.__doc__ or "").split())
-        raise AssertionError(
-            f"noise term {name}: this does not hold: {what} {type(error).__name__}: {error}"
-        ) from error
+        raise AssertionError(f"noise term {name}: this does not hold: {what} {type(error).__name__}: "
+                             f"{error}") from error  # fmt: skip

@@ -134,10 +134,8 @@ def listed(values: Any) -> list[float | None]:
     return [v if math.isfinite(v) else None for v in np.asarray(values, dtype=np.float64).tolist()]
 
 
-UNITS = {
-    "gyro": ("deg/s", "rad/s", "deg/h", "mdeg/s", "arcsec/s", "deg", "rad", "arcsec"),
-    "accel": ("m/s^2", "g", "mg", "ug", "mGal", "m/s"),
-}
+UNITS = {"gyro": ("deg/s", "rad/s", "deg/h", "mdeg/s", "arcsec/s", "deg", "rad", "arcsec"),
+         "accel": ("m/s^2", "g", "mg", "ug", "mGal", "m/s")}  # fmt: skip
 """Units offered first; every unit can be typed."""
 
 EXAMPLES = {

@@ -126,10 +126,8 @@ class Door:
 def application(store: Store, jobs: Jobs, first: dict[str, Any]) -> FastAPI:
     """The application behind the door; `first` is what the page opens with: workspace and language."""
     # nothing is reported anywhere, whatever the environment asks for
-    app = FastAPI(
-        docs_url=None, redoc_url=None, openapi_url=None, redirect_slashes=False, telemetry={"auto_configure": False},
-        default_response_class=Answer,
-    )  # fmt: skip
+    app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None, redirect_slashes=False,
+                  telemetry={"auto_configure": False}, default_response_class=Answer)  # fmt: skip
     app.state.store, app.state.jobs, app.state.first = store, jobs, first
     for kind in ANSWERED:
         app.add_exception_handler(kind, answered)
