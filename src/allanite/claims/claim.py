@@ -87,7 +87,6 @@ def _number(text: str) -> float:
 SUFFIXES = {suffix for row in EXPORTS.values() for suffix in row.forms} | {".yml", ".xml", ".toml", ".txt", ".cfg"}
 """Suffixes of files of claims: a text with one of them is a path, also where there is no such file."""
 
-
 KINDS = {"limits": say("limits"), "data sheet": say("data sheet")}
 """What kinds of claims are called, beside models and files of targets."""
 

@@ -55,7 +55,6 @@ class Threads(ParamType):
 
 NAMES, NUMBERS, INTEGERS = map(Converted, (choices.NAMES, choices.NUMBERS, choices.INTEGERS))
 
-
 PLACES = {
     "--unit": rf"\b({COLUMN}|{UNIT})\b", "--rate": rf"\b({RATE})\b", "--scale": rf"\b({SCALE})\b",
     "--time": rf".*\[({UNIT})\]",

@@ -128,7 +128,6 @@ FAULTS: "dict[str, Fault]" = {
 }  # fmt: skip
 """The function of each option, in the order in which the faults occur in a sensor and its logger."""
 
-
 CHANNEL_NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}  # first letters of the channels' names
 
 

@@ -37,7 +37,6 @@ from .sources import join_records
 ALIKE = 0.7  # correlation of the steps from which on two records are a pair
 FEWEST = 8  # coefficients of the cosine transform in the lowest range of frequencies; the others are octaves above it
 
-
 BLOCKS = (1, 8, 64, 512)
 """Samples of the means whose steps are correlated: records that share their noise only below some frequency, such as
 raw and smoothed ones, are seen in the longer ones.

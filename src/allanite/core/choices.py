@@ -48,9 +48,7 @@ class ChoiceKind:
 
 TYPED = ChoiceKind("value", lambda value: value)  # the kind that the type of the field says
 
-
 A_NUMBER, AN_INTEGER = "a number", "an integer"
-
 
 SECONDS = " In s."
 

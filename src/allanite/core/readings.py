@@ -84,7 +84,6 @@ class Quantity(NamedTuple):
 
 MINIMUM = "minimum"  # the symbol of the minimum of the Allan deviation, beside those of coefficients
 
-
 IN_RUN = say("in-run bias stability")  # what data sheets of inertial sensors call it
 
 FALLING, FALLING_SIGN = say("still falling"), "↓"

@@ -118,7 +118,6 @@ class StateSpaceSettings(StateSpaceChoices, NoiseSettings):
 
 Use = PlanSettings | SelfCheckSettings | StateSpaceSettings  # what a noise model is used for
 
-
 Random = np.random.Generator
 Result = RecordingPlan | SelfCheck | StateSpace
 

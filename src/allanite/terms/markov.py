@@ -123,8 +123,7 @@ def gauss_markov(T: float) -> NoiseTerm:
     """The row of Gauss-Markov rate noise, with a time constant of T sample intervals."""
     functions = Exponential(1 / T)
     return NoiseTerm(
-        symbol="GM", synonyms=("markov",),
-        title=say("Gauss-Markov noise"),
+        symbol="GM", synonyms=("markov",), title=say("Gauss-Markov noise"),
         meaning=say("exponentially correlated (first-order Gauss-Markov) noise of the rate, with a time constant T"),
         quantity_meaning=say("exponentially correlated (first-order Gauss-Markov) noise with a time constant T"),
         formula=r"\sigma^2(\tau) = (2 s^2 T / \tau) (1 - (T / 2 \tau) (3 - 4 \exp(-\tau/T) + \exp(-2 \tau/T)))",
@@ -132,8 +131,7 @@ def gauss_markov(T: float) -> NoiseTerm:
         power=0.0, slope=math.nan, read_at=math.nan, level=math.nan, structure=functions.structure,
         derivative=functions.derivative, summed=functions.summed, increments=functions.increments,
         spectrum=functions.spectrum, dct=functions.dct, parameters=(time_constant(20.0, SHORTEST),), shape=(T,),
-        shaped=lambda shape, rate: gauss_markov(shape[0] * rate),
-        density=r"S(f) = \frac{2 s^2 T}{1 + (2 \pi f T)^2}",
+        shaped=lambda shape, rate: gauss_markov(shape[0] * rate), density=r"S(f) = \frac{2 s^2 T}{1 + (2 \pi f T)^2}",
         origin="A single relaxation process: a temperature that follows its surroundings, a trapped charge, a filter "
         "at the output, a control loop. Sums of a few such processes with time constants a decade apart can "
         "hardly be distinguished from flicker.",
@@ -142,11 +140,8 @@ def gauss_markov(T: float) -> NoiseTerm:
         "well above an angle random walk with N = s sqrt(2 T). In a Kalman filter it is a state with Phi = "
         "exp(-tau0/T) and the driving noise s^2 (1 - Phi^2). A flat top of the hump is not flicker: the "
         "likelihood distinguishes the two if the record permits.",
-        color="#72780E",
-        dark="#BBFD7A",
-        dash=(8, 1.8, 1.4, 1.8, 1.4, 1.8),
-        block=lambda size, shape, h: markov_block(size, shape[0], h),
-        second="GML",
+        color="#72780E", dark="#BBFD7A", dash=(8, 1.8, 1.4, 1.8, 1.4, 1.8),
+        block=lambda size, shape, h: markov_block(size, shape[0], h), second="GML",
     )  # fmt: skip
 
 
@@ -190,7 +185,6 @@ def markov_block(size: float, T: float, h: float) -> Block:
 
 GAUSS_MARKOV, SLOW_GAUSS_MARKOV = gauss_markov(1.0), slow_gauss_markov(1.0)
 
-
 SHORTEST_ANGLE = 0.5  # samples from which a time constant can be distinguished from quantization
 LEAST = 0.02  # power of a coefficient over that of the spectrum, at least
 
@@ -228,8 +222,7 @@ def angle_markov(T: float) -> NoiseTerm:
         return np.asarray(np.maximum(inside + functions.ends(k, n) - 4 / n * (1 - s), LEAST * inside))
 
     return NoiseTerm(
-        symbol="GMA",
-        title=say("Gauss-Markov noise of the angle"),
+        symbol="GMA", title=say("Gauss-Markov noise of the angle"),
         titles={
             "accelerometer": say("Gauss-Markov noise of the velocity"),
             "dimensionless": say("Gauss-Markov noise of the time"),
@@ -256,10 +249,7 @@ def angle_markov(T: float) -> NoiseTerm:
         "slope -1 as quantization does, with Q = s. With T below a sample interval it cannot be told from "
         "quantization, with T above the record's length not from angle random walk. It is looked for when its "
         "symbol is among the terms that are asked for. In a Kalman filter it is a state of the angle error.",
-        typical=0.5,
-        color="#0E13FC",
-        dark="#3BF9B4",
-        dash=(6, 1.4, 3, 1.4),
+        typical=0.5, color="#0E13FC", dark="#3BF9B4", dash=(6, 1.4, 3, 1.4),
         block=lambda size, shape, h: angle_markov_block(size, shape[0], h),
     )  # fmt: skip
 

@@ -48,8 +48,7 @@ def oscillation(frequency: float, damping: float) -> NoiseTerm:
 
     made: dict[str, Any] = {name: each(name) for name in LINEAR} | {name: positive(name) for name in POWERS}
     return NoiseTerm(
-        symbol="GM2",
-        title=say("second-order Markov noise"),
+        symbol="GM2", title=say("second-order Markov noise"),
         meaning=say(
             "a damped oscillation of the rate that white noise keeps going (second-order Gauss-Markov), with a natural "
             "frequency and a damping ratio"
@@ -73,9 +72,7 @@ def oscillation(frequency: float, damping: float) -> NoiseTerm:
         "below about 0.3; with critical damping (1) it resembles Gauss-Markov noise with T = 1/(pi f). The width of "
         "its peak in the spectrum is 2 zeta f. The automatic search leaves out a resonance; this term is looked for "
         "when its symbol is among the terms that are asked for. In a Kalman filter it has two states.",
-        color="#9438EC",
-        dark="#D3B157",
-        dash=(2.4, 1.2, 1, 1.2), block=oscillation_block,
+        color="#9438EC", dark="#D3B157", dash=(2.4, 1.2, 1, 1.2), block=oscillation_block,
     )  # fmt: skip
 
 

@@ -51,7 +51,6 @@ HEADERS = {
 }  # fmt: skip
 """Headers of every answer."""
 
-
 ENTRY = "/api/enter"  # where the token of a link is exchanged for the secret
 
 MAX_LINKS, MAX_LINK_AGE_S = 16, 3600.0
@@ -159,7 +158,6 @@ ROUTES: dict[str, tuple[str, Any]] = {
     "get /api/jobs/{name}/save": ("GET", routes.save), "get /api/{rest:path}": ("GET", nowhere),
 }  # fmt: skip
 """Method and path of each route: its function."""
-
 
 HOST = "127.0.0.1"  # the address: nobody on another machine can reach it
 
