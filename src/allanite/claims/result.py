@@ -175,11 +175,9 @@ class ClaimCheck(Study):
     def rows(self, level: float | None = None) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows: what is claimed and found, their ratio with its interval, the outcome."""
         headings = ["channel", "quantity", "claimed", "found", "unit", "ratio", "low", "high", "outcome", "reason"]
-        return headings, [
-            [row.channel, row.quantity, row.shown(row.claimed), row.shown(row.found), row.unit,
-             *map(finite, (row.ratio, row.low, row.high)), row.outcome, row.reason]
-            for row in self.terms
-        ]  # fmt: skip
+        return headings, [[row.channel, row.quantity, row.shown(row.claimed), row.shown(row.found),
+                           row.unit, *map(finite, (row.ratio, row.low, row.high)), row.outcome, row.reason]
+                          for row in self.terms]  # fmt: skip
 
     def _summary(self) -> str:
         return f"against {self.claim.title}: {self.verdict}"

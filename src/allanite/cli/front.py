@@ -116,9 +116,8 @@ class Front(click.Group):
         """List the verbs below the headings of their groups."""
         for group in dict.fromkeys(verb.group for verb in self.verbs.values()):
             with formatter.section(group):
-                formatter.write_dl(
-                    [(v.name, v.imported().get_short_help_str()) for v in self.verbs.values() if v.group == group]
-                )
+                formatter.write_dl([(v.name, v.imported().get_short_help_str())
+                                    for v in self.verbs.values() if v.group == group])  # fmt: skip
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse the arguments, and keep them as they were typed."""

@@ -302,11 +302,9 @@ def choice(metavar: str = "", help: str = "", *, default: Any = None, **columns:
 
 def choices_of(kind: type[Any]) -> dict[str, ChoiceRow]:
     """The choices of a class by the name of their field."""
-    return {
-        f.name: replace(row, name=f.name, default=None if f.default is MISSING else f.default,
-                        kind=kind_of(f.type) if row.kind is TYPED else row.kind)
-        for f in fields(kind) for row in (f.metadata.get("choice"),) if row is not None
-    }  # fmt: skip
+    return {f.name: replace(row, name=f.name, default=None if f.default is MISSING else f.default,
+                            kind=kind_of(f.type) if row.kind is TYPED else row.kind) for f in fields(kind)
+            for row in (f.metadata.get("choice"),) if row is not None}  # fmt: skip
 
 
 def described(kind: type[Settings]) -> type[Settings]:

@@ -234,12 +234,9 @@ _float_form = Codec(lambda value, _, level: _scalar(value), _read_float,
                     or _whole(data) or data in NOT_FINITE, "a number")  # fmt: skip
 _union = Codec(_write_union, _read_union, _no_type, _no_type)
 _dict = Codec(_write_dict, _read_dict, _is(dict), _is(dict), "a table")
-_tuple = Codec(
-    lambda value, args, level: [
-        write_plain(item, hint, level) for item, hint in zip(value, _hints(args, len(value)), strict=True)
-    ],
-    _read_tuple, _is(tuple, list), _is(list, tuple), "a list",
-)  # fmt: skip
+_tuple = Codec(lambda value, args, level: [write_plain(item, hint, level)
+                                           for item, hint in zip(value, _hints(args, len(value)), strict=True)],
+               _read_tuple, _is(tuple, list), _is(list, tuple), "a list")  # fmt: skip
 
 FORMS: dict[Any, Codec] = {
     Any: _itself,

@@ -101,13 +101,9 @@ class Term(Value):
     @property
     def shape_words(self) -> str:
         """The shape with its units, without what is as usual; empty if the term has none."""
-        shape = [
-            say("{parameter} {value:.4g} {unit}", parameter=p.title, value=value, unit=p.unit)
-            if p.unit
-            else say("{parameter} {value:.4g}", parameter=p.title, value=value)
-            for p, value in zip(self.row.parameters, self.shape, strict=True)
-            if value != p.default
-        ]
+        shape = [say("{parameter} {value:.4g} {unit}", parameter=p.title, value=value,
+                     unit=p.unit) if p.unit else say("{parameter} {value:.4g}", parameter=p.title, value=value)
+                 for p, value in zip(self.row.parameters, self.shape, strict=True) if value != p.default]  # fmt: skip
         return join(", ", shape)
 
     def __str__(self) -> str:

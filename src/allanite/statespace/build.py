@@ -161,10 +161,9 @@ def blocks_of(model: Model, h: float) -> list[Block]:
     for t in sorted(model, key=lambda t: known.index(t.symbol)):
         if t.row.block is None:
             able = ", ".join(symbol for symbol, row in TERMS.items() if row.block or row.substitute)
-            raise UsageError(
-                f"{t.symbol} ({t.row.title}) has no states in a filter, {able} have: omit it from the model, or "
-                "replace it by a term with a similar curve at the relevant averaging times"
-            )
+            raise UsageError(f"{t.symbol} ({t.row.title}) has no states in a filter, {able} have: omit it "
+                             "from the model, or replace it by a term with a similar curve at the relevant averaging "
+                             "times")  # fmt: skip
         blocks.append(t.row.block(t.value, t.shape, h))
     return blocks
 

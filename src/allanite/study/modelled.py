@@ -240,9 +240,8 @@ def _check(settings: SelfCheckSettings, rng: Random, noise: Supposed, recipe: Re
 def _space(settings: StateSpaceSettings, _: Random, noise: Supposed, __: Recipe, ___: Progress) -> StateSpace:
     bias = settings.bias(noise.model.signal.unit)
     if noise.size is not None and not bias and all(t.symbol == "N" for t in noise.model):
-        raise DataError(
-            say("only white noise was identified, which belongs to the measurement: a filter needs no states for it")
-        )
+        raise DataError(say("only white noise was identified, which belongs to the measurement: a filter needs no "
+                            "states for it"))  # fmt: skip
     low, high = settings.tau
     return state_space(noise.model, noise.rate, tau=(low, high), ripple=settings.ripple, order=settings.order,
                        turn_on=bias, measurement=settings.measurement)  # fmt: skip

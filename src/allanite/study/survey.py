@@ -136,10 +136,8 @@ class Densities(DensityChoices, Value):
     @property
     def notes(self) -> tuple[str, ...]:
         """Assumptions about a record that is read in parts."""
-        return (
-            say("segments of at most {count} samples, by default an eighth of the record, in a record read in parts",
-                count=MAX_SEGMENT),
-        )  # fmt: skip
+        return (say("segments of at most {count} samples, by default an eighth of the record, in a record read in "
+                    "parts", count=MAX_SEGMENT),)  # fmt: skip
 
 
 @described

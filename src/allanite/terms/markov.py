@@ -147,24 +147,15 @@ def gauss_markov(T: float) -> NoiseTerm:
 
 def slow_gauss_markov(T: float) -> NoiseTerm:
     """The row of a second Gauss-Markov rate noise, of a longer time constant than the first."""
-    return replace(
-        gauss_markov(T),
-        symbol="GML",
-        synonyms=("GM GM",),
-        title=say("slow Gauss-Markov noise"),
-        meaning=say("Gauss-Markov noise of the rate beside another, GM, whose time constant is shorter"),
-        quantity_meaning=say("Gauss-Markov noise beside another, GM, whose time constant is shorter"),
-        parameters=(time_constant(600.0, SHORTEST),),
-        shaped=lambda shape, rate: slow_gauss_markov(shape[0] * rate),
-        origin="A second relaxation process beside that of GM: the temperature of a housing beside that of a sensor, a "
-        "second control loop.",
-        advice="A second hump, at a longer averaging time than that of GM. It is looked for when both are among the "
-        "terms that are asked for: N,GM,GM is N,GM,GML. One process alone is called GM.",
-        color="#872D96",
-        dark="#C36900",
-        dash=(8, 1.8, 1.4, 1.8),
-        second="",
-    )
+    return replace(gauss_markov(T), symbol="GML", synonyms=("GM GM",), title=say("slow Gauss-Markov noise"),
+                   meaning=say("Gauss-Markov noise of the rate beside another, GM, whose time constant is shorter"),
+                   quantity_meaning=say("Gauss-Markov noise beside another, GM, whose time constant is shorter"),
+                   parameters=(time_constant(600.0, SHORTEST),),
+                   shaped=lambda shape, rate: slow_gauss_markov(shape[0] * rate), origin="A second relaxation process "
+                   "beside that of GM: the temperature of a housing beside that of a sensor, a second control loop.",
+                   advice="A second hump, at a longer averaging time than that of GM. It is looked for when both are "
+                   "among the terms that are asked for: N,GM,GM is N,GM,GML. One process alone is called GM.",
+                   color="#872D96", dark="#C36900", dash=(8, 1.8, 1.4, 1.8), second="")  # fmt: skip
 
 
 def markov_block(size: float, T: float, h: float) -> Block:
@@ -257,13 +248,11 @@ def angle_markov(T: float) -> NoiseTerm:
 def angle_markov_block(size: float, T: float, h: float) -> Block:
     """Gauss-Markov noise of the angle of RMS `size` and time constant `T`: the mean rate is its change over h."""
     loss, driven = -math.expm1(-h / T), -math.expm1(-2 * h / T) * size**2
-    return Block(
-        names=((say("Gauss-Markov angle, T = {time:.6g} s", time=T), 1),),
-        F=np.array([[-1 / T]]), Qc=np.array([[2 * size**2 / T]]), Phi=np.array([[math.exp(-h / T)]]),
-        mean=np.array([-loss / h]), Q=driven * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]),
-        P0=np.array([[size**2]]), output=np.zeros(1),
-        note=say("the error of the angle is a state: its change over the interval enters the mean rate"),
-    )  # fmt: skip
+    return Block(names=((say("Gauss-Markov angle, T = {time:.6g} s", time=T), 1),), F=np.array([[-1 / T]]),
+                 Qc=np.array([[2 * size**2 / T]]), Phi=np.array([[math.exp(-h / T)]]), mean=np.array([-loss / h]),
+                 Q=driven * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]), P0=np.array([[size**2]]),
+                 output=np.zeros(1), note=say("the error of the angle is a state: its change over the interval enters "
+                                              "the mean rate"))  # fmt: skip
 
 
 ANGLE_MARKOV = angle_markov(1.0)

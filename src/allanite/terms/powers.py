@@ -67,15 +67,11 @@ def integrators(names: tuple[str, ...], h: float, *, density: float = 0.0, start
 def angle_noise(Q: float, h: float) -> Block:
     """White angle noise: the mean rate over an interval gets the difference of its ends' errors, over h."""
     # A state of discrete time: the error of the angle at the end of the interval, new in every interval.
-    return Block(
-        names=((say("angle error"), 1),),
-        F=np.zeros((1, 1)), Qc=np.zeros((1, 1)), Phi=np.zeros((1, 1)), mean=np.array([-1 / h]),
-        Q=Q**2 * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]), P0=np.array([[Q**2]]), output=np.zeros(1),
-        note=say(
-            "quantization is modelled as white Gaussian angle noise; that it is bounded by half a step, and depends on "
-            "the angle itself, is neglected"
-        ),
-    )  # fmt: skip
+    return Block(names=((say("angle error"), 1),), F=np.zeros((1, 1)), Qc=np.zeros((1, 1)),
+                 Phi=np.zeros((1, 1)), mean=np.array([-1 / h]), Q=Q**2 * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]),
+                 P0=np.array([[Q**2]]), output=np.zeros(1),
+                 note=say("quantization is modelled as white Gaussian angle noise; that it is bounded by half a step, "
+                          "and depends on the angle itself, is neglected"))  # fmt: skip
 
 
 TITLES = {"accelerometer": (say("velocity random walk"), say("acceleration random walk"), say("acceleration ramp")),
