@@ -14,10 +14,9 @@ MOST = 12  # options that are shown unless all are asked for
 OWN = 4  # options of the verb itself among them, at least
 ALL = "allanite.help"  # key in the context: whether all options are asked for
 
-USED = (
-    "target", "output", "models", "sensor", "datasheet", "unit", "rate", "channels", "report", "time", "details",
-    "terms", "start", "json", "plot", "end", "recipe", "taus", "statistic", "scale", "kind", "level", "csv", "force",
-)  # fmt: skip
+USED = ("target", "output", "models", "sensor", "datasheet", "unit", "rate", "channels", "report", "time", "details",
+        "terms", "start", "json", "plot", "end", "recipe", "taus", "statistic", "scale", "kind", "level", "csv",
+        "force")  # fmt: skip
 """Names of the options that are typed most, in this order."""
 
 GROUPS = {

@@ -222,10 +222,8 @@ SPAN = ChoiceKind("span", _span, lambda _, value: _span(value), takes=(*LISTS, b
 LINES = ChoiceKind("text", _lines, control="list", many=True, takes=(str, list, tuple, dict),
                    form="text, a list of texts, or a table")  # fmt: skip
 
-KINDS: dict[Any, ChoiceKind] = {
-    float: NUMBER, int: INTEGER, str: WORD, bool: FLAG,
-    tuple[str, ...]: NAMES, tuple[float, ...]: NUMBERS, tuple[int, ...]: INTEGERS,
-}  # fmt: skip
+KINDS: dict[Any, ChoiceKind] = {float: NUMBER, int: INTEGER, str: WORD, bool: FLAG, tuple[str, ...]: NAMES,
+                                tuple[float, ...]: NUMBERS, tuple[int, ...]: INTEGERS}  # fmt: skip
 """The kind that a type of a field says."""
 
 

@@ -112,10 +112,8 @@ def toml(choices: dict[str, Any]) -> str:
     return "".join(f"{key} = {toml_text(value)}\n" for key, value in choices.items() if value is not None)
 
 
-KEYWORDS = (
-    "break", "case", "catch", "classdef", "continue", "else", "elseif", "end", "for", "function", "global", "if",
-    "otherwise", "parfor", "persistent", "return", "spmd", "switch", "try", "while",
-)  # fmt: skip
+KEYWORDS = ("break", "case", "catch", "classdef", "continue", "else", "elseif", "end", "for", "function", "global",
+            "if", "otherwise", "parfor", "persistent", "return", "spmd", "switch", "try", "while")  # fmt: skip
 """Words of MATLAB that are no variables."""
 
 

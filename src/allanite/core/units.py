@@ -117,10 +117,8 @@ ATOMS: dict[str, tuple[float, Dimension]] = {prefix + name: (_PREFIXES.get(prefi
 
 MAX_LETTERS, MAX_SIZE = 200, 1e60  # letters of a unit, and its size in SI, at most
 
-USUAL = (
-    "deg/s", "deg/h", "rad/s", "mdeg/s", "arcsec", "deg", "rad", "g", "mg", "ug", "m/s^2", "m/s", "deg/sqrt(h)",
-    "deg/h/sqrt(Hz)", "deg/s/sqrt(Hz)", "rad/s/sqrt(Hz)", "ug/sqrt(Hz)", "m/s/sqrt(h)",
-)  # fmt: skip
+USUAL = ("deg/s", "deg/h", "rad/s", "mdeg/s", "arcsec", "deg", "rad", "g", "mg", "ug", "m/s^2", "m/s", "deg/sqrt(h)",
+         "deg/h/sqrt(Hz)", "deg/s/sqrt(Hz)", "rad/s/sqrt(Hz)", "ug/sqrt(Hz)", "m/s/sqrt(h)")  # fmt: skip
 """Units that messages suggest; any other that is made of `ATOMS` is read, too."""
 
 _ROOT = re.compile(

@@ -167,11 +167,9 @@ class Modelled(Value):
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data: the name, the result, and the noise from which it follows."""
         own: dict[str, Any] = {"rate": self.rate} if self.result is None else self.result.to_dict()
-        return {
-            "name": self.name, **own, "record": self.record and self.record.to_dict(level),
-            "quality": self.quality and self.quality.to_dict(level), **noise_dict(self.noise, level),
-            "alerts": list(self.alerts), "refusal": self.refusal,
-        }  # fmt: skip
+        return {"name": self.name, **own, "record": self.record and self.record.to_dict(level),
+                "quality": self.quality and self.quality.to_dict(level), **noise_dict(self.noise, level),
+                "alerts": list(self.alerts), "refusal": self.refusal}  # fmt: skip
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Modelled":

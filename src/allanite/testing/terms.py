@@ -283,9 +283,8 @@ def simulated(row: NoiseTerm, n: int = 64, count: int = 100) -> None:
     assert abs(np.mean(d[:, 1:] * d[:, :-1]) - exact[1]) < 0.15 * exact[0]
 
 
-CHECKS: tuple[Callable[[NoiseTerm], None], ...] = (
-    asymptote, scaled, law, derivatives, sums, increments, oscillates, spectra, transforms, waveforms, states,
-)  # fmt: skip
+CHECKS: tuple[Callable[[NoiseTerm], None], ...] = (asymptote, scaled, law, derivatives, sums, increments, oscillates,
+                                                   spectra, transforms, waveforms, states)  # fmt: skip
 """What is demanded of a row at each of its shapes."""
 
 RATES = (0.013, 0.047, 0.31, 2.1, 5.0)

@@ -248,10 +248,9 @@ def has(held: Held, job: str) -> Answer:
     return {"there": job in held.values}
 
 
-TASKS: dict[str, Callable[..., Answer]] = {
-    "run": run, "prepare": prepare, "example": example, "described": described, "deviation": deviation, "refit": refit,
-    "export": export, "save": save, "has": has,
-}  # fmt: skip
+TASKS: dict[str, Callable[..., Answer]] = {"run": run, "prepare": prepare, "example": example, "described": described,
+                                           "deviation": deviation, "refit": refit, "export": export, "save": save,
+                                           "has": has}  # fmt: skip
 """What a worker can be asked."""
 
 
