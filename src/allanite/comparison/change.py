@@ -237,6 +237,8 @@ def of_symbol(results: Sequence[OfTerm], symbol: str, done: str) -> OfTerm:
 class Together(Job[Compared]):
     """A result for each channel of several recordings; ``source 2`` and so on are the other recordings."""
 
+    _used = None
+
     names: tuple[str, ...]  # of the recordings
 
     @property
@@ -253,10 +255,6 @@ class Together(Job[Compared]):
     def _explained(self, channel: Any) -> bool:
         """Whether a model explains each record of a channel."""
         return all(channel.explained)
-
-    def choices(self) -> dict[str, Any]:
-        """The recipe that was actually used, as plain data."""
-        return self.recipe.to_dict()
 
     def to_dict(self, level: float | None = None) -> dict[str, Any]:
         """Plain data, with limits at `level`, by default that of the recipe."""

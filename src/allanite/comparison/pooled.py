@@ -123,20 +123,16 @@ class PooledChannel(ComparedChannel):
             return say("not pooled: {reason}", reason=self.refusal)
         kind = say("axes") if self.of_axes else say("runs")
         every: dict[str, Any] = {"count": len(self.fits), "runs": kind, "p": chance(self.test.p)}
-        if self._one_noise and not self.apart:
-            first: str = say("one noise model describes all {count} {runs} ({p})", **every)
-        elif self._one_noise:
-            first = say("one noise model describes the {count} {runs} ({p})", **every)
-        else:
-            first = say("the {count} {runs} do not have the same noise ({p})", **every)
-        parts = [first]
+        parts: list[str] = [say("the {count} {runs} do not have the same noise ({p})", **every)]
+        if self._one_noise:
+            parts = [say("one noise model describes the {count} {runs} ({p})", **every) if self.apart
+                     else say("one noise model describes all {count} {runs} ({p})", **every)]  # fmt: skip
         if self.apart:
             runs_apart = join(", ", [join("", (name, f" ({chance(p)})")) for name, p in self.apart.items()])
             parts.append(say("different from the others: {runs}", runs=runs_apart))
-            if self.rest > self.alpha:
-                parts.append(say("the remaining {runs} have the same noise ({p})", runs=kind, p=chance(self.rest)))
-            else:
-                parts.append(say("the remaining {runs} still differ ({p})", runs=kind, p=chance(self.rest)))
+            rest = {"runs": kind, "p": chance(self.rest)}
+            parts.append(say("the remaining {runs} have the same noise ({p})", **rest) if self.rest > self.alpha
+                         else say("the remaining {runs} still differ ({p})", **rest))  # fmt: skip
         named = [t.symbol for t in self.terms if t.adjusted <= self.alpha]
         if named:
             parts.append(say("the scatter between {runs} exceeds that within them in {terms}", runs=kind,

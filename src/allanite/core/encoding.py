@@ -239,9 +239,7 @@ _tuple = Codec(lambda value, args, level: [write_plain(item, hint, level)
                _read_tuple, _is(tuple, list), _is(list, tuple), "a list")  # fmt: skip
 
 FORMS: dict[Any, Codec] = {
-    Any: _itself,
-    object: _itself,
-    Literal: _itself._replace(read=_read_literal),
+    Any: _itself, object: _itself, Literal: _itself._replace(read=_read_literal),
     bool: _itself._replace(holds=_is(bool, np.bool_), written=_is(bool), expected="true or false"),
     str: _itself._replace(holds=_is(str), written=_is(str), expected="a text"),
     int: _itself._replace(holds=_is(int, np.integer), written=_whole, expected="a whole number"),
@@ -251,13 +249,8 @@ FORMS: dict[Any, Codec] = {
         "the name of a quantity"),
     np.ndarray: Codec(lambda value, _, level: _numbers(np.asarray(value)), _array, _is(np.ndarray), _is(list, dict),
         "a list of numbers"),
-    tuple: _tuple,
-    list: _tuple._replace(read=lambda data, args: list(_read_tuple(data, args))),
-    Sequence: _tuple,
-    dict: _dict,
-    Mapping: _dict,
-    Union: _union,
-    types.UnionType: _union,
+    tuple: _tuple, list: _tuple._replace(read=lambda data, args: list(_read_tuple(data, args))), Sequence: _tuple,
+    dict: _dict, Mapping: _dict, Union: _union, types.UnionType: _union,
     Callable: Codec(_write_call, _read_call, callable, _is(dict, str), "a table"),
 }  # fmt: skip
 """The codec of a type, or of the type that it is derived from."""

@@ -382,6 +382,5 @@ def constructor(symbol: str) -> Constructor:
     return public(build)
 
 
-Q, N, B, K = (constructor(symbol) for symbol in ("Q", "N", "B", "K"))
-R, GM, Sine = (constructor(symbol) for symbol in ("R", "GM", "Sine"))
-F, GMA, GM2, GML, W = (constructor(symbol) for symbol in ("F", "GMA", "GM2", "GML", "W"))
+Q, N, B, K, R, W = map(constructor, ("Q", "N", "B", "K", "R", "W"))
+F, GM, GMA, GM2, GML, Sine = map(constructor, ("F", "GM", "GMA", "GM2", "GML", "Sine"))

@@ -88,27 +88,15 @@ _DEGREE, _GRAVITY = math.pi / 180, 9.80665
 _PREFIXES = {"k": 1e3, "h": 1e2, "c": 1e-2, "m": 1e-3, "u": 1e-6, "n": 1e-9}
 
 _BASIC: tuple[tuple[str, float, Dimension, str], ...] = (
-    ("rad", 1.0, _ANGLE, "mu"),
-    ("deg", _DEGREE, _ANGLE, "m"),
-    ("arcmin", _DEGREE / 60, _ANGLE, ""),
-    ("arcsec", _DEGREE / 3600, _ANGLE, ""),
-    ("rev", 2 * math.pi, _ANGLE, ""),
-    ("m", 1.0, _LENGTH, "cmun"),
-    ("g", _GRAVITY, _powers(length=1, time=-2), "mun"),
-    ("Gal", 1e-2, _powers(length=1, time=-2), "m"),
-    ("s", 1.0, _TIME, "mun"),
-    ("min", 60.0, _TIME, ""),
-    ("h", 3600.0, _TIME, ""),
-    ("Hz", 1.0, _powers(time=-1), ""),
-    ("A", 1.0, _powers(current=1), "mu"),
-    ("V", 1.0, _powers(voltage=1), "mu"),
-    ("K", 1.0, _powers(temperature=1), "m"),
+    ("rad", 1.0, _ANGLE, "mu"), ("deg", _DEGREE, _ANGLE, "m"), ("arcmin", _DEGREE / 60, _ANGLE, ""),
+    ("arcsec", _DEGREE / 3600, _ANGLE, ""), ("rev", 2 * math.pi, _ANGLE, ""), ("m", 1.0, _LENGTH, "cmun"),
+    ("g", _GRAVITY, _powers(length=1, time=-2), "mun"), ("Gal", 1e-2, _powers(length=1, time=-2), "m"),
+    ("s", 1.0, _TIME, "mun"), ("min", 60.0, _TIME, ""), ("h", 3600.0, _TIME, ""), ("Hz", 1.0, _powers(time=-1), ""),
+    ("A", 1.0, _powers(current=1), "mu"), ("V", 1.0, _powers(voltage=1), "mu"), ("K", 1.0, _powers(temperature=1), "m"),
     ("degC", 1.0, _powers(temperature=1), ""),  # of differences: the offset is not part of the unit
-    ("T", 1.0, _powers(flux_density=1), "mun"),
-    ("gauss", 1e-4, _powers(flux_density=1), ""),
-    ("Pa", 1.0, _powers(pressure=1), "kh"),
-    ("bar", 1e5, _powers(pressure=1), "m"),
-)
+    ("T", 1.0, _powers(flux_density=1), "mun"), ("gauss", 1e-4, _powers(flux_density=1), ""),
+    ("Pa", 1.0, _powers(pressure=1), "kh"), ("bar", 1e5, _powers(pressure=1), "m"),
+)  # fmt: skip
 """Name, size in SI, dimension, and the prefixes that it takes."""
 
 ATOMS: dict[str, tuple[float, Dimension]] = {prefix + name: (_PREFIXES.get(prefix, 1.0) * size, dimension)

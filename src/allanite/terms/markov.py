@@ -220,13 +220,11 @@ def angle_markov(T: float) -> NoiseTerm:
         },
         meaning=say("exponentially correlated (first-order Gauss-Markov) noise of the angle, with a time constant T"),
         quantity_title=say("Gauss-Markov noise of the integrated {quantity}"),
-        quantity_meaning=say(
-            "exponentially correlated (first-order Gauss-Markov) noise of the integral, with a time constant T"
-        ),
+        quantity_meaning=say("exponentially correlated (first-order Gauss-Markov) noise of the integral, with a time "
+                             "constant T"),
         formula=r"\sigma^2(\tau) = (s^2 / \tau^2) (3 - 4 \exp(-\tau/T) + \exp(-2 \tau/T))",
-        reference=say(
-            "a first-order Markov process of the angle; structure function 2 s^2 (1 - exp(-t/T)), s the RMS angle"
-        ),
+        reference=say("a first-order Markov process of the angle; structure function 2 s^2 (1 - exp(-t/T)), s the "
+                      "RMS angle"),
         power=1.0, slope=math.nan, read_at=math.nan, level=math.nan,
         structure=lambda t: -2 * np.expm1(-u * np.asarray(t, dtype=np.float64)),
         derivative=derivative, summed=summed, increments=increments, spectrum=spectrum, dct=dct, ends=1.0,

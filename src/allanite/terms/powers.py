@@ -110,9 +110,8 @@ ANGLE_RANDOM_WALK = NoiseTerm(
     symbol="N", synonyms=("ARW", "VRW"), title=say("angle random walk"), titles=_titles(0),
     meaning=say("white noise of the rate; the angle error grows as N sqrt(t)"),
     quantity_title=say("white noise of the {quantity}"),
-    quantity_meaning=say(
-        "white noise of the samples, among it their rounding; averaging reduces it with the square root of time"
-    ),
+    quantity_meaning=say("white noise of the samples, among it their rounding; averaging reduces it with the square "
+                         "root of time"),
     formula=r"\sigma^2(\tau) = N^2 / \tau", reference="IEEE Std 952", power=0.5, slope=-0.5, read_at=1.0, level=1.0,
     structure=lambda t: np.asarray(t, dtype=np.float64), derivative=_monomial(1.0, 1),
     summed=lambda t: (np.asarray(t) ** 3 - t) / 6, increments=_at_small_lags(2.0, -1.0),

@@ -93,9 +93,8 @@ def warm_up(T: float) -> NoiseTerm:
 
     return NoiseTerm(
         symbol="W", title=say("warm-up"),
-        meaning=say(
-            "an exponential change of the rate from the start of the record on, with a sign and a time constant"
-        ),
+        meaning=say("an exponential change of the rate from the start of the record on, with a sign and a time "
+                    "constant"),
         formula=r"\Omega(t) = W (1 - \exp(-t / T))", reference=say("the mean over each sample interval"),
         power=0.0, slope=math.nan, read_at=math.nan, level=math.nan, structure=_none, derivative=_none,
         summed=_none, increments=_none, spectrum=lambda f, tau0: np.zeros_like(f), dct=lambda k, _: np.zeros_like(k),
