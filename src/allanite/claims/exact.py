@@ -27,7 +27,7 @@ from allanite.study.results import Channel, Study
 from allanite.terms import TERMS
 
 from .claim import ClaimedNoise
-from .result import AGREES, DIFFERS, UNCLAIMED, CheckedTerm, claimed_deviation, fit_of
+from .result import AGREES, DIFFERS, UNCLAIMED, CheckedTerm, claimed_deviation
 
 WIDTH = 4.0  # coefficients of the transform to either side of a sinusoid that are left out
 
@@ -175,7 +175,7 @@ class AxisCheck:
     @cached_property
     def form(self) -> Form | None:
         """The likelihood of the claimed noise; None without samples or without claimed noise."""
-        fit, record = fit_of(self.channel), self.channel.record
+        fit, record = self.channel.fit, self.channel.record
         if fit is None or not isinstance(record, Record) or not self.noise:
             return None
         return form_of(record, self.model, fit, self.times)

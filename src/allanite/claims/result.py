@@ -10,7 +10,6 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.encoding import finite
-from allanite.core.fit import Fit
 from allanite.core.limits import NOT_DECIDED
 from allanite.core.model import Model
 from allanite.core.plain import Value
@@ -187,8 +186,3 @@ def claimed_deviation(model: Model, curve: Curve) -> FloatArray:
     """The expected deviation of a model at the averaging times of a curve, in its unit."""
     variance = expected(model, curve.statistic, curve.tau, rate=curve.rate, size=curve.size or None)
     return np.sqrt(variance) / unit_of(curve.unit).factor
-
-
-def fit_of(channel: Channel) -> Fit | None:
-    """The fit of a channel that has a result."""
-    return None if channel.refusal else channel.fit

@@ -269,10 +269,8 @@ def estimate(file: str, **choices: Any) -> None:
 
 
 @angle.command()
-@options(
-    click.argument("target", metavar="FILE|PORT|udp://127.0.0.1:9000"), *GIMBALS, "level", "recipe",
-    "every", "duration", "idle", "baud", *RESULTS, settings=(WatchChoices,),
-)  # fmt: skip
+@options(click.argument("target", metavar="FILE|PORT|udp://127.0.0.1:9000"), *GIMBALS, "level", "recipe", "every",
+         "duration", "idle", "baud", *RESULTS, settings=(WatchChoices,))  # fmt: skip
 def watch(target: str, **choices: Any) -> None:
     """Estimate the errors of a gimbal's sensors live.
 

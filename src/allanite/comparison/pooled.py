@@ -190,8 +190,7 @@ def pool_records(inspected: Inspected, names: Sequence[str], recipe: Recipe,
         inspected.name,
         test=test, terms=tuple(replace(term, adjusted=p) for term, p in zip(terms, adjusted, strict=True)),
         curve=curve, curves=curves, p=bartlett(variance, edf), apart=apart,
-        rest=(homogeneity(rest, rng) if apart else test).p, fits=joined.fits, explained=joined.explained,
-        grades=joined.grades, records=inspected.records, band=joined.joint.band,
+        rest=(homogeneity(rest, rng) if apart else test).p, records=inspected.records, **joined.judged,
         alerts=(*joined.alerts, *inspected.alerts, *([_of_two(recipe.level)] if len(names) == 2 else [])), alpha=alpha,
     )  # fmt: skip
 

@@ -152,14 +152,11 @@ class Joined:
         return tuple(noise.fit for noise in self.noises)
 
     @property
-    def explained(self) -> tuple[bool, ...]:
-        """Whether each fit explains its record."""
-        return tuple(noise.explained for noise in self.noises)
-
-    @property
-    def grades(self) -> tuple[str, ...]:
-        """How well each fit explains its record, as text."""
-        return tuple(graded(noise.validity, noise.fit.scope) for noise in self.noises)
+    def judged(self) -> dict[str, Any]:
+        """Fields of a `ComparedChannel`: the common band, and the fits with how well each explains its record."""
+        grades = tuple(graded(noise.validity, noise.fit.scope) for noise in self.noises)
+        explained = tuple(noise.explained for noise in self.noises)
+        return {"band": self.joint.band, "fits": self.fits, "explained": explained, "grades": grades}
 
     @property
     def alerts(self) -> tuple[str, ...]:

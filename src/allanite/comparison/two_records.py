@@ -165,9 +165,8 @@ def compare_records(channel: Inspected, recipe: Recipe, rng: "np.random.Generato
     except DataError as error:
         alerts += (str(error),)
     return Pair(channel.name, test=paired_homogeneity(records) if alike > ALIKE else homogeneity(both, rng),
-                changes=changes, ratios=ratios, band=both.band, fits=(first, second), explained=joined.explained,
-                grades=joined.grades, records=records, alerts=alerts, alpha=alpha_of(recipe.level),
-                paired=alike > ALIKE)  # fmt: skip
+                changes=changes, ratios=ratios, records=records, alerts=alerts, alpha=alpha_of(recipe.level),
+                paired=alike > ALIKE, **joined.judged)  # fmt: skip
 
 
 def law_models(both: Joint, fits: tuple[Fit, Fit], changes: Sequence[Change]) -> list[Model]:

@@ -132,18 +132,16 @@ def _table(value: Any) -> Any:
     return ranges
 
 
-def _worth(value: Any) -> float | str:
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        return str(value)
+def _either(read: Callable[[Any], Any], other: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """What the one function reads, or else the other."""
 
+    def reading(value: Any) -> Any:
+        try:
+            return read(value)
+        except (TypeError, ValueError):
+            return other(value)
 
-def _grid(value: Any) -> Any:
-    try:
-        return NUMBERS.read(value)
-    except UsageError:
-        return value
+    return reading
 
 
 def _lines(value: Any) -> tuple[str, ...]:
@@ -156,14 +154,6 @@ def _model(text: Any) -> Any:
     from .model import Model
 
     return Model(str(text))
-
-
-def _instant(text: Any) -> float:
-    """Seconds after the first sample, which may be zero or, to be refused later in other words, negative."""
-    try:
-        return float(text)
-    except ValueError:
-        return seconds_of(text)
 
 
 NUMBER = ChoiceKind("float", _parsed(float), _demand_number, control="number", form=A_NUMBER)
@@ -186,13 +176,16 @@ INTEGERS = separated(int, "integers", example="1,10,100")
 _FREQUENCIES = separated(float, "auto, all, or two frequencies in Hz", 2, "0.01,10")
 BAND = ChoiceKind("band", lambda v: v if v in ("auto", "all") else _FREQUENCIES.read(v), control="band", takes=LISTS,
                   form=_FREQUENCIES.form)  # fmt: skip
-GRID = ChoiceKind("grid", _grid, takes=LISTS, form="octave, decade, log, all, or times in s, e.g. 1,10,100")
+GRID = ChoiceKind("grid", _either(NUMBERS.read, lambda value: value), takes=LISTS,
+                  form="octave, decade, log, all, or times in s, e.g. 1,10,100")  # fmt: skip
 RANGES = ChoiceKind("ranges", _table, lambda name, value: demand_ranges(value), takes=(str, dict),
                     form="terms with their ranges, e.g. N=0.1:10,K=100:1000")  # fmt: skip
-WORTH = ChoiceKind("scale", _worth, lambda name, v: v if isinstance(v, str) else _demand_number(name, v),
+WORTH = ChoiceKind("scale", _either(float, str), lambda name, v: v if isinstance(v, str) else _demand_number(name, v),
                    form="a number, or a number with a unit as 0.01deg/s")  # fmt: skip
 DURATION = ChoiceKind("duration", seconds_of, form=A_DURATION, measure=SECONDS)
-INSTANT = ChoiceKind("duration", _instant, _demand_number, control="number", form=A_DURATION, measure=SECONDS)
+INSTANT = ChoiceKind("duration", _either(float, seconds_of), _demand_number, control="number", form=A_DURATION,
+                     measure=SECONDS)  # fmt: skip
+"""Seconds after the first sample, which may be zero or, to be refused later in other words, negative."""
 MODEL = ChoiceKind("model", _model, form="a model, e.g. 'N 0.003 deg/sqrt(h), B 0.5 deg/h'")
 DURATIONS = ChoiceKind(
     "duration", lambda v: tuple(map(seconds_of, _parts(v) if isinstance(v, (str, list, tuple)) else [v])),
