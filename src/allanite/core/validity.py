@@ -195,7 +195,7 @@ class Scope(Value):
 
     @property
     def grade(self) -> str:
-        """`level` at the frequencies that the fit uses."""
+        """The grade of the spectrum: approximate if the intervals allow for a misfit."""
         return APPROXIMATE if self.misfit else EXPLAINED
 
     @property
