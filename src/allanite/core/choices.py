@@ -106,8 +106,7 @@ def separated(kind: type, name: str, count: int | None = None, example: str = ""
 
 def pieces(unit: str) -> ChoiceKind:
     """Pairs of numbers in a unit, as ``100..160,300..310``; plain data may hold a list of them."""
-    return ChoiceKind("pieces", lambda value: demand_pieces(value,
-                                                            unit), lambda name, value: demand_pieces(value, unit),
+    return ChoiceKind("pieces", lambda value: demand_pieces(value, unit), lambda _, value: demand_pieces(value, unit),
                       takes=LISTS, form=f"pairs of numbers in {unit}, e.g. 100..160,300..310")  # fmt: skip
 
 
@@ -293,9 +292,10 @@ def choice(metavar: str = "", help: str = "", *, default: Any = None, **columns:
 
 def choices_of(kind: type[Any]) -> dict[str, ChoiceRow]:
     """The choices of a class by the name of their field."""
+    rows = ((f, f.metadata.get("choice")) for f in fields(kind))
     return {f.name: replace(row, name=f.name, default=None if f.default is MISSING else f.default,
-                            kind=kind_of(f.type) if row.kind is TYPED else row.kind) for f in fields(kind)
-            for row in (f.metadata.get("choice"),) if row is not None}  # fmt: skip
+                            kind=kind_of(f.type) if row.kind is TYPED else row.kind)
+            for f, row in rows if row is not None}  # fmt: skip
 
 
 def described(kind: type[Settings]) -> type[Settings]:

@@ -101,10 +101,10 @@ class Term(Value):
     @property
     def shape_words(self) -> str:
         """The shape with its units, without what is as usual; empty if the term has none."""
-        shape = [say("{parameter} {value:.4g} {unit}", parameter=p.title, value=value,
-                     unit=p.unit) if p.unit else say("{parameter} {value:.4g}", parameter=p.title, value=value)
-                 for p, value in zip(self.row.parameters, self.shape, strict=True) if value != p.default]  # fmt: skip
-        return join(", ", shape)
+        pairs = [(p, value) for p, value in zip(self.row.parameters, self.shape, strict=True) if value != p.default]
+        return join(", ", [say("{parameter} {value:.4g} {unit}", parameter=p.title, value=value, unit=p.unit) if p.unit
+                           else say("{parameter} {value:.4g}", parameter=p.title, value=value)
+                           for p, value in pairs])  # fmt: skip
 
     def __str__(self) -> str:
         sheet, shape = self.signal.sheet[self.row.power], self.shape_words
