@@ -27,7 +27,7 @@ from allanite.study.results import Channel, Study
 from .claim import CUTOFF, KINDS, ClaimedNoise, ClaimedSetting, claim_of
 from .convention import causes_of
 from .exact import Counts, by_sensor, curve_row, exact_rows
-from .result import AGREES, DIFFERS, EXCEEDS, CheckedTerm, ClaimCheck, fit_of
+from .result import AGREES, DIFFERS, EXCEEDS, CheckedTerm, ClaimCheck
 
 HIGHEST = 0.45
 """Share of the sampling rate above which a cut-off is not decided on: near half of it the images of what a filter
@@ -39,9 +39,8 @@ ROUGH = 0.2
 VAGUE = 2.0  # ratio of the limits of a cut-off above which one between them is not confirmed: an octave, a definition
 
 
-def setting_rows(
-    study: Study, settings: Sequence[ClaimedSetting], alpha: float, tolerance: float
-) -> Iterator[CheckedTerm]:
+def setting_rows(study: Study, settings: Sequence[ClaimedSetting], alpha: float,
+                 tolerance: float) -> Iterator[CheckedTerm]:  # fmt: skip
     """Every setting held against the channels of its sensor; `alpha` is the chance of a false alarm of them all."""
     pairs = [(c, s) for c in study for s in settings if s.holds_for(c.record.signal)]
     level = 1 - alpha / max(sum(s.quantity == CUTOFF for _, s in pairs), 1)
@@ -56,7 +55,7 @@ def setting_rows(
 def _cutoff(row: CheckedTerm, channel: Channel, claimed: float, level: float, tolerance: float) -> CheckedTerm:
     """A low-pass filter: the interval of its cut-off, whether one is claimed by the fit or not."""
     why = _hidden(channel, claimed)
-    fit = fit_of(channel)
+    fit = channel.fit
     if why or fit is None or fit.cutoff is None:
         return replace(row, outcome=NOT_DECIDED, reason=why)
     low, high = fit.cutoff(level)
@@ -82,7 +81,7 @@ def _differing(channel: Channel, low: float, high: float) -> Phrase:
 
 def _hidden(channel: Channel, claimed: float) -> str:
     """Why a record does not show a low-pass filter of this cut-off; empty if it does."""
-    rate, fit = channel.record.rate, fit_of(channel)
+    rate, fit = channel.record.rate, channel.fit
     repeated = next((str(f.what) for f in channel.quality.findings if f.name == "resampled"), "")
     if repeated:
         return repeated
@@ -139,11 +138,9 @@ SHARES = 5
 
 
 @public
-def check(
-    source: Source, claims: "str | os.PathLike[str] | Model | ClaimedNoise", recipe: Recipe | None = None, *,
-    claims_from: str | None = None, at_most: bool = False, tolerance: float = TOLERANCE,
-    progress: Progress | None = None, **choices: object,
-) -> ClaimCheck:  # fmt: skip
+def check(source: Source, claims: "str | os.PathLike[str] | Model | ClaimedNoise", recipe: Recipe | None = None,
+          *, claims_from: str | None = None, at_most: bool = False, tolerance: float = TOLERANCE,
+          progress: Progress | None = None, **choices: object) -> ClaimCheck:  # fmt: skip
     """Check whether a recording has the noise that a configuration, a simulator or a data sheet claims.
 
     A model and the file of a filter or simulator claim exact values: each coefficient is estimated by likelihood in the
@@ -236,11 +233,9 @@ def _bounds(study: Study, claims: dict[float, ClaimedNoise], alpha: float, toler
     for channel, own in limits:
         for limit in own:
             yield _bounded(channel, limit, 1 - 2 * each, tolerance)
-        model, fit = claims[channel.record.rate].of(channel.record.signal), fit_of(channel)
+        model, fit = claims[channel.record.rate].of(channel.record.signal), channel.fit
         if whole and model is not None and fit is not None and isinstance(channel.record, Record):
-            yield curve_row(
-                channel, model, fit, 2 * each, lambda low, _: EXCEEDS if low > 1 + tolerance else AGREES
-            )  # fmt: skip
+            yield curve_row(channel, model, fit, 2 * each, lambda low, _: EXCEEDS if low > 1 + tolerance else AGREES)
 
 
 BOUNDED = {PASS: AGREES, FAIL: EXCEEDS, NOT_DECIDED: NOT_DECIDED}

@@ -25,12 +25,9 @@ from allanite.terms import TERMS
 
 CUTOFF, RATE = SETTINGS = "cutoff", "rate"  # what may be claimed beside noise
 
-ITEM = re.compile(
-    r"(?:(?P<sensor>gyro|accel)\w*\s+)?"
-    r"(?:(?P<cutoff>low-?\s?pass|bandwidth|dlpf|cut-?off)|(?:output |sampling )?rate|odr)"
-    r"(?:\s+at|\s*[:=])?\s+(?P<value>[0-9.]+(?:e[+-]?\d+)?)\s*(?P<kilo>k?)hz",
-    re.IGNORECASE,
-)
+ITEM = re.compile(r"(?:(?P<sensor>gyro|accel)\w*\s+)?"
+                  r"(?:(?P<cutoff>low-?\s?pass|bandwidth|dlpf|cut-?off)|(?:output |sampling )?rate|odr)"
+                  r"(?:\s+at|\s*[:=])?\s+(?P<value>[0-9.]+(?:e[+-]?\d+)?)\s*(?P<kilo>k?)hz", re.IGNORECASE)  # fmt: skip
 """A setting: ``lowpass 42 Hz``, ``gyro bandwidth 250 Hz``, ``output rate 1 kHz``."""
 
 
@@ -89,7 +86,6 @@ def _number(text: str) -> float:
 
 SUFFIXES = {suffix for row in EXPORTS.values() for suffix in row.forms} | {".yml", ".xml", ".toml", ".txt", ".cfg"}
 """Suffixes of files of claims: a text with one of them is a path, also where there is no such file."""
-
 
 KINDS = {"limits": say("limits"), "data sheet": say("data sheet")}
 """What kinds of claims are called, beside models and files of targets."""
@@ -156,9 +152,8 @@ class ClaimedNoise(Value):
 
 
 @public
-def claim_of(
-    given: "str | os.PathLike[str] | Model | ClaimedNoise", origin: str | None = None, rate: float | None = None
-) -> ClaimedNoise:
+def claim_of(given: "str | os.PathLike[str] | Model | ClaimedNoise", origin: str | None = None,
+             rate: float | None = None) -> ClaimedNoise:  # fmt: skip
     """The noise that a text, a file or a name claims.
 
     Parameters

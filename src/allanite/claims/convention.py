@@ -99,9 +99,8 @@ def explaining(low: float, high: float, place: Place) -> list[tuple[str, Convent
         if place.symbol not in row.symbols and (row.symbols or place.symbol == "T"):
             continue
         factor = row.factor(place)
-        for value, name in ((factor, row.name), (1 / factor if factor else NAN, say("1/{factor}", factor=row.name)))[
-            : 1 + row.inverse
-        ]:
+        for value, name in ((factor, row.name), (1 / factor if factor else NAN,
+                                                 say("1/{factor}", factor=row.name)))[: 1 + row.inverse]:  # fmt: skip
             if low <= value <= high:
                 fitting.append((_distance(value, low, high), name, row))
     return [(name, row) for _, name, row in sorted(fitting, key=lambda one: one[0])]

@@ -258,10 +258,8 @@ class Drift(Value):
         if not any(math.isfinite(share.cause.high) for share in known):
             below = above = np.full_like(at, math.nan)
         most = sum((worst.most for worst in worst_axes), nothing)
-        return DriftCourse(
-            name, at, np.sqrt(total), np.sqrt(np.maximum(total - below, 0)), np.sqrt(total + above), np.sqrt(most),
-            tuple(shares),
-        )  # fmt: skip
+        return DriftCourse(name, at, np.sqrt(total), np.sqrt(np.maximum(total - below, 0)), np.sqrt(total + above),
+                           np.sqrt(most), tuple(shares))  # fmt: skip
 
     def _worst(self, path: DriftPath, times: FloatArray) -> WorstAxis | None:
         """The worst axis of a sensor at each time; None if there is none."""
@@ -273,11 +271,8 @@ class Drift(Value):
         """What every requirement allows, as plain data."""
         requirements = []
         for need in self.settings.requirements:
-            terms = [
-                {"sensor": t.sensor, "name": t.name, "alone": t.alone, "shared": t.shared, "found": t.found,
-                 "unit": t.signal.si[t.power]}
-                for t in self.allowing(need)
-            ]  # fmt: skip
+            terms = [{"sensor": t.sensor, "name": t.name, "alone": t.alone, "shared": t.shared, "found": t.found,
+                      "unit": t.signal.si[t.power]} for t in self.allowing(need)]  # fmt: skip
             requirements.append({"require": need.text, "drift": self.reached(need), "terms": terms})
         return requirements
 
@@ -318,11 +313,8 @@ class Drift(Value):
         """The quantities at the times, as plain data."""
         quantities = []
         for course in (self[name] for name in self.quantities):
-            shares = [
-                {"sensor": s.sensor, "channels": list(s.channels), "name": s.cause.name, "limit": s.cause.limit,
-                 "sigma": plain(np.sqrt(s.variance))}
-                for s in course.shares
-            ]  # fmt: skip
+            shares = [{"sensor": s.sensor, "channels": list(s.channels), "name": s.cause.name, "limit": s.cause.limit,
+                       "sigma": plain(np.sqrt(s.variance))} for s in course.shares]  # fmt: skip
             numbers = {key: plain(getattr(course, key)) for key in ("times", "sigma", "low", "high", "most")}
             unit = QUANTITIES[course.name].si
             quantities.append({"quantity": course.name, "unit": unit, **numbers, "causes": shares})

@@ -54,11 +54,9 @@ class DriftPath(NamedTuple):
         return signal_named(self.sensor)
 
 
-PATHS = (
-    DriftPath("heading", GYRO, 0), DriftPath("attitude", GYRO, 0, coupled=True),
-    DriftPath("velocity", ACCELEROMETER, 0), DriftPath("velocity", GYRO, 1, coupled=True),
-    DriftPath("position", ACCELEROMETER, 1), DriftPath("position", GYRO, 2, coupled=True),
-)  # fmt: skip
+PATHS = (DriftPath("heading", GYRO, 0), DriftPath("attitude", GYRO, 0, coupled=True),
+         DriftPath("velocity", ACCELEROMETER, 0), DriftPath("velocity", GYRO, 1, coupled=True),
+         DriftPath("position", ACCELEROMETER, 1), DriftPath("position", GYRO, 2, coupled=True))  # fmt: skip
 
 PLATFORMS = {"strapdown": PATHS, "level": tuple(path for path in PATHS if not path.coupled)}
 

@@ -30,10 +30,8 @@ from .drift_settings import DriftSettings
 
 
 @public
-def drift(
-    source: Source | Record | Recording | str | PurePath | None = None, settings: DriftSettings | None = None, *,
-    recipe: Recipe | None = None, **choices: Any,
-) -> Drift:  # fmt: skip
+def drift(source: Source | Record | Recording | str | PurePath | None = None, settings: DriftSettings | None = None, *,
+          recipe: Recipe | None = None, **choices: Any) -> Drift:  # fmt: skip
     """Predict how far heading, attitude, velocity and position drift with time without aid, from the noise.
 
     Each is a standard deviation, in closed form from the structure function of every noise term; nothing is simulated.
@@ -113,9 +111,8 @@ def drift_of(sources: Sequence[Any], settings: DriftSettings) -> Drift:
     omitted = [axis for axis in inertial if axis not in kept]
     alerts = alerts_of([replace(axis, alerts=()) for axis in kept], omitted, [])
     notes = [*alerts_of([replace(axis, doubt="") for axis in kept], [], studies), *_unknown(kept)]
-    rejected = dict.fromkeys(
-        [*(axis.name for axis in omitted), *(name for study in studies for name in study.rejected)]
-    )
+    rejected = dict.fromkeys([*(axis.name for axis in omitted),
+                              *(name for study in studies for name in study.rejected)])  # fmt: skip
     recipe, provenance = (studies[0].choices(), studies[0].provenance) if studies else ({}, provenance_of())
     return Drift(axes, settings, tuple(alerts), tuple(notes), tuple(rejected), recipe, provenance)
 
@@ -160,10 +157,8 @@ def _cause(axis: Axis, e: Estimate, settings: DriftSettings) -> DriftCause | Non
     if usable and e.value and not TERMS[e.symbol].transient:
         low, high = np.abs(e.interval(axis.level)) / abs(e.value)
         across = math.prod(e.interval(axis.level)) < 0  # a ramp that may be none
-        return DriftCause(
-            e.symbol, Term(e.symbol, e.value, e.signal, e.shape), low=0.0 if across else float(min(low, high)),
-            high=float(max(low, high)),
-        )  # fmt: skip
+        return DriftCause(e.symbol, Term(e.symbol, e.value, e.signal, e.shape),
+                          low=0.0 if across else float(min(low, high)), high=float(max(low, high)))  # fmt: skip
     if e.value is None and e.upper and not e.row.claimed and not e.shape and not TERMS[e.symbol].parameters:
         return DriftCause(e.symbol, Term(e.symbol, e.upper, e.signal), limit=True)
     return None

@@ -27,7 +27,7 @@ from allanite.study.results import Channel, Study
 from allanite.terms import TERMS
 
 from .claim import ClaimedNoise
-from .result import AGREES, DIFFERS, UNCLAIMED, CheckedTerm, claimed_deviation, fit_of
+from .result import AGREES, DIFFERS, UNCLAIMED, CheckedTerm, claimed_deviation
 
 WIDTH = 4.0  # coefficients of the transform to either side of a sinusoid that are left out
 
@@ -121,12 +121,10 @@ def _with_ramp(part: Likelihood, bins: BinnedSpectrum, term: Term) -> Likelihood
     ramp = np.arange(part.flat.size) == part.flat.size - 1
     slope = bins.slope * ramp  # what was subtracted before comes back
     squares = (part.UU @ slope) @ slope + 2 * part.Uc @ slope
-    return replace(
-        part,
-        S=np.column_stack((part.S, np.zeros(part.power.size))),
-        W=np.column_stack((part.W, ramp * (term.value / (bins.rate * bins.unit_factor)) ** 2)),
-        power=part.power + squares / part.count, Uc=part.Uc + part.UU @ slope, flat=part.flat & ~ramp,
-    )  # fmt: skip
+    return replace(part, S=np.column_stack((part.S, np.zeros(part.power.size))),
+                   W=np.column_stack((part.W, ramp * (term.value / (bins.rate * bins.unit_factor)) ** 2)),
+                   power=part.power + squares / part.count, Uc=part.Uc + part.UU @ slope,
+                   flat=part.flat & ~ramp)  # fmt: skip
 
 
 def time_excess(forms: Sequence[Form], which: int) -> tuple[FloatArray, FloatArray]:
@@ -177,7 +175,7 @@ class AxisCheck:
     @cached_property
     def form(self) -> Form | None:
         """The likelihood of the claimed noise; None without samples or without claimed noise."""
-        fit, record = fit_of(self.channel), self.channel.record
+        fit, record = self.channel.fit, self.channel.record
         if fit is None or not isinstance(record, Record) or not self.noise:
             return None
         return form_of(record, self.model, fit, self.times)
@@ -308,10 +306,8 @@ def _estimated(channel: Channel, term: Term, count: Counts) -> CheckedTerm:
     return replace(row, ratio=ratio, low=low / size, high=high / size, outcome=count.outcome(low / size, high / size))
 
 
-def curve_row(
-    channel: Channel, claimed: Model, supposed: Model | Fit, alpha: float, judge: Callable[[float, float], str], *,
-    settled: float = 0.0,
-) -> CheckedTerm:  # fmt: skip
+def curve_row(channel: Channel, claimed: Model, supposed: Model | Fit, alpha: float,
+              judge: Callable[[float, float], str], *, settled: float = 0.0) -> CheckedTerm:  # fmt: skip
     """The Allan deviation where it is farthest from the claimed one, at octaves from the time `settled` on."""
     # Its intervals are those under the noise that is `supposed`; `judge` says what limits of the ratio mean.
     record = channel.record
@@ -324,11 +320,10 @@ def curve_row(
     outcomes = [o if tau >= settled else AGREES for o, tau in zip(outcomes, curve.tau, strict=True)]
     outside = np.where(curve.tau >= settled, outside, outside - 2 * outside.max())
     most = int(np.argmax(np.where([outcome != AGREES for outcome in outcomes], outside, outside - outside.max())))
-    return CheckedTerm(
-        record.name, record.signal, "curve", factor * float(expected[most]), factor * float(curve.deviation[most]),
-        record.signal.sheet[0], float(curve.deviation[most] / expected[most]), float(low[most]), float(high[most]),
-        outcomes[most], say("at {tau:.4g} s", tau=float(curve.tau[most])),
-    )  # fmt: skip
+    return CheckedTerm(record.name, record.signal, "curve",
+                       factor * float(expected[most]), factor * float(curve.deviation[most]), record.signal.sheet[0],
+                       float(curve.deviation[most] / expected[most]), float(low[most]), float(high[most]),
+                       outcomes[most], say("at {tau:.4g} s", tau=float(curve.tau[most])))  # fmt: skip
 
 
 def _distribution(axis: AxisCheck, row: CheckedTerm, count: Counts) -> Iterator[CheckedTerm]:

@@ -10,7 +10,6 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.encoding import finite
-from allanite.core.fit import Fit
 from allanite.core.limits import NOT_DECIDED
 from allanite.core.model import Model
 from allanite.core.plain import Value
@@ -175,11 +174,9 @@ class ClaimCheck(Study):
     def rows(self, level: float | None = None) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows: what is claimed and found, their ratio with its interval, the outcome."""
         headings = ["channel", "quantity", "claimed", "found", "unit", "ratio", "low", "high", "outcome", "reason"]
-        return headings, [
-            [row.channel, row.quantity, row.shown(row.claimed), row.shown(row.found), row.unit,
-             *map(finite, (row.ratio, row.low, row.high)), row.outcome, row.reason]
-            for row in self.terms
-        ]  # fmt: skip
+        return headings, [[row.channel, row.quantity, row.shown(row.claimed), row.shown(row.found),
+                           row.unit, *map(finite, (row.ratio, row.low, row.high)), row.outcome, row.reason]
+                          for row in self.terms]  # fmt: skip
 
     def _summary(self) -> str:
         return f"against {self.claim.title}: {self.verdict}"
@@ -189,8 +186,3 @@ def claimed_deviation(model: Model, curve: Curve) -> FloatArray:
     """The expected deviation of a model at the averaging times of a curve, in its unit."""
     variance = expected(model, curve.statistic, curve.tau, rate=curve.rate, size=curve.size or None)
     return np.sqrt(variance) / unit_of(curve.unit).factor
-
-
-def fit_of(channel: Channel) -> Fit | None:
-    """The fit of a channel that has a result."""
-    return None if channel.refusal else channel.fit

@@ -37,10 +37,8 @@ def info(file: str, **choices: Any) -> None:
 
 
 @command()
-@options(
-    "files", *RECORDING, "statistic", "taus", *IDENTIFYING, "device", "limits file", "to", "about",
-    "coefficients", *RESULTS,
-)  # fmt: skip
+@options("files", *RECORDING, "statistic", "taus", *IDENTIFYING, "device", "limits file", "to", "about", "coefficients",
+         *RESULTS)  # fmt: skip
 def analyze(files: tuple[str, ...], limits: str | None, **choices: Any) -> None:
     """Identify the noise coefficients of FILES.
 
@@ -154,12 +152,10 @@ BINARY = ("dtype", "columns", "offset")  # choices of a file that has no lines
 
 
 @command()
-@options(
-    click.argument("target", metavar="FILE|PORT|udp://127.0.0.1:9000"),
-    *(name for name in READING if name not in BINARY), *SELECTING, "recipe", "statistic", "taus", *IDENTIFIES,
-    "every", "duration", "idle", "baud", "lines that come", "accuracy", "to", "coefficients", *RESULTS,
-    settings=(WatchChoices,),
-)  # fmt: skip
+@options(click.argument("target", metavar="FILE|PORT|udp://127.0.0.1:9000"),
+         *(name for name in READING if name not in BINARY), *SELECTING, "recipe", "statistic", "taus", *IDENTIFIES,
+         "every", "duration", "idle", "baud", "lines that come", "accuracy", "to", "coefficients", *RESULTS,
+         settings=(WatchChoices,))  # fmt: skip
 def watch(target: str, **choices: Any) -> None:
     """Watch a live stream.
 
@@ -181,11 +177,9 @@ def watch(target: str, **choices: Any) -> None:
 
 
 @command()
-@options(
-    "some files", "models", "sensor", "datasheet", "duration", "samples", *RECORDING, "statistic", "taus", "m", "to",
-    "intervals", "bias", "join", "divisor", "edf", "power_law", *IDENTIFYING, *RESULTS,
-    settings=(NoiseChoices, LengthChoices, DeviationChoices),
-)  # fmt: skip
+@options("some files", "models", "sensor", "datasheet", "duration", "samples", *RECORDING, "statistic",
+         "taus", "m", "to", "intervals", "bias", "join", "divisor", "edf", "power_law", *IDENTIFYING, *RESULTS,
+         settings=(NoiseChoices, LengthChoices, DeviationChoices))  # fmt: skip
 def deviation(files: tuple[str, ...], models: tuple[str, ...], **choices: Any) -> None:
     """Compute Allan and related deviations.
 
@@ -205,10 +199,8 @@ def deviation(files: tuple[str, ...], models: tuple[str, ...], **choices: Any) -
 
 
 @command()
-@options(
-    "files", *RECORDING, "estimator", "sides", "bins", "segment", "window", "bandwidth", "tapers", "weights", "fit",
-    "deviation", "to", *IDENTIFYING, *RESULTS, settings=(DensityChoices,),
-)  # fmt: skip
+@options("files", *RECORDING, "estimator", "sides", "bins", "segment", "window", "bandwidth", "tapers", "weights",
+         "fit", "deviation", "to", *IDENTIFYING, *RESULTS, settings=(DensityChoices,))  # fmt: skip
 def spectrum(files: tuple[str, ...], **choices: Any) -> None:
     """Compute the power spectral density.
 
@@ -219,9 +211,8 @@ def spectrum(files: tuple[str, ...], **choices: Any) -> None:
 
 
 @command()
-@options(
-    "file", *RECORDING, "statistic", "window", "step", "taus", "m", "to", "level", *RESULTS, settings=(WindowChoices,)
-)
+@options("file", *RECORDING, "statistic", "window", "step", "taus", "m", "to", "level", *RESULTS,
+         settings=(WindowChoices,))  # fmt: skip
 def dynamic(file: str, **choices: Any) -> None:
     """Compute a deviation in sliding windows.
 

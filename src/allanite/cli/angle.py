@@ -40,9 +40,8 @@ def turn_option(words: str, default: float | None = None) -> Decorator:
     return click.option("--turn-period", type=float, default=default, show_default=True, metavar="S", help=words)
 
 
-ANGLES = click.option(
-    "--angles", type=NAMES, default="h,q", show_default=True, help="Angle sensors: h, q, h_polar, q_polar, mu."
-)
+ANGLES = click.option("--angles", type=NAMES, default="h,q", show_default=True,
+                      help="Angle sensors: h, q, h_polar, q_polar, mu.")  # fmt: skip
 HEADING = click.option("--ring-heading", type=float, default=0.0, show_default=True, metavar="DEG",
     help="Direction of the outer ring's axis, from north to east.")  # fmt: skip
 
@@ -61,9 +60,8 @@ def harmonics_of(texts: Sequence[str]) -> dict[str, "Harmonics"]:
             s, c = (float(part) * ARCSEC for part in pair.split(","))
             orders.setdefault(name.strip(), {})[int(order)] = (s, c)
         except ValueError:
-            raise UsageError(
-                f"an error has the form ANGLE:ORDER=S,C in arcsec, e.g. h:128=3,-1.5, not {text!r}"
-            ) from None
+            raise UsageError("an error has the form ANGLE:ORDER=S,C in arcsec, e.g. h:128=3,-1.5, not "
+                             f"{text!r}") from None  # fmt: skip
     return {name: Harmonics.of(amplitudes, name) for name, amplitudes in orders.items()}
 
 
@@ -74,10 +72,8 @@ def true_of(path: str) -> tuple["Harmonics", ...]:
     return tuple(harmonics_of(first.removeprefix(TRUE).split()).values()) if first.startswith(TRUE) else ()
 
 
-def deliver_study(
-    result: Any, out: Outputs, choices: dict[str, Any], data: "Recording | None" = None, /,
-    *corrected: Mapping[str, Any],
-) -> None:  # fmt: skip
+def deliver_study(result: Any, out: Outputs, choices: dict[str, Any], data: "Recording | None" = None, /,
+                  *corrected: Mapping[str, Any]) -> None:  # fmt: skip
     """Deliver a result together with the options that produced it, and the corrected angles."""
     from allanite.applications.angle.plans import AngleStudy
     from allanite.study.job import provenance_of
@@ -273,10 +269,8 @@ def estimate(file: str, **choices: Any) -> None:
 
 
 @angle.command()
-@options(
-    click.argument("target", metavar="FILE|PORT|udp://127.0.0.1:9000"), *GIMBALS, "level", "recipe",
-    "every", "duration", "idle", "baud", *RESULTS, settings=(WatchChoices,),
-)  # fmt: skip
+@options(click.argument("target", metavar="FILE|PORT|udp://127.0.0.1:9000"), *GIMBALS, "level", "recipe", "every",
+         "duration", "idle", "baud", *RESULTS, settings=(WatchChoices,))  # fmt: skip
 def watch(target: str, **choices: Any) -> None:
     """Estimate the errors of a gimbal's sensors live.
 
@@ -310,9 +304,8 @@ UNITS = {"difference": ("1", "rad"), "time": ("s", "1")}  # of columns that are 
 ROLES = ("h", "q", "h_polar", "q_polar", "mu", "rho")  # of columns of angles
 
 
-def _rows(
-    file: Any, choices: Mapping[str, Any], angles: Sequence[str], plain: Sequence[str] = ()
-) -> "tuple[Recording, dict[str, FloatArray]]":
+def _rows(file: Any, choices: Mapping[str, Any], angles: Sequence[str],
+          plain: Sequence[str] = ()) -> "tuple[Recording, dict[str, FloatArray]]":  # fmt: skip
     """The complete rows of a file, SI: the columns chosen for these angles and for other roles."""
     import numpy as np
 
@@ -324,9 +317,8 @@ def _rows(
     for role, record in zip((*angles, *plain), data, strict=True):
         fitting = UNITS.get(role, ("rad",))
         if unit_of(record.unit).dimension not in [unit_of(unit).dimension for unit in fitting]:
-            raise UnitError(
-                f"column {record.name!r} is in {record.unit!r}, which cannot be converted to {fitting[0]!r}"
-            )
+            raise UnitError(f"column {record.name!r} is in {record.unit!r}, which cannot be converted to "
+                            f"{fitting[0]!r}")  # fmt: skip
     columns = np.array([record.values * record.factor for record in data])
     whole = np.isfinite(columns).all(axis=0)
     if lost := int(whole.size - whole.sum()):

@@ -52,10 +52,8 @@ def check(file: str, **choices: Any) -> None:
     out = outputs(choices, [file, choices["recipe"], choices["claims"]])
     how = settings_of(ClaimChoices, choices)
     if how.claims is None:
-        raise UsageError(
-            "say what is claimed: --claims with a file, a data sheet or a model, e.g. --claims 'N 0.3 deg/sqrt(h)'",
-            choice="claims",
-        )
+        raise UsageError("say what is claimed: --claims with a file, a data sheet or a model, e.g. --claims 'N 0.3 "
+                         "deg/sqrt(h)'", choice="claims")  # fmt: skip
     claims, recipe = how.claims, recipe_of(choices)
     result = carry_out(lambda tell: checked(file, claims, recipe, claims_from=how.claims_from, at_most=how.at_most,
                                             tolerance=how.tolerance, progress=tell), out)  # fmt: skip
@@ -64,11 +62,9 @@ def check(file: str, **choices: Any) -> None:
 
 
 @command()
-@options(
-    "some files", "models", "sensor", "datasheet", "claimed", "times", "calibration", "turn_on", "scale_factor",
-    "maneuver", "platform", "schuler", "require", "unexplained", "from_curve", *RECORDING, *IDENTIFYING, *RESULTS,
-    settings=(NoiseChoices, DriftChoices),
-)  # fmt: skip
+@options("some files", "models", "sensor", "datasheet", "claimed", "times", "calibration", "turn_on", "scale_factor",
+         "maneuver", "platform", "schuler", "require", "unexplained", "from_curve", *RECORDING, *IDENTIFYING, *RESULTS,
+         settings=(NoiseChoices, DriftChoices))  # fmt: skip
 def drift(files: tuple[str, ...], models: tuple[str, ...], claims: tuple[str, ...], **choices: Any) -> None:
     """Predict navigation errors (not bias drift).
 
@@ -112,10 +108,8 @@ def plan(file: str | None, **choices: Any) -> None:
 
 
 @command()
-@options(
-    *NOISE, "duration", "samples", "records", "seed", "max_bias", "min_coverage", "max_false", "max_missed",
-    *(option for option in RESULTS if option != "plot"), settings=(NoiseChoices, CheckChoices),
-)  # fmt: skip
+@options(*NOISE, "duration", "samples", "records", "seed", "max_bias", "min_coverage", "max_false", "max_missed",
+         *(option for option in RESULTS if option != "plot"), settings=(NoiseChoices, CheckChoices))  # fmt: skip
 def selfcheck(file: str | None, **choices: Any) -> None:
     """Test the identification by simulation.
 
@@ -137,9 +131,8 @@ def demand_kept(result: Any) -> None:
 
 
 @command()
-@options(
-    *NOISE, "tau", "ripple", "order", "turn_on", "measurement", *RESULTS, settings=(NoiseChoices, StateSpaceChoices),
-)  # fmt: skip
+@options(*NOISE, "tau", "ripple", "order", "turn_on", "measurement", *RESULTS,
+         settings=(NoiseChoices, StateSpaceChoices))  # fmt: skip
 def statespace(file: str | None, **choices: Any) -> None:
     """Export the noise as a state-space model.
 

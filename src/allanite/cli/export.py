@@ -20,13 +20,10 @@ USUAL = "datasheet"  # the target where none is named
 
 
 @command()
-@options(
-    "some files", "target", "axis", "inflate", "cover", "filter_rate", "models", "datasheet", "unexplained",
-    "from_curve", *RECORDING, *IDENTIFYING, *FILE, settings=(NoiseChoices, ExportChoices),
-)  # fmt: skip
-def export(
-    files: tuple[str, ...], target: str | None, models: tuple[str, ...], datasheet: str | None, **choices: Any
-) -> None:
+@options("some files", "target", "axis", "inflate", "cover", "filter_rate", "models", "datasheet", "unexplained",
+         "from_curve", *RECORDING, *IDENTIFYING, *FILE, settings=(NoiseChoices, ExportChoices))  # fmt: skip
+def export(files: tuple[str, ...], target: str | None, models: tuple[str, ...], datasheet: str | None,
+           **choices: Any) -> None:  # fmt: skip
     """Write the noise as a file of a filter.
 
     FILES are recordings, or results that analyze has written with --json, for example of a gyro and of an
@@ -48,10 +45,8 @@ def export(
 
 
 @command()
-@options(
-    click.argument("values", nargs=-1, required=True, metavar="VALUE..."), "target", "origin", "rate", "axis",
-    "inflate", "cover", *FILE, settings=(ExportChoices,),
-)  # fmt: skip
+@options(click.argument("values", nargs=-1, required=True, metavar="VALUE..."), "target", "origin", "rate", "axis",
+         "inflate", "cover", *FILE, settings=(ExportChoices,))  # fmt: skip
 def convert(values: tuple[str, ...], target: str | None, origin: str | None, **choices: Any) -> None:
     """Convert values of a data sheet to fields.
 
@@ -89,10 +84,8 @@ def _suffix(paths: Mapping[str, str]) -> str:
 
 
 @command()
-@options(
-    click.argument("name", required=False, default=""),
-    "samples", "taus", "csv", "json", *SHOWN, settings=(LengthChoices,),
-)  # fmt: skip
+@options(click.argument("name", required=False, default=""), "samples", "taus", "csv", "json", *SHOWN,
+         settings=(LengthChoices,))  # fmt: skip
 def explain(name: str, samples: int | None, taus: Any, **choices: Any) -> None:
     """Explain a word, target or data sheet.
 

@@ -25,10 +25,9 @@ EVERY = 1.0  # seconds after which the rows that came are taken in
 REPORTS = 10.0  # seconds between reports, unless others are given
 
 
-def follow(
-    target: str, choices: dict[str, Any], settings: WatchChoices, service: Service,
-    read: Callable[[Any, dict[str, Any]], tuple[Recording, FloatArray, Gimbals]], *, quiet: bool,
-) -> tuple[Calibration, Recording]:  # fmt: skip
+def follow(target: str, choices: dict[str, Any], settings: WatchChoices,
+           service: Service, read: Callable[[Any, dict[str, Any]], tuple[Recording, FloatArray, Gimbals]], *,
+           quiet: bool) -> tuple[Calibration, Recording]:  # fmt: skip
     """The estimate when the source ends, or is ended; and how its rows were read."""
     data, reported = None, -math.inf
     feed = Feed(tap := opened(target, settings.baud))

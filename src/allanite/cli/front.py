@@ -21,7 +21,7 @@ from allanite.core.names import row_of, unknown
 from allanite.phrases.phrase import command_line
 from allanite.plugins import PluginWarning
 
-from .helping import with_examples
+from .helping import WithExamples
 from .options import demand_filled, with_commas
 from .streams import as_sentences, begin, complain, ended, ended_by, lost, while_read
 
@@ -91,7 +91,7 @@ SPELLINGS = (
 )
 
 
-class Front(click.Group):
+class Front(WithExamples, click.Group):
     """A group of verbs that ends with a message and the documented exit codes, never with a traceback."""
 
     def __init__(self, *args: Any, verbs: Mapping[str, Verb], **extra: Any) -> None:
@@ -108,17 +108,12 @@ class Front(click.Group):
         command: click.Command = row_of("command", now, self.verbs).imported()
         return command
 
-    def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """What it does, and three examples."""
-        with_examples(self, formatter)
-
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the verbs below the headings of their groups."""
         for group in dict.fromkeys(verb.group for verb in self.verbs.values()):
             with formatter.section(group):
-                formatter.write_dl(
-                    [(v.name, v.imported().get_short_help_str()) for v in self.verbs.values() if v.group == group]
-                )
+                formatter.write_dl([(v.name, v.imported().get_short_help_str())
+                                    for v in self.verbs.values() if v.group == group])  # fmt: skip
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse the arguments, and keep them as they were typed."""

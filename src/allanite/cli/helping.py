@@ -14,10 +14,9 @@ MOST = 12  # options that are shown unless all are asked for
 OWN = 4  # options of the verb itself among them, at least
 ALL = "allanite.help"  # key in the context: whether all options are asked for
 
-USED = (
-    "target", "output", "models", "sensor", "datasheet", "unit", "rate", "channels", "report", "time", "details",
-    "terms", "start", "json", "plot", "end", "recipe", "taus", "statistic", "scale", "kind", "level", "csv", "force",
-)  # fmt: skip
+USED = ("target", "output", "models", "sensor", "datasheet", "unit", "rate", "channels", "report", "time", "details",
+        "terms", "start", "json", "plot", "end", "recipe", "taus", "statistic", "scale", "kind", "level", "csv",
+        "force")  # fmt: skip
 """Names of the options that are typed most, in this order."""
 
 GROUPS = {
@@ -30,7 +29,21 @@ GROUPS = {
 """Headings with the names of their options; others are those of the verb."""
 
 
-class VerbCommand(click.Command):
+class WithExamples(click.Command):
+    """A command whose help has examples."""
+
+    def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """The summary, the examples, and the rest of the description."""
+        examples = tomllib.loads(Path(__file__).with_name("examples.toml").read_text("utf-8"))
+        lines = [f"allanite {line}" for line in examples.get(str(self.name), [])]
+        summary, _, rest = cleandoc(self.help or "").partition("\n\n")
+        for text in filter(None, (summary, "\n".join(["\b", *lines]) if lines else "", rest)):
+            formatter.write_paragraph()
+            with formatter.indentation():
+                formatter.write_text(text)
+
+
+class VerbCommand(WithExamples):
     """A verb whose help is short: ``--help all`` shows every option."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -38,10 +51,6 @@ class VerbCommand(click.Command):
         at = next((i + 1 for i, word in enumerate(args) if word in ("--help", "-h")), len(args))
         ctx.meta[ALL] = args[at : at + 1] == ["all"]
         return super().parse_args(ctx, [*args[:at], *args[at + ctx.meta[ALL] :]])
-
-    def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """The summary, the examples, and the rest of the description."""
-        with_examples(self, formatter)
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """The options below their headings."""
@@ -67,17 +76,6 @@ def _most_used(options: list[click.Option]) -> list[click.Option]:
     used = sorted((o for o in options if o.name in USED), key=lambda option: USED.index(str(option.name)))
     kept = list(dict.fromkeys([*own[:OWN], *used, *own, *options]))[:MOST]
     return [option for option in options if option in kept or option.name == "help"]
-
-
-def with_examples(command: click.Command, formatter: click.HelpFormatter) -> None:
-    """Write the summary of a command, its examples, and the rest of its description."""
-    examples = tomllib.loads(Path(__file__).with_name("examples.toml").read_text("utf-8"))
-    lines = [f"allanite {line}" for line in examples.get(str(command.name), [])]
-    summary, _, rest = cleandoc(command.help or "").partition("\n\n")
-    for text in filter(None, (summary, "\n".join(["\b", *lines]) if lines else "", rest)):
-        formatter.write_paragraph()
-        with formatter.indentation():
-            formatter.write_text(text)
 
 
 def command() -> Callable[[Callable[..., Any]], VerbCommand]:

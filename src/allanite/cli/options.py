@@ -55,11 +55,8 @@ class Threads(ParamType):
 
 NAMES, NUMBERS, INTEGERS = map(Converted, (choices.NAMES, choices.NUMBERS, choices.INTEGERS))
 
-
-PLACES = {
-    "--unit": rf"\b({COLUMN}|{UNIT})\b", "--rate": rf"\b({RATE})\b", "--scale": rf"\b({SCALE})\b",
-    "--time": rf".*\[({UNIT})\]",
-}  # fmt: skip
+PLACES = {"--unit": rf"\b({COLUMN}|{UNIT})\b", "--rate": rf"\b({RATE})\b", "--scale": rf"\b({SCALE})\b",
+          "--time": rf".*\[({UNIT})\]"}  # fmt: skip
 """The options that have them, and where."""
 
 
@@ -182,10 +179,8 @@ def option_of(choice: ChoiceRow) -> Decorator:
     form: dict[str, Any] = {"type": Converted(choice.kind)}
     if choice.kind.many:
         form = {"multiple": True, "callback": lambda _, __, values: values or None}
-    form |= {
-        "metavar": choice.metavar or None, "help": choice.text, "cls": Option, "synonyms": choice.synonyms,
-        "unlike": choice.unlike, "old": choice.old,
-    }  # fmt: skip
+    form |= {"metavar": choice.metavar or None, "help": choice.text, "cls": Option, "synonyms": choice.synonyms,
+             "unlike": choice.unlike, "old": choice.old}  # fmt: skip
     if choice.kind.alone:
         form |= {"cls": Alone, "is_flag": False, "flag_value": choice.kind.alone}
     return click.option(*choice.options, choice.name, **form)

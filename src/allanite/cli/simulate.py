@@ -128,7 +128,6 @@ FAULTS: "dict[str, Fault]" = {
 }  # fmt: skip
 """The function of each option, in the order in which the faults occur in a sensor and its logger."""
 
-
 CHANNEL_NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}  # first letters of the channels' names
 
 
@@ -242,10 +241,9 @@ WRITTEN = {"report": "page.html", "json": "paper.json"}  # files of the comparis
 
 
 @command()
-@options(
-    click.argument("paper", required=False), click.argument("folder", required=False, type=click.Path(file_okay=False)),
-    click.option("--commands", is_flag=True, help="Print the commands only."), *SHOWN,
-)  # fmt: skip
+@options(click.argument("paper", required=False),
+         click.argument("folder", required=False, type=click.Path(file_okay=False)),
+         click.option("--commands", is_flag=True, help="Print the commands only."), *SHOWN)  # fmt: skip
 def example(paper: str | None, folder: str | None, commands: bool, **shared: Any) -> None:
     """Reproduce the tables and figures of a paper.
 

@@ -98,10 +98,8 @@ def compensate(file: str, **choices: Any) -> None:
             complain(f"allanite: {alert}")
         return made.data
 
-    data: dict[str, Callable[[Any], str | bytes]] = {
-        "save": lambda study: to_json(study.regressions),
-        "output": parameters,
-    }
+    data: dict[str, Callable[[Any], str | bytes]] = {"save": lambda study: to_json(study.regressions),
+                                                     "output": parameters}  # fmt: skip
     extra = Extra(data, {"corrected": lambda study: study.corrected})
     carry_out(lambda tell: compensate_file(file, recipe, settings, apply_to=apply_to, progress=tell), out, extra)
 
@@ -115,10 +113,8 @@ def _autopilot(name: str | None, instance: int | None, out: Outputs) -> "Thermal
     if name is not None:
         raise UsageError(f"--to {name} writes a file of parameters: name it with --output PATH; - is standard output")
     if "output" in out.paths or instance is not None:
-        raise UsageError(
-            "--output and --instance are for the parameters of an autopilot: add --to px4 or --to ardupilot; "
-            "a corrected record is written with --corrected PATH"
-        )
+        raise UsageError("--output and --instance are for the parameters of an autopilot: add --to px4 or --to "
+                         "ardupilot; a corrected record is written with --corrected PATH")  # fmt: skip
     return None
 
 
@@ -173,10 +169,8 @@ def _design(choices: dict[str, Any]) -> "VerticalDesign":
     from allanite.core.model import Model
 
     if choices["gyro"] is None or choices["accelerometer"] is None:
-        raise UsageError(
-            "give a recording, or the noise of both sensors with --gyro and --accelerometer, e.g. "
-            "--gyro 'N 0.3 deg/sqrt(h), B 10 deg/h' --accelerometer 'N 100 ug/sqrt(Hz)'"
-        )
+        raise UsageError("give a recording, or the noise of both sensors with --gyro and --accelerometer, e.g. --gyro "
+                         "'N 0.3 deg/sqrt(h), B 10 deg/h' --accelerometer 'N 100 ug/sqrt(Hz)'")  # fmt: skip
     allowed = {"gyro", "accelerometer", "rate", "level", "recipe", *DESIGNING}
     extra = [key for key, value in choices.items() if value not in (None, False) and key not in allowed]
     if extra:

@@ -120,19 +120,14 @@ def _watch(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Repor
 
 def ends_of_units(batch: "Batch", *, strict: bool = False) -> list[tuple[int, str]]:
     """The exit codes of what was found in many units, and the words for it; the worst comes first."""
-    ends = (
-        (EXCEEDED, batch.exceeding, "a limit is exceeded"), (PARTLY, batch.failed, "not analyzed"),
-        (DATA, batch.rejected if strict else (), "not explained, or a limit is not decided"),
-    )  # fmt: skip
+    ends = ((EXCEEDED, batch.exceeding, "a limit is exceeded"), (PARTLY, batch.failed, "not analyzed"),
+            (DATA, batch.rejected if strict else (), "not explained, or a limit is not decided"))  # fmt: skip
     return [(code, f"{what}: {', '.join(units)}") for code, units, what in ends if units]
 
 
 INFO = VerbTask(_info, code=lambda study: DATA if all(channel.refusal for channel in study.channels) else 0)
-ANALYZE = VerbTask(
-    _analyze,
-    code=lambda result: next((code for code, _ in ends_of_units(result)), 0) if hasattr(result, "exceeding") else 0,
-    most=None,
-)
+ANALYZE = VerbTask(_analyze, code=lambda result: next((code for code, _ in ends_of_units(result)),
+                                                      0) if hasattr(result, "exceeding") else 0, most=None)  # fmt: skip
 DEVIATION = VerbTask(_survey, "study.survey.Deviations", most=None)
 SPECTRUM = VerbTask(_survey, "study.survey.Densities", most=None)
 DYNAMIC = VerbTask(_survey, "study.survey.Windows")

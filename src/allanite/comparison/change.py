@@ -161,10 +161,8 @@ def holm(p: list[float]) -> list[float]:
     return adjusted
 
 
-def changes_of(
-    contrasts: Mapping[tuple[str, str], Any], fits: tuple[Fit, Fit], level: float,
-    lines: Sequence[tuple[float, Any]] = (),
-) -> tuple[Change, ...]:  # fmt: skip
+def changes_of(contrasts: Mapping[tuple[str, str], Any], fits: tuple[Fit, Fit], level: float,
+               lines: Sequence[tuple[float, Any]] = ()) -> tuple[Change, ...]:  # fmt: skip
     """The change of each coefficient, by symbol and parameter, and of each sinusoid, from what contrasts it."""
     each: list[tuple[Any, ...]] = []
     each += [(c, s, fits[0][s], fits[1][s], parameter, None) for (s, parameter), c in contrasts.items()]
@@ -239,6 +237,8 @@ def of_symbol(results: Sequence[OfTerm], symbol: str, done: str) -> OfTerm:
 class Together(Job[Compared]):
     """A result for each channel of several recordings; ``source 2`` and so on are the other recordings."""
 
+    _used = None
+
     names: tuple[str, ...]  # of the recordings
 
     @property
@@ -255,10 +255,6 @@ class Together(Job[Compared]):
     def _explained(self, channel: Any) -> bool:
         """Whether a model explains each record of a channel."""
         return all(channel.explained)
-
-    def choices(self) -> dict[str, Any]:
-        """The recipe that was actually used, as plain data."""
-        return self.recipe.to_dict()
 
     def to_dict(self, level: float | None = None) -> dict[str, Any]:
         """Plain data, with limits at `level`, by default that of the recipe."""

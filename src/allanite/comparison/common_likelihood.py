@@ -29,10 +29,8 @@ def reduced(part: Likelihood, columns: BoolArray) -> Likelihood:
     """The likelihood of some of the terms; a direction to which none of them adds is dropped."""
     W = part.W[:, columns]
     kept = part.flat | W.any(axis=1)
-    return replace(
-        part,
-        S=part.S[:, columns], UU=part.UU[:, kept][:, :, kept], Uc=part.Uc[:, kept], W=W[kept], flat=part.flat[kept],
-    )  # fmt: skip
+    return replace(part, S=part.S[:, columns], UU=part.UU[:, kept][:, :, kept], Uc=part.Uc[:, kept], W=W[kept],
+                   flat=part.flat[kept])  # fmt: skip
 
 
 def tied(parts: Sequence[Likelihood], maps: Sequence[FloatArray] | None = None) -> Likelihood:
@@ -44,12 +42,11 @@ def tied(parts: Sequence[Likelihood], maps: Sequence[FloatArray] | None = None) 
     for part, i, j in zip(parts, bins, sizes, strict=False):
         here, own = slice(i, i + part.count.size), slice(j, j + part.flat.size)
         UU[here, own, own], Uc[here, own] = part.UU, part.Uc
-    return Likelihood(
-        S=np.concatenate([part.S @ H for part, H in zip(parts, maps, strict=True)]),
-        power=np.concatenate([part.power for part in parts]), count=np.concatenate([part.count for part in parts]),
-        UU=UU, Uc=Uc, W=np.concatenate([part.W @ H for part, H in zip(parts, maps, strict=True)]),
-        flat=np.concatenate([part.flat for part in parts]),
-    )  # fmt: skip
+    return Likelihood(S=np.concatenate([part.S @ H for part, H in zip(parts, maps, strict=True)]),
+                      power=np.concatenate([part.power for part in parts]),
+                      count=np.concatenate([part.count for part in parts]),
+                      UU=UU, Uc=Uc, W=np.concatenate([part.W @ H for part, H in zip(parts, maps, strict=True)]),
+                      flat=np.concatenate([part.flat for part in parts]))  # fmt: skip
 
 
 def least(parts: Sequence[Likelihood], start: FloatArray | None = None) -> tuple[list[FloatArray], float]:
@@ -122,10 +119,8 @@ class Joint(Portable):
         return tuple(reduced(part, columns) for part in self.parts)
 
 
-def joint(
-    records: Sequence[Record], symbols: Sequence[str], band: tuple[float, float] | None = None, *,
-    shapes: Mapping[str, Shape] | None = None, scopes: Sequence[Scope | None] = (),
-) -> Joint:  # fmt: skip
+def joint(records: Sequence[Record], symbols: Sequence[str], band: tuple[float, float] | None = None, *,
+          shapes: Mapping[str, Shape] | None = None, scopes: Sequence[Scope | None] = ()) -> Joint:  # fmt: skip
     """The likelihoods of records in the band of frequencies that all of them have."""
     demand_one_kind(records)
     shapes = shapes or {}
@@ -151,10 +146,8 @@ def joint(
     return Joint(noise, parts, spectra, records[0].signal, band, shapes)
 
 
-def part_of(
-    whole: Likelihood, bins: BinnedSpectrum, noise: Sequence[str], scope: Scope | None, *, band: tuple[float, float],
-    scopes: Sequence[Scope | None],
-) -> Likelihood:  # fmt: skip
+def part_of(whole: Likelihood, bins: BinnedSpectrum, noise: Sequence[str], scope: Scope | None, *,
+            band: tuple[float, float], scopes: Sequence[Scope | None]) -> Likelihood:  # fmt: skip
     """The likelihood of one record behind its filter, within the band and outside all masks, in SI."""
     if scope and scope.filter:
         gain = gain_of(scope.filter.row, scope.filter.cutoff / bins.rate, bins)
@@ -181,9 +174,8 @@ def part_of(
     return replace(part, S=part.S * size, W=part.W * size)
 
 
-def common_band(
-    records: Sequence[Record], band: tuple[float, float] | None = None, scopes: Sequence[Scope | None] = ()
-) -> tuple[float, float]:
+def common_band(records: Sequence[Record], band: tuple[float, float] | None = None,
+                scopes: Sequence[Scope | None] = ()) -> tuple[float, float]:  # fmt: skip
     """The frequencies that all records have, Hz, within a band if one is given, and where the models hold."""
     # For a filtered record those that the filter hardly changes: how well its cut-off is known plays no part there.
     low, high = max(1 / (2 * r.duration) for r in records), min(r.rate / 2 for r in records)

@@ -28,10 +28,9 @@ Source = channels.Source | Study
 
 
 @public
-def compare(
-    before: Source | Fit, after: Source | Fit, recipe: Recipe | None = None, *, against: Sequence[str] | None = None,
-    rng: "np.random.Generator | None" = None, progress: Progress | None = None, **choices: Any,
-) -> Comparison:  # fmt: skip
+def compare(before: Source | Fit, after: Source | Fit, recipe: Recipe | None = None,
+            *, against: Sequence[str] | None = None, rng: "np.random.Generator | None" = None,
+            progress: Progress | None = None, **choices: Any) -> Comparison:  # fmt: skip
     """Compare the noise of two records, and test whether it has changed.
 
     The verdict is the likelihood ratio of one common noise model against two, calibrated by a parametric bootstrap.
@@ -87,10 +86,8 @@ def compare(
     return _compare(sources, recipe, settings, rng=rng, progress=progress)
 
 
-def compare_channels(
-    source: Source, recipe: Recipe | None = None, *, rng: "np.random.Generator | None" = None,
-    progress: Progress | None = None,
-) -> Comparison | Pool:  # fmt: skip
+def compare_channels(source: Source, recipe: Recipe | None = None, *, rng: "np.random.Generator | None" = None,
+                     progress: Progress | None = None) -> Comparison | Pool:  # fmt: skip
     """The channels of one recording, held against each other: a comparison of two, a pool of more."""
     # Parameters, errors and result are those of `compare` and `pool`.
     recipe = _ready(recipe)
@@ -107,10 +104,8 @@ def compare_channels(
 
 
 @public
-def pool(
-    runs: Sequence[Source], recipe: Recipe | None = None, *, rng: "np.random.Generator | None" = None,
-    progress: Progress | None = None, **choices: Any,
-) -> Pool:  # fmt: skip
+def pool(runs: Sequence[Source], recipe: Recipe | None = None, *, rng: "np.random.Generator | None" = None,
+         progress: Progress | None = None, **choices: Any) -> Pool:  # fmt: skip
     """Pool several runs, or several units: common coefficients and curve, scatter, and outlying runs.
 
     Parameters
@@ -158,10 +153,8 @@ def pool(
 
 
 @public
-def truncation(
-    source: Source, until: float, recipe: Recipe | None = None, *, rng: "np.random.Generator | None" = None,
-    progress: Progress | None = None,
-) -> Comparison:  # fmt: skip
+def truncation(source: Source, until: float, recipe: Recipe | None = None, *, rng: "np.random.Generator | None" = None,
+               progress: Progress | None = None) -> Comparison:  # fmt: skip
     """Test whether a shorter record would have given the same result: compare its first part with the rest.
 
     Part and rest are independent, part and whole are not: the part agrees with the whole where it agrees with the rest.
@@ -212,10 +205,8 @@ def _ready(recipe: Recipe | None, choices: Mapping[str, Any] | None = None) -> R
     return recipe
 
 
-def _compare(
-    sources: SourceSet, recipe: Recipe, settings: ComparisonSettings | None = None, *,
-    rng: "np.random.Generator | None", progress: Progress | None,
-) -> Comparison:  # fmt: skip
+def _compare(sources: SourceSet, recipe: Recipe, settings: ComparisonSettings | None = None, *,
+             rng: "np.random.Generator | None", progress: Progress | None) -> Comparison:  # fmt: skip
     kind = partial(Comparison, settings=settings or ComparisonSettings())
     work = partial(compare_records, recipe=recipe, rng=rng or np.random.default_rng(1))
     return run_sources(kind, sources, recipe, work, Pair.refused, progress=progress)

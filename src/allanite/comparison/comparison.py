@@ -138,9 +138,8 @@ class Pair(ComparedChannel):
         if self.p <= self.alpha:
             return say("the noise has changed, {evidence}", evidence=self._evidence)
         if self.changed:
-            return say(
-                "the records differ, although the noise as a whole shows no change, {evidence}", evidence=self._evidence
-            )
+            return say("the records differ, although the noise as a whole shows no change, {evidence}",
+                       evidence=self._evidence)  # fmt: skip
         return say("no change of the noise is detected, {evidence}", evidence=self._evidence)
 
     @property
@@ -161,11 +160,9 @@ class Pair(ComparedChannel):
         if self.ratios is None or most is None:
             return ""
         at, p = most
-        return say_count(self.ratios.tau.size,
-                         "the curves differ, most at {tau:.4g} s (variance ratio {ratio:.3g}, {p}, adjusted for "
-                         "{count} averaging time)",
-                         "the curves differ, most at {tau:.4g} s (variance ratio {ratio:.3g}, {p}, adjusted for "
-                         "{count} averaging times)",
+        return say_count(self.ratios.tau.size, "the curves differ, most at {tau:.4g} s (variance ratio {ratio:.3g}, "
+                         "{p}, adjusted for {count} averaging time)", "the curves differ, most at {tau:.4g} s "
+                         "(variance ratio {ratio:.3g}, {p}, adjusted for {count} averaging times)",
                          tau=float(self.ratios.tau[at]), ratio=float(self.ratios.ratio[at]), p=chance(p))  # fmt: skip
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:

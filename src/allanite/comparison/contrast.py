@@ -198,9 +198,8 @@ class IntervalContrast:
     def __post_init__(self) -> None:
         for estimate in (self.first, self.second):
             if estimate.limits is None:
-                raise UsageError(
-                    f"the method {estimate.method!r} gives no intervals, which a comparison needs; use method='whittle'"
-                )
+                raise UsageError(f"the method {estimate.method!r} gives no intervals, which a comparison needs; use "
+                                 "method='whittle'")  # fmt: skip
 
     @property
     def ratio(self) -> float:
@@ -276,9 +275,8 @@ def compare_fits(before: object, after: object, recipe: Recipe) -> Comparison:
     if not (isinstance(before, Fit) and isinstance(after, Fit)):
         raise UsageError("a fit can only be compared with a fit; pass both records, which carry more information")
     if before.signal is not after.signal:
-        raise DataError(
-            f"only sensors of one kind can be compared, not {before.signal.name} and {after.signal.name} signals"
-        )
+        raise DataError(f"only sensors of one kind can be compared, not {before.signal.name} and {after.signal.name} "
+                        "signals")  # fmt: skip
     both = ((e, other) for e in before for other in after if e.symbol == other.symbol)
     contrasts = {(e.symbol, ""): IntervalContrast(e, other) for e, other in both} | shape_contrasts(before, after)
     changes = changes_of(contrasts, (before, after), recipe.level)

@@ -123,25 +123,20 @@ class PooledChannel(ComparedChannel):
             return say("not pooled: {reason}", reason=self.refusal)
         kind = say("axes") if self.of_axes else say("runs")
         every: dict[str, Any] = {"count": len(self.fits), "runs": kind, "p": chance(self.test.p)}
-        if self._one_noise and not self.apart:
-            first: str = say("one noise model describes all {count} {runs} ({p})", **every)
-        elif self._one_noise:
-            first = say("one noise model describes the {count} {runs} ({p})", **every)
-        else:
-            first = say("the {count} {runs} do not have the same noise ({p})", **every)
-        parts = [first]
+        parts: list[str] = [say("the {count} {runs} do not have the same noise ({p})", **every)]
+        if self._one_noise:
+            parts = [say("one noise model describes the {count} {runs} ({p})", **every) if self.apart
+                     else say("one noise model describes all {count} {runs} ({p})", **every)]  # fmt: skip
         if self.apart:
             runs_apart = join(", ", [join("", (name, f" ({chance(p)})")) for name, p in self.apart.items()])
             parts.append(say("different from the others: {runs}", runs=runs_apart))
-            if self.rest > self.alpha:
-                parts.append(say("the remaining {runs} have the same noise ({p})", runs=kind, p=chance(self.rest)))
-            else:
-                parts.append(say("the remaining {runs} still differ ({p})", runs=kind, p=chance(self.rest)))
+            rest = {"runs": kind, "p": chance(self.rest)}
+            parts.append(say("the remaining {runs} have the same noise ({p})", **rest) if self.rest > self.alpha
+                         else say("the remaining {runs} still differ ({p})", **rest))  # fmt: skip
         named = [t.symbol for t in self.terms if t.adjusted <= self.alpha]
         if named:
-            parts.append(
-                say("the scatter between {runs} exceeds that within them in {terms}", runs=kind, terms=", ".join(named))
-            )
+            parts.append(say("the scatter between {runs} exceeds that within them in {terms}", runs=kind,
+                             terms=", ".join(named)))  # fmt: skip
         return join("; ", parts)
 
 
@@ -176,19 +171,17 @@ class Pool(Together[PooledChannel]):
         return f"{len(self.names)} runs: {self.verdict}"
 
 
-def pool_records(
-    inspected: Inspected, names: Sequence[str], recipe: Recipe, rng: "np.random.Generator"
-) -> PooledChannel:
+def pool_records(inspected: Inspected, names: Sequence[str], recipe: Recipe,
+                 rng: "np.random.Generator") -> PooledChannel:  # fmt: skip
     """What the records of several runs have in common."""
     alpha = alpha_of(recipe.level)
     joined = join_records(inspected.records, recipe)
     _, curves = shared_curves(joined.records, joined.fits, recipe.statistic, recipe.taus)
     edf, variance = (np.array(values) for values in zip(*((c.edf, c.variance) for c in curves), strict=True))
     whole = edf.sum(axis=0)
-    curve = replace(
-        curves[0], variance=(edf * variance).sum(axis=0) / whole, count=np.sum([c.count for c in curves], axis=0),
-        name=say("all runs"), law=PooledLaw(whole), noise=None, history=(),
-    )  # fmt: skip
+    curve = replace(curves[0], variance=(edf * variance).sum(axis=0) / whole,
+                    count=np.sum([c.count for c in curves], axis=0), name=say("all runs"), law=PooledLaw(whole),
+                    noise=None, history=())  # fmt: skip
     apart, rest = _apart(joined.joint, names, alpha)
     test = homogeneity(joined.joint, rng)
     terms = [*_noise_terms(joined.joint, joined.fits), *_ramp_terms(joined.joint, joined.fits)]
@@ -197,8 +190,7 @@ def pool_records(
         inspected.name,
         test=test, terms=tuple(replace(term, adjusted=p) for term, p in zip(terms, adjusted, strict=True)),
         curve=curve, curves=curves, p=bartlett(variance, edf), apart=apart,
-        rest=(homogeneity(rest, rng) if apart else test).p, fits=joined.fits, explained=joined.explained,
-        grades=joined.grades, records=inspected.records, band=joined.joint.band,
+        rest=(homogeneity(rest, rng) if apart else test).p, records=inspected.records, **joined.judged,
         alerts=(*joined.alerts, *inspected.alerts, *([_of_two(recipe.level)] if len(names) == 2 else [])), alpha=alpha,
     )  # fmt: skip
 
@@ -248,10 +240,9 @@ def _ramp_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
     low, high = common.limits(0.95)
     p = chi_square(common.chi_square, common.dof)
     for symbol in (e.symbol for e in fits[0] if TERMS[e.symbol].waveform is not None):
-        yield PooledTerm(
-            symbol, together.signal, runs=tuple(fit[symbol] for fit in fits), statistic=common.chi_square,
-            dof=common.dof, p=p, adjusted=p, **_scatter(common, abs(common.value) if low * high > 0 else math.nan),
-        )  # fmt: skip
+        yield PooledTerm(symbol, together.signal, runs=tuple(fit[symbol] for fit in fits),
+                         statistic=common.chi_square, dof=common.dof, p=p, adjusted=p,
+                         **_scatter(common, abs(common.value) if low * high > 0 else math.nan))  # fmt: skip
 
 
 def _apart(together: Joint, names: Sequence[str], alpha: float) -> tuple[dict[str, float], Joint]:

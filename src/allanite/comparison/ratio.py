@@ -101,16 +101,13 @@ def _largest(mixture: ChiSquareSum) -> FloatArray:
     return np.asarray(np.maximum(mixture.weight.max(axis=1), mixture.beside))
 
 
-def ratio_law(
-    records: tuple[Record, Record], statistic: str, m: Sequence[IntArray], models: Sequence[Model]
-) -> RatioLaw:
+def ratio_law(records: tuple[Record, Record], statistic: str, m: Sequence[IntArray],
+              models: Sequence[Model]) -> RatioLaw:  # fmt: skip
     """The law of the ratio of two records' variances."""
     row = statistic_named(statistic)
     places = [places_of(record) for record in records]
-    points = [
-        CurvePoints(row, factors, [(size, 1) for _, size in each], record.size, record.rate, places=each)
-        for record, each, factors in zip(records, places, m, strict=True)
-    ]
+    points = [CurvePoints(row, factors, [(size, 1) for _, size in each], record.size, record.rate, places=each)
+              for record, each, factors in zip(records, places, m, strict=True)]  # fmt: skip
     edf_a, first = mixtures(points[0], [models[0]])
     twins = models[0] == models[1] and _of(points[0]) == _of(points[1])
     edf_b, second = (edf_a, first) if twins else mixtures(points[1], [models[1]])
@@ -122,9 +119,8 @@ def _of(points: CurvePoints) -> tuple[object, ...]:
     return points.m.tolist(), list(points.places), points.size, points.rate
 
 
-def shared_curves(
-    records: Sequence[Record], fits: Sequence[Fit], statistic: str, taus: str | Sequence[float]
-) -> tuple[list[IntArray], tuple[Curve, ...]]:
+def shared_curves(records: Sequence[Record], fits: Sequence[Fit], statistic: str,
+                  taus: str | Sequence[float]) -> tuple[list[IntArray], tuple[Curve, ...]]:  # fmt: skip
     """Averaging factors of each record, and its curve, at the same averaging times; see `shared_factors`."""
     m = shared_factors(records, statistic, taus)
     each = zip(records, m, fits, strict=True)
@@ -135,9 +131,8 @@ def shared_factors(records: Sequence[Record], statistic: str, taus: str | Sequen
     """Averaging factors of each record, at the same averaging times."""
     row = statistic_named(statistic)
     if row.parts or row.extreme or row.order < 2:
-        raise UsageError(
-            f"the ratio of curves of {row.name} has no known distribution; compare oadev, ohdev, mdev, totdev or theo1"
-        )
+        raise UsageError(f"the ratio of curves of {row.name} has no known distribution; compare oadev, ohdev, mdev, "
+                         "totdev or theo1")  # fmt: skip
     slow = min(records, key=lambda record: record.rate)
     if isinstance(taus, str):
         longest = min(row.largest(r.size) / r.rate for r in records)

@@ -67,10 +67,8 @@ class SheetComparison(Job[Channel]):
         """Headings and rows for any table."""
         heads = ["channel", "quantity", "printed", "limit", "sheet", "measured", "low", "high", "unit", "ratio"]
         pairs = ((channel.record.name, m, m.claim) for channel in self for m in self.measured(channel, level))
-        return [*heads, "outcome"], [
-            [name, c.quantity, c.printed, c.limit, c.value, m.value, m.low, m.high, c.unit, m.ratio[0], m.outcome]
-            for name, m, c in pairs
-        ]
+        return [*heads, "outcome"], [[name, c.quantity, c.printed, c.limit, c.value, m.value, m.low, m.high, c.unit,
+                                      m.ratio[0], m.outcome] for name, m, c in pairs]  # fmt: skip
 
     def choices(self) -> dict[str, Any]:
         """The recipe that was actually used, as plain data."""
@@ -102,10 +100,8 @@ def _measured(channel: Channel, claim: Claim, level: float) -> Measured:
 
 
 @public
-def compare_with_sheet(
-    source: Source, sheet: str | DataSheet, recipe: Recipe | None = None, *, progress: Progress | None = None,
-    **choices: Any,
-) -> SheetComparison:  # fmt: skip
+def compare_with_sheet(source: Source, sheet: str | DataSheet, recipe: Recipe | None = None, *,
+                       progress: Progress | None = None, **choices: Any) -> SheetComparison:  # fmt: skip
     """Compare the noise of a recording with what a data sheet says.
 
     Parameters

@@ -50,22 +50,18 @@ class SourceSet:
         return tuple(replace(finding, what=join(": ", (name, finding.what))) for name, finding in named)
 
 
-def run_sources(
-    kind: Callable[..., Result], sources: SourceSet, recipe: Recipe, work: Callable[[Inspected], Any],
-    refused: Callable[[Inspected, str], Any], *, doing: str = "comparing", progress: Progress | None = None,
-) -> Result:  # fmt: skip
+def run_sources(kind: Callable[..., Result], sources: SourceSet, recipe: Recipe,
+                work: Callable[[Inspected], Any], refused: Callable[[Inspected, str], Any], *, doing: str = "comparing",
+                progress: Progress | None = None) -> Result:  # fmt: skip
     """Do the work on each channel of several recordings, as `allanite.study.channels.run` on those of one."""
     # `kind` makes the result of the fields of `Together`.
-    return run_together(
-        partial(kind, names=sources.names), sources.recordings, recipe, work, refused, channels=sources.channels,
-        findings=sources.findings, notes=sources.notes, doing=doing, progress=progress,
-    )  # fmt: skip
+    return run_together(partial(kind, names=sources.names), sources.recordings, recipe, work,
+                        refused, channels=sources.channels, findings=sources.findings, notes=sources.notes, doing=doing,
+                        progress=progress)  # fmt: skip
 
 
-def open_sources(
-    sources: Sequence[Source | Job[Any]], recipe: Recipe, *, against: Sequence[str] | None = None,
-    progress: Progress | None = None,
-) -> SourceSet:  # fmt: skip
+def open_sources(sources: Sequence[Source | Job[Any]], recipe: Recipe, *, against: Sequence[str] | None = None,
+                 progress: Progress | None = None) -> SourceSet:  # fmt: skip
     """Open each source and pair the channels; those of the last one may be named, and are then taken in order."""
     last = recipe if against is None else replace(recipe, channels=tuple(against))
     recipes = [*[recipe] * (len(sources) - 1), last]
@@ -126,10 +122,8 @@ def _in_order(recordings: Sequence[Recording], why: str) -> tuple[Paired, tuple[
     counts = {len(recording) for recording in recordings}
     if len(counts) > 1 or (len(recordings) > 2 and len(recordings[0]) > 1):
         shown = "; ".join(", ".join(recording.channels) for recording in recordings)
-        raise UsageError(
-            f"the channels cannot be paired ({shown}): {why}; select the same number of each "
-            f"({spelled('--channels, --against', 'channels, against')})"
-        )
+        raise UsageError(f"the channels cannot be paired ({shown}): {why}; select the same number of each "
+                         f"({spelled('--channels, --against', 'channels, against')})")  # fmt: skip
     matched = list(zip(*recordings, strict=True))
     named = [list(dict.fromkeys(r.name for r in records if r.name)) for records in matched]
     several = ((first, ", ".join(rest)) for first, *rest in filter(None, named) if rest)
@@ -158,14 +152,11 @@ class Joined:
         return tuple(noise.fit for noise in self.noises)
 
     @property
-    def explained(self) -> tuple[bool, ...]:
-        """Whether each fit explains its record."""
-        return tuple(noise.explained for noise in self.noises)
-
-    @property
-    def grades(self) -> tuple[str, ...]:
-        """How well each fit explains its record, as text."""
-        return tuple(graded(noise.validity, noise.fit.scope) for noise in self.noises)
+    def judged(self) -> dict[str, Any]:
+        """Fields of a `ComparedChannel`: the common band, and the fits with how well each explains its record."""
+        grades = tuple(graded(noise.validity, noise.fit.scope) for noise in self.noises)
+        explained = tuple(noise.explained for noise in self.noises)
+        return {"band": self.joint.band, "fits": self.fits, "explained": explained, "grades": grades}
 
     @property
     def alerts(self) -> tuple[str, ...]:

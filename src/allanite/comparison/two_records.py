@@ -37,7 +37,6 @@ from .sources import join_records
 ALIKE = 0.7  # correlation of the steps from which on two records are a pair
 FEWEST = 8  # coefficients of the cosine transform in the lowest range of frequencies; the others are octaves above it
 
-
 BLOCKS = (1, 8, 64, 512)
 """Samples of the means whose steps are correlated: records that share their noise only below some frequency, such as
 raw and smoothed ones, are seen in the longer ones.
@@ -165,12 +164,9 @@ def compare_records(channel: Inspected, recipe: Recipe, rng: "np.random.Generato
         ratios = ratios_of(clean, (first, second), law_models(both, (first, second), changes), recipe)
     except DataError as error:
         alerts += (str(error),)
-    return Pair(
-        channel.name,
-        test=paired_homogeneity(records) if alike > ALIKE else homogeneity(both, rng), changes=changes, ratios=ratios,
-        band=both.band, fits=(first, second), explained=joined.explained, grades=joined.grades, records=records,
-        alerts=alerts, alpha=alpha_of(recipe.level), paired=alike > ALIKE,
-    )  # fmt: skip
+    return Pair(channel.name, test=paired_homogeneity(records) if alike > ALIKE else homogeneity(both, rng),
+                changes=changes, ratios=ratios, records=records, alerts=alerts, alpha=alpha_of(recipe.level),
+                paired=alike > ALIKE, **joined.judged)  # fmt: skip
 
 
 def law_models(both: Joint, fits: tuple[Fit, Fit], changes: Sequence[Change]) -> list[Model]:
@@ -185,9 +181,8 @@ def law_models(both: Joint, fits: tuple[Fit, Fit], changes: Sequence[Change]) ->
     return models
 
 
-def ratios_of(
-    records: tuple[Record, Record], fits: tuple[Fit, Fit], supposed: Sequence[Model], recipe: Recipe
-) -> Ratios:
+def ratios_of(records: tuple[Record, Record], fits: tuple[Fit, Fit], supposed: Sequence[Model],
+              recipe: Recipe) -> Ratios:  # fmt: skip
     """The curves of both at the same averaging times, and the law of their ratio."""
     m, (before, after) = shared_curves(records, fits, recipe.statistic, recipe.taus)
     alike = resemblance(records) > ALIKE
@@ -200,9 +195,8 @@ def with_needed(changes: Sequence[Change], noise: Sequence[Term], rate: float, s
     """The changes, those that are not resolved with the length at which a change by a factor of 2 would be."""
     # The coefficient is taken to be as large as its upper limit: an estimate of what is not resolved may be anything
     # down to zero, and the length for it anything up to infinity.
-    return tuple(
-        replace(c, needed=_needed(c, noise, rate, size)) if c.outcome == "not resolvable" else c for c in changes
-    )
+    return tuple(replace(c, needed=_needed(c, noise, rate, size)) if c.outcome == "not resolvable" else c
+                 for c in changes)  # fmt: skip
 
 
 def _needed(change: Change, noise: Sequence[Term], rate: float, size: int) -> float | None:

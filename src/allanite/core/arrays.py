@@ -61,9 +61,8 @@ def samples(values: Any, unit: str, kind: str, name: str) -> NDArray[Any]:
         raise DataError(say("a record is one channel of shape (n,), not {shape}; make a Record of each column ({name})",
                             shape=array.shape, name=name))  # fmt: skip
     if array.dtype.kind not in "fiub":
-        raise DataError(
-            say("the samples of {name!r} are of type {dtype}, not real numbers", name=name, dtype=array.dtype)
-        )
+        raise DataError(say("the samples of {name!r} are of type {dtype}, not real numbers", name=name,
+                            dtype=array.dtype))  # fmt: skip
     if len(array) - KINDS[kind][1] < 2:
         raise DataError(say("{name!r} has {count} samples: too few for any statistic", name=name, count=len(array)))
     if kind == "count" or array.dtype.kind in "iu":

@@ -48,9 +48,7 @@ class ChoiceKind:
 
 TYPED = ChoiceKind("value", lambda value: value)  # the kind that the type of the field says
 
-
 A_NUMBER, AN_INTEGER = "a number", "an integer"
-
 
 SECONDS = " In s."
 
@@ -108,10 +106,8 @@ def separated(kind: type, name: str, count: int | None = None, example: str = ""
 
 def pieces(unit: str) -> ChoiceKind:
     """Pairs of numbers in a unit, as ``100..160,300..310``; plain data may hold a list of them."""
-    return ChoiceKind(
-        "pieces", lambda value: demand_pieces(value, unit), lambda name, value: demand_pieces(value, unit),
-        takes=LISTS, form=f"pairs of numbers in {unit}, e.g. 100..160,300..310",
-    )  # fmt: skip
+    return ChoiceKind("pieces", lambda value: demand_pieces(value, unit), lambda _, value: demand_pieces(value, unit),
+                      takes=LISTS, form=f"pairs of numbers in {unit}, e.g. 100..160,300..310")  # fmt: skip
 
 
 def _share(value: Any) -> float:
@@ -135,18 +131,16 @@ def _table(value: Any) -> Any:
     return ranges
 
 
-def _worth(value: Any) -> float | str:
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        return str(value)
+def _either(read: Callable[[Any], Any], other: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """What the one function reads, or else the other."""
 
+    def reading(value: Any) -> Any:
+        try:
+            return read(value)
+        except (TypeError, ValueError):
+            return other(value)
 
-def _grid(value: Any) -> Any:
-    try:
-        return NUMBERS.read(value)
-    except UsageError:
-        return value
+    return reading
 
 
 def _lines(value: Any) -> tuple[str, ...]:
@@ -159,14 +153,6 @@ def _model(text: Any) -> Any:
     from .model import Model
 
     return Model(str(text))
-
-
-def _instant(text: Any) -> float:
-    """Seconds after the first sample, which may be zero or, to be refused later in other words, negative."""
-    try:
-        return float(text)
-    except ValueError:
-        return seconds_of(text)
 
 
 NUMBER = ChoiceKind("float", _parsed(float), _demand_number, control="number", form=A_NUMBER)
@@ -189,13 +175,16 @@ INTEGERS = separated(int, "integers", example="1,10,100")
 _FREQUENCIES = separated(float, "auto, all, or two frequencies in Hz", 2, "0.01,10")
 BAND = ChoiceKind("band", lambda v: v if v in ("auto", "all") else _FREQUENCIES.read(v), control="band", takes=LISTS,
                   form=_FREQUENCIES.form)  # fmt: skip
-GRID = ChoiceKind("grid", _grid, takes=LISTS, form="octave, decade, log, all, or times in s, e.g. 1,10,100")
+GRID = ChoiceKind("grid", _either(NUMBERS.read, lambda value: value), takes=LISTS,
+                  form="octave, decade, log, all, or times in s, e.g. 1,10,100")  # fmt: skip
 RANGES = ChoiceKind("ranges", _table, lambda name, value: demand_ranges(value), takes=(str, dict),
                     form="terms with their ranges, e.g. N=0.1:10,K=100:1000")  # fmt: skip
-WORTH = ChoiceKind("scale", _worth, lambda name, v: v if isinstance(v, str) else _demand_number(name, v),
+WORTH = ChoiceKind("scale", _either(float, str), lambda name, v: v if isinstance(v, str) else _demand_number(name, v),
                    form="a number, or a number with a unit as 0.01deg/s")  # fmt: skip
 DURATION = ChoiceKind("duration", seconds_of, form=A_DURATION, measure=SECONDS)
-INSTANT = ChoiceKind("duration", _instant, _demand_number, control="number", form=A_DURATION, measure=SECONDS)
+INSTANT = ChoiceKind("duration", _either(float, seconds_of), _demand_number, control="number", form=A_DURATION,
+                     measure=SECONDS)  # fmt: skip
+"""Seconds after the first sample, which may be zero or, to be refused later in other words, negative."""
 MODEL = ChoiceKind("model", _model, form="a model, e.g. 'N 0.003 deg/sqrt(h), B 0.5 deg/h'")
 DURATIONS = ChoiceKind(
     "duration", lambda v: tuple(map(seconds_of, _parts(v) if isinstance(v, (str, list, tuple)) else [v])),
@@ -222,14 +211,11 @@ def _span(value: Any) -> Any:
 
 SPAN = ChoiceKind("span", _span, lambda _, value: _span(value), takes=(*LISTS, bool), form=_SPAN, alone="yes",
                   write=lambda value: ("no", "yes")[value] if isinstance(value, bool) else written(value))  # fmt: skip
-LINES = ChoiceKind(
-    "text", _lines, control="list", many=True, takes=(str, list, tuple, dict), form="text, a list of texts, or a table"
-)
+LINES = ChoiceKind("text", _lines, control="list", many=True, takes=(str, list, tuple, dict),
+                   form="text, a list of texts, or a table")  # fmt: skip
 
-KINDS: dict[Any, ChoiceKind] = {
-    float: NUMBER, int: INTEGER, str: WORD, bool: FLAG,
-    tuple[str, ...]: NAMES, tuple[float, ...]: NUMBERS, tuple[int, ...]: INTEGERS,
-}  # fmt: skip
+KINDS: dict[Any, ChoiceKind] = {float: NUMBER, int: INTEGER, str: WORD, bool: FLAG, tuple[str, ...]: NAMES,
+                                tuple[float, ...]: NUMBERS, tuple[int, ...]: INTEGERS}  # fmt: skip
 """The kind that a type of a field says."""
 
 
@@ -306,11 +292,10 @@ def choice(metavar: str = "", help: str = "", *, default: Any = None, **columns:
 
 def choices_of(kind: type[Any]) -> dict[str, ChoiceRow]:
     """The choices of a class by the name of their field."""
-    return {
-        f.name: replace(row, name=f.name, default=None if f.default is MISSING else f.default,
-                        kind=kind_of(f.type) if row.kind is TYPED else row.kind)
-        for f in fields(kind) for row in (f.metadata.get("choice"),) if row is not None
-    }  # fmt: skip
+    rows = ((f, f.metadata.get("choice")) for f in fields(kind))
+    return {f.name: replace(row, name=f.name, default=None if f.default is MISSING else f.default,
+                            kind=kind_of(f.type) if row.kind is TYPED else row.kind)
+            for f, row in rows if row is not None}  # fmt: skip
 
 
 def described(kind: type[Settings]) -> type[Settings]:
@@ -333,9 +318,8 @@ def described(kind: type[Settings]) -> type[Settings]:
             continue
         name = f.type.__name__ if isinstance(f.type, type) and not get_args(f.type) else str(f.type)
         usual = f" By default {row.told}." if row.told and f.default is None else ""
-        words = re.sub(
-            "--([a-z-]+)", lambda option: f"`{option[1].replace('-', '_')}`", row.help + row.kind.measure + usual
-        )
+        words = re.sub("--([a-z-]+)", lambda option: f"`{option[1].replace('-', '_')}`",
+                       row.help + row.kind.measure + usual)  # fmt: skip
         lines += [f"{f.name} : {name.replace('typing.', '')}", f"    {words}"]
     kind.__doc__ = "\n".join(lines) + raises + rest
     return kind

@@ -147,18 +147,13 @@ class Curve(Value):
 
     def rows(self, level: float = 0.95) -> tuple[list[str], list[list[float]]]:
         """Headings and rows of a table; limits are included if the noise is known."""
-        headings = ["m", "tau [s]", f"{self.statistic} [{self.unit}]", "count"]
-        columns = [self.m, self.tau, self.deviation, self.count]
-        if np.any(self.factor != 1):
-            headings.append("bias factor")
-            columns.append(self.factor)
+        shown = {"m": self.m, "tau [s]": self.tau, f"{self.statistic} [{self.unit}]": self.deviation,
+                 "count": self.count} | ({"bias factor": self.factor} if np.any(self.factor != 1) else {})  # fmt: skip
         if self.law is not None:
-            headings += ["edf", f"low {level:.4g}", f"high {level:.4g}"]
-            columns += [self.edf, *self.interval(level)]
-        if self.alpha is not None:
-            headings.append("alpha")
-            columns.append(self.alpha)
-        return headings, [list(row) for row in zip(*(c.tolist() for c in columns), strict=True)]
+            low, high = self.interval(level)
+            shown |= {"edf": self.edf, f"low {level:.4g}": low, f"high {level:.4g}": high}
+        shown |= {} if self.alpha is None else {"alpha": self.alpha}
+        return list(shown), [list(row) for row in zip(*(c.tolist() for c in shown.values()), strict=True)]
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, with the limits as numbers."""

@@ -184,26 +184,17 @@ ARRAY_LIKE = Kind(lambda _: "an array", _regular)
 _anything = Kind(lambda _: "", lambda value, _: True)
 _alternatives = Kind(_union, lambda value, args: any(_holds(value, hint) for hint in args))
 _many = Kind(lambda args: _of("a sequence", args), _sequence)
+_table = Kind(lambda args: _of("a mapping", args), _mapping)
 
 TYPE_KINDS: dict[Any, Kind] = {
-    Any: _anything,
-    object: _anything,
-    types.NoneType: _is("None", types.NoneType),
-    bool: _is("True or False", bool, np.bool_),
-    int: _is("an integer", Integral, but=(bool,)),
-    float: _is("a number", Real, but=(bool,)),
-    str: _is("a string", str),
+    Any: _anything, object: _anything, types.NoneType: _is("None", types.NoneType),
+    bool: _is("True or False", bool, np.bool_), int: _is("an integer", Integral, but=(bool,)),
+    float: _is("a number", Real, but=(bool,)), str: _is("a string", str), PathLike: _is("a path", PathLike),
     Literal: Kind(lambda args: f"one of {', '.join(map(repr, args))}", lambda value, _: isinstance(value, str)),
     np.ndarray: Kind(lambda _: "an array", _array),
-    PathLike: _is("a path", PathLike),
     Callable: Kind(lambda _: "a function", lambda value, _: callable(value)),
-    tuple: Kind(_tuple_words, _tuple),
-    list: _many,
-    Sequence: _many,
+    tuple: Kind(_tuple_words, _tuple), list: _many, Sequence: _many, dict: _table, Mapping: _table,
     Iterable: Kind(lambda args: _of("an iterable", args), _iterable),
-    dict: Kind(lambda args: _of("a mapping", args), _mapping),
-    Mapping: Kind(lambda args: _of("a mapping", args), _mapping),
-    Union: _alternatives,
-    types.UnionType: _alternatives,
-}
+    Union: _alternatives, types.UnionType: _alternatives,
+}  # fmt: skip
 """The kind of a type, or of the type that it is derived from; any other class has its instances."""

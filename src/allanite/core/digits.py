@@ -50,9 +50,8 @@ def upper_limit(value: float) -> Digits:
     return digits(math.ceil(value / last * (1 - FUZZ)) * last, figures=2)
 
 
-def digits(
-    value: float, low: float = math.nan, high: float = math.nan, *, signed: bool = False, figures: int = 4
-) -> Digits:
+def digits(value: float, low: float = math.nan, high: float = math.nan, *, signed: bool = False,
+           figures: int = 4) -> Digits:  # fmt: skip
     """Round a value and its limits alike, to two significant digits of the half width."""
     if not math.isfinite(value):
         return Digits(f"{value}", "", "", 0)

@@ -124,9 +124,8 @@ def _array(data: Any, args: tuple[Any, ...]) -> Any:
             raise unfit(data, "as many imaginary as real parts")
         return real + 1j * imag
     named = get_args(args[1])[0] if len(args) > 1 and get_args(args[1]) else Any
-    kinds, words = {np.bool_: ("b", "true and false"), np.int64: ("iu", "whole numbers")}.get(
-        named, ("biufUO", "numbers")
-    )
+    kinds, words = {np.bool_: ("b", "true and false"),
+                    np.int64: ("iu", "whole numbers")}.get(named, ("biufUO", "numbers"))  # fmt: skip
     try:
         array = np.array(data)
         if array.dtype.kind in kinds or not array.size:
@@ -230,23 +229,17 @@ def _read_literal(data: Any, args: tuple[Any, ...]) -> Any:
 
 
 _itself = Codec(lambda value, _, level: plain(value, level), lambda data, _: data, _no_type, _no_type)
-_float_form = Codec(
-    lambda value, _, level: _scalar(value), _read_float, _is(int, float, np.floating, np.integer),
-    lambda data: data is None or isinstance(data, float) or _whole(data) or data in NOT_FINITE, "a number",
-)  # fmt: skip
+_float_form = Codec(lambda value, _, level: _scalar(value), _read_float,
+                    _is(int, float, np.floating, np.integer), lambda data: data is None or isinstance(data, float)
+                    or _whole(data) or data in NOT_FINITE, "a number")  # fmt: skip
 _union = Codec(_write_union, _read_union, _no_type, _no_type)
 _dict = Codec(_write_dict, _read_dict, _is(dict), _is(dict), "a table")
-_tuple = Codec(
-    lambda value, args, level: [
-        write_plain(item, hint, level) for item, hint in zip(value, _hints(args, len(value)), strict=True)
-    ],
-    _read_tuple, _is(tuple, list), _is(list, tuple), "a list",
-)  # fmt: skip
+_tuple = Codec(lambda value, args, level: [write_plain(item, hint, level)
+                                           for item, hint in zip(value, _hints(args, len(value)), strict=True)],
+               _read_tuple, _is(tuple, list), _is(list, tuple), "a list")  # fmt: skip
 
 FORMS: dict[Any, Codec] = {
-    Any: _itself,
-    object: _itself,
-    Literal: _itself._replace(read=_read_literal),
+    Any: _itself, object: _itself, Literal: _itself._replace(read=_read_literal),
     bool: _itself._replace(holds=_is(bool, np.bool_), written=_is(bool), expected="true or false"),
     str: _itself._replace(holds=_is(str), written=_is(str), expected="a text"),
     int: _itself._replace(holds=_is(int, np.integer), written=_whole, expected="a whole number"),
@@ -256,13 +249,8 @@ FORMS: dict[Any, Codec] = {
         "the name of a quantity"),
     np.ndarray: Codec(lambda value, _, level: _numbers(np.asarray(value)), _array, _is(np.ndarray), _is(list, dict),
         "a list of numbers"),
-    tuple: _tuple,
-    list: _tuple._replace(read=lambda data, args: list(_read_tuple(data, args))),
-    Sequence: _tuple,
-    dict: _dict,
-    Mapping: _dict,
-    Union: _union,
-    types.UnionType: _union,
+    tuple: _tuple, list: _tuple._replace(read=lambda data, args: list(_read_tuple(data, args))), Sequence: _tuple,
+    dict: _dict, Mapping: _dict, Union: _union, types.UnionType: _union,
     Callable: Codec(_write_call, _read_call, callable, _is(dict, str), "a table"),
 }  # fmt: skip
 """The codec of a type, or of the type that it is derived from."""

@@ -41,14 +41,8 @@ class AllaniteError(ValueError):
 
     exit_code = 3
 
-    def __init__(
-        self,
-        *words: object,
-        choice: str = "",
-        cure: Cure = ("", ""),
-        code: str = "",
-        columns: tuple[ColumnRow, ...] = (),
-    ) -> None:
+    def __init__(self, *words: object, choice: str = "", cure: Cure = ("", ""), code: str = "",
+                 columns: tuple[ColumnRow, ...] = ()) -> None:  # fmt: skip
         super().__init__(*words)
         self.choice, self.cure, self.code, self.columns = choice, cure, code, columns
 
@@ -125,12 +119,8 @@ def unfit(data: Any, expected: str) -> StoredError:
     return StoredError(f"{expected} is expected, not {words.get(type(data)) or given(data)}")
 
 
-INSTALLERS = {
-    "pipx": "pipx inject allanite {names}",
-    "uv tool": "uv tool install allanite -w {with_names}",
-    "uv": "uv pip install {names}",
-    "pip": "pip install {names}",
-}
+INSTALLERS = {"pipx": "pipx inject allanite {names}", "uv tool": "uv tool install allanite -w {with_names}",
+              "uv": "uv pip install {names}", "pip": "pip install {names}"}  # fmt: skip
 """What adds libraries to an environment, by the program that made it."""
 
 
@@ -167,10 +157,7 @@ def _installer(prefix: Path) -> str:
 
 UNIT, RATE, SCALE, COLUMN = "UNIT", "HZ", "SCALE", "COLUMN"
 
-MEANINGS = {
-    UNIT: "the unit (deg/s, rad/s, m/s^2 or g, of time s, ms, us or ns)",
-    RATE: "the sampling rate in Hz",
-    SCALE: "the size of one count with its unit (0.01deg/s)",
-    COLUMN: "the name or number of a column",
-}
+MEANINGS = {UNIT: "the unit (deg/s, rad/s, m/s^2 or g, of time s, ms, us or ns)", RATE: "the sampling rate in Hz",
+            SCALE: "the size of one count with its unit (0.01deg/s)",
+            COLUMN: "the name or number of a column"}  # fmt: skip
 """What belongs in the place of each."""

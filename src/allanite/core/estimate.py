@@ -79,10 +79,8 @@ def noise_choice(value: ModelLike | Literal["auto"] | None) -> Averaged | Litera
     if value is None or (isinstance(value, str) and value == "auto"):
         return value
     if isinstance(value, str):
-        raise UsageError(
-            "noise must be a Model, a Term such as N(0.01, 'deg/sqrt(h)'), a Fit, 'identified', 'auto' or None, not "
-            f"{given(value)}; allanite.Model(text) makes one of a text"
-        )
+        raise UsageError("noise must be a Model, a Term such as N(0.01, 'deg/sqrt(h)'), a Fit, 'identified', 'auto' "
+                         f"or None, not {given(value)}; allanite.Model(text) makes one of a text")  # fmt: skip
     models = value if isinstance(value, Averaged) else getattr(value, "averaged", None)
     return models if isinstance(models, Averaged) else averaged([value], [1.0])
 
@@ -163,10 +161,9 @@ class Estimate(Value):
         Units in which it is shown, if not in those of data sheets; see `units.shown_unit`.
     """
 
-    _checks: ClassVar = TERM | {
-        "status": partial(demand_name, "status", known=STATUSES),
-        **dict.fromkeys(("value", "upper", "limits", "profile"), demand_stored_size),
-    }  # fmt: skip
+    _checks: ClassVar = TERM | {"status": partial(demand_name, "status", known=STATUSES),
+                                **dict.fromkeys(("value", "upper", "limits", "profile"),
+                                                demand_stored_size)}  # fmt: skip
 
     symbol: str
     signal: Signal
@@ -185,10 +182,8 @@ class Estimate(Value):
 
     def invalid(self, reason: str) -> "Estimate":
         """The same estimate with status "not valid": the value is kept, its interval is not."""
-        return replace(
-            self, status="not valid", reason=reason, standard_error=None, upper=None, limits=None, profile=None,
-            median=None, shape_limits=None,
-        )  # fmt: skip
+        return replace(self, status="not valid", reason=reason, standard_error=None, upper=None, limits=None,
+                       profile=None, median=None, shape_limits=None)  # fmt: skip
 
     @property
     def unit(self) -> str:
@@ -285,10 +280,8 @@ class Estimate(Value):
         known = {"value": self.value, "low": 0.0 if limited else low, "high": self.upper if limited else high}
         shown = {key: None if v is None else finite(v * scale) for key, v in known.items()}
         extra = {"low": low, "high": high, "unit": self.unit, "level": level}
-        shape = {
-            p.name: {"value": finite(value), "low": finite(low), "high": finite(high), "unit": p.unit}
-            for p, value, low, high in self.shaped(level)
-        }
+        shape = {p.name: {"value": finite(value), "low": finite(low), "high": finite(high), "unit": p.unit}
+                 for p, value, low, high in self.shaped(level)}  # fmt: skip
         return super().to_dict(level) | extra | {"shown": {**shown, "unit": self.sheet_unit}} | shape
 
     def _summary(self) -> str:

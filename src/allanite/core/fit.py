@@ -225,9 +225,8 @@ class Fit(Value):
     components: tuple[Component, ...] = ()
     cutoff: Callable[[float], tuple[float, float]] | None = None
 
-    Q, F, N, B, K, R, W, GM, GML, GMA, GM2, Sine = map(
-        _estimate_of, ("Q", "F", "N", "B", "K", "R", "W", "GM", "GML", "GMA", "GM2", "Sine")
-    )
+    Q, F, N, B, K, R, W = map(_estimate_of, ("Q", "F", "N", "B", "K", "R", "W"))
+    GM, GML, GMA, GM2, Sine = map(_estimate_of, ("GM", "GML", "GMA", "GM2", "Sine"))
 
     @property
     def coefficients(self) -> dict[str, Estimate]:

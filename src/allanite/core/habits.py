@@ -39,7 +39,6 @@ REMEDIES = {
 }
 """What replaces a method or attribute of other libraries, and its names."""
 
-
 ARGUMENTS = {"fs": "rate", "sampling_rate": "rate", "dt": "rate", "seed": "rng"}
 """Arguments of other libraries, and their names here; `dt` is the inverse."""
 

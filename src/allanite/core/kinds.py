@@ -16,10 +16,8 @@ KINDS: dict[str, tuple[int, int, str]] = {
     "value": (0, 0, say("the quantity itself, whose own noise is wanted (an angle error, a voltage, a temperature)")),
 }  # fmt: skip
 
-KIND_WORDS = {
-    "rate": say("rate"), "increment": say("increment"), "angle": say("angle"), "count": say("count"),
-    "value": say("value"),
-}  # fmt: skip
+KIND_WORDS = {"rate": say("rate"), "increment": say("increment"), "angle": say("angle"), "count": say("count"),
+              "value": say("value")}  # fmt: skip
 """What each kind of record is called."""
 
 

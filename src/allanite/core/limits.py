@@ -59,9 +59,8 @@ class Stored:
             return self.values
         if self.also is not None:
             return self.also(level)
-        raise UsageError(
-            f"the limits were stored for level {self.level:g}, not {level:g}: recompute them for another level"
-        )
+        raise UsageError(f"the limits were stored for level {self.level:g}, not {level:g}: recompute them for another "
+                         "level")  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,11 +157,9 @@ class NormalMixture:
 
     def minus(self, other: "NormalMixture", factor: float = 1.0) -> "NormalMixture":
         """The law of the difference from `factor` times another, independent one."""
-        return NormalMixture(
-            np.subtract.outer(self.centre, factor * other.centre).ravel(),
-            np.hypot.outer(self.spread, factor * other.spread).ravel(),
-            np.multiply.outer(self.weight, other.weight).ravel(),
-        )
+        return NormalMixture(np.subtract.outer(self.centre, factor * other.centre).ravel(),
+                             np.hypot.outer(self.spread, factor * other.spread).ravel(),
+                             np.multiply.outer(self.weight, other.weight).ravel())  # fmt: skip
 
 
 def demand_stored_rate(value: float) -> None:

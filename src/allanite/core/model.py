@@ -101,14 +101,10 @@ class Term(Value):
     @property
     def shape_words(self) -> str:
         """The shape with its units, without what is as usual; empty if the term has none."""
-        shape = [
-            say("{parameter} {value:.4g} {unit}", parameter=p.title, value=value, unit=p.unit)
-            if p.unit
-            else say("{parameter} {value:.4g}", parameter=p.title, value=value)
-            for p, value in zip(self.row.parameters, self.shape, strict=True)
-            if value != p.default
-        ]
-        return join(", ", shape)
+        pairs = [(p, value) for p, value in zip(self.row.parameters, self.shape, strict=True) if value != p.default]
+        return join(", ", [say("{parameter} {value:.4g} {unit}", parameter=p.title, value=value, unit=p.unit) if p.unit
+                           else say("{parameter} {value:.4g}", parameter=p.title, value=value)
+                           for p, value in pairs])  # fmt: skip
 
     def __str__(self) -> str:
         sheet, shape = self.signal.sheet[self.row.power], self.shape_words
@@ -310,10 +306,8 @@ def _term(words: list[str], text: str) -> Term:
     quantities = [*first, *split_quantities(words[1 + 2 * len(first) :])]
     if not 0 < len(quantities) <= 1 + len(parameters) or not quantities[0][1]:
         wanted = "".join(f", its {p.name.replace('_', ' ')}{p.unit and f' in {p.unit}'}" for p in parameters)
-        raise UsageError(
-            f"{' '.join(words)!r} is not a noise term: {symbol} must be followed by a number and a unit{wanted}, "
-            "e.g. 'N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s'"
-        )
+        raise UsageError(f"{' '.join(words)!r} is not a noise term: {symbol} must be followed by a number and a "
+                         f"unit{wanted}, e.g. 'N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s'")  # fmt: skip
     (value, unit), *rest = quantities
     shape = (convert(v, u or p.unit or "1", p.unit or "1") for (v, u), p in zip(rest, parameters, strict=False))
     return term(symbol, value, unit, tuple(shape))
@@ -348,10 +342,8 @@ def model_of(value: ModelLike) -> Model:
     if isinstance(inner, Model):
         return inner
     shown = f"the text {given(value)}" if isinstance(value, str) else f"an object of type {type(value).__name__}"
-    raise WrongTypeError(
-        f"a noise model must be a Model, a Term such as N(0.01, 'deg/sqrt(h)'), or a Fit, not {shown}; Model(text) "
-        "makes one of a text"
-    )
+    raise WrongTypeError("a noise model must be a Model, a Term such as N(0.01, 'deg/sqrt(h)'), or a Fit, not "
+                         f"{shown}; Model(text) makes one of a text")  # fmt: skip
 
 
 class Constructor(Protocol):
@@ -390,6 +382,5 @@ def constructor(symbol: str) -> Constructor:
     return public(build)
 
 
-Q, N, B, K = (constructor(symbol) for symbol in ("Q", "N", "B", "K"))
-R, GM, Sine = (constructor(symbol) for symbol in ("R", "GM", "Sine"))
-F, GMA, GM2, GML, W = (constructor(symbol) for symbol in ("F", "GMA", "GM2", "GML", "W"))
+Q, N, B, K, R, W = map(constructor, ("Q", "N", "B", "K", "R", "W"))
+F, GM, GMA, GM2, GML, Sine = map(constructor, ("F", "GM", "GMA", "GM2", "GML", "Sine"))

@@ -29,10 +29,8 @@ def _plain(name: str) -> str:
     return name.lower().translate(dict.fromkeys(map(ord, "-_ "))) or name
 
 
-def unknown(
-    what: str, name: object, known: Iterable[str], *, where: str = "", choice: str = "", lister: str = "",
-    listed: bool = True,
-) -> UsageError:  # fmt: skip
+def unknown(what: str, name: object, known: Iterable[str], *, where: str = "", choice: str = "", lister: str = "",
+            listed: bool = True) -> UsageError:  # fmt: skip
     """The error of an unknown name of `what`, such as a statistic: the name that may be meant, and the known ones."""
     # Of many names a `lister`, a command, is named instead, or the first are.
     meant, names = nearest(name, known), list(known)

@@ -66,9 +66,8 @@ class Value(Portable):
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data that JSON can hold, with confidence limits at `level`."""
         data: dict[str, Any] = {"allanite": VERSION, "type": type(self).__name__}
-        data |= {
-            self._keys.get(n, n): write_plain(getattr(self, n), hint, level) for n, hint in stored_fields(type(self))
-        }
+        data |= {self._keys.get(n, n): write_plain(getattr(self, n), hint, level)
+                 for n, hint in stored_fields(type(self))}  # fmt: skip
         return data | {name: plain(getattr(self, name), level) for name in self._also}
 
     @classmethod
@@ -178,10 +177,8 @@ def read_fields(cls: type[Value], data: dict[str, Any], *apart: str) -> dict[str
     """The fields of a class, but those `apart`, from plain data; what has a default may be missing."""
     optional = {f.name for f in fields(cls) if f.default is not MISSING or f.default_factory is not MISSING}  # type: ignore[arg-type]
     keys = {name: cls._keys.get(name, name) for name, _ in stored_fields(cls) if name not in apart}
-    values = {
-        name: read_key(data, keys[name], hint)
-        for name, hint in stored_fields(cls) if name in keys and (keys[name] in data or name not in optional)
-    }  # fmt: skip
+    values = {name: read_key(data, keys[name], hint) for name, hint in stored_fields(cls) if name in keys
+              and (keys[name] in data or name not in optional)}  # fmt: skip
     for name in cls._checks.keys() & values.keys():
         try:
             cls._checks[name](values[name])

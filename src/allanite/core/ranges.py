@@ -23,10 +23,8 @@ def demand_ranges(ranges: object) -> dict[str, tuple[float, float]]:
         times[symbol] = (float(pair[0]), float(pair[1]))
     for (symbol, (low, high)), (other, (start, end)) in pairwise(sorted(times.items(), key=lambda item: item[1])):
         if start < high:
-            raise UsageError(
-                f"the ranges of {symbol} ({low:g} to {high:g} s) and {other} ({start:g} to {end:g} s) overlap; "
-                "one term at most makes a part of the curve"
-            )
+            raise UsageError(f"the ranges of {symbol} ({low:g} to {high:g} s) and {other} ({start:g} to {end:g} s) "
+                             "overlap; one term at most makes a part of the curve")  # fmt: skip
     return times
 
 

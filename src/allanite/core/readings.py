@@ -84,7 +84,6 @@ class Quantity(NamedTuple):
 
 MINIMUM = "minimum"  # the symbol of the minimum of the Allan deviation, beside those of coefficients
 
-
 IN_RUN = say("in-run bias stability")  # what data sheets of inertial sensors call it
 
 FALLING, FALLING_SIGN = say("still falling"), "↓"
@@ -158,21 +157,17 @@ class Readings(Value):
         """All values as the lines of a table."""
         walk = title_of("N", self.signal)
         tau, root = self.usual.tau, math.sqrt(self.usual.tau)
-        quantities = [
-            _quantity(say("deviation at {tau:.4g} s", tau=tau), self.usual, level),
-            _quantity(say("as {walk}", walk=walk), self.usual, level, root, self._slope_there())._replace(power=0.5),
-        ]
+        quantities = [_quantity(say("deviation at {tau:.4g} s", tau=tau), self.usual, level),
+                      _quantity(say("as {walk}", walk=walk), self.usual, level, root,
+                                self._slope_there())._replace(power=0.5)]  # fmt: skip
         if self.minimum is not None:
             where = say("at {tau:.4g} s", tau=self.minimum.tau)
             remark = where if self.inside else join(", ", (where, FALLING))
             quantities.append(_quantity(minimum_title(self.signal), self.minimum, level, 1.0, remark))
             most = say("{term} at most", term=title_of("B", self.signal))
             quantities.append(_quantity(say("minimum / 0.664"), self.minimum, level, FLICKER, most))
-        return quantities + [
-            Quantity(say("slope, {start:.4g} to {end:.4g} s", start=s.start, end=s.end), s.start, s.value,
-                     *s.interval(level), None)
-            for s in self.slopes
-        ]  # fmt: skip
+        return quantities + [Quantity(say("slope, {start:.4g} to {end:.4g} s", start=s.start, end=s.end), s.start,
+                                      s.value, *s.interval(level), None) for s in self.slopes]  # fmt: skip
 
     def _slope_there(self) -> Phrase:
         """The slope where the angle random walk is read."""

@@ -95,9 +95,8 @@ class Record(Value):
             span = f"positive number of {self.unit}, from {1 / LARGEST:g} to {LARGEST:g}"
             raise UsageError(f"the scale must be a {span}, not {given(self.scale)}")
         if self.kind == "count" and self.scale is None:
-            raise UsageError(
-                f"counts need the size of one pulse, for example scale=0.1 with unit='arcsec' ({self.name})"
-            )
+            raise UsageError("counts need the size of one pulse, for example scale=0.1 with unit='arcsec' "
+                             f"({self.name})")  # fmt: skip
         unit, signal = unit_of(self.unit), signal_of_kind(self.unit, self.kind)
         if signal is None:
             known = offered(self.unit)
@@ -118,10 +117,8 @@ class Record(Value):
         first, last, step = which.indices(len(self.values))
         if step != 1:
             raise UsageError(f"a record has every sample: type al.prepare.decimate(record, {step})")
-        part = self.with_values(
-            self.values[first:last], say("samples {first} to {last}", first=first, last=last - 1),
-            start=(self.start or 0.0) + first / self.rate,
-        )  # fmt: skip
+        part = self.with_values(self.values[first:last], say("samples {first} to {last}", first=first, last=last - 1),
+                                start=(self.start or 0.0) + first / self.rate)  # fmt: skip
         return replace(part, cut=self.cut + first / self.rate)
 
     @property
@@ -244,15 +241,13 @@ class Record(Value):
         low, high = self.extent
         largest, spread = max(-low, high) * self.rate_factor, (high - low) * self.rate_factor
         if largest > LARGEST:
-            return say(
-                "values of up to {largest:.3g} {unit} are too large for any sensor (at most {most:g}): check the unit, "
-                "the scale and the type of the numbers", largest=largest, unit=self.signal.si[0], most=LARGEST,
-            )  # fmt: skip
+            return say("values of up to {largest:.3g} {unit} are too large for any sensor (at most {most:g}): check "
+                       "the unit, the scale and the type of the numbers", largest=largest, unit=self.signal.si[0],
+                       most=LARGEST)  # fmt: skip
         if 0 < spread < 1 / LARGEST:
-            return say(
-                "values differ by {spread:.3g} {unit} at most, less than can be computed with ({least:g}): check the "
-                "unit, the scale and the type of the numbers", spread=spread, unit=self.signal.si[0], least=1 / LARGEST,
-            )  # fmt: skip
+            return say("values differ by {spread:.3g} {unit} at most, less than can be computed with ({least:g}): "
+                       "check the unit, the scale and the type of the numbers", spread=spread, unit=self.signal.si[0],
+                       least=1 / LARGEST)  # fmt: skip
         return ""
 
     def demand_range(self) -> None:

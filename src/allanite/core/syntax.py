@@ -103,10 +103,8 @@ def toml_text(value: Any) -> str:
     if not isinstance(value, str):
         return str(value).lower() if isinstance(value, bool) else repr(value)
     whole = value.encode("utf-8", "backslashreplace").decode()
-    return "".join(
-        c if c.isprintable() else f"\\u{ord(c):04x}" if ord(c) < 0x10000 else f"\\U{ord(c):08x}"
-        for c in json.dumps(whole, ensure_ascii=False)
-    )
+    return "".join(c if c.isprintable() else f"\\u{ord(c):04x}" if ord(c) < 0x10000 else f"\\U{ord(c):08x}"
+                   for c in json.dumps(whole, ensure_ascii=False))  # fmt: skip
 
 
 def toml(choices: dict[str, Any]) -> str:
@@ -114,10 +112,8 @@ def toml(choices: dict[str, Any]) -> str:
     return "".join(f"{key} = {toml_text(value)}\n" for key, value in choices.items() if value is not None)
 
 
-KEYWORDS = (
-    "break", "case", "catch", "classdef", "continue", "else", "elseif", "end", "for", "function", "global", "if",
-    "otherwise", "parfor", "persistent", "return", "spmd", "switch", "try", "while",
-)  # fmt: skip
+KEYWORDS = ("break", "case", "catch", "classdef", "continue", "else", "elseif", "end", "for", "function", "global",
+            "if", "otherwise", "parfor", "persistent", "return", "spmd", "switch", "try", "while")  # fmt: skip
 """Words of MATLAB that are no variables."""
 
 

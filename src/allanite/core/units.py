@@ -88,41 +88,25 @@ _DEGREE, _GRAVITY = math.pi / 180, 9.80665
 _PREFIXES = {"k": 1e3, "h": 1e2, "c": 1e-2, "m": 1e-3, "u": 1e-6, "n": 1e-9}
 
 _BASIC: tuple[tuple[str, float, Dimension, str], ...] = (
-    ("rad", 1.0, _ANGLE, "mu"),
-    ("deg", _DEGREE, _ANGLE, "m"),
-    ("arcmin", _DEGREE / 60, _ANGLE, ""),
-    ("arcsec", _DEGREE / 3600, _ANGLE, ""),
-    ("rev", 2 * math.pi, _ANGLE, ""),
-    ("m", 1.0, _LENGTH, "cmun"),
-    ("g", _GRAVITY, _powers(length=1, time=-2), "mun"),
-    ("Gal", 1e-2, _powers(length=1, time=-2), "m"),
-    ("s", 1.0, _TIME, "mun"),
-    ("min", 60.0, _TIME, ""),
-    ("h", 3600.0, _TIME, ""),
-    ("Hz", 1.0, _powers(time=-1), ""),
-    ("A", 1.0, _powers(current=1), "mu"),
-    ("V", 1.0, _powers(voltage=1), "mu"),
-    ("K", 1.0, _powers(temperature=1), "m"),
+    ("rad", 1.0, _ANGLE, "mu"), ("deg", _DEGREE, _ANGLE, "m"), ("arcmin", _DEGREE / 60, _ANGLE, ""),
+    ("arcsec", _DEGREE / 3600, _ANGLE, ""), ("rev", 2 * math.pi, _ANGLE, ""), ("m", 1.0, _LENGTH, "cmun"),
+    ("g", _GRAVITY, _powers(length=1, time=-2), "mun"), ("Gal", 1e-2, _powers(length=1, time=-2), "m"),
+    ("s", 1.0, _TIME, "mun"), ("min", 60.0, _TIME, ""), ("h", 3600.0, _TIME, ""), ("Hz", 1.0, _powers(time=-1), ""),
+    ("A", 1.0, _powers(current=1), "mu"), ("V", 1.0, _powers(voltage=1), "mu"), ("K", 1.0, _powers(temperature=1), "m"),
     ("degC", 1.0, _powers(temperature=1), ""),  # of differences: the offset is not part of the unit
-    ("T", 1.0, _powers(flux_density=1), "mun"),
-    ("gauss", 1e-4, _powers(flux_density=1), ""),
-    ("Pa", 1.0, _powers(pressure=1), "kh"),
-    ("bar", 1e5, _powers(pressure=1), "m"),
-)
+    ("T", 1.0, _powers(flux_density=1), "mun"), ("gauss", 1e-4, _powers(flux_density=1), ""),
+    ("Pa", 1.0, _powers(pressure=1), "kh"), ("bar", 1e5, _powers(pressure=1), "m"),
+)  # fmt: skip
 """Name, size in SI, dimension, and the prefixes that it takes."""
 
-ATOMS: dict[str, tuple[float, Dimension]] = {
-    prefix + name: (_PREFIXES.get(prefix, 1.0) * size, dimension)
-    for name, size, dimension, prefixes in _BASIC
-    for prefix in ("", *prefixes)
-}
+ATOMS: dict[str, tuple[float, Dimension]] = {prefix + name: (_PREFIXES.get(prefix, 1.0) * size, dimension)
+                                             for name, size, dimension, prefixes in _BASIC
+                                             for prefix in ("", *prefixes)}  # fmt: skip
 
 MAX_LETTERS, MAX_SIZE = 200, 1e60  # letters of a unit, and its size in SI, at most
 
-USUAL = (
-    "deg/s", "deg/h", "rad/s", "mdeg/s", "arcsec", "deg", "rad", "g", "mg", "ug", "m/s^2", "m/s", "deg/sqrt(h)",
-    "deg/h/sqrt(Hz)", "deg/s/sqrt(Hz)", "rad/s/sqrt(Hz)", "ug/sqrt(Hz)", "m/s/sqrt(h)",
-)  # fmt: skip
+USUAL = ("deg/s", "deg/h", "rad/s", "mdeg/s", "arcsec", "deg", "rad", "g", "mg", "ug", "m/s^2", "m/s", "deg/sqrt(h)",
+         "deg/h/sqrt(Hz)", "deg/s/sqrt(Hz)", "rad/s/sqrt(Hz)", "ug/sqrt(Hz)", "m/s/sqrt(h)")  # fmt: skip
 """Units that messages suggest; any other that is made of `ATOMS` is read, too."""
 
 _ROOT = re.compile(
@@ -291,10 +275,8 @@ class Signal:
         return signal_named, (str(self.name),)
 
 
-def _plain(
-    name: str, unit: str, sensor: tuple[str, str], *, sheet: str = "", named: dict[float, str] | None = None,
-    kind: str = "rate",
-) -> Signal:  # fmt: skip
+def _plain(name: str, unit: str, sensor: tuple[str, str], *, sheet: str = "", named: dict[float, str] | None = None,
+           kind: str = "rate") -> Signal:  # fmt: skip
     """A signal that is called as its quantity, and whose noise has the units of `sheet` times time."""
     si, shown = (Units(u, "s", named) for u in (unit, sheet or unit))
     integral = say("integrated {quantity}", quantity=name)

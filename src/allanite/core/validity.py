@@ -126,9 +126,8 @@ class LowPass(Value):
         """The filter as text: ``2nd-order low-pass, -3 dB at 25.1 Hz (24.8 .. 25.4)``."""
         where = {"filter": self.title, "cutoff": self.cutoff, "low": self.low, "high": self.high}
         if self.cutoff > self.rate / 2:
-            return say(
-                "{filter}, -3 dB at {cutoff:.3g} Hz ({low:.3g} .. {high:.3g}), above half the sampling rate", **where
-            )
+            return say("{filter}, -3 dB at {cutoff:.3g} Hz ({low:.3g} .. {high:.3g}), above half the sampling rate",
+                       **where)  # fmt: skip
         return say("{filter}, -3 dB at {cutoff:.3g} Hz ({low:.3g} .. {high:.3g})", **where)
 
     def _summary(self) -> str:
@@ -196,7 +195,7 @@ class Scope(Value):
 
     @property
     def grade(self) -> str:
-        """`level` at the frequencies that the fit uses."""
+        """The grade of the spectrum: approximate if the intervals allow for a misfit."""
         return APPROXIMATE if self.misfit else EXPLAINED
 
     @property

@@ -19,10 +19,9 @@ LONGER = (1, 2, 4, 8, 16)  # lengths of embeddings that are tried, over that of 
 
 
 @public
-def simulate(
-    model: ModelLike, size: int | None = None, rate: float | None = None, *, duration: float | str | None = None,
-    rng: "np.random.Generator | int | None" = None, name: str = "", unit: str | None = None, rounding: bool = False,
-) -> Record:  # fmt: skip
+def simulate(model: ModelLike, size: int | None = None, rate: float | None = None,
+             *, duration: float | str | None = None, rng: "np.random.Generator | int | None" = None, name: str = "",
+             unit: str | None = None, rounding: bool = False) -> Record:  # fmt: skip
     """Simulate a Gaussian record of a model, exact at every averaging time.
 
     The first differences of the rate are stationary for every term; their covariance is embedded in a circulant matrix,
@@ -141,9 +140,8 @@ def readout_noise(size: int, *, sigma: float, walk: float = 0.0, rng: "np.random
     True
     """
     if size < 1 or not (np.isfinite([sigma, walk]).all() and min(sigma, walk) >= 0):
-        raise UsageError(
-            f"noise needs at least one sample and standard deviations that are not negative: {size=}, {sigma=}, {walk=}"
-        )
+        raise UsageError(f"noise needs at least one sample and standard deviations that are not negative: {size=}, "
+                         f"{sigma=}, {walk=}")  # fmt: skip
     noise = sigma * rng.standard_normal(size)
     if walk:
         noise[1:] += walk * np.cumsum(rng.standard_normal(size - 1))
@@ -219,9 +217,8 @@ class RingLaser:
                 raise UsageError(f"{name} of a ring laser must not be negative, but is {getattr(self, name)!r}")
         low, high = self.residual_band
         if not 0 < low <= high:
-            raise UsageError(
-                f"the band of the residual must be two ascending frequencies in Hz, not {self.residual_band!r}"
-            )
+            raise UsageError("the band of the residual must be two ascending frequencies in Hz, not "
+                             f"{self.residual_band!r}")  # fmt: skip
 
     @property
     def random_walk(self) -> float:
@@ -261,10 +258,9 @@ RING_LASERS: dict[str, RingLaser] = {"gl1": GL1, "gl1-smooth": GL1_SMOOTH}  # ri
 
 
 @public
-def simulate_ring_laser(
-    gyro: RingLaser, turning: float, size: int | None = None, rate: float | None = None, *,
-    duration: float | str | None = None, rng: "np.random.Generator | int | None" = None, name: str = "",
-) -> Record:  # fmt: skip
+def simulate_ring_laser(gyro: RingLaser, turning: float, size: int | None = None, rate: float | None = None,
+                        *, duration: float | str | None = None, rng: "np.random.Generator | int | None" = None,
+                        name: str = "") -> Record:  # fmt: skip
     """Counts of a ring laser gyro that turns at a constant rate.
 
     Parameters

@@ -40,19 +40,16 @@ def flicker_sum(tau: tuple[float, float], *, ripple: float = 0.02, order: int | 
     if not 0 < low < high < math.inf:
         raise UsageError(f"a range of averaging times must be two numbers of s, 0 < low < high, not {low:g},{high:g}")
     if order is not None and not 1 <= order <= MOST:
-        raise UsageError(
-            f"the number of processes that approximate flicker must be between 1 and {MOST}, not {order!r}"
-        )
+        raise UsageError(f"the number of processes that approximate flicker must be between 1 and {MOST}, not "
+                         f"{order!r}")  # fmt: skip
     if not ripple > 0:
         raise UsageError(f"the ripple must be above 0, not {ripple!r}")
     for k in range(1, MOST + 1) if order is None else (order,):
         span = _best_span(low, high, k)
         if order is not None or span.ripple <= ripple:
             return span
-    raise UsageError(
-        f"{MOST} processes leave a ripple of {100 * span.ripple:.2g} % between {low:g} and {high:g} s; allow a "
-        "larger ripple, or use a shorter range"
-    )
+    raise UsageError(f"{MOST} processes leave a ripple of {100 * span.ripple:.2g} % between {low:g} and {high:g} s; "
+                     "allow a larger ripple, or use a shorter range")  # fmt: skip
 
 
 def _best_span(low: float, high: float, k: int) -> MarkovSum:
@@ -83,9 +80,8 @@ def _best_span(low: float, high: float, k: int) -> MarkovSum:
         return fitted(0.0)
     # beyond the range a process helps little; within it, at most so far that the two ends meet
     limit = 0.45 * math.log(high / low)
-    best = minimize_scalar(
-        lambda x: fitted(float(x)).ripple, bounds=(-min(limit, 2.0), 2.0), method="bounded", options={"xatol": 0.01}
-    )
+    best = minimize_scalar(lambda x: fitted(float(x)).ripple, bounds=(-min(limit, 2.0), 2.0), method="bounded",
+                           options={"xatol": 0.01})  # fmt: skip
     return fitted(float(best.x))
 
 
@@ -165,10 +161,9 @@ def blocks_of(model: Model, h: float) -> list[Block]:
     for t in sorted(model, key=lambda t: known.index(t.symbol)):
         if t.row.block is None:
             able = ", ".join(symbol for symbol, row in TERMS.items() if row.block or row.substitute)
-            raise UsageError(
-                f"{t.symbol} ({t.row.title}) has no states in a filter, {able} have: omit it from the model, or "
-                "replace it by a term with a similar curve at the relevant averaging times"
-            )
+            raise UsageError(f"{t.symbol} ({t.row.title}) has no states in a filter, {able} have: omit it "
+                             "from the model, or replace it by a term with a similar curve at the relevant averaging "
+                             "times")  # fmt: skip
         blocks.append(t.row.block(t.value, t.shape, h))
     return blocks
 

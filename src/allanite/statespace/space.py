@@ -107,10 +107,8 @@ class StateSpace(Value):
 
 
 @public
-def state_space(
-    model: ModelLike, rate: float, *, tau: tuple[float, float] = (1.0, 1000.0), ripple: float = 0.02,
-    order: int | None = None, turn_on: float = 0.0, measurement: str = "auto",
-) -> StateSpace:  # fmt: skip
+def state_space(model: ModelLike, rate: float, *, tau: tuple[float, float] = (1.0, 1000.0), ripple: float = 0.02,
+                order: int | None = None, turn_on: float = 0.0, measurement: str = "auto") -> StateSpace:  # fmt: skip
     """Convert a model to a state space, discretized exactly at a rate.
 
     White noise N is the noise of the measurement, R = N^2 rate. A rate random walk and a ramp are a bias and its slope.
@@ -172,13 +170,10 @@ def state_space(
     names = [name for block in blocks for name in block.names]
     names += [(say("mean rate over the interval"), 0.0)] if len(built.Phi) > len(names) else []
     F, Qc = continuous(blocks)
-    return StateSpace(
-        **vars(built),
-        F=F, Qc=Qc, states=tuple(name for name, _ in names),
-        units=tuple(model.signal.si[power] for _, power in names), rate=float(rate), measurement=chosen, model=model,
-        equivalent=replaced, tau=(low, high), ripple=float(np.abs(off).max()),
-        notes=tuple(_notes(every, fitted, (low, high), turn_on)),
-    )  # fmt: skip
+    return StateSpace(**vars(built), F=F, Qc=Qc, states=tuple(name for name, _ in names),
+                      units=tuple(model.signal.si[power] for _, power in names), rate=float(rate), measurement=chosen,
+                      model=model, equivalent=replaced, tau=(low, high), ripple=float(np.abs(off).max()),
+                      notes=tuple(_notes(every, fitted, (low, high), turn_on)))  # fmt: skip
 
 
 def _chosen(measurement: str, blocks: list[Block], white: FloatArray, how: tuple[Model, float, float]) -> str:

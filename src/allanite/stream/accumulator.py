@@ -68,16 +68,13 @@ class Accumulator:
     (20000, 2.0)
     """
 
-    def __init__(
-        self, rate: float, unit: str, kind: str = "rate", *, scale: float | None = None, name: str = "",
-        statistic: str = "oadev", start: int = 0,
-    ) -> None:  # fmt: skip
+    def __init__(self, rate: float, unit: str, kind: str = "rate", *, scale: float | None = None, name: str = "",
+                 statistic: str = "oadev", start: int = 0) -> None:  # fmt: skip
         self.like = Record(np.zeros(3, np.int64), rate, unit, kind, scale, name)
         self.row: Statistic = statistic_named(statistic)
         if self.row.name not in streamable():
-            raise UsageError(
-                f"a stream has no {statistic!r}: choose one of {', '.join(streamable())}, or make a Record of it"
-            )
+            raise UsageError(f"a stream has no {statistic!r}: choose one of {', '.join(streamable())}, or make a "
+                             "Record of it")  # fmt: skip
         if start < 0:
             raise UsageError(f"start is the place of the first sample in the stream, at least 0, not {start}")
         self.start = start

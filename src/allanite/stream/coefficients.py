@@ -75,9 +75,8 @@ def curve_of(stream: "Accumulator", noise: ModelLike | Fit | None) -> Curve:
     )  # fmt: skip
 
 
-def law_of(
-    row: Statistic, q: IntArray, level: IntArray, seen: tuple[IntArray, float], noise: Averaged | Literal["auto"]
-) -> DerivedLaw:
+def law_of(row: Statistic, q: IntArray, level: IntArray, seen: tuple[IntArray, float],
+           noise: Averaged | Literal["auto"]) -> DerivedLaw:  # fmt: skip
     """The law of points from their numbers of windows and the sampling rate, under models."""
     # Windows that start every 2^k samples, of an angle that is taken there only, are the windows at every sample of a
     # record with 2^k times the sample interval, for which everything is known exactly.
@@ -96,9 +95,8 @@ def law_of(
 FULL = 0.5  # share of its samples that a cell must have
 
 
-def search_in(
-    stream: "Accumulator", terms: str = "auto", *, band: Band = "auto", masks: Sequence[tuple[float, float]] = ()
-) -> Pending:
+def search_in(stream: "Accumulator", terms: str = "auto", *, band: Band = "auto",
+              masks: Sequence[tuple[float, float]] = ()) -> Pending:  # fmt: skip
     """Search for the noise of a stream; `terms`, `band` and `masks` are those of `identify`."""
     # Sinusoids are not looked for, and outliers not excluded: both need the samples.
     symbols = symbols_of(terms)
@@ -171,42 +169,30 @@ def spectrum_of(stream: "Accumulator", *, detrend: bool) -> BinnedSpectrum:
     wide = float(width) ** 1.5
     ramp = transformed(places) if gaps.at.size else ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n)
     edges, upper = edges_of(n), _upper(stream, n * width, slope / wide)
-    if upper.first.size:
-        edges = np.append(edges[edges < upper.first[0]], upper.first[0])
+    above, number, level, index = upper[[0, 1, 3, 4]].astype(np.int64)
+    if above.size:
+        edges = np.append(edges[edges < above[0]], above[0])
     low = edges.size - 1
     power, peak, peak_at, even, odd = binned(dct(y, norm="ortho"), edges)
-    none = np.zeros(upper.first.size)
-    power = np.concatenate((power, upper.power))
+    none = np.zeros(above.size)
+    power = np.concatenate((power, upper[2]))
     if not power.max() > 0:
         raise DataError(say("{channel!r} never changes: there is no noise to identify", channel=stream.like.name))
-    first, count = (np.concatenate(each) for each in ((edges[:-1], upper.first), (np.diff(edges), upper.count)))
+    first, count = (np.concatenate(each) for each in ((edges[:-1], above), (np.diff(edges), number)))
     at = np.zeros(low, np.int64)
-    ladder = Ladder(low, width, gaps, np.append(at, upper.level), np.append(at, upper.index),
-                    np.append(np.diff(edges).astype(np.float64), upper.told))  # fmt: skip
+    ladder = Ladder(low, width, gaps, np.append(at, level), np.append(at, index),
+                    np.append(np.diff(edges).astype(np.float64), upper[5]))  # fmt: skip
     whole = Gaps(n * width, gaps.at * width, gaps.lost * width, gaps.shut)
-    return BinnedSpectrum(
-        size=n * width, rate=stream.like.rate, first=first, count=count,
-        power=np.maximum(power, ROUNDING_SHARE * float(power.mean())), peak=np.append(peak, none),
-        peak_at=np.append(peak_at, upper.first).astype(np.int64),
-        even=np.append(even, none), odd=np.append(odd, none), ramp=ramp * wide, slope=slope / wide, gaps=whole,
-        unit_factor=stream.like.rate_factor, times=(places + 0.5) * width, pieces=ladder,
-    )  # fmt: skip
+    return BinnedSpectrum(size=n * width, rate=stream.like.rate, first=first, count=count,
+                          power=np.maximum(power, ROUNDING_SHARE * float(power.mean())), peak=np.append(peak, none),
+                          peak_at=np.append(peak_at, above).astype(np.int64), even=np.append(even, none),
+                          odd=np.append(odd, none), ramp=ramp * wide, slope=slope / wide, gaps=whole,
+                          unit_factor=stream.like.rate_factor, times=(places + 0.5) * width, pieces=ladder)  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Upper:
-    """The bins of the segments, ascending: their place in coefficients of the whole stream, and what is in them."""
-
-    first: IntArray
-    count: IntArray
-    power: FloatArray
-    level: IntArray
-    index: IntArray
-    told: FloatArray
-
-
-def _upper(stream: "Accumulator", n: int, slope: float) -> Upper:
-    """The powers of the segments of a stream of n samples, without the part of a ramp of `slope` per sample."""
+def _upper(stream: "Accumulator", n: int, slope: float) -> FloatArray:
+    """The bins of the segments of a stream of n samples, ascending, without a ramp of `slope` per sample."""
+    # rows: place in coefficients of the whole stream, their number, power, level, index there, segments
     from allanite.kernels.ladder import BAND, UPPER
 
     state, bins = stream.sums.state, []
@@ -218,6 +204,4 @@ def _upper(stream: "Accumulator", n: int, slope: float) -> Upper:
         for j in range(len(rows) if many else 0):
             power = state.powers[base + j] / many / 2.0**k - drift[j]
             bins.append((edges[j], edges[j + 1] - edges[j], max(power, 0.0), k, j, many))
-    table = np.array(bins, dtype=np.float64).reshape(-1, 6).T
-    first, count, level, index = (table[i].astype(np.int64) for i in (0, 1, 3, 4))
-    return Upper(first, count, table[2], level, index, table[5])
+    return np.array(bins, dtype=np.float64).reshape(-1, 6).T

@@ -106,7 +106,5 @@ def examine(source: Source, recipe: Recipe | None = None, *, progress: Progress 
     """Summarize a recording and check its quality: a study without results."""
     # Parameters, exceptions and result are those of `analyze`, but no channel has a curve or a fit.
     recipe = recipe or Recipe()
-    return run(
-        Study, source, recipe, lambda seen: Channel(seen.first, seen.quality), Channel.refused,
-        keeping=lambda head, _: Keeper(head), doing="inspecting", demand=False, progress=progress,
-    )  # fmt: skip
+    return run(Study, source, recipe, lambda seen: Channel(seen.first, seen.quality), Channel.refused,
+               keeping=lambda head, _: Keeper(head), doing="inspecting", demand=False, progress=progress)  # fmt: skip

@@ -154,10 +154,8 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     record = as_record(record, "deviation", sampling, unit="1")
     own: Supposing = "auto" if "published" in (bias, edf) else partial(of_record, record)  # a single power law each
     supposing = own if isinstance(noise, str) and noise == "identified" else noise
-    return statistics.deviation(
-        record, statistic, taus=taus, m=m, noise=supposing, bias=bias, gaps=gaps, join=join, divisor=divisor,
-        edf=edf, power_law=power_law, threads=threads,
-    )  # fmt: skip
+    return statistics.deviation(record, statistic, taus=taus, m=m, noise=supposing, bias=bias, gaps=gaps, join=join,
+                                divisor=divisor, edf=edf, power_law=power_law, threads=threads)  # fmt: skip
 
 
 def of_record(record: Record) -> SupposedNoise:

@@ -26,9 +26,8 @@ def joined(provenances: Sequence[Mapping[str, str]]) -> dict[str, str]:
     """Those of several files as one: ``source``, ``source 2`` and so on."""
     first = dict(provenances[0]) if provenances else {}
     more = enumerate(provenances[1:], 2)
-    return first | {
-        f"{key} {i}": provenance[key] for i, provenance in more for key in ("source", "sha256") if key in provenance
-    }
+    return first | {f"{key} {i}": provenance[key] for i, provenance in more
+                    for key in ("source", "sha256") if key in provenance}  # fmt: skip
 
 
 Result = TypeVar("Result")
@@ -54,6 +53,7 @@ class Job(Value, Generic[Result]):
     """
 
     _channel: ClassVar[type[Any]]
+    _used: ClassVar[tuple[str, ...] | None] = (*READING, *SELECTING, *IDENTIFYING)  # of the recipe; None for all
 
     channels: tuple[Result, ...]
     recipe: Recipe
@@ -97,21 +97,16 @@ class Job(Value, Generic[Result]):
 
     def choices(self) -> dict[str, Any]:
         """The recipe that was actually used, as plain data."""
-        return self.recipe.to_dict((*READING, *SELECTING, *IDENTIFYING))
+        return self.recipe.to_dict(self._used)
 
     def to_dict(self, level: float | None = None) -> dict[str, Any]:
         """Plain data, with limits at `level`, by default that of the recipe."""
         level = self.recipe.level if level is None else level
         channels: tuple[Any, ...] = self.channels
-        return {
-            "allanite": VERSION,
-            "type": type(self).__name__,
-            "channels": [channel.to_dict(level) for channel in channels],
-            "findings": [finding.to_dict() for finding in self.findings],
-            "recipe": self.choices(),
-            "notes": list(self.notes),
-            "provenance": self.provenance,
-        } | {name: write_plain(getattr(self, name), hint, level) for name, hint in stored_fields(type(self), Job)}
+        own = {name: write_plain(getattr(self, name), hint, level) for name, hint in stored_fields(type(self), Job)}
+        return {"allanite": VERSION, "type": type(self).__name__, "channels": [c.to_dict(level) for c in channels],
+                "findings": [finding.to_dict() for finding in self.findings], "recipe": self.choices(),
+                "notes": list(self.notes), "provenance": self.provenance, **own}  # fmt: skip
 
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> Self:

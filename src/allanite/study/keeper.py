@@ -30,7 +30,6 @@ Taus = str | tuple[float, ...]
 
 WHOLE = "a record that is read in parts has"  # how messages about what needs the whole record begin
 
-
 NEAR = 1e-3  # relative difference of averaging times that are the same; the sampling rate is known only at the end
 
 STRIDES = say("the variances are exact: up to 15 samples from all windows, at m = q 2^k, q = 8 .. 15, from those that "

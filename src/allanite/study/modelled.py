@@ -118,7 +118,6 @@ class StateSpaceSettings(StateSpaceChoices, NoiseSettings):
 
 Use = PlanSettings | SelfCheckSettings | StateSpaceSettings  # what a noise model is used for
 
-
 Random = np.random.Generator
 Result = RecordingPlan | SelfCheck | StateSpace
 
@@ -154,9 +153,8 @@ class Modelled(Value):
     @property
     def missing(self) -> str:
         """Terms that were looked for and not identified, with their limits: the result does not include them."""
-        absent = (
-            e for e in self.fit or () if e.value is None and (e.upper is not None or e.status == "not observable")
-        )
+        absent = (e for e in self.fit or () if e.value is None
+                  and (e.upper is not None or e.status == "not observable"))  # fmt: skip
         return join(", ", (say("{symbol} {words}", symbol=e.symbol, words=e.words()) for e in absent))
 
     @cached_property
@@ -169,11 +167,9 @@ class Modelled(Value):
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data: the name, the result, and the noise from which it follows."""
         own: dict[str, Any] = {"rate": self.rate} if self.result is None else self.result.to_dict()
-        return {
-            "name": self.name, **own, "record": self.record and self.record.to_dict(level),
-            "quality": self.quality and self.quality.to_dict(level), **noise_dict(self.noise, level),
-            "alerts": list(self.alerts), "refusal": self.refusal,
-        }  # fmt: skip
+        return {"name": self.name, **own, "record": self.record and self.record.to_dict(level),
+                "quality": self.quality and self.quality.to_dict(level), **noise_dict(self.noise, level),
+                "alerts": list(self.alerts), "refusal": self.refusal}  # fmt: skip
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Modelled":
@@ -235,23 +231,18 @@ def _check(settings: SelfCheckSettings, rng: Random, noise: Supposed, recipe: Re
     n = noise.size
     if n is None or settings.duration is not None or settings.samples is not None:
         n, _ = size_and_rate(settings.samples, noise.rate, settings.duration)
-    return selfcheck(
-        noise.model, n, noise.rate, records=settings.records, rng=rng, terms=recipe.terms, method=recipe.method,
-        band=recipe.band, level=recipe.level, progress=tell,
-    )  # fmt: skip
+    return selfcheck(noise.model, n, noise.rate, records=settings.records, rng=rng, terms=recipe.terms,
+                     method=recipe.method, band=recipe.band, level=recipe.level, progress=tell)  # fmt: skip
 
 
 def _space(settings: StateSpaceSettings, _: Random, noise: Supposed, __: Recipe, ___: Progress) -> StateSpace:
     bias = settings.bias(noise.model.signal.unit)
     if noise.size is not None and not bias and all(t.symbol == "N" for t in noise.model):
-        raise DataError(
-            say("only white noise was identified, which belongs to the measurement: a filter needs no states for it")
-        )
+        raise DataError(say("only white noise was identified, which belongs to the measurement: a filter needs no "
+                            "states for it"))  # fmt: skip
     low, high = settings.tau
-    return state_space(
-        noise.model, noise.rate, tau=(low, high), ripple=settings.ripple, order=settings.order, turn_on=bias,
-        measurement=settings.measurement,
-    )  # fmt: skip
+    return state_space(noise.model, noise.rate, tau=(low, high), ripple=settings.ripple, order=settings.order,
+                       turn_on=bias, measurement=settings.measurement)  # fmt: skip
 
 
 KINDS: dict[type[NoiseSettings], tuple[type[ModelJob], Callable[..., Result]]] = {
@@ -261,9 +252,8 @@ KINDS: dict[type[NoiseSettings], tuple[type[ModelJob], Callable[..., Result]]] =
 """The type of result for these settings, and the function applied to each noise."""
 
 
-def run_model_job(
-    source: Source | None, settings: Use, recipe: Recipe | None = None, *, progress: Progress | None = None
-) -> ModelJob:
+def run_model_job(source: Source | None, settings: Use, recipe: Recipe | None = None, *,
+                  progress: Progress | None = None) -> ModelJob:  # fmt: skip
     """What follows from the noise of each channel of a recording, or from the model that the settings give."""
     recipe, given = recipe or Recipe(), settings.instead_of(source)
     job, make = KINDS[type(settings)]
@@ -295,11 +285,9 @@ def run_model_job(
         except DataError as error:
             return made(refusal=str(error))
 
-    return run(
-        kind, source, recipe, follow,
-        lambda seen, why: Modelled(seen.name, seen.record.rate, seen.record, seen.quality, refusal=why),
-        begin=partial(begun_in, recipe=recipe), progress=progress,
-    )  # fmt: skip
+    return run(kind, source, recipe,
+               follow, lambda seen, why: Modelled(seen.name, seen.record.rate, seen.record, seen.quality, refusal=why),
+               begin=partial(begun_in, recipe=recipe), progress=progress)  # fmt: skip
 
 
 def demand_no_recording(settings: NoiseSettings, recipe: Recipe) -> None:

@@ -74,10 +74,8 @@ def widened(fit: Fit, factor: float) -> Fit:
     return replace(fit, estimates=tuple(each))
 
 
-def noise_of(
-    record: Record, recipe: Recipe, *, terms: str | None = None, band: Band | None = None, lines: bool = True,
-    moved: bool = False,
-) -> Noise:  # fmt: skip
+def noise_of(record: Record, recipe: Recipe, *, terms: str | None = None, band: Band | None = None, lines: bool = True,
+             moved: bool = False) -> Noise:  # fmt: skip
     """Identify the noise of a channel with the choices of the recipe, or with these `terms`, `band` and `lines`."""
     recipe = replace(recipe, terms=terms or recipe.terms, band=band or recipe.band)
     return _judged(begun(record, recipe, lines=lines).fit(), record, recipe, moved=moved)
@@ -87,11 +85,9 @@ def begun(record: Record, recipe: Recipe, *, lines: bool = True) -> Started:
     """The search for the noise of a channel with the choices of the recipe; the rest as for `noise_of`."""
     row = METHODS.get(recipe.method)
     readable = row is not None and recipe.statistic in row.allowed
-    search = started(
-        record, method=recipe.method, terms=recipe.terms, statistic=recipe.statistic if readable else None,
-        band=recipe.band, masks=demand_pieces(recipe.mask, "Hz") if recipe.mask else (),
-        outliers=recipe.outliers or "mark", lines=lines, ranges=recipe.ranges,
-    )  # fmt: skip
+    search = started(record, method=recipe.method, terms=recipe.terms, statistic=recipe.statistic if readable else None,
+                     band=recipe.band, masks=demand_pieces(recipe.mask, "Hz") if recipe.mask else (),
+                     outliers=recipe.outliers or "mark", lines=lines, ranges=recipe.ranges)  # fmt: skip
     if row is None or not row.allowed or readable:
         return search
     note = say("method {method!r} cannot fit {statistic}: the coefficients are those of {other}",

@@ -96,10 +96,9 @@ class Recipe:
     """
 
     # fmt: off
-    rate: float | None = choice(
-        "HZ", "Sampling rate; overrides the file.", group="reading",
-        synonyms=("samplerate", "sampling rate", "sampling frequency", "frequency", "hz", "odr"),
-        flags=("--rate", "--fs"), kind=HERTZ, demand=_stated("rate"))
+    rate: float | None = choice("HZ", "Sampling rate; overrides the file.", group="reading",
+                                synonyms=("samplerate", "sampling rate", "sampling frequency", "frequency", "hz",
+                                          "odr"), flags=("--rate", "--fs"), kind=HERTZ, demand=_stated("rate"))
     unit: str | Mapping[str, str] | None = choice(
         "UNIT", "Unit of the samples: deg/s, rad/s, arcsec, g, m/s^2, ...; by sensor or column: gyro=deg/s,accel=g.",
         kind=ChoiceKind("unit", _unit, lambda name, value: _unit(
@@ -108,37 +107,30 @@ class Recipe:
         group="reading", synonyms=("units",))
     kind: str | None = choice(
         "", "What a sample is: rate, increment, angle, count or value.", group="reading", demand=_stated("kind"))
-    scale: float | str | None = choice(
-        "STEP", "Scale factor per count: 0.01 (in --unit) or 0.01deg/s.", kind=WORTH, group="reading",
-        demand=_stated("scale"))
-    channels: tuple[str, ...] | None = choice(
-        "A,B,...", "Columns by name or number.", told="all recognized", group="reading",
-        synonyms=("axis", "axes", "column"))
+    scale: float | str | None = choice("STEP", "Scale factor per count: 0.01 (in --unit) or 0.01deg/s.", kind=WORTH,
+                                       group="reading", demand=_stated("scale"))
+    channels: tuple[str, ...] | None = choice("A,B,...", "Columns by name or number.", told="all recognized",
+                                              group="reading", synonyms=("axis", "axes", "column"))
     time: str | None = choice("", "Column of the time stamps.", group="reading", synonyms=("stamps", "time column"))
-    dtype: str | None = choice(
-        "TYPE", "The file is raw binary of this type: i2, >i2, f4, ..., u4,6i2 for mixed rows, or kfgins.",
-        group="reading")
+    dtype: str | None = choice("TYPE", "The file is raw binary of this type: i2, >i2, f4, ..., u4,6i2 for mixed rows, "
+                               "or kfgins.", group="reading")
     columns: int | None = choice("N", "Numbers per row of raw binary.", group="reading")
     offset: int | None = choice("BYTES", "Bytes before the first row of raw binary.", group="reading")
     sincos: tuple[str, ...] | None = choice(
         "S,C,...", "Columns of sine and cosine, in pairs: their angle is analyzed.", group="reading", parts=())
-    average: float | None = choice(
-        "TIME", "First of all replace the samples by means over this time.", kind=INSTANT, group="selecting",
-        synonyms=("decimate", "downsample"))
+    average: float | None = choice("TIME", "First of all replace the samples by means over this time.", kind=INSTANT,
+                                   group="selecting", synonyms=("decimate", "downsample"))
     exclude: str | tuple[tuple[float, float], ...] | None = choice(
         "S..S,...", "Pieces to leave out, s after the first sample: 100..160,300..310; they become gaps.",
         kind=pieces("s"), group="selecting", synonyms=("cut", "drop"))
-    start: float | None = choice(
-        "TIME", "Start of the window after the first sample: 600, 10min.", kind=INSTANT, group="selecting",
-        synonyms=("start", "begin", "skip"), flags=("--from",))
-    until: float | None = choice(
-        "TIME", "End of the window after the first sample: 3600, 1h.", kind=INSTANT, group="selecting",
-        synonyms=("end", "stop"))
+    start: float | None = choice("TIME", "Start of the window after the first sample: 600, 10min.", kind=INSTANT,
+                                 group="selecting", synonyms=("start", "begin", "skip"), flags=("--from",))
+    until: float | None = choice("TIME", "End of the window after the first sample: 3600, 1h.", kind=INSTANT,
+                                 group="selecting", synonyms=("end", "stop"))
     quiet_window: float | None = choice(
         "TIME", "Use the most stationary window of this length.", kind=INSTANT, group="selecting", parts=())
-    outliers: str | None = choice(
-        "WORD", "mark: exclude everywhere; keep: use everywhere.", told="exclude from the fit only", group="selecting",
-        demand=_accepted("prepare.outliers.demand_choice"))
+    outliers: str | None = choice("WORD", "mark: exclude everywhere; keep: use everywhere.", told="exclude from the "
+                                  "fit only", group="selecting", demand=_accepted("prepare.outliers.demand_choice"))
     motion: str | None = choice(
         "WORD", "mark: leave out the seconds in which the sensor moves; refuse: no analysis beyond 2 % of them.",
         told="refuse; of a live stream mark", group="selecting", demand=_accepted("prepare.transform.demand_motion"))
@@ -164,15 +156,13 @@ class Recipe:
         group="identifying")
     level: float = choice("", "Confidence level of intervals.", default=0.95, group="identifying",
         synonyms=("confidence", "ci"), demand=demand_level)
-    device: str | None = choice(
-        "NAME", "Likely causes of each term in it: stabilizer, mscsg, rlg, fog, mems, accelerometer.", group="showing",
-        demand=_accepted("interpretation.devices.device"))
+    device: str | None = choice("NAME", "Likely causes of each term in it: stabilizer, mscsg, rlg, fog, mems, "
+                                "accelerometer.", group="showing", demand=_accepted("interpretation.devices.device"))
     to: tuple[str, ...] | None = choice(
         "UNIT,...", "Units of the coefficients: deg/s, ug/sqrt(Hz), ...", told="those of data sheets", group="showing",
         demand=_units_shown, flags=("--output-unit",), old=("--to",))
-    about: tuple[str, ...] | None = choice(
-        "KEY=VALUE", "For the header of the report: serial, operator, date, temperature, ...", kind=LINES,
-        group="showing", demand=_facts)
+    about: tuple[str, ...] | None = choice("KEY=VALUE", "For the header of the report: serial, operator, date, "
+                                           "temperature, ...", kind=LINES, group="showing", demand=_facts)
     # fmt: on
 
     def __post_init__(self) -> None:

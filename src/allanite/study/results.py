@@ -247,6 +247,7 @@ class Study(Job[Channel]):
     """
 
     _channel = Channel
+    _used = None
 
     common: Shared | None = field(default=None, compare=False)
     """Correlations between the channels, if they were read and not computed."""
@@ -270,10 +271,6 @@ class Study(Job[Channel]):
     def curves(self) -> dict[str, Curve]:
         """The curves of the channels that have any, by their names."""
         return {channel.record.name: channel.curve for channel in self.channels if channel.curve}
-
-    def choices(self) -> dict[str, Any]:
-        """The recipe that was actually used, as plain data."""
-        return self.recipe.to_dict()
 
     def to_dict(self, level: float | None = None) -> dict[str, Any]:
         """Plain data, with limits at `level`, by default that of the recipe."""

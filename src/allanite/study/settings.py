@@ -10,9 +10,8 @@ from allanite.core.choices import DURATION, DURATIONS, GRID, INSTANT, LINES, PER
 
 def grid(default: str) -> Any:
     """Averaging times."""
-    return choice(
-        "GRID", "octave, decade, log, all, or seconds, e.g. 1,10,100.", kind=GRID, default=default, told="",
-        group="curve")
+    return choice("GRID", "octave, decade, log, all, or seconds, e.g. 1,10,100.", kind=GRID, default=default, told="",
+                  group="curve")
 
 
 def _factors() -> Any:
@@ -39,9 +38,8 @@ class DeviationChoices:
     statistic: tuple[str, ...] = choice("A,B,...", "Statistics.", default=("oadev",))
     taus: str | tuple[float, ...] = grid("octave")
     m: tuple[int, ...] | None = _factors()
-    intervals: bool = choice(
-        "", "Confidence intervals; without them no noise is identified.", default=True,
-        flags=("--intervals/--no-intervals",))
+    intervals: bool = choice("", "Confidence intervals; without them no noise is identified.", default=True,
+                             flags=("--intervals/--no-intervals",))
     bias: Literal["exact", "published", "model", "plain"] | None = choice(
         "WORD",
         "Correct the bias: exact or published (theo1, totdev, mtotdev, ...), model (theobr, theoh); plain: none.",
@@ -50,12 +48,10 @@ class DeviationChoices:
         "SHARE", "Share of the record up to which theoh is the overlapping Allan deviation.", default=0.2)
     divisor: int = choice(
         "N", "Divisor of the length for the number of bias ratios of theobr and theoh; 6 as in Stable32.", default=30)
-    edf: Literal["exact", "published"] = choice(
-        "WORD", "Degrees of freedom of the intervals: exact, or published, for the power law found at each time.",
-        default="exact", parts=("exact",))
-    power_law: bool = choice(
-        "", "Show the exponent of the power law of the noise at each averaging time; a ramp is taken out first.",
-        default=False, parts=(False,))
+    edf: Literal["exact", "published"] = choice("WORD", "Degrees of freedom of the intervals: exact, or published, for "
+                                                "the power law found at each time.", default="exact", parts=("exact",))
+    power_law: bool = choice("", "Show the exponent of the power law of the noise at each averaging time; a ramp is "
+                             "taken out first.", default=False, parts=(False,))
     threads: int = 1
     to: str | None = _unit()
 
@@ -116,9 +112,8 @@ class PlanChoices:
 
     durations: tuple[float, ...] = choice(
         "A,B,...", "Record lengths.", kind=DURATIONS, default=(), told="10 min,1 h,6 h,24 h")
-    accuracy: float = choice(
-        "PERCENT", "Relative standard error of a coefficient to reach.", kind=PERCENT, default=0.1,
-        told="10; of a live stream 20")
+    accuracy: float = choice("PERCENT", "Relative standard error of a coefficient to reach.", kind=PERCENT, default=0.1,
+                             told="10; of a live stream 20")
     ramp: bool | None = choice(
         "", "Assume a rate ramp of unknown size.", told="if the model has one", flags=("--ramp/--no-ramp",))
 
@@ -175,25 +170,22 @@ class ClaimChoices:
 class WatchChoices:
     """The choices of `WatchSettings`."""
 
-    every: float | None = choice(
-        "TIME", "Time between reports.", kind=DURATION, told="10 s; of watch 5 % of the record, 10 s to 1 h",
-        flags=("--refresh",))
+    every: float | None = choice("TIME", "Time between reports.", kind=DURATION, told="10 s; of watch 5 % of the "
+                                 "record, 10 s to 1 h", flags=("--refresh",))
     duration: float = choice(
         "TIME", "Stop after this time.", kind=DURATION, default=math.inf, told="never", flags=("--for",))
     idle: float = choice("TIME", "Stop after this time without data.", kind=DURATION, default=math.inf, told="never")
     baud: int = choice("N", "Baud rate of a serial port.", default=115200)
-    accuracy: float = choice(
-        "PERCENT", "Relative standard error of a coefficient to reach.", kind=PERCENT, default=0.2,
-        told="10; of a live stream 20")
+    accuracy: float = choice("PERCENT", "Relative standard error of a coefficient to reach.", kind=PERCENT, default=0.2,
+                             told="10; of a live stream 20")
 
 
 @dataclass(frozen=True, repr=False)
 class ExportChoices:
     """The choices of an export."""
 
-    axis: str = choice(
-        "WORD", "Whose coefficients: worst, median, x, y, z, or each if the target takes one for each axis.",
-        default="worst")
+    axis: str = choice("WORD", "Whose coefficients: worst, median, x, y, z, or each if the target takes one for each "
+                       "axis.", default="worst")
     inflate: float = choice(
         "FACTOR", "Factor on all coefficients; it is written into the file.", default=1.0, told="1.0")
     rate: float | None = None
@@ -210,24 +202,19 @@ class ExportChoices:
 class DriftChoices:
     """The choices of `DriftSettings`."""
 
-    times: tuple[float, ...] = choice(
-        "A,B,...", "Times without aid.", kind=DURATIONS, default=(1.0, 10.0, 60.0, 600.0, 3600.0),
-        told="1 s,10 s,1 min,10 min,1 h")
-    calibration: float | None = choice(
-        "TIME", "Time at rest before, over which the bias was averaged; 0: it was not.", kind=INSTANT,
-        told="60 s; 0 with --turn-on")
-    turn_on: tuple[str, ...] = choice(
-        "BIAS", "Standard deviation of a constant bias: '10 deg/h', '2 mg'; repeatable.", kind=LINES, default=(),
-        told="", synonyms=("bias",))
-    scale_factor: float = choice(
-        "SHARE", "Error of the scale factor, 1 sigma: 0.1%, 1000ppm or 0.001.", kind=SHARE, default=0.0, told="none",
-        flags=("--scale-error",), old=("--scale-factor",))
+    times: tuple[float, ...] = choice("A,B,...", "Times without aid.", kind=DURATIONS,
+                                      default=(1.0, 10.0, 60.0, 600.0, 3600.0), told="1 s,10 s,1 min,10 min,1 h")
+    calibration: float | None = choice("TIME", "Time at rest before, over which the bias was averaged; 0: it was not.",
+                                       kind=INSTANT, told="60 s; 0 with --turn-on")
+    turn_on: tuple[str, ...] = choice("BIAS", "Standard deviation of a constant bias: '10 deg/h', '2 mg'; repeatable.",
+                                      kind=LINES, default=(), told="", synonyms=("bias",))
+    scale_factor: float = choice("SHARE", "Error of the scale factor, 1 sigma: 0.1%, 1000ppm or 0.001.", kind=SHARE,
+                                 default=0.0, told="none", flags=("--scale-error",), old=("--scale-factor",))
     maneuver: tuple[str, ...] = choice(
         "SIZE", "On which the scale factor acts: '90 deg', '5 deg/s', '20 m/s', '2 m/s^2'; repeatable.",
         kind=LINES, default=(), told="", synonyms=("turn", "acceleration"))
-    platform: Literal["strapdown", "level"] = choice(
-        "WORD", "strapdown: gravity acts through the tilt from the gyros; level: the platform is kept level.",
-        default="strapdown")
+    platform: Literal["strapdown", "level"] = choice("WORD", "strapdown: gravity acts through the tilt from the gyros; "
+                                                     "level: the platform is kept level.", default="strapdown")
     schuler: bool = choice("", "The earth is round: what is kept level swings with 84.4 min.", default=False)
     require: tuple[str, ...] = choice(
         "LIMIT", "Largest drift, 1 sigma: '1 deg in 10 min', '100 m in 1 min'; repeatable. Exit code 4 if exceeded.",

@@ -136,10 +136,8 @@ class Densities(DensityChoices, Value):
     @property
     def notes(self) -> tuple[str, ...]:
         """Assumptions about a record that is read in parts."""
-        return (
-            say("segments of at most {count} samples, by default an eighth of the record, in a record read in parts",
-                count=MAX_SEGMENT),
-        )  # fmt: skip
+        return (say("segments of at most {count} samples, by default an eighth of the record, in a record read in "
+                    "parts", count=MAX_SEGMENT),)  # fmt: skip
 
 
 @described
@@ -161,9 +159,8 @@ class Windows(WindowChoices, Value):
 
     def keeping(self, head: Record, size: int) -> Keeper:
         """Refuse a record that is read in parts."""
-        raise UsageError(
-            f"{WHOLE} no sliding windows: allow more memory with {spelled('--memory', 'memory=')}, or use deviation"
-        )
+        raise UsageError(f"{WHOLE} no sliding windows: allow more memory with {spelled('--memory', 'memory=')}, or use "
+                         "deviation")  # fmt: skip
 
     def kept(self, seen: Inspected, keeper: Keeper, fit: Fit | None) -> tuple[Result, ...]:
         """Nothing is kept."""
@@ -204,10 +201,8 @@ class Survey(Job[Measured]):
         return self.recipe.to_dict(used) | chosen(self.settings)
 
 
-def survey(
-    source: Source, settings: Deviations | Densities | Windows, recipe: Recipe | None = None, *,
-    progress: Progress | None = None,
-) -> Survey:  # fmt: skip
+def survey(source: Source, settings: Deviations | Densities | Windows, recipe: Recipe | None = None, *,
+           progress: Progress | None = None) -> Survey:  # fmt: skip
     """Compute curves, spectra or surfaces of every channel of a recording."""
     recipe = recipe or Recipe()
 
@@ -261,9 +256,8 @@ class TheorySettings(LengthChoices, NoiseSettings):
         return self != TheorySettings()
 
 
-def expected_curves(
-    source: Source | None, settings: TheorySettings, wanted: Deviations, recipe: Recipe | None = None
-) -> Expectation:
+def expected_curves(source: Source | None, settings: TheorySettings, wanted: Deviations,
+                    recipe: Recipe | None = None) -> Expectation:  # fmt: skip
     """The expected curves of a model that is given instead of a recording."""
     recipe, model = recipe or Recipe(), settings.instead_of(source)
     if model is None:
@@ -275,10 +269,8 @@ def expected_curves(
         )
     demand_no_recording(settings, recipe)
     if wanted.m is not None or wanted.to is not None:
-        raise UsageError(
-            f"{spelled('--m and --to apply', 'm and to apply')} to a recording: give averaging times in seconds, "
-            + spelled("--taus 1,10,100", "taus=(1, 10, 100)")
-        )
+        raise UsageError(f"{spelled('--m and --to apply', 'm and to apply')} to a recording: give averaging times in "
+                         "seconds, " + spelled("--taus 1,10,100", "taus=(1, 10, 100)"))  # fmt: skip
     size = None
     if settings.duration is not None or settings.samples is not None:
         if recipe.rate is None:
@@ -288,9 +280,8 @@ def expected_curves(
     return expectation(model, wanted.statistic, tau=tau, rate=recipe.rate, size=size, name=settings.name)
 
 
-def expected_of_models(
-    source: Source | None, models: Sequence[str], settings: TheorySettings, wanted: Deviations, recipe: Recipe
-) -> Expectation | Expectations:
+def expected_of_models(source: Source | None, models: Sequence[str], settings: TheorySettings, wanted: Deviations,
+                       recipe: Recipe) -> Expectation | Expectations:  # fmt: skip
     """The expected curves of each model, or of what the settings give; the rest is that of `expected_curves`."""
     each = [replace(settings, model=model) for model in models] or [settings]
     expectations = tuple(expected_curves(source, model_settings, wanted, recipe) for model_settings in each)

@@ -107,10 +107,8 @@ class Watch:
         yield say("watching {target!r}", target=self.target)
         self._begun = last = time.monotonic()
         every = self.settings.every
-        tasks = (
-            Task(self._look, *LOOKS, last),
-            Task(self._news, *(REPORTS if every is None else (every, every)), last),
-        )
+        tasks = (Task(self._look, *LOOKS, last),
+                 Task(self._news, *(REPORTS if every is None else (every, every)), last))  # fmt: skip
         try:
             while not self.stopped():
                 try:

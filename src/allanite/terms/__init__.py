@@ -17,9 +17,7 @@ from .waveforms import SINE, WARM_UP
 
 __all__ = ["TERMS", "WHITE", "NoiseTerm", "Parameter", "ramp_coefficients"]
 
-_OWN = (
-    *(QUANTIZATION, ANGLE_FLICKER, ANGLE_RANDOM_WALK, FLICKER, RATE_RANDOM_WALK, RAMP, WARM_UP),
-    *(GAUSS_MARKOV, SLOW_GAUSS_MARKOV, ANGLE_MARKOV, OSCILLATION, SINE),
-)
+_OWN = (*(QUANTIZATION, ANGLE_FLICKER, ANGLE_RANDOM_WALK, FLICKER, RATE_RANDOM_WALK, RAMP, WARM_UP),
+        *(GAUSS_MARKOV, SLOW_GAUSS_MARKOV, ANGLE_MARKOV, OSCILLATION, SINE))  # fmt: skip
 
 TERMS = Registry({row.symbol: row for row in _OWN}, "allanite.terms", kind=NoiseTerm, key="symbol")

@@ -79,15 +79,13 @@ def _flicker_spectrum(f: FloatArray, tau0: float) -> FloatArray:
 
 def _flicker_dct(k: FloatArray, n: int) -> FloatArray:
     # the DCT-II nearly diagonalizes flicker: a factor of k alone, for any n (computed exactly for k <= 8)
-    edge = np.where(
-        k < 8.5, FLICKER_EDGE[np.clip(k, 1, 8).astype(np.int64) - 1], 1 - 2 / (math.pi**2 * np.maximum(k, 1))
-    )
+    edge = np.where(k < 8.5, FLICKER_EDGE[np.clip(k, 1, 8).astype(np.int64) - 1],
+                    1 - 2 / (math.pi**2 * np.maximum(k, 1)))  # fmt: skip
     return np.asarray(_flicker_spectrum(k / (2.0 * n), 1.0) * edge)
 
 
 FLICKER = NoiseTerm(
-    symbol="B", synonyms=("BI",),
-    title=say("bias instability"),
+    symbol="B", synonyms=("BI",), title=say("bias instability"),
     meaning=say("flicker (1/f) noise of the rate; the Allan deviation has a floor at 0.664 B"),
     quantity_title=say("flicker of the {quantity}"),
     quantity_meaning=say("flicker (1/f) noise; the Allan deviation has a floor at 0.664 B"),
@@ -102,12 +100,8 @@ FLICKER = NoiseTerm(
     advice="The flat part of the curve lies at 0.664 B. The minimum of the curve is not B: angle and rate random walk "
     "alone have a minimum, at sqrt(2 N K / sqrt(3)), without any flicker. It has no finite-dimensional state "
     "model; in a Kalman filter it is approximated by one or several Gauss-Markov processes.",
-    typical=1.0,
-    color="#146A4E",
-    dark="#31C697",
-    dash=(8, 2, 1.6, 2), alpha=-1, automatic=True, substitute="GM",
+    typical=1.0, color="#146A4E", dark="#31C697", dash=(8, 2, 1.6, 2), alpha=-1, automatic=True, substitute="GM",
 )  # fmt: skip
-
 
 PANELS, NODES = np.array([0, 1, 2, 4, 6, 9, 13, 18, 25, 40.0]), 16
 """Panels of the integral over exp(-x), and nodes in each."""
@@ -167,8 +161,7 @@ def _dct(k: FloatArray, n: int) -> FloatArray:
 
 
 ANGLE_FLICKER = NoiseTerm(
-    symbol="F",
-    title=say("flicker of the angle"),
+    symbol="F", title=say("flicker of the angle"),
     titles={"accelerometer": say("flicker of the velocity"), "dimensionless": say("flicker of the time")},
     meaning=say("flicker (1/f) noise of the angle; flicker phase noise of clocks"),
     quantity_title=say("flicker of the integrated {quantity}"),
@@ -176,9 +169,7 @@ ANGLE_FLICKER = NoiseTerm(
     formula=r"\sigma^2(\tau) \approx (F^2 / \pi \tau^2) (3 \ln(\tau / \tau_0) + 5.20)",
     reference=say("NIST SP 1065; sampled as by N. J. Kasdin, Proc. IEEE 83 (1995) 802"),
     power=1.0, slope=-1.0, read_at=1.0, level=16 / (3 * math.pi), structure=_structure, derivative=_derivative,
-    summed=_summed, increments=_increments,
-    spectrum=lambda f, tau0: 2 / tau0 * np.sin(math.pi * f * tau0),
-    dct=_dct,
+    summed=_summed, increments=_increments, spectrum=lambda f, tau0: 2 / tau0 * np.sin(math.pi * f * tau0), dct=_dct,
     density=r"S(f) = \frac{2 F^2}{\tau_0} \sin(\pi f \tau_0) \approx 2 \pi f F^2",
     origin="1/f noise of what measures the angle: of the electronics of an encoder, of a phase detector, of the "
     "interpolation of a resolver; of amplifiers and dividers in clocks.",
@@ -186,8 +177,5 @@ ANGLE_FLICKER = NoiseTerm(
     "of quantization, -1, from which the modified Allan deviation and the spectrum tell it. Its size depends on the "
     "bandwidth, here half the sampling rate. It is looked for when its symbol is among the terms that are asked for. "
     "It has no finite-dimensional state model; a filter takes quantization of a similar size in its place.",
-    typical=0.5,
-    color="#310698",
-    dark="#F9F24A",
-    dash=(4, 1.2), alpha=1, per_sample=True,
+    typical=0.5, color="#310698", dark="#F9F24A", dash=(4, 1.2), alpha=1, per_sample=True,
 )  # fmt: skip

@@ -123,8 +123,7 @@ def gauss_markov(T: float) -> NoiseTerm:
     """The row of Gauss-Markov rate noise, with a time constant of T sample intervals."""
     functions = Exponential(1 / T)
     return NoiseTerm(
-        symbol="GM", synonyms=("markov",),
-        title=say("Gauss-Markov noise"),
+        symbol="GM", synonyms=("markov",), title=say("Gauss-Markov noise"),
         meaning=say("exponentially correlated (first-order Gauss-Markov) noise of the rate, with a time constant T"),
         quantity_meaning=say("exponentially correlated (first-order Gauss-Markov) noise with a time constant T"),
         formula=r"\sigma^2(\tau) = (2 s^2 T / \tau) (1 - (T / 2 \tau) (3 - 4 \exp(-\tau/T) + \exp(-2 \tau/T)))",
@@ -132,8 +131,7 @@ def gauss_markov(T: float) -> NoiseTerm:
         power=0.0, slope=math.nan, read_at=math.nan, level=math.nan, structure=functions.structure,
         derivative=functions.derivative, summed=functions.summed, increments=functions.increments,
         spectrum=functions.spectrum, dct=functions.dct, parameters=(time_constant(20.0, SHORTEST),), shape=(T,),
-        shaped=lambda shape, rate: gauss_markov(shape[0] * rate),
-        density=r"S(f) = \frac{2 s^2 T}{1 + (2 \pi f T)^2}",
+        shaped=lambda shape, rate: gauss_markov(shape[0] * rate), density=r"S(f) = \frac{2 s^2 T}{1 + (2 \pi f T)^2}",
         origin="A single relaxation process: a temperature that follows its surroundings, a trapped charge, a filter "
         "at the output, a control loop. Sums of a few such processes with time constants a decade apart can "
         "hardly be distinguished from flicker.",
@@ -142,34 +140,22 @@ def gauss_markov(T: float) -> NoiseTerm:
         "well above an angle random walk with N = s sqrt(2 T). In a Kalman filter it is a state with Phi = "
         "exp(-tau0/T) and the driving noise s^2 (1 - Phi^2). A flat top of the hump is not flicker: the "
         "likelihood distinguishes the two if the record permits.",
-        color="#72780E",
-        dark="#BBFD7A",
-        dash=(8, 1.8, 1.4, 1.8, 1.4, 1.8),
-        block=lambda size, shape, h: markov_block(size, shape[0], h),
-        second="GML",
+        color="#72780E", dark="#BBFD7A", dash=(8, 1.8, 1.4, 1.8, 1.4, 1.8),
+        block=lambda size, shape, h: markov_block(size, shape[0], h), second="GML",
     )  # fmt: skip
 
 
 def slow_gauss_markov(T: float) -> NoiseTerm:
     """The row of a second Gauss-Markov rate noise, of a longer time constant than the first."""
-    return replace(
-        gauss_markov(T),
-        symbol="GML",
-        synonyms=("GM GM",),
-        title=say("slow Gauss-Markov noise"),
-        meaning=say("Gauss-Markov noise of the rate beside another, GM, whose time constant is shorter"),
-        quantity_meaning=say("Gauss-Markov noise beside another, GM, whose time constant is shorter"),
-        parameters=(time_constant(600.0, SHORTEST),),
-        shaped=lambda shape, rate: slow_gauss_markov(shape[0] * rate),
-        origin="A second relaxation process beside that of GM: the temperature of a housing beside that of a sensor, a "
-        "second control loop.",
-        advice="A second hump, at a longer averaging time than that of GM. It is looked for when both are among the "
-        "terms that are asked for: N,GM,GM is N,GM,GML. One process alone is called GM.",
-        color="#872D96",
-        dark="#C36900",
-        dash=(8, 1.8, 1.4, 1.8),
-        second="",
-    )
+    return replace(gauss_markov(T), symbol="GML", synonyms=("GM GM",), title=say("slow Gauss-Markov noise"),
+                   meaning=say("Gauss-Markov noise of the rate beside another, GM, whose time constant is shorter"),
+                   quantity_meaning=say("Gauss-Markov noise beside another, GM, whose time constant is shorter"),
+                   parameters=(time_constant(600.0, SHORTEST),),
+                   shaped=lambda shape, rate: slow_gauss_markov(shape[0] * rate), origin="A second relaxation process "
+                   "beside that of GM: the temperature of a housing beside that of a sensor, a second control loop.",
+                   advice="A second hump, at a longer averaging time than that of GM. It is looked for when both are "
+                   "among the terms that are asked for: N,GM,GM is N,GM,GML. One process alone is called GM.",
+                   color="#872D96", dark="#C36900", dash=(8, 1.8, 1.4, 1.8), second="")  # fmt: skip
 
 
 def markov_block(size: float, T: float, h: float) -> Block:
@@ -183,15 +169,12 @@ def markov_block(size: float, T: float, h: float) -> Block:
         else math.fsum((-1) ** k * (4 - 2.0**k) / math.factorial(k) * u ** (k - 2) for k in range(3, 20))
     )
     Q = np.array([[-math.expm1(-2 * u) * size**2, size**2 * loss**2 / u], [size**2 * loss**2 / u, var_mean]])
-    return Block(
-        names=((say("Gauss-Markov rate, T = {time:.6g} s", time=T), 0),),
-        F=np.array([[-1 / T]]), Qc=np.array([[2 * size**2 / T]]), Phi=np.array([[math.exp(-u)]]),
-        mean=np.array([loss / u]), Q=Q, P0=np.array([[size**2]]), output=np.ones(1),
-    )  # fmt: skip
+    return Block(names=((say("Gauss-Markov rate, T = {time:.6g} s", time=T), 0),), F=np.array([[-1 / T]]),
+                 Qc=np.array([[2 * size**2 / T]]), Phi=np.array([[math.exp(-u)]]), mean=np.array([loss / u]), Q=Q,
+                 P0=np.array([[size**2]]), output=np.ones(1))  # fmt: skip
 
 
 GAUSS_MARKOV, SLOW_GAUSS_MARKOV = gauss_markov(1.0), slow_gauss_markov(1.0)
-
 
 SHORTEST_ANGLE = 0.5  # samples from which a time constant can be distinguished from quantization
 LEAST = 0.02  # power of a coefficient over that of the spectrum, at least
@@ -230,21 +213,18 @@ def angle_markov(T: float) -> NoiseTerm:
         return np.asarray(np.maximum(inside + functions.ends(k, n) - 4 / n * (1 - s), LEAST * inside))
 
     return NoiseTerm(
-        symbol="GMA",
-        title=say("Gauss-Markov noise of the angle"),
+        symbol="GMA", title=say("Gauss-Markov noise of the angle"),
         titles={
             "accelerometer": say("Gauss-Markov noise of the velocity"),
             "dimensionless": say("Gauss-Markov noise of the time"),
         },
         meaning=say("exponentially correlated (first-order Gauss-Markov) noise of the angle, with a time constant T"),
         quantity_title=say("Gauss-Markov noise of the integrated {quantity}"),
-        quantity_meaning=say(
-            "exponentially correlated (first-order Gauss-Markov) noise of the integral, with a time constant T"
-        ),
+        quantity_meaning=say("exponentially correlated (first-order Gauss-Markov) noise of the integral, with a time "
+                             "constant T"),
         formula=r"\sigma^2(\tau) = (s^2 / \tau^2) (3 - 4 \exp(-\tau/T) + \exp(-2 \tau/T))",
-        reference=say(
-            "a first-order Markov process of the angle; structure function 2 s^2 (1 - exp(-t/T)), s the RMS angle"
-        ),
+        reference=say("a first-order Markov process of the angle; structure function 2 s^2 (1 - exp(-t/T)), s the "
+                      "RMS angle"),
         power=1.0, slope=math.nan, read_at=math.nan, level=math.nan,
         structure=lambda t: -2 * np.expm1(-u * np.asarray(t, dtype=np.float64)),
         derivative=derivative, summed=summed, increments=increments, spectrum=spectrum, dct=dct, ends=1.0,
@@ -258,10 +238,7 @@ def angle_markov(T: float) -> NoiseTerm:
         "slope -1 as quantization does, with Q = s. With T below a sample interval it cannot be told from "
         "quantization, with T above the record's length not from angle random walk. It is looked for when its "
         "symbol is among the terms that are asked for. In a Kalman filter it is a state of the angle error.",
-        typical=0.5,
-        color="#0E13FC",
-        dark="#3BF9B4",
-        dash=(6, 1.4, 3, 1.4),
+        typical=0.5, color="#0E13FC", dark="#3BF9B4", dash=(6, 1.4, 3, 1.4),
         block=lambda size, shape, h: angle_markov_block(size, shape[0], h),
     )  # fmt: skip
 
@@ -269,13 +246,11 @@ def angle_markov(T: float) -> NoiseTerm:
 def angle_markov_block(size: float, T: float, h: float) -> Block:
     """Gauss-Markov noise of the angle of RMS `size` and time constant `T`: the mean rate is its change over h."""
     loss, driven = -math.expm1(-h / T), -math.expm1(-2 * h / T) * size**2
-    return Block(
-        names=((say("Gauss-Markov angle, T = {time:.6g} s", time=T), 1),),
-        F=np.array([[-1 / T]]), Qc=np.array([[2 * size**2 / T]]), Phi=np.array([[math.exp(-h / T)]]),
-        mean=np.array([-loss / h]), Q=driven * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]),
-        P0=np.array([[size**2]]), output=np.zeros(1),
-        note=say("the error of the angle is a state: its change over the interval enters the mean rate"),
-    )  # fmt: skip
+    return Block(names=((say("Gauss-Markov angle, T = {time:.6g} s", time=T), 1),), F=np.array([[-1 / T]]),
+                 Qc=np.array([[2 * size**2 / T]]), Phi=np.array([[math.exp(-h / T)]]), mean=np.array([-loss / h]),
+                 Q=driven * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]), P0=np.array([[size**2]]),
+                 output=np.zeros(1), note=say("the error of the angle is a state: its change over the interval enters "
+                                              "the mean rate"))  # fmt: skip
 
 
 ANGLE_MARKOV = angle_markov(1.0)

@@ -48,8 +48,7 @@ def oscillation(frequency: float, damping: float) -> NoiseTerm:
 
     made: dict[str, Any] = {name: each(name) for name in LINEAR} | {name: positive(name) for name in POWERS}
     return NoiseTerm(
-        symbol="GM2",
-        title=say("second-order Markov noise"),
+        symbol="GM2", title=say("second-order Markov noise"),
         meaning=say(
             "a damped oscillation of the rate that white noise keeps going (second-order Gauss-Markov), with a natural "
             "frequency and a damping ratio"
@@ -73,9 +72,7 @@ def oscillation(frequency: float, damping: float) -> NoiseTerm:
         "below about 0.3; with critical damping (1) it resembles Gauss-Markov noise with T = 1/(pi f). The width of "
         "its peak in the spectrum is 2 zeta f. The automatic search leaves out a resonance; this term is looked for "
         "when its symbol is among the terms that are asked for. In a Kalman filter it has two states.",
-        color="#9438EC",
-        dark="#D3B157",
-        dash=(2.4, 1.2, 1, 1.2), block=oscillation_block,
+        color="#9438EC", dark="#D3B157", dash=(2.4, 1.2, 1, 1.2), block=oscillation_block,
     )  # fmt: skip
 
 
@@ -100,15 +97,10 @@ def oscillation_block(size: float, shape: tuple[float, ...], h: float) -> Block:
     for _ in range(halvings):
         Phi, Q = Phi @ Phi, Phi @ Q @ Phi.T + Q
     mean = np.diag([1.0, 1.0, 1 / h])
-    return Block(
-        names=(
-            (say("oscillation of {frequency:.6g} Hz", frequency=shape[0]), 0),
-            (say("oscillation of {frequency:.6g} Hz, derivative", frequency=shape[0]), 0),
-        ),
-        F=F, Qc=Qc, Phi=Phi[:2, :2],
-        mean=Phi[2, :2] / h, Q=mean @ ((Q + Q.T) / 2) @ mean, P0=np.eye(2) * size**2,
-        output=np.array([1.0, 0.0]),
-    )  # fmt: skip
+    return Block(names=((say("oscillation of {frequency:.6g} Hz", frequency=shape[0]), 0),
+                        (say("oscillation of {frequency:.6g} Hz, derivative", frequency=shape[0]), 0)), F=F,
+                 Qc=Qc, Phi=Phi[:2, :2], mean=Phi[2, :2] / h, Q=mean @ ((Q + Q.T) / 2) @ mean, P0=np.eye(2) * size**2,
+                 output=np.array([1.0, 0.0]))  # fmt: skip
 
 
 OSCILLATION = oscillation(0.05, 0.15)

@@ -37,10 +37,8 @@ class Parameter:
 
 def time_constant(typical: float, shortest: float = 0.0) -> Parameter:
     """The time constant T of a term; looked for from `shortest` sample intervals on, where that is given."""
-    return Parameter(
-        "time_constant", say("time constant"), "s", least=0.0, letter="T", typical=typical, time=1.0,
-        search=(lambda n: (shortest, max(LONGEST * n, 2 * shortest))) if shortest else None,
-    )  # fmt: skip
+    return Parameter("time_constant", say("time constant"), "s", least=0.0, letter="T", typical=typical, time=1.0,
+                     search=(lambda n: (shortest, max(LONGEST * n, 2 * shortest))) if shortest else None)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

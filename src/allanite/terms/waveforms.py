@@ -37,32 +37,25 @@ def sine(frequency: float, phase: float = 0.0) -> NoiseTerm:
         return np.asarray(amplitude * np.sin(w * (np.arange(n) + 0.5) + phase))
 
     return NoiseTerm(
-        symbol="Sine",
-        title=say("sinusoid"),
-        meaning=say("a sinusoid of the rate, with an amplitude and a frequency"),
+        symbol="Sine", title=say("sinusoid"), meaning=say("a sinusoid of the rate, with an amplitude and a frequency"),
         quantity_meaning=say("a sinusoid, with an amplitude and a frequency"),
         formula=r"\sigma^2(\tau) = A^2 \sin^4(\pi f \tau) / (\pi f \tau)^2",
         reference=say("IEEE Std 952; the mean over all phases"),
         power=0.0, slope=math.nan, read_at=math.nan, level=math.nan, structure=structure, derivative=derivative,
-        summed=summed, increments=increments,
-        spectrum=lambda f, tau0: np.zeros_like(f),
-        dct=lambda k, _: np.zeros_like(k),
-        waveform=waveform, periodic=True,
+        summed=summed, increments=increments, spectrum=lambda f, tau0: np.zeros_like(f),
+        dct=lambda k, _: np.zeros_like(k), waveform=waveform, periodic=True,
         parameters=(
             Parameter("frequency", say("frequency"), "Hz", least=0.0, letter="f", typical=0.02, time=-1.0),
             Parameter("phase", say("phase"), "rad", default=0.0, typical=0.0),
         ),
-        shape=(frequency, phase),
-        shaped=lambda shape, rate: sine(shape[0] / rate, shape[1]),
+        shape=(frequency, phase), shaped=lambda shape, rate: sine(shape[0] / rate, shape[1]),
         origin="Vibration, sway of the building or the vehicle, residual dither, mains interference and its beats with "
         "the sampling. It is not random: the next record may have it elsewhere.",
         advice="A hump with its maximum at tau = 0.371/f, where the Allan deviation is 0.725 A, and zeros at multiples "
         "of 1/f; the envelope falls with slope -1. The maximum may be mistaken for bias instability, and the "
         "flank for quantization. In the spectrum it is a narrow peak: there it is detected, its amplitude and "
         "frequency are estimated, and it is removed before the noise is identified.",
-        color="#462362",
-        dark="#7D7ADE",
-        dash=(1.2, 3.2),
+        color="#462362", dark="#7D7ADE", dash=(1.2, 3.2),
         block=lambda amplitude, shape, h: oscillator(amplitude, shape[0], h),
     )  # fmt: skip
 
@@ -87,10 +80,8 @@ SINE = sine(0.125)
 
 
 def _none(*_: Any) -> FloatArray:
-    raise ValueError(
-        "a warm-up (W) has no structure function, as it depends on the time since the record began: pass the length of "
-        "the record, or omit W from the model"
-    )
+    raise ValueError("a warm-up (W) has no structure function, as it depends on the time since the record began: pass "
+                     "the length of the record, or omit W from the model")  # fmt: skip
 
 
 def warm_up(T: float) -> NoiseTerm:
@@ -101,17 +92,12 @@ def warm_up(T: float) -> NoiseTerm:
         return np.asarray(1 + math.expm1(-u) * T * np.exp(-u * np.arange(n)))
 
     return NoiseTerm(
-        symbol="W",
-        title=say("warm-up"),
-        meaning=say(
-            "an exponential change of the rate from the start of the record on, with a sign and a time constant"
-        ),
-        formula=r"\Omega(t) = W (1 - \exp(-t / T))",
-        reference=say("the mean over each sample interval"),
+        symbol="W", title=say("warm-up"),
+        meaning=say("an exponential change of the rate from the start of the record on, with a sign and a time "
+                    "constant"),
+        formula=r"\Omega(t) = W (1 - \exp(-t / T))", reference=say("the mean over each sample interval"),
         power=0.0, slope=math.nan, read_at=math.nan, level=math.nan, structure=_none, derivative=_none,
-        summed=_none, increments=_none,
-        spectrum=lambda f, tau0: np.zeros_like(f),
-        dct=lambda k, _: np.zeros_like(k),
+        summed=_none, increments=_none, spectrum=lambda f, tau0: np.zeros_like(f), dct=lambda k, _: np.zeros_like(k),
         waveform=waveform, transient=True, parameters=(time_constant(200.0),), shape=(T,),
         shaped=lambda shape, rate: warm_up(shape[0] * rate),
         origin="The sensor comes to its temperature after it is switched on. It is not a noise: it begins with the "
@@ -120,10 +106,7 @@ def warm_up(T: float) -> NoiseTerm:
         "off rather than model it, and record after it: what is left of it then is below its standard error. It is "
         "looked for in every record, named in a finding, and accounted for in the residuals and in the curve that is "
         "drawn. Asked for by its symbol, it has an interval and is part of the model.",
-        typical=20.0,
-        color="#13042C",
-        dark="#8BF08F",
-        dash=(1.2, 1.2, 6, 1.2),
+        typical=20.0, color="#13042C", dark="#8BF08F", dash=(1.2, 1.2, 6, 1.2),
     )  # fmt: skip
 
 

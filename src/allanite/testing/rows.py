@@ -179,10 +179,8 @@ def check_target(target: Target) -> None:
         power = TERMS[field.term].power if field.term else None
         own = (0.0,) * len(time) if power is None else unit_of(signal_named(field.sensor).si[power]).dimension
         inner = [o + t * (field.time - field.rate) / 2 for o, t in zip(own, time, strict=True)]
-        fits = all(
-            math.isclose(a, field.power * b, abs_tol=1e-12)
-            for a, b in zip(unit_of(field.unit).dimension, inner, strict=True)
-        )
+        fits = all(math.isclose(a, field.power * b, abs_tol=1e-12)
+                   for a, b in zip(unit_of(field.unit).dimension, inner, strict=True))  # fmt: skip
         assert fits, f"{about} the unit {field.unit} of {field.full} is not that of {field.formula}"
     if target.fields:
         with EXPORTS.trying(target.name, target):
@@ -312,6 +310,5 @@ def check_reader(module: FormatReader, path: str | os.PathLike[str], **choices: 
                 if len(str(error)) < 10:
                     raise AssertionError(f"{about} cut off after {size} bytes, it says {str(error)!r}") from error
             except Exception as error:
-                raise AssertionError(
-                    f"{about} cut off after {size} bytes, it raises {error!r} instead of a DataError"
-                ) from error
+                raise AssertionError(f"{about} cut off after {size} bytes, it raises {error!r} instead of a "
+                                     "DataError") from error  # fmt: skip

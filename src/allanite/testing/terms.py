@@ -283,9 +283,8 @@ def simulated(row: NoiseTerm, n: int = 64, count: int = 100) -> None:
     assert abs(np.mean(d[:, 1:] * d[:, :-1]) - exact[1]) < 0.15 * exact[0]
 
 
-CHECKS: tuple[Callable[[NoiseTerm], None], ...] = (
-    asymptote, scaled, law, derivatives, sums, increments, oscillates, spectra, transforms, waveforms, states,
-)  # fmt: skip
+CHECKS: tuple[Callable[[NoiseTerm], None], ...] = (asymptote, scaled, law, derivatives, sums, increments, oscillates,
+                                                   spectra, transforms, waveforms, states)  # fmt: skip
 """What is demanded of a row at each of its shapes."""
 
 RATES = (0.013, 0.047, 0.31, 2.1, 5.0)
@@ -321,12 +320,8 @@ def sampled(row: NoiseTerm, rates: Sequence[float] = RATES) -> dict[str, NoiseTe
         return {row.symbol: row}
     typical = tuple(p.typical for p in row.parameters)
     # what is no time changes the form of the functions
-    others = (
-        (*typical[:i], value, *typical[i + 1 :])
-        for i, p in enumerate(row.parameters)
-        if not p.time
-        for value in (0.6, 1.5)
-    )
+    others = ((*typical[:i], value, *typical[i + 1 :]) for i, p in enumerate(row.parameters) if not p.time
+              for value in (0.6, 1.5))  # fmt: skip
     return {f"{row.symbol} {shape} {rate:g}": row.shaped(shape, rate) for shape in (typical, *others) for rate in rates}
 
 
@@ -337,6 +332,5 @@ def demand(check: Callable[[NoiseTerm], None], row: NoiseTerm, name: str) -> Non
             check(row)
     except Exception as error:
         what = " ".join((check.__doc__ or "").split())
-        raise AssertionError(
-            f"noise term {name}: this does not hold: {what} {type(error).__name__}: {error}"
-        ) from error
+        raise AssertionError(f"noise term {name}: this does not hold: {what} {type(error).__name__}: "
+                             f"{error}") from error  # fmt: skip

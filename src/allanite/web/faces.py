@@ -45,19 +45,15 @@ def described(value: Any, lang: str) -> dict[str, Any]:
             quality = getattr(channels[i], "quality", None) if len(channels) == len(sheets) else None
             findings = [_finding(finding) for finding in quality.findings] if quality is not None else []
             made.append({"name": tr(sheet.name), "html": text, "findings": findings})
-        return {
-            "title": tr(face.title), "facts": [tr(fact) for fact in face.facts],
-            "notes": [tr(note) for note in face.notes], "html": html, "channels": made,
-            "findings": [_finding(finding) for finding in getattr(value, "findings", ())],
-        }  # fmt: skip
+        return {"title": tr(face.title), "facts": [tr(fact) for fact in face.facts],
+                "notes": [tr(note) for note in face.notes], "html": html, "channels": made,
+                "findings": [_finding(finding) for finding in getattr(value, "findings", ())]}  # fmt: skip
 
 
 def _finding(finding: Any) -> dict[str, Any]:
     place = finding.place
-    return {
-        "name": finding.name, "text": tr(str(finding)), "level": "alert" if finding.fatal else "fair",
-        "at": None if place is None else [place[0], place[1]],
-    }  # fmt: skip
+    return {"name": finding.name, "text": tr(str(finding)), "level": "alert" if finding.fatal else "fair",
+            "at": None if place is None else [place[0], place[1]]}  # fmt: skip
 
 
 def drawn(panel: CurvePanel, level: float, lang: str) -> dict[str, Any]:
@@ -83,13 +79,11 @@ def drawn(panel: CurvePanel, level: float, lang: str) -> dict[str, Any]:
 def _term(panel: CurvePanel, term: Term, tau: Any, level: float) -> dict[str, Any]:
     unit = term.signal.sheet[term.row.power]
     estimate = next((e for e in panel.fit or () if e.symbol == term.symbol and e.valued), None)
-    return {
-        "symbol": term.symbol, "title": tr(words.title(term.symbol, term.signal)), "color": term.row.color,
-        "dark": term.row.dark, "value": term.to(unit), "unit": printed_unit(unit),
-        "number": "" if estimate is None else tr(words.number(estimate, level)),
-        "coefficient": "" if estimate is None else tr(words.in_print(estimate, unit, level)), "tau": listed(tau),
-        "deviation": listed(panel.expected(term, tau)),
-    }  # fmt: skip
+    return {"symbol": term.symbol, "title": tr(words.title(term.symbol, term.signal)), "color": term.row.color,
+            "dark": term.row.dark, "value": term.to(unit),
+            "unit": printed_unit(unit), "number": "" if estimate is None else tr(words.number(estimate, level)),
+            "coefficient": "" if estimate is None else tr(words.in_print(estimate, unit, level)), "tau": listed(tau),
+            "deviation": listed(panel.expected(term, tau))}  # fmt: skip
 
 
 def _guides(panel: CurvePanel, tau: Any) -> list[dict[str, Any]]:
@@ -134,10 +128,8 @@ def listed(values: Any) -> list[float | None]:
     return [v if math.isfinite(v) else None for v in np.asarray(values, dtype=np.float64).tolist()]
 
 
-UNITS = {
-    "gyro": ("deg/s", "rad/s", "deg/h", "mdeg/s", "arcsec/s", "deg", "rad", "arcsec"),
-    "accel": ("m/s^2", "g", "mg", "ug", "mGal", "m/s"),
-}
+UNITS = {"gyro": ("deg/s", "rad/s", "deg/h", "mdeg/s", "arcsec/s", "deg", "rad", "arcsec"),
+         "accel": ("m/s^2", "g", "mg", "ug", "mGal", "m/s")}  # fmt: skip
 """Units offered first; every unit can be typed."""
 
 EXAMPLES = {

@@ -67,11 +67,9 @@ class Jobs:
         if verb == "watch" and not names:
             raise UsageError("a stream has an address: give a file, a port, or udp://127.0.0.1:9000 as target")
         request.demand_files(names)
-        job = {
-            "id": f"{state['id']}-{secrets.token_hex(8)}", "verb": verb, "files": [file["id"] for file in files],
-            "target": asked.target or None, "recipe": recipe, "lang": lang,
-            "command": request.line(names, lang), "state": "waiting", "problem": None,
-        }  # fmt: skip
+        job = {"id": f"{state['id']}-{secrets.token_hex(8)}", "verb": verb, "files": [file["id"] for file in files],
+               "target": asked.target or None, "recipe": recipe, "lang": lang, "command": request.line(names, lang),
+               "state": "waiting", "problem": None}  # fmt: skip
         with self.store.changed(workspace) as state:
             state["jobs"][job["id"]] = job
         self._start(job)
@@ -201,11 +199,9 @@ class Jobs:
     def _arguments(self, job: State) -> dict[str, Any]:
         files = [self.store.file(name) for name in job["files"]]
         places = {file["path"]: (file["id"], str(self.store.place(file["id"])), _called(file)) for file in files}
-        return {
-            "job": job["id"], "verb": job["verb"], "choices": job["recipe"], "shown": job["command"],
-            "lang": job["lang"], "paths": [job["target"]] if job["target"] else [file["path"] for file in files],
-            "kept": (places, self.store.room(), self.store.quota),
-        }  # fmt: skip
+        return {"job": job["id"], "verb": job["verb"], "choices": job["recipe"], "shown": job["command"],
+                "lang": job["lang"], "paths": [job["target"]] if job["target"] else [file["path"] for file in files],
+                "kept": (places, self.store.room(), self.store.quota)}  # fmt: skip
 
     def _paths(self, name: str) -> tuple[Path, Path]:
         workspace, _, own = name.partition("-")

@@ -150,10 +150,8 @@ def workspace(request: Request, name: str) -> dict[str, Any]:
     """A workspace as it is; jobs that a server left unfinished are begun once more."""
     state = request.app.state.store.state(name)
     request.app.state.jobs.resume(state)
-    return {
-        "id": state["id"], "files": list(map(_shown, state["files"].values())), "jobs": list(state["jobs"].values()),
-        "choices": state["choices"],
-    }  # fmt: skip
+    return {"id": state["id"], "files": list(map(_shown, state["files"].values())),
+            "jobs": list(state["jobs"].values()), "choices": state["choices"]}  # fmt: skip
 
 
 def drop_workspace(request: Request, name: str) -> dict[str, Any]:

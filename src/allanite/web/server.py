@@ -51,7 +51,6 @@ HEADERS = {
 }  # fmt: skip
 """Headers of every answer."""
 
-
 ENTRY = "/api/enter"  # where the token of a link is exchanged for the secret
 
 MAX_LINKS, MAX_LINK_AGE_S = 16, 3600.0
@@ -126,10 +125,8 @@ class Door:
 def application(store: Store, jobs: Jobs, first: dict[str, Any]) -> FastAPI:
     """The application behind the door; `first` is what the page opens with: workspace and language."""
     # nothing is reported anywhere, whatever the environment asks for
-    app = FastAPI(
-        docs_url=None, redoc_url=None, openapi_url=None, redirect_slashes=False, telemetry={"auto_configure": False},
-        default_response_class=Answer,
-    )  # fmt: skip
+    app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None, redirect_slashes=False,
+                  telemetry={"auto_configure": False}, default_response_class=Answer)  # fmt: skip
     app.state.store, app.state.jobs, app.state.first = store, jobs, first
     for kind in ANSWERED:
         app.add_exception_handler(kind, answered)
@@ -161,7 +158,6 @@ ROUTES: dict[str, tuple[str, Any]] = {
     "get /api/jobs/{name}/save": ("GET", routes.save), "get /api/{rest:path}": ("GET", nowhere),
 }  # fmt: skip
 """Method and path of each route: its function."""
-
 
 HOST = "127.0.0.1"  # the address: nobody on another machine can reach it
 

@@ -209,11 +209,9 @@ class Store:
     def reserve(self, file: State, size: int) -> None:
         """Reserve bytes for a file that is being written, or refuse it: it is too large, or there is no room."""
         if size > self.limit:
-            raise FullError(
-                f"the file is larger than {size_in_words(self.limit)}, the limit of an upload: open it by its path, or "
-                f"raise the limit with {spelled('--limit', 'limit')}",
-                choice="limit",
-            )
+            raise FullError(f"the file is larger than {size_in_words(self.limit)}, the limit of an upload: open it by "
+                            f"its path, or raise the limit with {spelled('--limit', 'limit')}",
+                            choice="limit")  # fmt: skip
         with self.lock:
             if self.stored + sum(self.coming.values()) + max(0, size - self.coming[file["id"]]) > self.quota:
                 raise overfull(self.quota, "open the file by its path, ")
@@ -222,11 +220,8 @@ class Store:
 
 def overfull(quota: int, remedy: str = "") -> FullError:
     """The error where the files of the page would take more than these bytes."""
-    return FullError(
-        f"the files of the page would take more than {size_in_words(quota)}: delete some of them, {remedy}or allow "
-        f"more with {spelled('--quota', 'quota')}",
-        choice="quota",
-    )
+    return FullError(f"the files of the page would take more than {size_in_words(quota)}: delete some of them, "
+                     f"{remedy}or allow more with {spelled('--quota', 'quota')}", choice="quota")  # fmt: skip
 
 
 class MissingError(UsageError):

@@ -36,9 +36,8 @@ USUAL, ROOM = (0.02, 0.98), 1.0
 Array = NDArray[Any]
 
 
-def build(
-    folder: Path, recording: Recording, key: str, raw: Sequence[str] = (), *, room: float = math.inf
-) -> float | None:  # fmt: skip
+def build(folder: Path, recording: Recording, key: str, raw: Sequence[str] = (), *,
+          room: float = math.inf) -> float | None:  # fmt: skip
     """Write the trace of a recording, and give the bytes left of `room`; None, and nothing, where they are too few."""
     place = folder / "trace"
     if _meta(place).get("key") == key:

@@ -34,9 +34,8 @@ from .store import overfull
 MAX_RECORDINGS = 2  # recordings that stay in memory
 PROGRESS_PERIOD_S = 0.05  # seconds between reports of progress
 
-ASSUMED: dict[str, dict[str, Any]] = {
-    "unit": {"unit": "deg/s", "kind": None}, "kind": {"unit": "deg/s", "kind": None}, "rate": {"rate": 1.0},
-}  # fmt: skip
+ASSUMED: dict[str, dict[str, Any]] = {"unit": {"unit": "deg/s", "kind": None}, "kind": {"unit": "deg/s", "kind": None},
+                                      "rate": {"rate": 1.0}}  # fmt: skip
 """With what a file is read, to draw its numbers, whose unit, kind or rate is not known."""
 
 CURVES_PERIOD_S = 1.0  # seconds between the curves of a stream
@@ -195,17 +194,13 @@ def refit(held: Held, job: str, *, channel: str, choices: dict[str, Any], statis
     names = list(dict.fromkeys(statistics or [recipe.statistic]))
     curves = [faces.curve_of(shown, channel, name) for name in names]
     assert fitted.fit is not None  # noqa: S101 - `refitted` raises else
-    return {
-        "fit": replace(fitted.fit, curve=None).to_dict(recipe.level),
-        "curve": [faces.drawn(panels_of(curve, fit)[0], recipe.level, lang) for curve, fit in curves],
-        **faces.described(shown, lang)["channels"][0],
-    }
+    return {"fit": replace(fitted.fit, curve=None).to_dict(recipe.level),
+            "curve": [faces.drawn(panels_of(curve, fit)[0], recipe.level, lang) for curve, fit in curves],
+            **faces.described(shown, lang)["channels"][0]}  # fmt: skip
 
 
-def export(
-    held: Held, job: str, *, channels: list[str], target: str, choices: dict[str, Any], form: str, models: list[str],
-    lang: str,
-) -> Answer:  # fmt: skip
+def export(held: Held, job: str, *, channels: list[str], target: str, choices: dict[str, Any], form: str,
+           models: list[str], lang: str) -> Answer:  # fmt: skip
     """The file of a target, for the channels of a study and the noise of other sensors."""
     from allanite.exporting.export import exported, prepared
     from allanite.exporting.fields import How
@@ -253,10 +248,9 @@ def has(held: Held, job: str) -> Answer:
     return {"there": job in held.values}
 
 
-TASKS: dict[str, Callable[..., Answer]] = {
-    "run": run, "prepare": prepare, "example": example, "described": described, "deviation": deviation, "refit": refit,
-    "export": export, "save": save, "has": has,
-}  # fmt: skip
+TASKS: dict[str, Callable[..., Answer]] = {"run": run, "prepare": prepare, "example": example, "described": described,
+                                           "deviation": deviation, "refit": refit, "export": export, "save": save,
+                                           "has": has}  # fmt: skip
 """What a worker can be asked."""
 
 

@@ -55,9 +55,8 @@ class Dither:
 
 
 @public
-def quantize_rate(
-    record: Record, lsb: float, unit: str, *, dither: Dither | None = None, rng: "np.random.Generator | None" = None
-) -> Record:
+def quantize_rate(record: Record, lsb: float, unit: str, *, dither: Dither | None = None,
+                  rng: "np.random.Generator | None" = None) -> Record:  # fmt: skip
     """Round the rate to steps, as the converter of a rate output does.
 
     Where the noise exceeds about half a step the error is white: it adds to N by ``lsb sqrt(tau0 / 12)``, and is not Q.
@@ -90,9 +89,8 @@ def quantize_rate(
 
 
 @public
-def quantize_angle(
-    record: Record, lsb: float, unit: str, *, dither: Dither | None = None, rng: "np.random.Generator | None" = None
-) -> Record:
+def quantize_angle(record: Record, lsb: float, unit: str, *, dither: Dither | None = None,
+                   rng: "np.random.Generator | None" = None) -> Record:  # fmt: skip
     """Round the angle to steps, as a pulse counter or an integrating readout does.
 
     Where the angle is dithered, or its own noise over an interval exceeds about half a step, this is quantization noise
