@@ -92,7 +92,7 @@ class Fitted(Portable):
         H = (Z * (h / (m * m))) @ Z.T
         k = self.v.size
         if k:
-            H[-k:, -k:] += np.eye(k)
+            H[-k:, -k:].flat[:: k + 1] += 1
         through = self.state.filter
         if through is not None:
             at = int(active.sum()) + place_of(self.state, through)
@@ -105,7 +105,15 @@ class Fitted(Portable):
         H, _ = self.information
         size = np.sqrt(np.maximum(np.diag(H), 1e-300))
         units = np.outer(size, size)
-        return np.asarray(np.linalg.pinv(H / units, hermitian=True) / units)
+        with np.errstate(over="ignore"):  # of what has no information it is infinite
+            return np.asarray(np.linalg.pinv(H / units, hermitian=True) / units)
+
+    def loss(self, which: int) -> float:
+        """What the value would rise by without a size, by one step."""
+        if self.theta[which] <= 0:
+            return 0.0
+        at = int(np.count_nonzero(self.theta[:which] > 0))
+        return float(self.theta[which] ** 2 / max(self.covariance[at, at], 1e-300))
 
     @cached_property
     def directions(self) -> FloatArray:
@@ -240,7 +248,8 @@ def fitted(
     if state.of("step"):
         first, _ = part.minimise(may, first)
         part = _stepped(frame, state, part, first)
-    return valued(frame, state, may, first, v, part)
+    known = start is not None and start.trust is not None and first is start.theta
+    return valued(frame, state, may, first, v, part, known=known)
 
 
 def _stepped(frame: Frame, state: State, part: Likelihood, theta: FloatArray) -> Likelihood:

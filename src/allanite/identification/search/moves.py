@@ -15,7 +15,7 @@ from .components import (  # isort: skip
 )  # fmt: skip
 from .fitting import Fitted, fitted
 from .frame import LOW, Frame
-from .refining import CANDIDATES, FAR, Local, Move
+from .refining import CANDIDATES, FAR, MISSED, Local, Move
 from .state import State
 
 PLACES, FINE_PLACES = 512, 61  # places at which a step is looked for, and places between the neighbours of the best
@@ -111,10 +111,6 @@ def warm_ups(at: Local) -> Iterator[State]:
 
 PER_DECADE, PROMISING = 4, 2  # time constants a decade that are tried, and how many of them are fitted
 TRIED_QUALITIES = (2.5, 6.0, 15.0, 40.0, 120.0)  # qualities with which resonances are looked for
-
-MISSED = 40.0
-"""Rise of the value by one step above which a part is not left out, or its numerator exchanged: what is refined beside
-it makes up for less."""
 
 EQUAL = 0.5  # change of the value up to which the numerators of a resonance are the same: those of a sharp one are
 BINS = 8  # bins that stand out at which resonances are looked for

@@ -138,14 +138,16 @@ class Searched(Portable):
         least = self.best.score
         return sorted((f for f in self.every.values() if f.score < least + REACH), key=lambda f: f.score)
 
-    def add(self, f: Fitted) -> None:
-        """Keep a fit if it is the best of its kind."""
+    def add(self, f: Fitted) -> bool:
+        """Keep a fit if it is the best of its kind; whether it is."""
         key = f.state.kind
         if key in self.every:
-            if f.score < self.every[key].score - 1e-6:
-                self.every[key] = f
-        elif not any(abs(f.score - g.score) < SAME and alike(f.state, g.state) for g in self.every.values()):
+            new = f.score < self.every[key].score - 1e-6
+        else:
+            new = not any(abs(f.score - g.score) < SAME and alike(f.state, g.state) for g in self.every.values())
+        if new:
             self.every[key] = f
+        return new
 
 
 def search(
@@ -155,8 +157,7 @@ def search(
     result, done = Searched(frame), dict[object, float]()
     for start in starts:
         first = pruned(refined(fitted(frame, start)))
-        result.add(first)
-        if first.state.form not in done:
+        if result.add(first) and first.state.form not in done:
             _follow(result, first, moves, done)
     _expand(result, moves, EXPANDED[0], done)
     if resonances in moves:
@@ -269,7 +270,8 @@ def _beside(result: Searched, f: Fitted, moves: Sequence[Move]) -> list[Fitted]:
 
 def _first(frame: Frame, f: Fitted, state: State) -> Fitted:
     """A neighbour, its shapes refined a little; beside other resonances that of a new one alone at first."""
-    g, new = fitted(frame, state), [p for p in state if p not in f.state.parts]
+    g = fitted(frame, state, v=f.v if state.of("factor") == f.state.of("factor") else None)
+    new = [p for p in state if p not in f.state.parts]
     if len(new) == 1 and new[0].name == "resonance" and f.state.of("resonance"):
         held = [p != new[0] for p in state for _ in range(refined_values(p))]
         g = refined(g, FIRST, held=np.array(held, dtype=bool))
