@@ -248,8 +248,7 @@ def fitted(
     if state.of("step"):
         first, _ = part.minimise(may, first)
         part = _stepped(frame, state, part, first)
-    known = start is not None and start.trust is not None and first is start.theta
-    return valued(frame, state, may, first, v, part, known=known)
+    return valued(frame, state, may, first, v, part)
 
 
 def _stepped(frame: Frame, state: State, part: Likelihood, theta: FloatArray) -> Likelihood:

@@ -270,8 +270,7 @@ def _beside(result: Searched, f: Fitted, moves: Sequence[Move]) -> list[Fitted]:
 
 def _first(frame: Frame, f: Fitted, state: State) -> Fitted:
     """A neighbour, its shapes refined a little; beside other resonances that of a new one alone at first."""
-    g = fitted(frame, state, v=f.v if state.of("factor") == f.state.of("factor") else None)
-    new = [p for p in state if p not in f.state.parts]
+    g, new = fitted(frame, state), [p for p in state if p not in f.state.parts]
     if len(new) == 1 and new[0].name == "resonance" and f.state.of("resonance"):
         held = [p != new[0] for p in state for _ in range(refined_values(p))]
         g = refined(g, FIRST, held=np.array(held, dtype=bool))
