@@ -81,7 +81,26 @@ class Fitted(Portable):
     @cached_property
     def slopes(self) -> FloatArray:
         """Derivatives of m by the shapes' logarithms and then by v, shape (values, bins)."""
-        return slopes(self)
+        frame, state, theta = self.frame, self.state, self.theta
+        gain = frame.gain(state.filter.label, state.filter.shape[0]) if state.filter else np.ones(1)
+        basis = factor_basis(frame, state)
+        acting = gain * raised(basis @ self.v) if self.v.size else gain
+        rows, inner, outer = [], len(frame.powers), sizes_inside(frame, state)
+        columns = [column_of_part(state, frame, p) for p in state if COMPONENTS[p.name].behind]
+        behind = frame.spectrum.rounding + sum(float(theta[i]) for i in columns if i is not None)
+        for part in state:
+            row = COMPONENTS[part.name]
+            if row.inside and row.slope is not None:
+                rows += list(theta[inner] * row.slope(frame, part) * acting)
+                inner += 1
+            elif part.name == "filter":
+                moved = frame.gain(part.label, part.shape[0] * math.exp(-STEP))
+                change = (gain - moved) / STEP
+                rows.append(change * (self.inside / gain - behind))
+            elif row.slope is not None:
+                rows += list(theta[outer] * row.slope(frame, part))
+                outer += 1
+        return np.vstack((np.array(rows).reshape(-1, frame.count.size), (basis * self.inside[:, None]).T))
 
     @cached_property
     def information(self) -> tuple[FloatArray, BoolArray]:
@@ -305,27 +324,3 @@ def _volume(part: Likelihood, theta: FloatArray, frame: Frame, state: State) -> 
     if not np.isfinite(V).all():
         return math.inf
     return float(np.linalg.slogdet(V)[1] - np.linalg.slogdet(V[own:, own:])[1])
-
-
-def slopes(f: Fitted) -> FloatArray:
-    """Derivatives of m by the logarithms of the shapes and by v, shape (values, bins)."""
-    frame, state, theta = f.frame, f.state, f.theta
-    gain = frame.gain(state.filter.label, state.filter.shape[0]) if state.filter else np.ones(1)
-    basis = factor_basis(frame, state)
-    acting = gain * raised(basis @ f.v) if f.v.size else gain
-    rows, inner, outer = [], len(frame.powers), sizes_inside(frame, state)
-    columns = [column_of_part(state, frame, p) for p in state if COMPONENTS[p.name].behind]
-    behind = frame.spectrum.rounding + sum(float(theta[i]) for i in columns if i is not None)
-    for part in state:
-        row = COMPONENTS[part.name]
-        if row.inside and row.slope is not None:
-            rows += list(theta[inner] * row.slope(frame, part) * acting)
-            inner += 1
-        elif part.name == "filter":
-            moved = frame.gain(part.label, part.shape[0] * math.exp(-STEP))
-            change = (gain - moved) / STEP
-            rows.append(change * (f.inside / gain - behind))
-        elif row.slope is not None:
-            rows += list(theta[outer] * row.slope(frame, part))
-            outer += 1
-    return np.vstack((np.array(rows).reshape(-1, frame.count.size), (basis * f.inside[:, None]).T))

@@ -7,7 +7,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.identification.likelihood.filters import FILTERS
-from allanite.identification.likelihood.whittle import Pair, step_coefficients, warm_up_direction
+from allanite.identification.likelihood.whittle import step_coefficients, warm_up_direction
 
 from .components import (  # isort: skip
     AT_BOUND, BROAD, COMPONENTS, HIDING, INSIDE, LEAST_MARKOV, LONGEST_MARKOV, LONGEST_WARM_UP, PERIODS,
@@ -22,18 +22,13 @@ PLACES, FINE_PLACES = 512, 61  # places at which a step is looked for, and place
 WARM_UPS = 11  # time constants of a warm-up that are tried, from a hundredth of the record on
 
 
-def _both(pair: Pair) -> FloatArray:
-    """Coefficients of even and of odd index."""
-    return pair[0] + pair[1]
-
-
 def _lowest(at: Local) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The lowest coefficients, their standard deviations, and an orthonormal basis of what is loose in them."""
     frame = at.f.frame
     k = min(LOW, frame.count.size)
     c, root = (frame.spectrum.even + frame.spectrum.odd)[:k], np.sqrt(at.f.m[:k])
     loose = [step_coefficients(frame.size, p.shape[0])[:k] for p in at.f.state.of("step")]
-    loose += [_both(warm_up_direction(frame.spectrum, p.shape[0]))[:k] for p in at.f.state.of("warm-up")]
+    loose += [np.add(*warm_up_direction(frame.spectrum, p.shape[0]))[:k] for p in at.f.state.of("warm-up")]
     if frame.ramps:
         ramp = np.zeros(k)
         ramp[: min(k, frame.spectrum.ramp.size)] = frame.spectrum.ramp[:k]
@@ -103,7 +98,7 @@ def warm_ups(at: Local) -> Iterator[State]:
         yield _tuned_warm_up(at.f, rest, own[0])
         return
     y, root, Q = _lowest(at)
-    D = np.array([_both(warm_up_direction(frame.spectrum, part.shape[0]))[: y.size] for part in parts]) / root
+    D = np.array([np.add(*warm_up_direction(frame.spectrum, part.shape[0]))[: y.size] for part in parts]) / root
     gain = _gains(D, y, Q)
     if at.able(float(gain.max()), COMPONENTS["warm-up"].cost(frame.size)):
         yield _tuned_warm_up(at.f, rest, parts[int(gain.argmax())])

@@ -173,7 +173,7 @@ def pruned(f: Fitted) -> Fitted:
     best = _dropping(f)
     while best.free[:P].sum() > 1:
         tries = []
-        for i in np.flatnonzero(best.free[:P]):
+        for i in np.flatnonzero(best.free[:P]).tolist():
             if best.loss(i) > MISSED:
                 continue
             less = best.free.copy()
