@@ -164,5 +164,5 @@ def test_the_parabola_is_that_of_least_squares():
     u, x = np.concatenate(t), np.concatenate([piece.x for piece in pieces])
     design = np.column_stack((own, u, u**2))
     expected = x - design @ np.linalg.lstsq(design, x, rcond=None)[0]
-    flat = np.concatenate([powerlaw._flat(pieces)(i) for i in range(len(pieces))])
+    flat = np.concatenate(powerlaw._flat(pieces)(1))
     np.testing.assert_allclose(flat, expected, atol=1e-9 * np.ptp(x))

@@ -2,7 +2,7 @@
 
 import math
 from bisect import bisect_right
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +20,7 @@ MIN_MEANS = 12
 """Means of the rate that are the fewest for a decision; a longer tau is given the law of the longest tau with so many.
 """
 
-BLOCK = 1 << 14  # points that are correlated at a time: the cache holds them
+DIFFERENCED = 1 << 16  # points that are differenced at a time
 
 MAX_COMPARED = 500
 """Means of the rate, in the longest pieces, that decide by the ratio of two variances; it costs their square."""
@@ -89,32 +89,27 @@ def identify_power_law(angle: AngleRecord, row: Statistic, times: FloatArray) ->
     strides = np.clip(np.rint(times), 1, longest).astype(np.int64)
     flat = _flat(angle.pieces)
     laws = {int(m): _law(angle, flat, int(m), max(2, row.order)) for m in np.unique(strides)}
-    angular = np.array([m for m, law in laws.items() if law.alpha > 0 and m > 3], dtype=np.int64)
-    if angular.size:
-        whole = tuple(Piece(piece.start, flat(i)) for i, piece in enumerate(angle.pieces))
-        plain, modified = (windows(row, angle._replace(pieces=whole), angular) for row in (OADEV, MDEV))
-        for m, own, other, number in zip(angular.tolist(), plain.variance, modified.variance, modified.number):
-            if number and own:
-                # the angle noise, or white rate noise, whose modified over plain Allan variance is nearest
-                ratios = {2: 1 / m, 1: 3.37 / (1.04 + 3 * math.log(math.pi * m)), 0: (m**2 + 1) / (2 * m**2)}
-                alpha = min(ratios, key=lambda alpha: abs(math.log(other / own / ratios[alpha])))
-                laws[m] = PowerLaw(alpha, symbol_of(alpha), "rn", m)
     return tuple(laws[int(m)] for m in strides)
 
 
-def _law(angle: AngleRecord, flat: "Flat", m: int, order: int) -> PowerLaw:
+def _law(angle: AngleRecord, flat: Callable[[int], list[FloatArray]], m: int, order: int) -> PowerLaw:
     # a piece that has no two differences left at the end says nothing on the way either
-    sizes = {i: -(-piece.x.size // m) for i, piece in enumerate(angle.pieces) if piece.x.size > m * (order + 1)}
-    enough = sum(sizes.values()) >= MIN_POINTS
-    alpha, method = (_lag1(flat, m, sizes, order), "lag1") if enough else (_by_ratio(angle, m, order), "b1")
+    long = [x for x, piece in zip(flat(m), angle.pieces, strict=True) if piece.x.size > m * (order + 1)]
+    enough = sum(x.size for x in long) >= MIN_POINTS
+    alpha, method = (lag1(long, order), "lag1") if enough else (_by_ratio(angle, m, order), "b1")
+    if alpha > 0 and m > 3:
+        whole = tuple(Piece(piece.start, x) for piece, x in zip(angle.pieces, flat(1), strict=True))
+        plain, modified = (windows(row, angle._replace(pieces=whole), np.array([m])) for row in (OADEV, MDEV))
+        if modified.number[0] and plain.variance[0]:
+            # the angle noise, or white rate noise, whose modified over plain Allan variance is nearest
+            ratio = float(modified.variance[0] / plain.variance[0])
+            ratios = {2: 1 / m, 1: 3.37 / (1.04 + 3 * math.log(math.pi * m)), 0: (m**2 + 1) / (2 * m**2)}
+            alpha, method = min(ratios, key=lambda alpha: abs(math.log(ratio / ratios[alpha]))), "rn"
     return PowerLaw(alpha, symbol_of(alpha), method, m)
 
 
-Flat = Callable[..., FloatArray]
-
-
-def _flat(pieces: tuple[Piece, ...]) -> Flat:
-    """Of a piece by its place, every m-th point from a first to a last, less one parabola with the piece's constant."""
+def _flat(pieces: tuple[Piece, ...]) -> Callable[[int], list[FloatArray]]:
+    """Every m-th point of the pieces, as a function of m, less one parabola whose constant is each piece's own."""
     from allanite.kernels.theo import less_parabola, parabola_sums
 
     step = 2 / max(pieces[-1].start + pieces[-1].x.size - 1, 1)
@@ -129,47 +124,51 @@ def _flat(pieces: tuple[Piece, ...]) -> Flat:
         right += [xu - u * x_mean, xuu - uu * x_mean]
     line, square = np.linalg.solve(gram, right).tolist()
     constants = [piece.x[0] + x - line * u - square * uu for piece, (x, u, uu) in zip(pieces, means, strict=True)]
-
-    def flat(which: int, m: int = 1, first: int = 0, last: int | None = None) -> FloatArray:
-        some = pieces[which].x[first * m : None if last is None else (last - 1) * m + 1]
-        return np.asarray(
-            less_parabola(some, m, begins[which] + step * (first * m), step, (constants[which], line, square))
-        )
-
-    return flat
+    return lambda m: [
+        less_parabola(piece.x, m, begin, step, (constant, line, square))
+        for piece, begin, constant in zip(pieces, begins, constants, strict=True)
+    ]
 
 
-def _lag1(flat: Flat, m: int, sizes: Mapping[int, int], most: int) -> int:
-    """Alpha from the lag-1 autocorrelation of the angle, differenced at most `most` times (2 or 3)."""
+def _dot(a: list[FloatArray], b: list[FloatArray]) -> float:
+    return sum(float(x @ y) for x, y in zip(a, b, strict=True))
+
+
+def lag1(pieces: list[FloatArray], most: int) -> int:
+    """Alpha from the lag-1 autocorrelation of the angle, overwritten, differenced at most `most` times (2 or 3)."""
     # the mean of a short piece takes its correlation away; rates, which share one mean, are begun with then
-    for d in range(0 if sum(sizes.values()) >= MIN_PIECE * len(sizes) else 1, most + 1):
-        r1 = _autocorrelation(flat, m, sizes, d)
+    first = 0 if sum(z.size for z in pieces) >= MIN_PIECE * len(pieces) else 1
+    pieces = [_differences(z) if first else np.subtract(z, z.mean(), out=z) for z in pieces]
+    for d in range(first, most + 1):
+        r1 = _autocorrelation(pieces)
         delta = r1 / (1 + r1)
-        if delta < 0.25:
+        if d == most or delta < 0.25:
             break
+        pieces = [_differences(z) for z in pieces]
     if d in EDGES:
         return next(alpha for edge, alpha in EDGES[d] if delta < edge)
     return min(2, 2 - round(2 * delta) - 2 * d)
 
 
-def _autocorrelation(flat: Flat, m: int, sizes: Mapping[int, int], d: int) -> float:
-    """``sum_i z_i z_{i+1} / sum_i z_i^2`` of the d-th differences of the pieces; 0 if all is constant."""
-    # of the angle less the mean of each piece, of its differences less one mean
-    sums = np.zeros((len(sizes), 5))
-    for own, (which, size) in zip(sums, sizes.items(), strict=True):
-        for a in range(0, size - d, BLOCK):
-            z = np.diff(flat(which, m, a, min(a + BLOCK + 1, size - d) + d), d)
-            here = z[:BLOCK]
-            own += here.size, here.sum(), here @ here, z[:-1] @ z[1:], 0.0 if a else z[0]
-        own[4] += z[-1]
-    count, total, squares, products, ends = sums.T
-    mean = total.sum() / count.sum() if d else total / count
-    power, pairs = float((squares - mean * total).sum()), float((count - 1).sum())
-    if not power > 0:
+def _differences(z: FloatArray) -> FloatArray:
+    """Successive differences in the memory of z, by blocks, since numpy would copy all of what overlaps."""
+    last = z.size - 1
+    for a in range(0, last, DIFFERENCED):
+        z[a : min(a + DIFFERENCED, last)] = np.diff(z[a : a + DIFFERENCED + 1])
+    return z[:last]
+
+
+def _autocorrelation(pieces: list[FloatArray]) -> float:
+    """``sum_i z_i z_{i+1} / sum_i z_i^2`` of the pieces together, less their mean; 0 if all is constant."""
+    total, count = sum(float(z.sum()) for z in pieces), sum(z.size for z in pieces)
+    pieces = [np.subtract(z, total / count, out=z) for z in pieces]
+    squares = _dot(pieces, pieces)
+    pairs = sum(max(z.size - 1, 0) for z in pieces)
+    if not squares:
         return 0.0
     # the two sums have other numbers of terms in many short pieces: their ratio may then pass -1, a correlation not
-    shared = float((products - mean * (2 * total - ends) + (count - 1) * mean**2).sum())
-    return max(-0.95, shared / power * (count.sum() - 1) / pairs)
+    products = _dot([z[:-1] for z in pieces], [z[1:] for z in pieces])
+    return max(-0.95, products / squares * (count - 1) / pairs)
 
 
 def _by_ratio(angle: AngleRecord, m: int, order: int) -> int:
