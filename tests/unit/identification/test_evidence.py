@@ -13,7 +13,7 @@ from tests.rows import paired, refused, rows
 import allanite as al
 from allanite.identification.checks.contradiction import held, measured, not_rounding
 from allanite.identification.likelihood.spectrum import SINGLE, edges_of
-from allanite.identification.likelihood.whittle import step_power
+from allanite.identification.likelihood.whittle import step_products
 from allanite.study.noise import noise_of
 
 RATE = 100.0
@@ -236,8 +236,9 @@ def test_the_power_of_steps_is_that_of_their_literal_transform():
     steps = sum(s * (np.arange(n) >= a) for a, s in zip(at, size, strict=True))
     literal = np.add.reduceat(dct(steps, norm="ortho")[1:] ** 2, bins.first - 1) / bins.count
     above = bins.first > SINGLE
-    assert step_power(bins, at, size)[above] == pytest.approx(literal[above], rel=0.03)
-    assert not step_power(bins, at, size)[~above].any()
+    power = np.outer(size, size).ravel() @ step_products(bins, at)
+    assert power[above] == pytest.approx(literal[above], rel=0.03)
+    assert not power[~above].any()
 
 
 @pytest.mark.slow("takes more than half a second")

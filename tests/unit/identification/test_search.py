@@ -17,7 +17,7 @@ from allanite.identification.search import moves as ways
 from allanite.identification.search.components import CLAIMED, COMPONENTS, FACTORS, ODDS, Part, cost_of
 
 from allanite.identification.search.fitting import (  # isort: skip
-    SHAPE_ERRORS, admissible, factor_basis, fitted, likelihood_of, slopes, values_of, with_values
+    SHAPE_ERRORS, admissible, factor_basis, fitted, likelihood_of, values_of, with_values
 )  # fmt: skip
 from allanite.identification.search.frame import frame_of
 from allanite.identification.search.identify import moves_for
@@ -91,7 +91,7 @@ def test_slopes_are_those_of_the_expected_power(parts):
     central = np.array([(moved(i, h) - moved(i, -h)) / (2 * h) for i in range(x.size + rank)])
     sizes = f.likelihood.S / m[:, None]
     Q = np.linalg.qr(sizes / np.linalg.norm(sizes, axis=0))[0]
-    ours, expected = ((rows_ / m) - (rows_ / m) @ Q @ Q.T for rows_ in (slopes(f), central))
+    ours, expected = ((rows_ / m) - (rows_ / m) @ Q @ Q.T for rows_ in (f.slopes, central))
     assert ours.shape == expected.shape
     for a, b, c in zip(ours, expected, central / m, strict=True):
         assert np.linalg.norm(a - b) < 0.01 * np.linalg.norm(b) + 1e-4 * np.linalg.norm(c)

@@ -41,7 +41,11 @@ def likelihood(spectrum: BinnedSpectrum, symbols: Sequence[str]) -> Likelihood:
 def with_warm_up(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, tau: float) -> Likelihood:
     """A likelihood of the bins `used` with one more loose direction: a warm-up exp(-t / tau) of any size."""
     # Tau is in samples. The direction stands behind the edges and before the ramp.
-    return _with_directions(part, spectrum, used, [warm_up_direction(spectrum, tau)])
+    UU, Uc = directions_of(spectrum, bool(part.flat.any()), [warm_up_direction(spectrum, tau)])
+    at = np.count_nonzero(~part.flat)
+    wider = replace(part, count=spectrum.told[used], UU=UU[used], Uc=Uc[used], W=np.insert(part.W, at, 0.0, axis=0),
+                    flat=np.insert(part.flat, at, True))  # fmt: skip
+    return wider.trusted(part.count / wider.count)
 
 
 def warm_up_direction(spectrum: BinnedSpectrum, tau: float) -> Pair:
@@ -56,14 +60,6 @@ def warm_up_direction(spectrum: BinnedSpectrum, tau: float) -> Pair:
     remaining = math.exp(-spectrum.size / tau)
     smooth = decay_coefficients(spectrum.first + (spectrum.count - 1) / 2, spectrum.size, tau)
     return smooth * (1 - remaining), smooth * (1 + remaining)
-
-
-def _with_directions(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, more: Sequence[Pair]) -> Likelihood:
-    UU, Uc = directions_of(spectrum, bool(part.flat.any()), more)
-    at = np.full(len(more), np.count_nonzero(~part.flat))
-    wider = replace(part, count=spectrum.told[used], UU=UU[used], Uc=Uc[used], W=np.insert(part.W, at, 0.0, axis=0),
-                    flat=np.insert(part.flat, at, True))  # fmt: skip
-    return wider.trusted(part.count / wider.count)
 
 
 def directions_of(spectrum: BinnedSpectrum, with_ramp: bool, more: Sequence[Pair] = ()) -> Pair:
@@ -91,13 +87,11 @@ def step_coefficients(n: int, at: npt.ArrayLike) -> FloatArray:
     return np.asarray(np.sin(np.multiply.outer(at, 2 * half)) * (-math.sqrt(0.5 / n) / np.sin(half)))
 
 
-def step_power(spectrum: BinnedSpectrum, at: Sequence[float], size: FloatArray) -> FloatArray:
-    """Mean power of steps in the bins above the lowest coefficients, where their signs alternate within a bin."""
-    return np.asarray(np.outer(size, size).ravel() @ step_products(spectrum, at))
-
-
 def step_products(spectrum: BinnedSpectrum, at: Sequence[float]) -> FloatArray:
-    """The same of products of each two steps of size 1, shape (steps * steps, bins)."""
+    """Mean products of each two steps of size 1 in the bins, shape (steps * steps, bins).
+
+    Of bins above the lowest coefficients, where their signs alternate within a bin.
+    """
     # The coefficients of steps at i and j have the product [cos(pi k (i - j) / n) - cos(pi k (i + j) / n)] / (4 n
     # sin^2(pi k / 2n)). Within a bin the sine hardly changes, and the mean of a cosine is Dirichlet's kernel.
     n, centre = spectrum.size, spectrum.first + (spectrum.count - 1) / 2

@@ -81,7 +81,26 @@ class Fitted(Portable):
     @cached_property
     def slopes(self) -> FloatArray:
         """Derivatives of m by the shapes' logarithms and then by v, shape (values, bins)."""
-        return slopes(self)
+        frame, state, theta = self.frame, self.state, self.theta
+        gain = frame.gain(state.filter.label, state.filter.shape[0]) if state.filter else np.ones(1)
+        basis = factor_basis(frame, state)
+        acting = gain * raised(basis @ self.v) if self.v.size else gain
+        rows, inner, outer = [], len(frame.powers), sizes_inside(frame, state)
+        columns = [column_of_part(state, frame, p) for p in state if COMPONENTS[p.name].behind]
+        behind = frame.spectrum.rounding + sum(float(theta[i]) for i in columns if i is not None)
+        for part in state:
+            row = COMPONENTS[part.name]
+            if row.inside and row.slope is not None:
+                rows += list(theta[inner] * row.slope(frame, part) * acting)
+                inner += 1
+            elif part.name == "filter":
+                moved = frame.gain(part.label, part.shape[0] * math.exp(-STEP))
+                change = (gain - moved) / STEP
+                rows.append(change * (self.inside / gain - behind))
+            elif row.slope is not None:
+                rows += list(theta[outer] * row.slope(frame, part))
+                outer += 1
+        return np.vstack((np.array(rows).reshape(-1, frame.count.size), (basis * self.inside[:, None]).T))
 
     @cached_property
     def information(self) -> tuple[FloatArray, BoolArray]:
@@ -92,7 +111,7 @@ class Fitted(Portable):
         H = (Z * (h / (m * m))) @ Z.T
         k = self.v.size
         if k:
-            H[-k:, -k:] += np.eye(k)
+            H[-k:, -k:].flat[:: k + 1] += 1
         through = self.state.filter
         if through is not None:
             at = int(active.sum()) + place_of(self.state, through)
@@ -105,7 +124,15 @@ class Fitted(Portable):
         H, _ = self.information
         size = np.sqrt(np.maximum(np.diag(H), 1e-300))
         units = np.outer(size, size)
-        return np.asarray(np.linalg.pinv(H / units, hermitian=True) / units)
+        with np.errstate(over="ignore"):  # of what has no information it is infinite
+            return np.asarray(np.linalg.pinv(H / units, hermitian=True) / units)
+
+    def loss(self, which: int) -> float:
+        """What the value would rise by without a size, by one step."""
+        if self.theta[which] <= 0:
+            return 0.0
+        at = int(np.count_nonzero(self.theta[:which] > 0))
+        return float(self.theta[which] ** 2 / max(self.covariance[at, at], 1e-300))
 
     @cached_property
     def directions(self) -> FloatArray:
@@ -297,27 +324,3 @@ def _volume(part: Likelihood, theta: FloatArray, frame: Frame, state: State) -> 
     if not np.isfinite(V).all():
         return math.inf
     return float(np.linalg.slogdet(V)[1] - np.linalg.slogdet(V[own:, own:])[1])
-
-
-def slopes(f: Fitted) -> FloatArray:
-    """Derivatives of m by the logarithms of the shapes and by v, shape (values, bins)."""
-    frame, state, theta = f.frame, f.state, f.theta
-    gain = frame.gain(state.filter.label, state.filter.shape[0]) if state.filter else np.ones(1)
-    basis = factor_basis(frame, state)
-    acting = gain * raised(basis @ f.v) if f.v.size else gain
-    rows, inner, outer = [], len(frame.powers), sizes_inside(frame, state)
-    columns = [column_of_part(state, frame, p) for p in state if COMPONENTS[p.name].behind]
-    behind = frame.spectrum.rounding + sum(float(theta[i]) for i in columns if i is not None)
-    for part in state:
-        row = COMPONENTS[part.name]
-        if row.inside and row.slope is not None:
-            rows += list(theta[inner] * row.slope(frame, part) * acting)
-            inner += 1
-        elif part.name == "filter":
-            moved = frame.gain(part.label, part.shape[0] * math.exp(-STEP))
-            change = (gain - moved) / STEP
-            rows.append(change * (f.inside / gain - behind))
-        elif row.slope is not None:
-            rows += list(theta[outer] * row.slope(frame, part))
-            outer += 1
-    return np.vstack((np.array(rows).reshape(-1, frame.count.size), (basis * f.inside[:, None]).T))

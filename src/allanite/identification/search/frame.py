@@ -233,14 +233,9 @@ class Frame(Portable):
         return np.array([not TERMS[s].slope <= WHITE for s in self.powers], dtype=bool)
 
     @property
-    def whole_start(self) -> bool:
-        """Whether the lowest coefficients are read, which tell of steps and of a warm-up."""
-        return bool(self.used[: min(LOW, self.used.size)].all())
-
-    @property
     def able_to_step(self) -> bool:
-        """Whether steps of the bias can be looked for: no gaps, which may hide them, and no pieces."""
-        return self.whole_start and self.spectrum.pieces is None and not self.spectrum.gaps.at.size
+        """Whether steps of the bias can be looked for: the lowest bins are read, no gaps may hide them, no pieces."""
+        return bool(self.used[:LOW].all()) and self.spectrum.pieces is None and not self.spectrum.gaps.at.size
 
     @property
     def able_to_warm_up(self) -> bool:

@@ -7,7 +7,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.identification.likelihood.filters import FILTERS
-from allanite.identification.likelihood.whittle import Pair, step_coefficients, warm_up_direction
+from allanite.identification.likelihood.whittle import step_coefficients, warm_up_direction
 
 from .components import (  # isort: skip
     AT_BOUND, BROAD, COMPONENTS, HIDING, INSIDE, LEAST_MARKOV, LONGEST_MARKOV, LONGEST_WARM_UP, PERIODS,
@@ -15,16 +15,11 @@ from .components import (  # isort: skip
 )  # fmt: skip
 from .fitting import Fitted, fitted
 from .frame import LOW, Frame
-from .refining import CANDIDATES, FAR, Local, Move
+from .refining import CANDIDATES, FAR, MISSED, Local, Move
 from .state import State
 
 PLACES, FINE_PLACES = 512, 61  # places at which a step is looked for, and places between the neighbours of the best
 WARM_UPS = 11  # time constants of a warm-up that are tried, from a hundredth of the record on
-
-
-def _both(pair: Pair) -> FloatArray:
-    """Coefficients of even and of odd index."""
-    return pair[0] + pair[1]
 
 
 def _lowest(at: Local) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -33,7 +28,7 @@ def _lowest(at: Local) -> tuple[FloatArray, FloatArray, FloatArray]:
     k = min(LOW, frame.count.size)
     c, root = (frame.spectrum.even + frame.spectrum.odd)[:k], np.sqrt(at.f.m[:k])
     loose = [step_coefficients(frame.size, p.shape[0])[:k] for p in at.f.state.of("step")]
-    loose += [_both(warm_up_direction(frame.spectrum, p.shape[0]))[:k] for p in at.f.state.of("warm-up")]
+    loose += [np.add(*warm_up_direction(frame.spectrum, p.shape[0]))[:k] for p in at.f.state.of("warm-up")]
     if frame.ramps:
         ramp = np.zeros(k)
         ramp[: min(k, frame.spectrum.ramp.size)] = frame.spectrum.ramp[:k]
@@ -103,7 +98,7 @@ def warm_ups(at: Local) -> Iterator[State]:
         yield _tuned_warm_up(at.f, rest, own[0])
         return
     y, root, Q = _lowest(at)
-    D = np.array([_both(warm_up_direction(frame.spectrum, part.shape[0]))[: y.size] for part in parts]) / root
+    D = np.array([np.add(*warm_up_direction(frame.spectrum, part.shape[0]))[: y.size] for part in parts]) / root
     gain = _gains(D, y, Q)
     if at.able(float(gain.max()), COMPONENTS["warm-up"].cost(frame.size)):
         yield _tuned_warm_up(at.f, rest, parts[int(gain.argmax())])
@@ -111,10 +106,6 @@ def warm_ups(at: Local) -> Iterator[State]:
 
 PER_DECADE, PROMISING = 4, 2  # time constants a decade that are tried, and how many of them are fitted
 TRIED_QUALITIES = (2.5, 6.0, 15.0, 40.0, 120.0)  # qualities with which resonances are looked for
-
-MISSED = 40.0
-"""Rise of the value by one step above which a part is not left out, or its numerator exchanged: what is refined beside
-it makes up for less."""
 
 EQUAL = 0.5  # change of the value up to which the numerators of a resonance are the same: those of a sharp one are
 BINS = 8  # bins that stand out at which resonances are looked for

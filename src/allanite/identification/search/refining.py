@@ -17,6 +17,10 @@ from .state import State
 
 REACH = 8.0  # states up to this above the least score are kept: a weight of e^-4
 FAR = 60.0  # gain in 2 L above which one step is no guide
+MISSED = 40.0
+"""Rise of the value by one step, beyond the cost, above which a part or power is not left out, or its numerator
+exchanged: what is refined beside it makes up for less."""
+
 CANDIDATES = 3  # candidates of a row that are fitted, at most
 MISFIT_DEVIATE = 6.0  # standard deviations of a bin's power above which a residual is a misfit
 
@@ -69,13 +73,8 @@ class Local:
 
     def loss(self, part: Part) -> float:
         """What the value would rise by without a part whose size is a column, by one step; 0 for others."""
-        f = self.f
-        which = column_of_part(f.state, f.frame, part)
-        if which is None or f.theta[which] <= 0:
-            return 0.0
-        at = int(np.count_nonzero(f.theta[:which] > 0))
-        variance = f.covariance[at, at]
-        return float(f.theta[which] ** 2 / max(variance, 1e-300))
+        which = column_of_part(self.f.state, self.f.frame, part)
+        return 0.0 if which is None else self.f.loss(which)
 
     def able(self, gain: float, cost: float) -> bool:
         """Whether a candidate may come within reach of the best state."""
@@ -174,7 +173,9 @@ def pruned(f: Fitted) -> Fitted:
     best = _dropping(f)
     while best.free[:P].sum() > 1:
         tries = []
-        for i in np.flatnonzero(best.free[:P]):
+        for i in np.flatnonzero(best.free[:P]).tolist():
+            if best.loss(i) > MISSED:
+                continue
             less = best.free.copy()
             less[i] = False
             if (admissible(f.frame, f.state, less, less.size) == less).all():
@@ -190,4 +191,5 @@ def _dropping(f: Fitted) -> Fitted:
     P = len(f.frame.powers)
     free = f.free.copy()
     free[:P] &= f.theta[:P] > 0
-    return replace(f, free=admissible(f.frame, f.state, free, free.size))
+    free = admissible(f.frame, f.state, free, free.size)
+    return f if (free == f.free).all() else replace(f, free=free)

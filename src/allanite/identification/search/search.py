@@ -138,14 +138,16 @@ class Searched(Portable):
         least = self.best.score
         return sorted((f for f in self.every.values() if f.score < least + REACH), key=lambda f: f.score)
 
-    def add(self, f: Fitted) -> None:
-        """Keep a fit if it is the best of its kind."""
+    def add(self, f: Fitted) -> bool:
+        """Keep a fit if it is the best of its kind; whether it is."""
         key = f.state.kind
         if key in self.every:
-            if f.score < self.every[key].score - 1e-6:
-                self.every[key] = f
-        elif not any(abs(f.score - g.score) < SAME and alike(f.state, g.state) for g in self.every.values()):
+            new = f.score < self.every[key].score - 1e-6
+        else:
+            new = not any(abs(f.score - g.score) < SAME and alike(f.state, g.state) for g in self.every.values())
+        if new:
             self.every[key] = f
+        return new
 
 
 def search(
@@ -155,8 +157,7 @@ def search(
     result, done = Searched(frame), dict[object, float]()
     for start in starts:
         first = pruned(refined(fitted(frame, start)))
-        result.add(first)
-        if first.state.form not in done:
+        if result.add(first) and first.state.form not in done:
             _follow(result, first, moves, done)
     _expand(result, moves, EXPANDED[0], done)
     if resonances in moves:

@@ -5,6 +5,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
 
 from allanite.identification.likelihood.filters import FILTERS
 
@@ -36,7 +37,11 @@ class State:
 
     def of(self, name: str) -> tuple[Part, ...]:
         """Its parts of one row."""
-        return tuple(part for part in self.parts if part.name == name)
+        return self._of.get(name, ())
+
+    @cached_property
+    def _of(self) -> dict[str, tuple[Part, ...]]:
+        return {name: tuple(parts) for name, parts in groupby(self.parts, lambda part: part.name)}
 
     @cached_property
     def filter(self) -> Part | None:
