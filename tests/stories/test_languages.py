@@ -21,7 +21,7 @@ from allanite.core.errors import UndrawnError
 from allanite.exporting.exports import EXPORTS, TEMPERATURE
 from allanite.identification.methods import METHODS
 from allanite.phrases.phrase import Phrase
-from allanite.reporting import html, language, text
+from allanite.reporting import html, language, printing, text
 from allanite.reporting.sheet import Code, Fold
 from allanite.reporting.sketch.axis import Unsketched
 from allanite.reporting.views import level_of, view_of
@@ -143,7 +143,7 @@ def shown(value, monkeypatch, drawn, lang="xx"):
         face = replace(face, sheets=sheets, choices="", **parts)
         found += text.render(face).splitlines()
         monkeypatch.setattr(
-            html, "drawer", lambda: lambda drawing: found.extend(words_of(drawing.draw().printed())) or ""
+            html, "drawer", lambda: lambda drawing: found.extend(words_of(printing.printed(drawing.draw()))) or ""
         )
         found += Shown(html.render(replace(face, command="allanite", data=b"x"))).texts
         found += [html.tr(drawn.label) for drawn in drawings(face)]
@@ -262,5 +262,5 @@ def test_a_figure_on_a_page_has_the_words_of_that_for_print(verb, values):
             texts = list(page.iter("{http://www.w3.org/2000/svg}text"))
             assert all(0 <= float(t.get("x")) <= wide and 0 <= float(t.get("y")) <= high for t in texts)
             said = {" ".join(text.text.split()) for text in texts}
-            printed = {" ".join(line.split()) for line in printed_words(drawing.draw().printed())}
+            printed = {" ".join(line.split()) for line in printed_words(printing.printed(drawing.draw()))}
             assert printed - said <= {line for line in printed if "$" in line}, verb

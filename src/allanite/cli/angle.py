@@ -174,7 +174,7 @@ def simulate(out: str, **choices: Any) -> None:
         from allanite.reporting.language import speaking
 
         with speaking(where.lang), speaking(drawn_in(where.lang)):
-            figure = figures.plot_error_in_time(true, list(known.values())).printed()
+            figure = printing.printed(figures.plot_error_in_time(true, list(known.values())))
             printing.save(figure, where.paths["plot"], force=where.force)
     if out != STDOUT and not where.quiet:
         show("\n".join(f"{name}: {path}" for name, path in where.paths.items()))

@@ -66,7 +66,7 @@ def plot(
     FontWarning
         This machine has no font with the letters of the language; the figure is in English then.
     """
-    from .printing import save
+    from .printing import printed, save
     from .style import demand_figure_path
 
     if path is not None:
@@ -78,7 +78,7 @@ def plot(
     if draw is None:
         raise UsageError(f"a {type(values[0]).__name__} has no figure; al.report writes its page")
     with speaking(lang), speaking(drawn_in(lang)):
-        figure = draw(values, fit, level_of(values[0], level)).printed()
+        figure = printed(draw(values, fit, level_of(values[0], level)))
         if path is not None:
             save(figure, path, force=force)
     return figure
@@ -162,10 +162,14 @@ def html_of(value: Any) -> str:
     if not has_view(value):
         return f"<pre>{escape(repr(value))}</pre>"
     view, level = view_of(value), level_of(value)
+    drawn = None
     try:
-        drawn = None if view.plot is None else view.plot([value], None, level).printed()
+        if view.plot is not None:
+            from .printing import printed
+
+            drawn = printed(view.plot([value], None, level))
     except UndrawnError:
-        drawn = None
+        pass
     return fragment(view.face(value, level), drawn)
 
 

@@ -49,7 +49,9 @@ def drawn(drawing: Drawing) -> Picture:
         broad, narrow = plot.sketched(), plot.sketched(PHONE_INCHES)
         return Picture(broad.svg(), broad.width, Picture(narrow.svg(), narrow.width))
     except Unsketched:
-        return picture(plot.printed())
+        from .printing import printed
+
+        return picture(printed(plot))
 
 
 def picture(figure: "Figure") -> Picture:

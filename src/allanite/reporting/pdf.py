@@ -123,7 +123,7 @@ def _page() -> "Figure":
 
 def _figure(drawing: Drawing) -> "Figure":
     """The figure of a drawing with its layout done, in the width of the text, and not higher than a page."""
-    from .printing import new_figure
+    from .printing import new_figure, printed
 
     def make(width: float, height: float) -> "Figure":
         return new_figure(width, min(_FLAT * height, _TOP - _BOTTOM - 4 * _LINE))
@@ -133,7 +133,7 @@ def _figure(drawing: Drawing) -> "Figure":
         raise UsageError(
             "a page with figures that other commands have drawn is written as HTML only: end its name in .html"
         )
-    figure = plot.printed(_ROOM, make)
+    figure = printed(plot, _ROOM, make)
     figure.set_dpi(72)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")

@@ -1,7 +1,8 @@
 """Figures for print, by matplotlib: how they look, and how they become bytes, on every machine the same."""
 
 import io
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from typing import Any, cast
@@ -10,12 +11,14 @@ import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.text import Text
 
 from allanite.core.files import PathLike, write
 
 from . import fonts
-from .language import spoken
-from .style import EDGE, FORMATS, INK, demand_figure_path
+from .language import spoken, tr
+from .sheet import Plot
+from .style import EDGE, FORMATS, INK, NewFigure, demand_figure_path
 
 _LOOK: dict[str, Any] = {
     "font.size": 9.0, "text.color": INK,
@@ -71,6 +74,16 @@ def new_figure(width: float, height: float) -> Figure:
     """An empty figure of so many inches, outside of pyplot's list of open ones."""
     figure = NotebookFigure(figsize=(width, height), layout=Settled(), facecolor="white")
     FigureCanvasAgg(figure)
+    return figure
+
+
+def printed(plot: Plot, room: float = math.inf, make: Callable[[float, float], Figure] = new_figure) -> Figure:
+    """A plot for print. It is drawn with phrases; afterwards these are in the language spoken."""
+    with look():
+        figure = plot.draw(NewFigure(make, room))
+    for text in figure.findobj(Text):
+        assert isinstance(text, Text)  # noqa: S101 - as asked for
+        text.set_text(tr(text.get_text()))
     return figure
 
 

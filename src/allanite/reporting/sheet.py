@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from .first import First
     from .sketch.chart import Chart
+    from .style import NewFigure
 
 Kind = Literal["name", "symbol", "number", "interval", "unit", "text", "status", "formula"]
 Mark = Literal["", "good", "weak", "alarm", "quiet", "strong", "struck"]
@@ -80,11 +81,12 @@ class Note:
 class Plot(Protocol):
     """A figure that is yet to be drawn."""
 
-    def printed(self, room: float = math.inf, make: "Callable[[float, float], Figure] | None" = None) -> "Figure":
-        """For print, by matplotlib, `room` inches wide at most; `make` gives an empty figure of (width, height)."""
+    @property
+    def draw(self) -> "Callable[[NewFigure], Figure]":
+        """Draws it on what is given: for print, by `printing.printed`."""
 
     def sketched(self, room: float = math.inf) -> "Chart":
-        """The same for a page, by `sketch`."""
+        """It for a page, by `sketch`."""
 
 
 @dataclass(frozen=True)

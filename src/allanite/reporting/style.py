@@ -70,19 +70,6 @@ class StyledPlot:
 
     draw: "Callable[[NewFigure], Figure]"
 
-    def printed(self, room: float = math.inf, make: "Callable[[float, float], Figure] | None" = None) -> "Figure":
-        """For print, by matplotlib. Figures are drawn with phrases; afterwards they are in the language spoken."""
-        from matplotlib.text import Text
-
-        from .printing import look, new_figure
-
-        with look():
-            figure = self.draw(NewFigure(make or new_figure, room))
-        for text in figure.findobj(Text):
-            assert isinstance(text, Text)  # noqa: S101 - as asked for
-            text.set_text(tr(text.get_text()))
-        return figure
-
     def sketched(self, room: float = math.inf) -> Chart:
         """For a page, by `sketch`; what that cannot draw raises `Unsketched`."""
         make = lambda width, height: cast("Figure", Chart(width, height, INK, EDGE))  # noqa: E731

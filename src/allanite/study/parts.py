@@ -271,7 +271,7 @@ def _ended(blocks: Iterable[inspector.Piece]) -> Iterator[tuple[int, list[NDArra
 
 def _notes(reader: PartsReader) -> tuple[str, ...]:
     """That the file was read in parts, and what was looked at."""
-    need = max(reader.need, needed(reader.clock.rows * len(reader.heads)))
+    need = reader.need or needed(reader.clock.rows * len(reader.heads))
     return (
         say("the file was read in parts: as a whole the record may take {need} of memory, of which {limit} may be "
             "used ({option})", need=size_in_words(need), limit=size_in_words(reader.limit),

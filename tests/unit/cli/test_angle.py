@@ -15,6 +15,7 @@ import allanite as al
 from allanite.cli import main
 from allanite.core.syntax import toml
 from allanite.reporting import page, table
+from allanite.reporting.printing import printed
 
 ARCSEC = np.pi / 648_000
 EXPERIMENT = ["--latitude", "60", "--duration", "3600"]
@@ -254,7 +255,7 @@ def test_known_harmonics_are_shown_and_drawn(tmp_path):
 
     hour = gimbals(np.arange(3600.0, 7200.0, 10.0), latitude=np.radians(60))
     known = Harmonics.of({128: (3 / 206264.806, 0.0)}, "h")
-    (axes,) = figures.plot_error_in_time(hour, [known]).printed().axes
+    (axes,) = printed(figures.plot_error_in_time(hour, [known])).axes
     time, error = axes.lines[0].get_data()
     np.testing.assert_allclose(time, hour.time / 60)
     np.testing.assert_allclose(error, 3 * np.sin(128 * hour.h), atol=1e-6)

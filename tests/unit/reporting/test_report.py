@@ -32,7 +32,7 @@ from allanite.reporting import page, plot, table, to_csv
 from allanite.reporting.digits import printed_unit
 from allanite.reporting.figures.record import plot_goodness
 from allanite.reporting.json import to_json
-from allanite.reporting.printing import encode, new_figure
+from allanite.reporting.printing import encode, new_figure, printed
 from allanite.reporting.sheet import Table
 from allanite.reporting.views import view_of
 from allanite.reporting.words import title
@@ -289,7 +289,7 @@ def test_a_figure_is_refused_before_it_is_drawn(study, tmp_path):
 def test_a_cell_without_power_does_not_spoil_the_strips(least):
     z = np.linspace(-4, 1.5, 24)
     ratio = np.where(z == z.min(), least, 1.0)
-    figure = plot_goodness(Goodness(np.geomspace(1e-4, 5, 25), ratio, z, 0.2), "x").printed()
+    figure = printed(plot_goodness(Goodness(np.geomspace(1e-4, 5, 25), ratio, z, 0.2), "x"))
     encode(figure, "svg")  # lays it out
     assert all(ax.get_position().height > 0.2 for ax in figure.axes)
     assert figure.axes[0].get_ylim()[0] > 0.04

@@ -22,6 +22,7 @@ from allanite.reporting.figures import panels_of, plot_overlay, plot_panels
 from allanite.reporting.figures.drawing import draw_titles, ratio_axis
 from allanite.reporting.figures.panels import MAX_HINTS, printed_model
 from allanite.reporting.matplotlib_svg import drawn
+from allanite.reporting.printing import printed
 from allanite.reporting.sheet import Drawing, Fold
 from allanite.reporting.sketch.axis import Side, Unsketched, plain
 from allanite.reporting.sketch.chart import Chart
@@ -179,7 +180,7 @@ def test_what_only_matplotlib_draws_is_left_to_it():
         figure.subplots().scatter([1.0, 2.0], [1.0, 2.0])
         return figure
 
-    assert isinstance(draw().printed(), Figure)
+    assert isinstance(printed(draw()), Figure)
     assert "<path" in drawn(Drawing(draw, "points")).text
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from allanite.core.errors import UsageError
 from allanite.plugins import Registry
@@ -76,6 +76,9 @@ _OWN = {
 }  # fmt: skip
 """Type of a result: where its `View` is. They are imported when first asked for."""
 
+_FIRST = {"Study": "channels.first_of"}
+"""Type of a result: where its first screen is made without the figures and tables of its view."""
+
 VIEWS = Registry[str | View](_OWN, "allanite.views", kind=View)  # the same, and the views of plug-ins
 
 
@@ -91,10 +94,9 @@ def first_of(value: Any, level: float) -> "First":
     """The first screen of a result: its own, or what its face begins with."""
     from allanite.reporting.first import condensed
 
-    if type(value).__name__ == "Study":  # without the figures and tables of its view
-        from .channels import first_of
-
-        return first_of(value, level)
+    own = _FIRST.get(type(value).__name__)
+    if own is not None:
+        return cast("First", _attribute(own)(value, level))
     view = view_of(value)
     return view.first(value, level) if view.first else condensed(view.face(value, level), drawn=view.plot is not None)
 
@@ -113,9 +115,12 @@ def import_type(name: str) -> None:
 def _imported(row: str | View) -> View:
     if isinstance(row, View):
         return row
-    module, _, attribute = row.partition(".")
-    view: View = getattr(import_module(f"{__name__}.{module}"), attribute)
-    return view
+    return cast(View, _attribute(row))
+
+
+def _attribute(place: str) -> Any:
+    module, _, attribute = place.partition(".")
+    return getattr(import_module(f"{__name__}.{module}"), attribute)
 
 
 def level_of(value: Any, level: float | None = None) -> float:
