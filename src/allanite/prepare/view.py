@@ -143,9 +143,9 @@ class View:
         They are 0 over a gap, and at the ascending places `without`.
         """
         bends = second_differences(self.steps[first : end + 2])
-        for none in (self.over, without):
-            low, high = np.searchsorted(none, (first, end))
-            bends[none[low:high] - first] = 0.0
+        for zeros in (self.over, without):
+            low, high = np.searchsorted(zeros, (first, end))
+            bends[zeros[low:high] - first] = 0.0
         return bends
 
     @cached_property

@@ -125,14 +125,14 @@ def each_channel(  # noqa: PLR0913 - each has a default but those that make the 
         step = (until - since) / (len(channels) + 0.3)
         return lambda i: tell(f"{doing} {channels[i][0]}", since + step * (i + 0.3))
 
-    def inspected(channel: tuple[str, tuple[Record, ...]]) -> tuple[Inspected, Started | None]:
-        seen = Inspected(*channel, tuple(map(look, channel[1])), beside=beside)
-        return seen, _begun(seen, together, fatal)
+    def inspected(named: tuple[str, tuple[Record, ...]]) -> tuple[Inspected, Started | None]:
+        channel = Inspected(*named, tuple(map(look, named[1])), beside=beside)
+        return channel, _begun(channel, together, fatal)
 
     imported(progress)
     with one_thread():
         begun = shared(inspected, channels, count=count, known=every, begun=tells(0.0, SEARCHING) if together else None)
-        checked = _finishing(_on_bodies([seen for seen, _ in begun]), [search for _, search in begun])
+        checked = _finishing(_on_bodies([channel for channel, _ in begun]), [search for _, search in begun])
         results = shared(lambda one: _result(one, work, refused, fatal), checked, count=count, known=every,
                          begun=tells(SEARCHING if together else 0.0, 1.0))  # fmt: skip
     if demand:
@@ -141,12 +141,12 @@ def each_channel(  # noqa: PLR0913 - each has a default but those that make the 
     return tuple(results)
 
 
-def _begun(seen: Inspected, begin: Begin | None, fatal: str) -> Started | None:
+def _begun(channel: Inspected, begin: Begin | None, fatal: str) -> Started | None:
     """The identification of a channel, None where it is not begun before its result is asked for."""
-    if begin is None or fatal or any(quality.refusal for quality in seen.qualities):
+    if begin is None or fatal or any(quality.refusal for quality in channel.qualities):
         return None
     try:
-        return begin(seen)
+        return begin(channel)
     except DataError:  # which it raises once more when its result is asked for
         return None
 
@@ -193,7 +193,7 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
     if passing is not None and keeping is not None:
         read, findings, notes, provenance = passing.passed(recipe, keeping, progress)
         fatal = Quality(findings).refusal
-        channels = _finishing(read, [_begun(seen, begin, fatal) for seen in read])
+        channels = _finishing(read, [_begun(channel, begin, fatal) for channel in read])
         results = tuple(_result(channel, work, refused, fatal) for channel in channels)
         if demand:
             _demand_result(channels, results)

@@ -201,10 +201,10 @@ class Likelihood(Portable):
         if fixed is not None:
             moving[fixed[0]] = False
             theta[fixed[0]] = fixed[1]
-        found = self.minimum(theta, moving)
-        if found.least == np.inf and start is not None:  # it lies outside: let every free term in
-            found = self.minimum(np.where(moving, np.maximum(theta, self._start(free)), theta), moving)
-        return found.theta, found.least
+        best = self.minimum(theta, moving)
+        if best.least == np.inf and start is not None:  # it lies outside: let every free term in
+            best = self.minimum(np.where(moving, np.maximum(theta, self._start(free)), theta), moving)
+        return best.theta, best.least
 
     def settled(
         self, free: BoolArray, start: FloatArray | None, loud: int, errors: FloatArray, *, known: bool = False
@@ -214,10 +214,10 @@ class Likelihood(Portable):
         `known` is whether `start` is the minimum without it, or with another.
         """
         theta = np.where(free, self._start(free) if start is None else start, 0.0)
-        found = self.minimum(theta, free, loud, errors, int(known))
-        if found.least == np.inf and start is not None:
-            found = self.minimum(np.where(free, np.maximum(theta, self._start(free)), theta), free, loud, errors)
-        return found
+        best = self.minimum(theta, free, loud, errors, int(known))
+        if best.least == np.inf and start is not None:
+            best = self.minimum(np.where(free, np.maximum(theta, self._start(free)), theta), free, loud, errors)
+        return best
 
     def moved(self, theta: FloatArray, moving: BoolArray) -> tuple[FloatArray, float]:
         """Theta >= 0 at the minimum of L, and L; what is not `moving` is held."""
