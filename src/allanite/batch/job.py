@@ -94,7 +94,7 @@ def analyze_files(
             units.append(unit_of(file, lightened(study, samples=len(sources.files) == 1), specification))
     if len(errors) == len(units):
         raise (UsageError if all(isinstance(error, UsageError) for error in errors) else DataError)(_reasons(units))
-    demand_shown(recipe, (channel for unit in units for channel in unit.channels))
+    demand_shown(recipe, (channel.record.signal for unit in units for channel in unit.channels))
     return Batch(tuple(units), recipe.to_dict(), recipe.level, specification, sources.notes, {"allanite": __version__})
 
 

@@ -1,6 +1,5 @@
 """Analyses: of a file, of many, of a live stream, and any statistic or spectrum alone."""
 
-import os
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -167,13 +166,12 @@ def watch(target: str, **choices: Any) -> None:
     from allanite.study.watching import WatchSettings
 
     out = outputs(choices, [choices["recipe"], target], also=("record",))
-    record = out.paths.get("record")
-    if record is not None and os.path.isfile(record):  # --force was given
-        os.remove(record)
+    record = {"record": out.paths.get("record"), "force": out.force}
     out = replace(out, paths={name: path for name, path in out.paths.items() if name != "record"})
-    settings, recipe = settings_of(WatchSettings, choices | {"record": record}), recipe_of(choices)
-    reports = Reports(event=lambda words, _: None if out.quiet else complain(words))
-    deliver(WATCH.run([target], recipe, settings, reports), out)
+    settings, recipe = settings_of(WatchSettings, choices | record), recipe_of(choices)
+    reports = Reports(event=lambda words, _: None if out.quiet else complain(words),
+                      deliver=lambda study: deliver(study, out))  # fmt: skip
+    WATCH.run([target], recipe, settings, reports)
 
 
 @command()

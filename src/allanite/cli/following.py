@@ -14,8 +14,9 @@ from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import join, say, say_count
-from allanite.readers.live import TAIL, WAIT, Feed, Spool, opened
+from allanite.readers.live import WAIT, BreakError, Feed, opened
 from allanite.readers.sandbox.source import NamedPath, digest_of
+from allanite.readers.spool import TAIL, Spool
 from allanite.reporting.words import ARCSEC
 from allanite.study.settings import WatchChoices
 
@@ -32,7 +33,7 @@ def follow(target: str, choices: dict[str, Any], settings: WatchChoices,
     data, reported = None, -math.inf
     feed = Feed(tap := opened(target, settings.baud))
     with closing(feed), closing(Spool(target, sent=tap.live)) as spool:
-        for rows in _rows_of(feed, spool, settings):
+        for rows in _rows_of(target, feed, spool, settings):
             try:
                 data, z, gimbals = read(rows, choices)
                 service.add(z, gimbals)
@@ -49,24 +50,28 @@ def follow(target: str, choices: dict[str, Any], settings: WatchChoices,
         return service.result(), replace(data, digest=digest_of(spool.path))
 
 
-def _rows_of(feed: Feed, spool: Spool, settings: WatchChoices) -> Iterator[NamedPath]:
+def _rows_of(target: str, feed: Feed, spool: Spool, settings: WatchChoices) -> Iterator[NamedPath]:
     """Files of the rows that came, one after the other, the last row of each in the next, too."""
     taken, begun = 0, time.monotonic()
     looked = last = begun
     with stopping() as stopped:
         over = False
         while not over:
-            data = b""
+            pieces = list[bytes | BreakError]()
             try:
-                data = feed.take(WAIT)
-            except (OSError, DataError) as error:  # the source is gone, or a file became shorter
-                complain(str(error))
-                over = True
+                pieces.append(feed.take(WAIT))
+            except BreakError as what:  # the source is gone or back, or a file became shorter
+                pieces.append(what)
+                if words := what.words(target):
+                    complain(words)
             now = time.monotonic()
-            last = now if data else last
+            last = now if any(isinstance(piece, bytes) and piece for piece in pieces) else last
             over |= stopped() or now - begun >= settings.duration or now - last >= settings.idle
-            for piece in [data, *(feed.close() if over else ())]:
-                spool.add(piece)
+            for piece in [*pieces, *(feed.close() if over else ())]:
+                if isinstance(piece, BreakError):
+                    spool.torn()
+                else:
+                    spool.add(piece)
             if over:
                 spool.finish()
             if spool.rows > taken and (over or now >= looked + EVERY or spool.rows - taken >= TAIL // 4):

@@ -1,7 +1,6 @@
 """What verbs do, as functions of files, a recipe and settings: the command line and the page call the same ones."""
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing
 from dataclasses import dataclass, field
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -26,6 +25,7 @@ class Reports:
     event: Callable[[str, Any], None] = lambda words, watch: None
     # the recording of a file, if it is in memory
     source: "Callable[[str, Recipe], Source]" = lambda file, recipe: file
+    deliver: Callable[[Any], None] = lambda result: None  # what is done with the result before the lines of a stream go
 
 
 @dataclass(frozen=True)
@@ -110,12 +110,14 @@ def _compare(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Rep
 def _watch(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Reports) -> Any:
     from allanite.study.watching import Watch
 
-    with stopping() as stopped:
-        watch = Watch(files[0], recipe, settings, stopped)
-        with closing(watch):
+    watch = Watch(files[0], recipe, settings)
+    with watch.keeping(lambda words: reports.event(words, watch)):
+        with stopping() as watch.stopped:
             for words in watch.events():
                 reports.event(words, watch)
-            return watch.study()
+            study = watch.study()
+        reports.deliver(study)
+    return study
 
 
 def ends_of_units(batch: "Batch", *, strict: bool = False) -> list[tuple[int, str]]:

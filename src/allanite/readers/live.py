@@ -1,4 +1,4 @@
-"""Where a live stream comes from, and the file in which it is kept and read as any other."""
+"""Where a live stream comes from: a port, a file that grows, a pipe, or datagrams."""
 
 import ipaddress
 import os
@@ -6,26 +6,23 @@ import queue
 import select
 import socket
 import stat
-import tempfile
 import threading
 import time
-from collections import deque
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
-from pathlib import Path
 from urllib.parse import urlsplit
 
-from allanite.core.errors import DataError, UsageError, demand_extra
-from allanite.core.files import demand_writable
+from allanite.core.errors import DataError, UsageError, demand_extra, given
+from allanite.core.files import reason
 from allanite.phrases.phrase import say
-
-from .sandbox.source import NamedPath
 
 PIECE = 1 << 16  # bytes that are taken at a time
 WAIT = 0.2  # seconds to wait for data at a time
-PIECES_AHEAD = 16  # pieces of a file that are read before they are needed
+PIECES_AHEAD = 16  # pieces of a file or a pipe that are read before they are needed
 DATAGRAM_ROOM = 1 << 22  # bytes of datagrams that the system is asked to hold
+TRACE = 64  # bytes before a place in a file, by which it is recognized
+LATEST_END = 25  # times `WAIT` after which a source that does not answer is left to itself
 
 
 @dataclass(frozen=True)
@@ -37,6 +34,63 @@ class Tap:
     take: Callable[[float], bytes]
     close: Callable[[], None]
     live: bool = True  # what comes is lost if nobody takes it
+    ahead: int = 0  # pieces, at most, that are taken before they are needed, where whoever sends can wait
+
+
+class BreakError(OSError):
+    """A source goes on after this, but a line may be torn: it is `gone`, `back`, or another file (`rotated`)."""
+
+    def __init__(self, kind: str, why: str = "") -> None:
+        super().__init__(why)
+        self.kind, self.lost = kind, 0  # rows that were not taken meanwhile
+
+    def words(self, target: str) -> str:
+        """What happened to this source; empty if only a line is torn."""
+        if self.kind == "gone":
+            return say("{target!r} is gone ({reason}); waiting for it", target=target, reason=str(self))
+        if self.kind == "rotated":
+            return say("{target!r} became shorter or was replaced; it is read from its beginning, and its rows follow "
+                       "those before", target=target)  # fmt: skip
+        if self.kind == "back" and self.lost:
+            return say("{target!r} is back; {lost} samples are missing", target=target, lost=self.lost)
+        return say("{target!r} is back", target=target) if self.kind == "back" else ""
+
+
+class Returning:
+    """A source that is opened again when it is gone, and is back when something comes of it."""
+
+    def __init__(self, again: Callable[[], Tap]) -> None:
+        self.again, self.gone, self.held = again, False, b""
+        self.tap: Tap | None = again()
+
+    def take(self, seconds: float) -> bytes:
+        """What a tap takes; a `BreakError` where it is gone, and where it is back."""
+        data, self.held = self.held, b""
+        if data:
+            return data
+        try:
+            self.tap = self.tap or self.again()
+            data = self.tap.take(seconds)
+        except BreakError:
+            raise
+        except (OSError, ValueError) as error:  # the second one of a descriptor that is closed, and of data
+            self.close()
+            if self.gone:
+                time.sleep(seconds)
+                return b""
+            self.gone = True
+            raise BreakError("gone", reason(error)) from None
+        if data and self.gone:
+            self.gone, self.held = False, data
+            raise BreakError("back")
+        return data
+
+    def close(self) -> None:
+        """Close it."""
+        tap, self.tap = self.tap, None
+        if tap is not None:
+            with suppress(OSError):
+                tap.close()
 
 
 class Feed:
@@ -44,12 +98,12 @@ class Feed:
 
     def __init__(self, tap: Tap) -> None:
         self.tap, self.closing = tap, False
-        self.pieces: queue.Queue[bytes | Exception] = queue.Queue(0 if tap.live else PIECES_AHEAD)
+        self.pieces: queue.Queue[bytes | Exception] = queue.Queue(tap.ahead)
         self.thread = threading.Thread(target=self._run, daemon=True)
         self.thread.start()
 
     def take(self, seconds: float) -> bytes:
-        """What came, b"" if nothing does for so long; the error with which it ended."""
+        """What came, b"" if nothing does; a `BreakError`, after which it goes on, or the error that ends it."""
         try:
             piece = self.pieces.get(timeout=seconds)
         except queue.Empty:
@@ -58,26 +112,31 @@ class Feed:
             raise piece
         return piece
 
-    def close(self) -> list[bytes]:
+    def close(self) -> list[bytes | BreakError]:
         """Stop taking; what came and was not taken yet."""
         self.closing, rest = True, self._rest()
-        while self.thread.is_alive():
+        for _ in range(LATEST_END):  # a file of a network that is gone may never answer
             self.thread.join(WAIT)
             rest += self._rest()
-        self.tap.close()
+            if not self.thread.is_alive():
+                self.tap.close()
+                break
         return rest + self._rest()
 
-    def _rest(self) -> list[bytes]:
+    def _rest(self) -> list[bytes | BreakError]:
         pieces = []
         while not self.pieces.empty():
             pieces.append(self.pieces.get_nowait())
-        return [piece for piece in pieces if isinstance(piece, bytes)]
+        return [piece for piece in pieces if isinstance(piece, (bytes, BreakError))]
 
     def _run(self) -> None:
         while not self.closing:
             try:
                 data = self.tap.take(WAIT)
-            except (OSError, DataError) as error:
+            except BreakError as what:
+                self.pieces.put(what)
+                continue
+            except Exception as error:  # whoever takes from it hears of it, and does not wait for ever
                 self.pieces.put(error)
                 return
             if data:
@@ -85,30 +144,53 @@ class Feed:
 
 
 def opened(target: str, baud: int) -> Tap:
-    """Open FILE, PORT or udp://127.0.0.1:9000."""
+    """Open FILE, PORT or udp://127.0.0.1:9000; what is gone later is opened again."""
+    again, live, ahead = _kind(target, baud)
+    source = Returning(again)
+    return Tap(source.take, source.close, live, ahead)
+
+
+def _kind(target: str, baud: int) -> tuple[Callable[[], Tap], bool, int]:
+    """What opens this target, and what the tap of it says of it."""
     if "://" in target:
-        return _datagrams(target)
+        return (lambda: _datagrams(target)), True, 0
     try:
-        serial = stat.S_ISCHR(os.stat(target).st_mode)
-    except OSError as error:
-        if os.name == "nt" and target.upper().startswith("COM"):
-            return _line(target, baud)
-        raise DataError(say("{target!r} cannot be watched: {reason}", target=target, reason=error.strerror)) from None
-    return _line(target, baud) if serial else _file(target)
+        mode = os.stat(target).st_mode
+    except (OSError, ValueError) as error:
+        if not (os.name == "nt" and target.upper().startswith("COM")):
+            raise _unwatched(target, error) from None
+        mode = stat.S_IFCHR
+    if stat.S_ISCHR(mode):
+        return (lambda: _line(target, baud)), True, 0
+    if stat.S_ISFIFO(mode):
+        return (lambda: _pipe(target)), True, PIECES_AHEAD
+    if not stat.S_ISREG(mode):
+        what = "a folder" if stat.S_ISDIR(mode) else "a socket or a disk"
+        raise UsageError(f"{given(target)} is {what}; give a file, a serial port, a pipe, or udp://127.0.0.1:9000")
+    return Followed(target).tap, False, PIECES_AHEAD
+
+
+def _unwatched(target: str, error: OSError | ValueError) -> DataError:
+    return DataError(say("{target!r} cannot be watched: {reason}", target=target, reason=reason(error)))
 
 
 def _datagrams(target: str) -> Tap:
-    parts = urlsplit(target)
-    if parts.scheme != "udp" or parts.hostname is None or parts.port is None:
-        raise UsageError(f"{target!r} is no address to listen at; give a file, a serial port, or udp://127.0.0.1:9000")
-    host = "127.0.0.1" if parts.hostname == "localhost" else parts.hostname
+    try:
+        parts = urlsplit(target)
+        name = (parts.scheme == "udp" and parts.port and parts.hostname) or ""
+    except ValueError:  # a port beyond 65535, or half an address of version 6
+        name = ""
+    if not name:
+        raise UsageError(f"{given(target)} is no address to listen at; give a file, a serial port, or "
+                         "udp://127.0.0.1:9000, with a port from 1 to 65535")  # fmt: skip
+    host = "127.0.0.1" if name == "localhost" else name
     try:
         address = ipaddress.ip_address(host)
     except ValueError:
         address = None
     if address is None or not address.is_loopback:
         raise UsageError(
-            f"datagrams are taken from this machine only, not at {parts.hostname!r}; listen at udp://127.0.0.1:"
+            f"datagrams are taken from this machine only, not at {name!r}; listen at udp://127.0.0.1:"
             f"{parts.port}, and let a program on this machine pass on what comes from others"
         )
     line = socket.socket(socket.AF_INET6 if address.version == 6 else socket.AF_INET, socket.SOCK_DGRAM)
@@ -117,7 +199,7 @@ def _datagrams(target: str) -> Tap:
         line.bind((host, parts.port))
     except OSError as error:
         line.close()
-        raise DataError(say("{target!r} cannot be watched: {reason}", target=target, reason=error.strerror)) from None
+        raise _unwatched(target, error) from None
 
     def take(seconds: float) -> bytes:
         line.settimeout(seconds)
@@ -137,7 +219,7 @@ def _line(target: str, baud: int) -> Tap:
     try:
         port = serial.Serial(target, baud, timeout=0)
     except (OSError, ValueError) as error:
-        raise DataError(say("{target!r} cannot be watched: {reason}", target=target, reason=str(error))) from None
+        raise _unwatched(target, error) from None
 
     def take(seconds: float) -> bytes:
         if os.name == "nt":
@@ -154,147 +236,82 @@ def _line(target: str, baud: int) -> Tap:
     return Tap(take, port.close)
 
 
-def _file(target: str) -> Tap:
-    file = open(target, "rb")  # noqa: SIM115 - closed by the one who takes from it
+def _pipe(target: str) -> Tap:
+    line, came = _handle(target), False
 
     def take(seconds: float) -> bytes:
-        data = file.read(PIECE)
-        if not data:
+        nonlocal came
+        data = os.read(line, PIECE) if select.select([line], [], [], seconds)[0] else None
+        torn, came = came and data == b"", bool(data) or (came and data is None)
+        if data == b"":  # no program writes to it
             time.sleep(seconds)
-            if os.stat(target).st_size < file.tell():
-                raise DataError(say("{target!r} became shorter while it was watched", target=target))
-        return data
+        if torn:
+            raise BreakError("torn")
+        return data or b""
 
-    return Tap(take, file.close, live=False)
-
-
-LONGEST_ROW = 1 << 16  # bytes of a line, beyond which it is not one of text
-TAIL = 1 << 16  # rows at the end that can be read apart from the others
+    return Tap(take, lambda: os.close(line))
 
 
-class Spool:
-    """A text file of the lines that came; a line that is not complete waits for the rest of it."""
-
-    # with `sent`, the lines are those of a port, where bytes get lost: what comes before the first two rows of one
-    # length is kept as headings only where it is no torn row, and a later line with another number of fields, or words
-    # where the others have numbers, is a row of missing samples; messages and results call it by `source_name`
-    def __init__(self, source_name: str, path: str | None = None, *, sent: bool = True) -> None:
-        self.source_name, self.sent = source_name, sent
-        suffix = os.path.splitext(source_name)[1].lower() if os.path.isfile(source_name) else ".txt"
-        self._own = path is None
-        if path is None:
-            handle, self.path = tempfile.mkstemp(prefix="allanite-", suffix=suffix)
-            os.close(handle)
-        else:
-            demand_writable(path)
-            self.path = path
-        # a file that the user names is a new one; without a buffer, what is written is there
-        self._file = open(self.path, "wb" if self._own else "xb", buffering=0)  # noqa: SIM115 - closed by close
-        self._size = 0
-        self._rest, self._head = b"", list[bytes]()
-        self._model: list[bool] = []
-        self._between: bytes | None = None
-        self._last: deque[bytes] = deque(maxlen=TAIL)
-        self.rows = self.came = 0  # lines since the first row, and bytes
-
-    def __fspath__(self) -> str:
-        return self.path
-
-    @property
-    def width(self) -> int:
-        """Fields of a row."""
-        return len(self._model)
-
-    def add(self, data: bytes) -> None:
-        """Add what came."""
-        self.came += len(data)
-        *lines, self._rest = (self._rest + data).split(b"\n")
-        if len(self._rest) > LONGEST_ROW:
-            raise UsageError("what comes has no lines; send lines of numbers, with commas or blanks between them")
-        self._write([kept for line in lines for kept in self._kept(line)])
-
-    def torn(self) -> None:
-        """Forget the line that will not be completed."""
-        self._rest = b""
-
-    def finish(self) -> None:
-        """Take the last line of a file, which may end without a newline, if it is a whole row."""
-        if self._rest and not self.sent and self._form(self._rest) == self._model:
-            self.add(b"\n")
-
-    def skip(self, rows: int) -> None:
-        """Add rows of missing samples."""
-        if self._model:
-            for begin in range(0, rows, TAIL):
-                self._write([self._missing()] * min(TAIL, rows - begin))
-
-    def tail(self, rows: int) -> tuple[bytes, int]:
-        """The headings and the last rows, and how many rows are before them; no bytes while there is no row."""
-        last = list(self._last)[-rows:] if rows < len(self._last) else list(self._last)
-        text = b"\n".join((*self._head, *last, b"")) if last else b""
-        return text, self.rows - len(last)
-
-    @contextmanager
-    def beside(self, text: bytes) -> Iterator[NamedPath]:
-        """A file with this text, and the suffix of the spool."""
-        with tempfile.TemporaryDirectory(prefix="allanite-") as folder:
-            path = Path(folder, f"recent{os.path.splitext(self.path)[1]}")
-            path.write_bytes(text)
-            yield NamedPath(str(path), self.source_name)
-
-    def keep(self) -> None:
-        """Leave the file where it is."""
-        self._own = False
-
-    def close(self) -> None:
-        """Remove the file, unless it is kept or the user has given its name."""
-        self._file.close()
-        if self._own:
-            Path(self.path).unlink(missing_ok=True)
-
-    def _write(self, lines: list[bytes]) -> None:
-        unwritten = memoryview(b"\n".join((*lines, b"")) if lines else b"")
-        size = self._size + len(unwritten)
-        try:
-            while unwritten:
-                unwritten = unwritten[self._file.write(unwritten) :]
-        except OSError:
-            self._file.truncate(self._size)
-            self._file.seek(self._size)
-            raise
-        self._size = size
-
-    def _kept(self, line: bytes) -> list[bytes]:
-        """The lines to write when one more has come."""
-        if self._model:
-            good = not self.sent or not line.strip() or self._form(line) == self._model
-            self.rows += bool(line.strip())
-            self._last.append(line if good else self._missing())
-            return [self._last[-1]]
-        form, before = self._form(line), self._head[-1:] and self._form(self._head[-1])
-        self._head.append(line)
-        if not (any(form) and form == before):
-            return []
-        # two rows of one form: what is above them are headings, without rows that were torn
-        *head, first, second = self._head
-        self._head = [line for line in head if not (self.sent and any(self._form(line)))]
-        self._model, self.rows = form, 2
-        self._last.extend((first, second))
-        return [*self._head, first, second]
-
-    def _form(self, line: bytes) -> list[bool]:
-        """Which fields of a line are numbers."""
-        if not self._model:
-            self._between = next((mark for mark in (b",", b";", b"\t") if mark in line), None)
-        return [_is_number(field) for field in line.split(self._between)]
-
-    def _missing(self) -> bytes:
-        return (self._between or b" ").join([b"nan"] * len(self._model))
-
-
-def _is_number(field: bytes) -> bool:
+def _handle(target: str) -> int:
+    """A file that is open to be read, without waiting for whoever writes to it."""
     try:
-        float(field)
-    except ValueError:
-        return False
-    return True
+        return os.open(target, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    except OSError as error:
+        raise _unwatched(target, error) from None
+
+
+class Followed:
+    """A file that grows, followed by its name: where it becomes shorter or is replaced, it is read from its begin."""
+
+    def __init__(self, target: str) -> None:
+        self.target, self.file = target, -1
+        self.key: tuple[int, int] | None = None
+        self.place, self.trace, self.paused = 0, b"", False
+
+    def tap(self) -> Tap:
+        """Open it, where it was read to if it is the same."""
+        self._open()
+        return Tap(self.take, lambda: os.close(self.file), live=False)
+
+    def take(self, seconds: float) -> bytes:
+        """The bytes that were added; a `BreakError` where they are those of another file."""
+        if self.paused and self._other():  # it became shorter, and may have grown again
+            self._from_begin()
+            raise BreakError("rotated")
+        data = os.read(self.file, PIECE)
+        self.place, self.trace, self.paused = self.place + len(data), (self.trace + data)[-TRACE:], not data
+        if data:
+            return data
+        time.sleep(seconds)
+        status = os.fstat(self.file)
+        try:
+            named = os.stat(self.target)
+        except FileNotFoundError:
+            if status.st_nlink:  # it was renamed, and whoever writes to it may go on
+                return b""
+            raise
+        # another file takes its place when something is in it, and this one was read to its end
+        if (named.st_dev, named.st_ino) != self.key and named.st_size and status.st_size == self.place:
+            file = self.file
+            self._open()
+            os.close(file)
+            raise BreakError("rotated")
+        return b""
+
+    def _open(self) -> None:
+        file = _handle(self.target)
+        if not stat.S_ISREG((status := os.fstat(file)).st_mode):
+            os.close(file)
+            raise OSError(f"{self.target!r} is no file any more")
+        key, self.key, self.file = self.key, (status.st_dev, status.st_ino), file
+        if key != self.key or self._other():
+            self._from_begin()
+
+    def _other(self) -> bool:
+        """Whether what is before the place is not what was read."""
+        os.lseek(self.file, self.place - len(self.trace), os.SEEK_SET)
+        return os.read(self.file, len(self.trace)) != self.trace
+
+    def _from_begin(self) -> None:
+        os.lseek(self.file, 0, os.SEEK_SET)
+        self.place, self.trace, self.paused = 0, b"", False

@@ -9,7 +9,7 @@ from allanite.core.aliases import public
 from allanite.core.display_units import showing
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record
-from allanite.core.units import SIGNALS
+from allanite.core.units import SIGNALS, Signal
 from allanite.parallel.processors import IDENTIFICATION, importing
 from allanite.phrases.phrase import say, spelled
 from allanite.statistics import deviation
@@ -52,13 +52,13 @@ def analyze(source: Source, recipe: Recipe | None = None, *, progress: Progress 
     """
     recipe = (recipe or Recipe()).but(choices)
     study = analyzed(source, recipe, progress)
-    demand_shown(recipe, study.channels)
+    demand_shown(recipe, (channel.record.signal for channel in study.channels))
     return study
 
 
-def demand_shown(recipe: Recipe, channels: Iterable[Channel]) -> None:
-    """Refuse a unit of the recipe in which no coefficient of any channel can be shown."""
-    signals = {channel.record.signal.name: channel.record.signal for channel in channels}
+def demand_shown(recipe: Recipe, of: Iterable[Signal]) -> None:
+    """Refuse a unit of the recipe in which no coefficient of any channel can be shown, by the signals of these."""
+    signals = {signal.name: signal for signal in of}
     for unit in recipe.to or ():
         if not any(signal.name in signals for signal in showing(unit)):
             units = ", ".join(signal.sheet[0] for signal in signals.values())

@@ -2,14 +2,15 @@
 
 import math
 import time
-from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 
-from allanite.core.choices import described
+from allanite.core.choices import choices_of, described
 from allanite.core.errors import AllaniteError, DataError, UsageError
+from allanite.core.kinds import KINDS, signal_of_kind
 from allanite.core.readings import minimum_title
-from allanite.core.record import Record, Recording
+from allanite.core.record import SHORTEST, Record, Recording
 from allanite.core.validity import Finding
 from allanite.phrases.phrase import duration, join, percent, say, spelled
 from allanite.planning.plan import further
@@ -17,17 +18,17 @@ from allanite.prepare.quality import checked
 from allanite.prepare.readings import clipped, outliers, stuck
 from allanite.prepare.transform import mark_motion, motion, motion_found
 from allanite.readers import read
-from allanite.readers.live import TAIL, WAIT, Feed, Spool, opened
+from allanite.readers.live import WAIT, BreakError, Feed, opened
 from allanite.readers.parts import allowed, needed, size_in_words
 from allanite.readers.sandbox.source import digest_of
+from allanite.readers.spool import TAIL, Spool
 
-from .analysis import analyze
+from .analysis import analyze, demand_shown
 from .parts import Passing
 from .recipe import READING, Recipe
 from .results import Study
 from .settings import WatchChoices
 
-AGAIN = 0.5  # seconds between attempts to open a port that is gone
 RECENT = 64.0  # seconds at the end that are looked at
 GROWTH = 1.05  # of the record, after which it is looked at, or analyzed, again
 REPORTS = 10.0, 3600.0  # seconds between reports, at least and at most
@@ -35,6 +36,7 @@ LOOKS = 1.0, 60.0  # seconds between looks, at least and at most; less than `REC
 BUDGET = 1_000_000_000  # bytes that the analysis of all samples may take for a report, unless others are given
 SHARE = 10.0  # the time without a report, or a look, is at least so many times that of the last one
 ENOUGH = 64  # rows below which nothing is looked at
+LONGEST = 366 * 86400.0  # seconds that a stream lasts at most, by which choices are judged before it begins
 
 AT_ONCE = ("moving", "outliers", "stuck", "clipped", "missing samples")
 """Findings that are said as soon as they are made in the last minute."""
@@ -51,6 +53,7 @@ class WatchSettings(WatchChoices):
     # `duration` and `idle` are infinite by default: it is the user who ends. The lines that come are kept in the new
     # file `record`, if it is given; it is no choice of the page, which names no files to write.
     record: str | None = None
+    force: bool = False  # overwrite it
 
 
 @dataclass
@@ -88,46 +91,52 @@ class Watch:
     full: bool = False
     _said: dict[tuple[str, str], float] = field(default_factory=dict)
     _rate: float = 0.0
+    _stamped: bool = False
     _rows: int = -1
-    _gone: int = 0
+    _gone_at: float = 0.0
+    _many: dict[str, int] = field(default_factory=dict)  # times that something happened to the source
     _unread: bool = False
     _in_memory: bool = False  # whatever it takes, since it cannot be read in parts
     _begun: float = field(default_factory=time.monotonic)
 
     def __post_init__(self) -> None:
-        self.recipe = replace(self.recipe, motion=self.recipe.motion or "mark")
+        recipe = self.recipe = replace(self.recipe, motion=self.recipe.motion or "mark")
         if not 0 < (accuracy := self.settings.accuracy) <= 1:
             words = f"the accuracy to reach is above 0 and at most 100 %, not {100 * accuracy:g} %"
             raise UsageError(words, choice="accuracy")
+        longest = min(self.settings.duration, LONGEST)
+        for key, samples in (("average", SHORTEST), ("start", 1), ("quiet_window", 1)):
+            if samples * (time := getattr(recipe, key) or 0.0) > longest:
+                (option, *_), most = choices_of(Recipe)[key].options, duration(longest / samples)
+                raise UsageError(f"{spelled(option, key)} is at most {most} in a stream of at most "
+                                 f"{duration(longest)}, not {time:g} s", choice=key)  # fmt: skip
+        if recipe.to and recipe.unit and "=" not in recipe.unit:
+            unit, kinds = str(recipe.unit), [recipe.kind] if recipe.kind else KINDS
+            demand_shown(recipe, filter(None, (signal_of_kind(unit, kind) for kind in kinds)))
 
     def events(self) -> Iterator[str]:
         """Read until the end, and say what happens."""
-        feed = Feed(tap := opened(self.target, self.settings.baud))
-        spool = self.spool = Spool(self.target, self.settings.record, sent=tap.live)
+        tap = opened(self.target, self.settings.baud)
+        try:
+            spool = self.spool = Spool(self.target, self.settings.record, sent=tap.live, force=self.settings.force)
+        except UsageError:
+            tap.close()
+            raise
+        feed, every = Feed(tap), self.settings.every
         yield say("watching {target!r}", target=self.target)
         self._begun = last = time.monotonic()
-        every = self.settings.every
         tasks = (Task(self._look, *LOOKS, last),
                  Task(self._news, *(REPORTS if every is None else (every, every)), last))  # fmt: skip
         try:
             while not self.stopped():
+                data, what = b"", None
                 try:
                     data = feed.take(WAIT)
-                except OSError as error:
-                    self.spool.torn()
-                    what = say("{target!r} is gone ({reason}); waiting for it", target=self.target, reason=str(error))
-                    self._gone += 1
-                    many = say("{target!r} was gone {times} times", target=self.target, times=self._gone)
-                    self.findings["unplugged"] = Finding("unplugged", what if self._gone == 1 else many)
-                    yield what
-                    back = yield from self._again(feed)
-                    if back is None:
-                        break
-                    feed, last = back, time.monotonic()
-                    continue
+                except BreakError as error:
+                    what = error
                 now = time.monotonic()
-                last = now if data else last
-                yield from self._keep([data])
+                last = now if data or (what and what.kind == "back") else last
+                yield from self._keep([data]) if what is None else self._broken(what)
                 if self._over(last):
                     break
                 for task in tasks:
@@ -146,13 +155,16 @@ class Watch:
         late = now - self._begun >= self.settings.duration or now - last >= self.settings.idle
         return late or self.full or self.stopped()
 
-    def _keep(self, parts: Sequence[bytes], *, last: bool = False) -> Iterator[str]:
+    def _keep(self, parts: Sequence[bytes | BreakError], *, lost: int = 0, last: bool = False) -> Iterator[str]:
         """Keep what came; where the disk is full, the stream ends."""
         if self.spool is None or self.full:
             return
         try:
             for data in parts:
-                self.spool.add(data)
+                if isinstance(data, BreakError):
+                    self.spool.torn(lost)
+                else:
+                    self.spool.add(data)
             if last:
                 self.spool.finish()
         except OSError as error:
@@ -178,7 +190,9 @@ class Watch:
         """Length, coefficients so far, and when more will be known."""
         try:
             study = self._study()
-        except DataError as error:
+        except AllaniteError as error:
+            if isinstance(error, UsageError) and self.latest is None:
+                raise
             return str(error)
         lines = []
         for channel in study:
@@ -206,20 +220,38 @@ class Watch:
         try:
             study = self._study(last=True)
         except AllaniteError as error:
-            if self.spool is None or not self.spool.sent or self.spool.rows < ENOUGH:
+            if not (path := self._stays()):
                 raise
-            self.spool.keep()  # they come only once
-            kept = say("the lines that came, kept in {path!r}, cannot be analyzed", path=self.spool.path)
-            raise error.within(kept) from None
+            raise error.within(say("the lines that came, kept in {path!r}, cannot be analyzed", path=path)) from None
         notes, provenance = (*study.notes, say("watched as a stream")), study.provenance
         if self.spool is not None and "sha256" not in provenance:
             provenance = provenance | {"sha256": digest_of(self.spool.path)}
         return replace(study, findings=(*study.findings, *self.findings.values()), notes=notes, provenance=provenance)
 
+    @contextmanager
+    def keeping(self, tell: Callable[[str], None]) -> Iterator[None]:
+        """Within it the lines that came are kept: after an error for good, unless the source has them."""
+        try:
+            yield
+        except BaseException as error:
+            if (self._rate or not isinstance(error, UsageError)) and (path := self._stays()):
+                tell(say("the lines that came are kept in {path!r}", path=path))
+            raise
+        finally:
+            self.close()
+
     def close(self) -> None:
         """Remove what was kept of the stream, unless the user has given its file, or it could not be analyzed."""
         if self.spool is not None:
             self.spool.close()
+
+    def _stays(self) -> str:
+        """Where the lines that came are left, if they come only once and were to be removed; else empty."""
+        spool = self.spool
+        if spool is None or not spool.own or spool.rows < ENOUGH or not (spool.sent or "rotated" in self._many):
+            return ""
+        spool.own = False
+        return spool.path
 
     def _study(self, *, last: bool = False) -> Study:
         if self.spool is None or not self.spool.came:
@@ -246,7 +278,11 @@ class Watch:
                     return analyze(self.passing, self.recipe)
         except AllaniteError as error:  # which the whole file tells, too, or of what needs all samples
             self.passing, self._in_memory = None, isinstance(error, UsageError)
-        return analyze(spool, self.recipe)
+        try:
+            return analyze(spool, self.recipe)
+        except DataError as error:
+            self.passing = None
+            return spool.mend(error, lambda path: analyze(path, self.recipe))
 
     def _look(self) -> Iterator[str]:
         """Look at the last minute as at a record of its own, and say what is new."""
@@ -271,11 +307,22 @@ class Watch:
     def _recent(self) -> Recording:
         assert self.spool is not None  # noqa: S101 - it is made before anything is looked at
         text, before = self.spool.tail(round(RECENT * self._rate) or TAIL)
-        with self.spool.beside(text) as path:
-            recording = read(path, **self.recipe.to_dict(READING))
-        self._rate = recording[0].rate
+        try:
+            recording = self._read(text)
+        except DataError as error:
+            if (mended := self.spool.mended(text)) == text:
+                raise
+            recording, self.passing = self.spool.mend(error, lambda _: self._read(mended)), None
+        if not self._rate:
+            demand_shown(self.recipe, (record.signal for record in recording))
+        self._rate, self._stamped = recording[0].rate, recording[0].start is not None
         placed = tuple(replace(record, cut=before / record.rate) for record in recording)
         return replace(recording, records=placed)
+
+    def _read(self, text: bytes) -> Recording:
+        assert self.spool is not None  # noqa: S101 - it is made before anything is looked at
+        with self.spool.beside(text) as path:
+            return read(path, **self.recipe.to_dict(READING))
 
     def _new(self, channel: str, findings: Sequence[Finding]) -> Iterator[str]:
         """Sentences about findings that begin after those that were said."""
@@ -289,22 +336,24 @@ class Watch:
                 continue
             self._said[channel, finding.name] = end or math.inf
 
-    def _again(self, feed: Feed) -> Generator[str, None, Feed | None]:
-        """Wait until the source is back; the time without it is a gap. None if the watch ends before."""
+    def _broken(self, what: BreakError) -> Iterator[str]:
+        """What happened to the source; the time without one that is gone is a gap, unless it is a file."""
         assert self.spool is not None  # noqa: S101 - it is made before
-        feed.close()
-        begun = time.monotonic()
-        while not self._over(begun):
-            time.sleep(AGAIN)
-            try:
-                feed = Feed(opened(self.target, self.settings.baud))
-            except DataError:
-                continue
-            lost = 0
+        times = self._many[what.kind] = self._many.get(what.kind, 0) + 1
+        now, target, lost = time.monotonic(), self.target, 0
+        if what.kind == "gone":
+            self._gone_at = now
+        if what.kind == "back" and self.spool.sent:
             with suppress(AllaniteError):
-                stamped = self._recent()[0].start is not None  # time stamps tell it themselves
-                lost = round((time.monotonic() - begun) * self._rate)
-                self.spool.skip(0 if stamped else lost)
-            yield say("{target!r} is back; {lost} samples are missing", target=self.target, lost=lost)
-            return feed
-        return None
+                self._rate or self._recent()
+            what.lost = round((now - self._gone_at) * self._rate)
+            lost = 0 if self._stamped else what.lost  # time stamps tell it themselves
+        if words := what.words(target):
+            yield words
+        many = {"gone": ("unplugged", say("{target!r} was gone {times} times", target=target, times=times)),
+                "rotated": ("rotated", say("{target!r} became shorter or was replaced {times} times; the rows were "
+                                           "joined", target=target, times=times))}  # fmt: skip
+        if what.kind in many:
+            name, again = many[what.kind]
+            self.findings[name] = Finding(name, words if times == 1 else again)
+        yield from self._keep([what], lost=lost)

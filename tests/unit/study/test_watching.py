@@ -28,7 +28,8 @@ import allanite as al
 from allanite.cli import main
 from allanite.phrases.phrase import duration
 from allanite.prepare import quality
-from allanite.readers.live import Feed, Spool, opened
+from allanite.readers.live import BreakError, Feed, Returning, opened
+from allanite.readers.spool import Spool
 from allanite.study.watching import AT_ONCE, CHECKS, REPORTS, Task, Watch, WatchSettings
 from allanite.web.requests import Request, accepted
 
@@ -128,13 +129,13 @@ def test_through_a_terminal_moved_unplugged_and_ended(tmp_path):
         os.close(end)
     said += told(watch, "is gone")
     ends = plugged()
-    said += told(watch, "is back")
-    before = kept.read_bytes().count(b"\n")
     send(sensor()[2])
-    arrived(kept, before + 10_000)
+    said += told(watch, "is back")
+    lost = int(said.split("is back; ")[1].split()[0])
+    arrived(kept, 51_000 + lost)
     err = said + ended(watch)
     study = json.loads(result.read_text())
-    checked(study, err, size=before + 10_000)
+    checked(study, err, size=51_000 + lost)
     assert "is gone" in err
     assert "is back" in err
     assert [one["name"] for one in study["findings"]] == ["unplugged"]
@@ -192,6 +193,7 @@ def clock(monkeypatch):
     for room in ("allanite.study.watching", "allanite.readers.live"):
         monkeypatch.setattr(f"{room}.time", fast)
     monkeypatch.setattr("allanite.study.watching.Feed", Direct)
+    return at
 
 
 def watched(path, recipe=None, **settings):
@@ -358,21 +360,18 @@ def test_a_full_disk_ends_the_stream_with_what_came(tmp_path, monkeypatch):
     assert study[0].fit["N"].status == "identified"
 
 
-def test_the_time_without_a_port_is_a_gap_from_the_first_second_on(monkeypatch):
+def test_the_time_without_a_port_is_a_gap_from_the_first_second_on(clock):
     """A device that is gone before anything was looked at: the rate is found then."""
     watch = Watch("port", al.Recipe(rate=100.0, unit="deg/h"), WatchSettings(idle=5.0))
     watch.spool = Spool("port")
     watch.spool.add(lines_of(np.random.default_rng(3).normal(size=1000)))
-    monkeypatch.setattr("allanite.study.watching.opened", lambda *_: SimpleNamespace())
-    monkeypatch.setattr("allanite.study.watching.Feed", lambda _: "feed")
     with closing(watch):
-        (said,) = watch._again(SimpleNamespace(close=list))
-        rows = Path(watch.spool.path).read_bytes().splitlines()
-    lost = int(said.split("; ")[1].split()[0])
-    assert 50 <= lost == rows.count(b"nan")
+        assert "is gone (unplugged)" in next(watch._broken(BreakError("gone", "unplugged")))
+        clock.now += 0.5
+        assert list(watch._broken(BreakError("back"))) == ["'port' is back; 50 samples are missing"]
+        assert Path(watch.spool.path).read_bytes().splitlines().count(b"nan") == 50
 
 
-@pytest.mark.slow("takes more than half a second")
 class Clock:
     """A port that sends a hundred rows of a hundred hertz with each second of a clock that goes as fast as it can."""
 
@@ -382,6 +381,7 @@ class Clock:
         monkeypatch.setattr("allanite.study.watching.time", clock)
         monkeypatch.setattr("allanite.study.watching.opened", lambda *_: SimpleNamespace(live=True))
         monkeypatch.setattr("allanite.study.watching.Feed", lambda _: self)
+        monkeypatch.setattr("allanite.readers.live.time", clock)
 
     def sleep(self, seconds):
         self.now += seconds
@@ -413,18 +413,11 @@ def test_a_watch_ends_in_time_while_its_port_is_gone(monkeypatch, settings):
         raise OSError("the device is gone")
 
     source = Clock(monkeypatch, 0)
-    source.take = gone
-    taps = iter([SimpleNamespace(live=True)])
-
-    def opened(*_):
-        for tap in taps:
-            return tap
-        raise al.DataError("no such port")
-
-    monkeypatch.setattr("allanite.study.watching.opened", opened)
+    taps = iter([SimpleNamespace(take=gone, close=list)])
+    source.take = Returning(lambda: next(taps, None) or gone()).take
     with watch_of(**settings) as watch:
         assert "is gone" in list(watch.events())[1]
-    assert source.now == 0.5
+    assert source.now == pytest.approx(0.6)
 
 
 def test_the_time_of_a_report_is_no_silence(monkeypatch):
@@ -601,7 +594,7 @@ def test_a_port_that_comes_and_goes_is_one_finding(monkeypatch):
             raise OSError(f"the device is gone since {due.pop(0)} s")
         return take(seconds)
 
-    source.take = torn
+    source.take = Returning(lambda: SimpleNamespace(take=torn, close=list)).take
     with watch_of(duration=100) as watch:
         assert sum("is gone" in said for said in watch.events()) == 3
         assert [finding.what for finding in watch.findings.values()] == ["'port' was gone 3 times"]

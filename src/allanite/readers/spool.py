@@ -1,0 +1,198 @@
+"""The lines of a live stream, kept in a text file that is read as any other."""
+
+import os
+import tempfile
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import TypeVar
+
+from allanite.core.errors import AllaniteError, DataError, UsageError
+from allanite.core.files import demand_writable, draft, reason
+from allanite.phrases.phrase import say, spelled
+
+from .sandbox.source import NamedPath
+
+LONGEST_ROW = 1 << 16  # bytes of a line, beyond which it is not one of text
+TAIL = 1 << 16  # rows at the end that can be read apart from the others
+HEADINGS = 1000  # lines, at most, that are kept of those that a port sends before its first rows
+
+T = TypeVar("T")
+
+
+class Spool:
+    """A text file of the lines that came; a line that is not complete waits for the rest of it."""
+
+    # with `sent`, the lines are those of a port, where bytes get lost: what comes before the first two rows of one
+    # length is kept as headings only where it is no torn row, and a later line with another number of fields, or words
+    # where the others have numbers, is a row of missing samples, as it is of a file that was mended; messages and
+    # results call it by `source_name`
+    def __init__(self, source_name: str, path: str | None = None, *, sent: bool = True, force: bool = False) -> None:
+        self.source_name, self.sent, self._strict = source_name, sent, sent
+        suffix = os.path.splitext(source_name)[1].lower() if os.path.isfile(source_name) else ".txt"
+        self.own = path is None
+        if path is not None:
+            demand_writable(path, force=force)
+            if os.path.exists(path) and not os.path.isfile(path):
+                raise UsageError(f"{path!r} is a device or a pipe; give the name of a new file")
+        try:
+            if path is None:
+                handle, path = tempfile.mkstemp(prefix="allanite-", suffix=suffix)
+                os.close(handle)
+            # a file that the user names is a new one; without a buffer, what is written is there
+            self._file = open(path, "wb" if self.own or force else "xb", buffering=0)  # noqa: SIM115 - closed by close
+        except OSError as error:
+            raise UsageError(
+                f"the lines that come cannot be kept in {path or 'the folder of temporary files'} ({reason(error)}); "
+                f"free some space, or keep them elsewhere with {spelled('--record PATH', 'record=')}"
+            ) from None
+        self.path = path
+        self._size = 0
+        self._rest, self._head = b"", list[bytes]()
+        self._model: list[bool] = []
+        self._between: bytes | None = None
+        self._last: deque[bytes] = deque(maxlen=TAIL)
+        self.rows = self.came = 0  # lines since the first row, and bytes
+
+    def __fspath__(self) -> str:
+        return self.path
+
+    @property
+    def width(self) -> int:
+        """Fields of a row."""
+        return len(self._model)
+
+    def add(self, data: bytes) -> None:
+        """Add what came."""
+        self.came += len(data)
+        *lines, self._rest = (self._rest + data).split(b"\n")
+        if len(self._rest) > LONGEST_ROW:
+            if not self._model:
+                raise UsageError("what comes has no lines; send lines of numbers, with commas or blanks between them")
+            self._rest = self._rest[: LONGEST_ROW + 1]  # what is too long for a row will be one of missing samples
+        self._write([kept for line in lines for kept in self._kept(line)])
+
+    def torn(self, lost: int = 0) -> None:
+        """The line that will not be completed is a row of missing samples, and so many more were lost."""
+        rest, self._rest = self._rest, b""
+        self.skip(lost + bool(rest.strip()))
+
+    def finish(self) -> None:
+        """Take the last line of a file, which may end without a newline, if it is a whole row."""
+        if self._rest and not self.sent and self._form(self._rest) == self._model:
+            self.add(b"\n")
+
+    def skip(self, rows: int) -> None:
+        """Add rows of missing samples."""
+        if self._model:
+            for begin in range(0, rows, TAIL):
+                self._write([self._missing()] * min(TAIL, rows - begin))
+
+    def mend(self, error: DataError, check: Callable[[NamedPath], T]) -> T:
+        """Lines of another form than the first rows become rows of missing samples, if `check` can read it then."""
+        # the error remains if there are no such lines, or if they are not what it is about
+        rows, changed = 0, False
+        try:
+            with draft(self.path, force=True) as part:
+                with open(self.path, "rb") as old, part.open("wb") as new:
+                    for place, line in enumerate(old):
+                        row = line if place < len(self._head) else self._judged(line[:-1]) + b"\n"
+                        rows += place >= len(self._head) and bool(row.strip())
+                        changed |= row != line
+                        new.write(row)
+                if self._strict or not (self._model and changed):
+                    raise error
+                value = check(NamedPath(str(part), self.source_name))
+        except AllaniteError:  # of no lines of this kind, of something else, or of a disk that is full
+            raise error from None
+        self._file.close()
+        self._file = open(self.path, "ab", buffering=0)  # noqa: SIM115 - closed by close
+        self._strict, self._size, self.rows = True, os.path.getsize(self.path), rows
+        self._last = deque(map(self._judged, self._last), TAIL)
+        return value
+
+    def mended(self, text: bytes) -> bytes:
+        """What `tail` gives, as `mend` makes it."""
+        lines = text.split(b"\n")[len(self._head) : -1]
+        return b"\n".join((*self._head, *map(self._judged, lines), b""))
+
+    def tail(self, rows: int) -> tuple[bytes, int]:
+        """The headings and the last rows, and how many rows are before them; no bytes while there is no row."""
+        last = list(self._last)[-rows:] if rows < len(self._last) else list(self._last)
+        text = b"\n".join((*self._head, *last, b"")) if last else b""
+        return text, self.rows - len(last)
+
+    @contextmanager
+    def beside(self, text: bytes) -> Iterator[NamedPath]:
+        """A file with this text, and the suffix of the spool."""
+        with ExitStack() as stack:
+            try:
+                folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="allanite-"))
+                path = Path(folder, f"recent{os.path.splitext(self.path)[1]}")
+                path.write_bytes(text)
+            except OSError as error:
+                raise DataError(say("no temporary file can be written: {reason}", reason=reason(error))) from None
+            yield NamedPath(str(path), self.source_name)
+
+    def close(self) -> None:
+        """Remove the file, unless it is kept or the user has given its name."""
+        self._file.close()
+        if self.own:
+            Path(self.path).unlink(missing_ok=True)
+
+    def _write(self, lines: list[bytes]) -> None:
+        unwritten = memoryview(b"\n".join((*lines, b"")) if lines else b"")
+        size = self._size + len(unwritten)
+        try:
+            while unwritten:
+                unwritten = unwritten[self._file.write(unwritten) :]
+        except OSError:
+            self._file.truncate(self._size)
+            self._file.seek(self._size)
+            raise
+        self._size = size
+
+    def _kept(self, line: bytes) -> list[bytes]:
+        """The lines to write when one more has come."""
+        if self._model:
+            row = self._judged(line) if self._strict or len(line) > LONGEST_ROW else line
+            self.rows += bool(row.strip())
+            self._last.append(row)
+            return [row]
+        form, before = self._form(line), self._head[-1:] and self._form(self._head[-1])
+        self._head.append(line)
+        if self.sent:
+            del self._head[:-HEADINGS]
+        if not (any(form) and form == before):
+            return []
+        # two rows of one form: what is above them are headings, without rows that were torn
+        *head, first, second = self._head
+        self._head = [line for line in head if not (self.sent and any(self._form(line)))]
+        self._model, self.rows = form, 2
+        self._last.extend((first, second))
+        return [*self._head, first, second]
+
+    def _judged(self, line: bytes) -> bytes:
+        """The line, or a row of missing samples where it is none; a heading that comes again is no line at all."""
+        if line in self._head:
+            return b""
+        good = not line.strip() or (len(line) <= LONGEST_ROW and b"\0" not in line and self._form(line) == self._model)
+        return line if good else self._missing()
+
+    def _form(self, line: bytes) -> list[bool]:
+        """Which fields of a line are numbers."""
+        if not self._model:
+            self._between = next((mark for mark in (b";", b"\t", b",") if mark in line), None)
+        return [_is_number(field) for field in line.split(self._between)]
+
+    def _missing(self) -> bytes:
+        return (self._between or b" ").join([b"nan"] * len(self._model))
+
+
+def _is_number(field: bytes) -> bool:
+    try:
+        float(field.replace(b",", b"."))
+    except ValueError:
+        return False
+    return True
