@@ -188,7 +188,8 @@ def ended_by(error: BaseException | None) -> BaseException | None:
 def stopping() -> Iterator[Callable[[], bool]]:
     """Within this context signals that end the program are noted: whether one came is the answer of the value."""
     came = list[int]()
-    numbers = (signal.SIGINT, signal.SIGTERM)
+    hangup = [signal.SIGHUP] if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN else []
+    numbers = [signal.SIGINT, signal.SIGTERM, *hangup]  # nohup ignores the last one
     before = {which: signal.signal(which, lambda number, _: came.append(number)) for which in numbers}
     try:
         yield lambda: bool(came)
