@@ -12,6 +12,7 @@ from allanite.applications.angle.service import Service
 from allanite.applications.angle.solve import quantile
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
+from allanite.core.files import reason
 from allanite.core.record import Recording
 from allanite.phrases.phrase import join, say, say_count
 from allanite.readers.live import WAIT, BreakError, Feed, opened
@@ -67,13 +68,18 @@ def _rows_of(target: str, feed: Feed, spool: Spool, settings: WatchChoices) -> I
             now = time.monotonic()
             last = now if any(isinstance(piece, bytes) and piece for piece in pieces) else last
             over |= stopped() or now - begun >= settings.duration or now - last >= settings.idle
-            for piece in [*pieces, *(feed.close() if over else ())]:
-                if isinstance(piece, BreakError):
-                    spool.torn()
-                else:
-                    spool.add(piece)
-            if over:
-                spool.finish()
+            try:
+                for piece in [*pieces, *(feed.close() if over else ())]:
+                    if isinstance(piece, BreakError):
+                        spool.torn()
+                    else:
+                        spool.add(piece)
+                if over:
+                    spool.finish()
+            except OSError as error:
+                over = True
+                complain(say("{path!r} takes no more lines ({reason}); the stream ends here", path=spool.path,
+                             reason=reason(error)))  # fmt: skip
             if spool.rows > taken and (over or now >= looked + EVERY or spool.rows - taken >= TAIL // 4):
                 with spool.beside(spool.tail(max(2, spool.rows - taken + 1))[0]) as path:
                     yield path
