@@ -110,9 +110,10 @@ class Watch:
                 (option, *_), most = choices_of(Recipe)[key].options, duration(longest / samples)
                 raise UsageError(f"{spelled(option, key)} is at most {most} in a stream of at most "
                                  f"{duration(longest)}, not {time:g} s", choice=key)  # fmt: skip
-        if recipe.to and recipe.unit and "=" not in recipe.unit:
+        if recipe.to and recipe.unit and "=" not in recipe.unit and recipe.scale is None:
             unit, kinds = str(recipe.unit), [recipe.kind] if recipe.kind else KINDS
-            demand_shown(recipe, filter(None, (signal_of_kind(unit, kind) for kind in kinds)))
+            if signals := [*filter(None, (signal_of_kind(unit, kind) for kind in kinds))]:
+                demand_shown(recipe, signals)
 
     def events(self) -> Iterator[str]:
         """Read until the end, and say what happens."""
