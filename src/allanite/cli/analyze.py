@@ -172,7 +172,7 @@ def watch(target: str, **choices: Any) -> None:
         os.remove(record)
     out = replace(out, paths={name: path for name, path in out.paths.items() if name != "record"})
     settings, recipe = settings_of(WatchSettings, choices | {"record": record}), recipe_of(choices)
-    reports = Reports(event=lambda words, _: None if out.quiet else complain(words))
+    reports = Reports(event=lambda words, _: None if out.quiet else complain(*words.split("\n")))
     deliver(WATCH.run([target], recipe, settings, reports), out)
 
 

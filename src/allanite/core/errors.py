@@ -7,7 +7,7 @@ from pathlib import Path
 from reprlib import Repr
 from typing import Any, NamedTuple, Self
 
-from allanite.phrases.phrase import join
+from allanite.phrases.phrase import join, visible
 
 SHOWN = 200  # characters of a given text, and digits of a number, that a message shows
 _UNBROKEN = re.compile(r"\S{501,}")  # what is too long for the path of a file
@@ -54,7 +54,7 @@ class AllaniteError(ValueError):
 
     def within(self, where: str) -> Self:
         """The same error, whose message begins with where it is."""
-        words = join(": ", (where, str(self)))
+        words = join(": ", (visible(where), str(self)))
         return type(self)(words, choice=self.choice, cure=self.cure, code=self.code, columns=self.columns)
 
 
