@@ -162,7 +162,7 @@ class Front(WithExamples, click.Group):
             if isinstance(error, MemoryError):
                 advice = "read fewer channels (--channels) or a part of the record (--from, --until)"
                 raise Failure(f"not enough memory; {advice}", DATA) from None
-            what = f"{type(error).__name__}: {error}".removesuffix(": ")
+            what = " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
             report = f"internal error ({what}); please report it with the command and the file: {TRACKER}"
             trace = "".join(traceback.format_exception(error)).splitlines() if ctx.params["debug"] else ()
             raise Failure(report, DEFECT, *trace) from None
@@ -202,7 +202,8 @@ def _failure(error: AllaniteError, ctx: click.Context) -> Failure:
     """The end of the program with an error, and the command that cures it if the error says what to type."""
     words = shlex.split(ctx.meta[LINE])
     better = cured(words, error.cure)
-    return Failure(str(error), error.exit_code, *([f"try: {shlex.join(better)}"] if better != words else []))
+    more = [f"  {line}" for line in error.more] + [f"try: {shlex.join(better)}"] * (better != words)
+    return Failure(error.message, error.exit_code, *more)
 
 
 def _elsewhere(error: AllaniteError, words: list[str]) -> AllaniteError:

@@ -8,7 +8,7 @@ import signal
 import sys
 import warnings
 from _thread import interrupt_main
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from threading import Lock, Timer, current_thread, main_thread
 from types import FrameType
@@ -72,7 +72,7 @@ def lost() -> str:
 
 def show(*lines: str) -> None:
     """Write lines to standard output; names in them must not drive the terminal, nor begin lines of their own."""
-    click.echo("\n".join(map(_harmless, lines)))
+    click.echo(_harmless(lines))
 
 
 def hand_over(data: str | bytes, *, styled: bool = False) -> None:
@@ -90,7 +90,7 @@ _STYLE = re.compile(r"(\x1b\[[\d;]*m)")  # codes of colors and weights, which re
 def complain(*lines: str, before: str = "") -> None:
     """Write lines to standard error, as far as it takes them; what stands `before` them may drive the terminal."""
     try:
-        click.echo(before + "\n".join(map(_harmless, lines)), err=True)
+        click.echo(before + _harmless(lines), err=True)
     except OSError:
         sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - what is left in the old one is not flushed
 
@@ -104,14 +104,10 @@ def as_sentences(kind: type[Warning]) -> Iterator[None]:
         yield
 
 
-def _harmless(text: str) -> str:
+def _harmless(lines: Iterable[str]) -> str:
     from allanite.reporting.digits import printable
 
-    return "\n".join(map(printable, _MORE.split(text)))
-
-
-_MORE = re.compile(r"\n(?=  )")
-"""Where a message goes on in a line of its own, which is indented; other line breaks are part of a name."""
+    return "\n".join(map(printable, lines))
 
 
 ENDS = ("SIGINT", "SIGTERM", "SIGHUP")  # signals that end the program, where the system has them

@@ -119,10 +119,9 @@ class Sense:
             numbers = [column for column in self.columns if not column.text and column.values.size]
             rows = proposal.overview(numbers, unsaid, clock, known) if unsaid or clock else ()
             words = "; ".join((*questions, *why, *(() if unsaid else self.choice.omitted)))
-            raise UsageError(
-                words + (proposal.printed(rows) if unsaid else ""),
-                choice="rate" if beat.questions else "unit", cure=asked, columns=rows,
-            )  # fmt: skip
+            choice = "rate" if beat.questions else "unit"
+            more = proposal.printed(rows) if unsaid else ()
+            raise UsageError(words, choice=choice, cure=asked, columns=rows, more=more)
         stated = self.options.unit or self.options.units
         doubts = tuple(gravity.doubts(self.choice.signals, beat.rate))
         against = None if stated else gravity.contradiction(self.choice.signals, doubts)
