@@ -111,7 +111,7 @@ _SEPARATORS = (say(": "), say("; "), say(", "), say(". "))
 
 
 def visible(text: str) -> str:
-    """A text on one line, which drives no terminal: a replacement character stands for what cannot be printed."""
+    """A text on one line, which drives no terminal: with replacement characters in place of what cannot be printed."""
     if text.isprintable():  # a phrase stays one
         return text
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)

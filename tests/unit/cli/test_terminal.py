@@ -109,7 +109,7 @@ def on_terminal(run):
         try:
             run()
         except SystemExit as end:
-            came.append(f"\nended {end.code}".encode())
+            came.append(f"ended {end.code}\n".encode())
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
     os.close(theirs)
@@ -146,3 +146,17 @@ def test_no_name_drives_the_terminal(tmp_path, monkeypatch, subtests):
 @rows("write", [show, complain])
 def test_a_line_stays_one(write):
     assert OWN.sub("", on_terminal(lambda: write("a\x1b[31m", "b\n  c"))) == "a\ufffd[31m\nb\ufffd  c\n"
+
+
+@pytest.mark.slow("a batch")
+def test_a_name_that_is_not_utf_8_is_read_written_and_stored(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    furnish()
+    folder = "d\udcff"
+    os.mkdir(folder)
+    os.replace("good.csv", f"{folder}/a\udcfe.csv")
+    for line in (f"batch {folder} --out {folder}/out --workers 1", f"lot {folder}/out",
+                 f"simulate {folder}/m.parquet --sensor mems --rate 20 --samples 300", f"info {folder}/m.parquet",
+                 f"deviation {folder}/m.parquet --memory 1KB"):  # fmt: skip
+        text = on_terminal(lambda line=line: main(line.split(" ")))
+        assert "ended 0" in text, text

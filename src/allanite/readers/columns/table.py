@@ -56,12 +56,15 @@ class FileTable:
         sense = self.sense(options)
         time = sense.sources.stamps
         signals = [signal.column for signal in sense.signals]
+        if not signals and not sense.choice.questions:
+            raise DataError(say("the file contains times and no samples; a recording needs at least one channel"))
         _demand_rows([*signals, *([time] if time else [])])
         beat = clock.beat(sense.sources, options.rate, lambda: repeated([column.values for column in signals]))
         doubts = sense.demand(beat)
         records = tuple(_record(signal, beat, self.start) for signal in sense.signals)
         around = [c for c in sense.columns if c is not time and len(c.values) == len(signals[0].values)]
-        drivers = channels.beside(channels.drivers(tuple(c for c in around if c not in signals)))[0]
+        taken = set(map(id, signals))
+        drivers = channels.beside(channels.drivers(tuple(c for c in around if id(c) not in taken)))[0]
         others = tuple(_record(signal, beat, self.start) for signal in drivers)
         notes, (first, step) = sense.notes(beat), shapes.stride(records)
         if step > 1:
