@@ -79,12 +79,9 @@ def hand_over(data: str | bytes, *, styled: bool = False) -> None:
     """Write a result to standard output as it is for a program; on a terminal nothing drives it but the styles."""
     if sys.stdout.isatty():
         text = data if isinstance(data, str) else data.decode("utf-8", "replace")
-        parts = _STYLE.split(text) if styled else [text]
+        parts = re.split(r"(\x1b\[[\d;]*m)", text) if styled else [text]
         data = "".join(part if i % 2 else "\n".join(map(visible, part.split("\n"))) for i, part in enumerate(parts))
     click.echo(data, nl=False)
-
-
-_STYLE = re.compile(r"(\x1b\[[\d;]*m)")  # codes of colors and weights, which renderers write
 
 
 def complain(*lines: str, before: str = "") -> None:

@@ -19,9 +19,7 @@ def _window(task: Task) -> FloatArray:
     try:
         weights = get_window(name, n, fftbins=False)
     except ValueError:
-        raise UsageError(
-            f"the window {name!r} is none of SciPy's; name one, for example hamming, hann, blackman"
-        ) from None
+        raise UsageError(f"unknown window {name!r}; give one of SciPy's: hamming, hann, blackman or another") from None
     total = float(weights.sum())
     if not total > 0:
         raise UsageError(f"the window {name!r} of {n} samples has no positive sum")

@@ -180,17 +180,12 @@ def marks_of(delimiter: str) -> tuple[str, ...]:
     return MARKS[:3] if delimiter == ";" else MARKS
 
 
-def head_of(data: bytes) -> bytes:
-    """The beginning of a text, in which there are some lines, however long they are."""
+def numbered_lines(data: bytes, most: int = HEAD) -> list[tuple[int, int, str]]:
+    """Number, offset and text of the whole lines of the head; of more than `most`, of the first and of the middle."""
     size = HEAD
     while size < min(len(data), LONGEST_HEAD) and data.count(b"\n", 0, size) < HEADING + 2:
         size *= 2
-    return data[:size]
-
-
-def numbered_lines(data: bytes, most: int = HEAD) -> list[tuple[int, int, str]]:
-    """Number, offset and text of the whole lines of the head; of more than `most`, of the first and of the middle."""
-    head = head_of(data)
+    head = data[:size]
     raw = head.splitlines(keepends=True)
     if len(data) > len(head):
         raw = raw[:-1]

@@ -20,8 +20,7 @@ from allanite.readers.sandbox.process import demand_size, worded
 
 TITLE = "Apache Parquet .parquet"
 
-BUFFERED: dict[str, Any] = {"pre_buffer": False, "buffer_size": 1 << 20}
-"""How a part of a column is read: so many bytes ahead; without it a whole row group would be."""
+BUFFERED: dict[str, Any] = {"pre_buffer": False, "buffer_size": 1 << 20}  # bytes ahead, instead of a whole row group
 
 _UNIT_NAMES = (b"unit", b"units", b"Unit", b"Units")
 
