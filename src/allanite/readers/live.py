@@ -267,8 +267,9 @@ class Spool:
     def _kept(self, line: bytes) -> list[bytes]:
         """The lines to write when one more has come."""
         if self._model:
-            good = not self.sent or not line.strip() or self._form(line) == self._model
-            self.rows += bool(line.strip())
+            empty = not line.strip() and self.width > 1  # of a single column it is a missing sample
+            good = not self.sent or empty or self._form(line) == self._model
+            self.rows += not empty
             self._last.append(line if good else self._missing())
             return [self._last[-1]]
         form, before = self._form(line), self._head[-1:] and self._form(self._head[-1])
