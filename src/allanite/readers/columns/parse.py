@@ -160,7 +160,8 @@ def clean_rows(
     # They have no comments, and single blanks between cells; line numbers are preserved. Most texts `held` no signs of
     # what is left out.
     body: bytes | memoryview = memoryview(data)[layout.offset :]
-    if layout.empties and (data.find(b"\n\n") >= 0 or b"\r" in data or " " in held or data.startswith(b"\n")):
+    begin, blank = layout.offset, (b"\n\n", b"\n\r\n", b"\n\t", b"\n ")
+    if layout.empties and (data[begin : begin + 1].isspace() or any(data.find(mark, begin) >= 0 for mark in blank)):
         body = _with_empties(bytes(body), layout, last=last)
     comments, marks = 0, [mark for mark in marks_of(layout.delimiter) if held.issuperset(mark)]
     if marks:
