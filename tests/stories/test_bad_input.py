@@ -75,7 +75,7 @@ CASES = [
     ("one.csv", [*OPTIONS, "--band", "5,1"], 2, ["band", "low < high"]),
     ("rates.csv", [], 2, ["contradict each other", "line 1", "line 2", "--rate HZ"]),
     ("one.csv", [*OPTIONS, "--average", "0.013"], 2, ["0.013 s", "whole number of samples", "0.01 s"]),
-    ("one.csv", [*OPTIONS, "--average", "3600"], 2, ["blocks", "between 1 and 2500", "360000"]),
+    ("one.csv", [*OPTIONS, "--average", "3600"], 2, ["means", "from 1 to 2500", "360000"]),
     ("one.csv", [*OPTIONS, "--ranges", "N=1:10"], 2, ["ranges is for method 'piecewise'", "'whittle'"]),
     ("one.csv", [*LINES, "--ranges", "N=1:10,K=5:20"], 2, ["N (1 to 10 s)", "K (5 to 20 s)", "overlap"]),
     ("one.csv", [*LINES, "--ranges", "N=10:1"], 2, ["range of N", "lower one first"]),

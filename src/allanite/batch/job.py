@@ -93,20 +93,22 @@ def analyze_files(
         else:
             units.append(unit_of(file, lightened(study, samples=len(sources.files) == 1), specification))
     if len(errors) == len(units):
-        raise (UsageError if all(isinstance(error, UsageError) for error in errors) else DataError)(_reasons(units))
+        kind = UsageError if all(isinstance(error, UsageError) for error in errors) else DataError
+        message, *more = _reasons(units)
+        raise kind(message, more=tuple(more))
     demand_shown(recipe, (channel.record.signal for unit in units for channel in unit.channels))
     return Batch(tuple(units), recipe.to_dict(), recipe.level, specification, sources.notes, {"allanite": __version__})
 
 
-def _reasons(units: Sequence[BatchUnit]) -> str:
-    """Why no file gave a result."""
+def _reasons(units: Sequence[BatchUnit]) -> list[str]:
+    """Why no file gave a result, in lines."""
     if len(units) == 1:
-        return f"{units[0].file}: {units[0].error}"
+        return [f"{units[0].file}: {units[0].error}"]
     files: dict[str, list[str]] = {}
     for unit in units:
         files.setdefault(unit.error, []).append(unit.file)
-    reasons = (f"\n  {', '.join(which)}: {why}" for why, which in files.items())
-    return f"none of the {len(units)} files could be analyzed:" + "".join(reasons)
+    reasons = (f"{', '.join(which)}: {why}" for why, which in files.items())
+    return [f"none of the {len(units)} files could be analyzed:", *reasons]
 
 
 @public
@@ -220,10 +222,10 @@ def analyze_plainly(item: Plain) -> Plain:
 
 def reason_of(error: AllaniteError, file: str) -> str:
     """The message of an error without the name of the file, which is shown beside it."""
-    message, before = str(error), f"{file}: "
+    message, before = error.message, f"{file}: "
     if isinstance(message, Phrase) and message.startswith(before) and message.fields.get("_0") == file:
         message = str(message.fields["_1"])
-    return message.removeprefix(before).partition("\n")[0]
+    return message.removeprefix(before)
 
 
 def _unfit(done: Done) -> str:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.files import DRAFTS, draft, locked, reason
+from allanite.core.files import DRAFTS, draft, encoded, in_utf8, locked, reason
 from allanite.core.version import __version__
 from allanite.phrases.phrase import Phrase, spelled
 from allanite.readers.sandbox.source import STDIN, checked, digest_of
@@ -94,7 +94,8 @@ class Store:
         from pyarrow import ArrowInvalid, parquet
 
         try:
-            table = parquet.read_table(self.part(key), memory_map=False)
+            with in_utf8(self.part(key)) as part:
+                table = parquet.read_table(part, memory_map=False)
             row: dict[str, str]
             (row,) = table.to_pylist()
             if (table.schema.metadata or {}).get(DIGEST) != _digest(row):
@@ -111,7 +112,8 @@ class Store:
 
         with (
             draft(self.folder / name, force=True) as part,
-            parquet.ParquetWriter(part, schema, compression="zstd") as writer,
+            in_utf8(part, "wb") as file,
+            parquet.ParquetWriter(file, schema, compression="zstd") as writer,
         ):
             yield writer
 
@@ -142,14 +144,15 @@ class Store:
 
         names = dict.fromkeys(name for row in rows for name in row)
         about = {"allanite": __version__, "recipe": json.dumps(choices, sort_keys=True)}
-        self.write(FILES, pa.Table.from_pylist(rows, schema=_schema(names).with_metadata(about)))
+        self.write(FILES, pa.Table.from_pylist(shown(rows), schema=_schema(names).with_metadata(about)))
 
     def files(self) -> tuple[list[Plain], Plain, str]:
         """The rows of the table of files, the recipe, and the version."""
         from pyarrow import ArrowInvalid, parquet
 
         try:
-            table = parquet.read_table(self.folder / FILES)
+            with in_utf8(self.folder / FILES) as file:
+                table = parquet.read_table(file)
             if not len(table) or not {"file", *OWN} <= set(table.column_names):
                 raise KeyError("file")
             if not table.schema.equals(_schema(table.column_names)):
@@ -162,6 +165,11 @@ class Store:
         except (KeyError, TypeError, ValueError, RecursionError, UsageError):
             why = "it is not the table of a batch"
         raise DataError(f"{str(self.folder / FILES)!r} cannot be read ({why}); run the batch again")
+
+
+def shown(rows: Iterable[Plain]) -> list[Plain]:
+    """Rows of a table, whose names that are not UTF-8 are as they are shown."""
+    return [{k: encoded(v).decode() if isinstance(v, str) else v for k, v in row.items()} for row in rows]
 
 
 def _schema(names: Iterable[str]) -> Any:

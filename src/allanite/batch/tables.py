@@ -16,7 +16,7 @@ from allanite.terms import TERMS
 
 from .executor import Plain
 from .sources import OWN
-from .store import Store
+from .store import Store, shown
 
 DONE, FAILED, OPEN = "done", "failed", "open"
 """Status of a file: it has a result, it has none and why is known, it was not reached yet."""
@@ -263,4 +263,4 @@ def as_table(rows: list[dict[str, Any]], schema: Any) -> Any:
 
     numbers = {field.name for field in schema if pa.types.is_floating(field.type)}
     clean = [{k: float(v) if k in numbers and isinstance(v, str) else v for k, v in row.items()} for row in rows]
-    return pa.Table.from_pylist(clean, schema=schema)
+    return pa.Table.from_pylist(shown(clean), schema=schema)

@@ -177,7 +177,7 @@ def simulate(out: str, **choices: Any) -> None:
             figure = printing.printed(figures.plot_error_in_time(true, list(known.values())))
             printing.save(figure, where.paths["plot"], force=where.force)
     if out != STDOUT and not where.quiet:
-        show("\n".join(f"{name}: {path}" for name, path in where.paths.items()))
+        show(*(f"{name}: {path}" for name, path in where.paths.items()))
 
 
 def _experiment(choices: dict[str, Any], **more: Any) -> "AngleSettings":

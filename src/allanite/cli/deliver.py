@@ -190,7 +190,7 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
         if not (out.quiet or out.piped):
             text = text_of(value, out, more.first)
             with while_read():
-                hand_over(text)
+                hand_over(text, styled=True)
         for name, path, part in places:
             if name in more.recordings:
                 from allanite.readers import write as write_recording

@@ -44,7 +44,7 @@ TRACKER = "https://github.com/allanite/allanite/issues"
 class Failure(click.ClickException):
     """Ends the program with a message on stderr and the exit code `status`; `more` are further lines."""
 
-    def __init__(self, message: str, status: int, more: str = "") -> None:
+    def __init__(self, message: str, status: int, *more: str) -> None:
         super().__init__(message)
         self.status, self.more = status, more
 
@@ -149,7 +149,7 @@ class Front(WithExamples, click.Group):
             if error.option_name.lstrip("-") in getattr(meant, "unlike", ()):
                 refused.cure = "", ""
             failure = _failure(refused, ctx)
-            failure.more = failure.more or f"try: {inner.command_path} --help"
+            failure.more = failure.more or (f"try: {inner.command_path} --help",)
             raise failure from None
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
@@ -162,10 +162,10 @@ class Front(WithExamples, click.Group):
             if isinstance(error, MemoryError):
                 advice = "read fewer channels (--channels) or a part of the record (--from, --until)"
                 raise Failure(f"not enough memory; {advice}", DATA) from None
-            what = f"{type(error).__name__}: {error}".removesuffix(": ")
+            what = " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
             report = f"internal error ({what}); please report it with the command and the file: {TRACKER}"
-            trace = "".join(traceback.format_exception(error)).rstrip() if ctx.params["debug"] else ""
-            raise Failure(report, DEFECT, trace) from None
+            trace = "".join(traceback.format_exception(error)).splitlines() if ctx.params["debug"] else ()
+            raise Failure(report, DEFECT, *trace) from None
 
     def main(self, *args: Any, **extra: Any) -> Any:
         """Parse, run, and end the program."""
@@ -180,16 +180,16 @@ class Front(WithExamples, click.Group):
             with command_line(), ended(), while_read(), as_sentences(PluginWarning):
                 code = super().main(*args, **extra) or 0
         except click.exceptions.NoArgsIsHelpError as error:
-            complain(error.format_message())
+            complain(*error.format_message().split("\n"))
             code = error.exit_code
         except click.Abort:
             code = _complain("interrupted", INTERRUPTED)
         except Failure as failure:
             code = _complain(failure.message, failure.status)
             if failure.more:
-                complain(failure.more)
+                complain(*failure.more)
         except click.ClickException as error:
-            code = _complain(error.format_message(), error.exit_code)
+            code = _complain(" ".join(error.format_message().split()), error.exit_code)
             context = getattr(error, "ctx", None)
             if context is not None:
                 complain(f"try: {context.command_path} --help")
@@ -202,7 +202,8 @@ def _failure(error: AllaniteError, ctx: click.Context) -> Failure:
     """The end of the program with an error, and the command that cures it if the error says what to type."""
     words = shlex.split(ctx.meta[LINE])
     better = cured(words, error.cure)
-    return Failure(str(error), error.exit_code, f"try: {shlex.join(better)}" if better != words else "")
+    more = [f"  {line}" for line in error.more] + [f"try: {shlex.join(better)}"] * (better != words)
+    return Failure(error.message, error.exit_code, *more)
 
 
 def _elsewhere(error: AllaniteError, words: list[str]) -> AllaniteError:
@@ -248,5 +249,5 @@ def _demand_addresses() -> None:
 
 
 def _complain(message: str, code: int) -> int:
-    complain(message, click.style("error: ", fg="red", bold=True))
+    complain(message, before=click.style("error: ", fg="red", bold=True))
     return code

@@ -35,6 +35,12 @@ class Converted(ParamType):
             raise error.within(f"Invalid value for {param.get_error_hint(ctx)}" if param else self.name) from None
 
 
+class Whole(click.IntRange):
+    """A whole number within limits."""
+
+    name = "whole number"
+
+
 class Threads(ParamType):
     """A number of processors; "auto", all of them, is None."""
 
@@ -193,7 +199,7 @@ OPTIONS: dict[str, Decorator] = {
     "files": click.argument("files", nargs=-1, required=True, type=click.Path(), metavar="FILE..."),
     "recipe": click.option("--recipe", metavar="TOML", type=click.Path(), is_eager=True, callback=_load_recipe,
         help="Read options from a file; the command line overrides them."),
-    "seed": click.option("--seed", type=click.IntRange(min=0), metavar="N", default=1, show_default=True,
+    "seed": click.option("--seed", type=Whole(min=0), metavar="N", default=1, show_default=True,
         help="Seed of the random number generator."),
     "threads": click.option("--threads", type=Threads(), default="auto", show_default=True, metavar="N",
         help="Processors to use at once, or auto: all of them. The results are the same.",

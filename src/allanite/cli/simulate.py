@@ -256,13 +256,13 @@ def example(paper: str | None, folder: str | None, commands: bool, **shared: Any
     if paper is None:
         for row in map(paper_of, PAPERS):
             source = textwrap.wrap(row.source, 95, initial_indent="     ", subsequent_indent="     ")
-            show("\n".join([f"{row.name}  {row.short}: {row.title}", *source]))
+            show(f"{row.name}  {row.short}: {row.title}", *source)
         return
     row = paper_of(paper)
     lines = [shlex.split(command) for command in row.commands]
     shown = [shlex.join(["allanite", *line]) for line in lines]
     if commands:
-        show("\n".join(shown))
+        show(*shown)
         return
     folder = folder or row.short
     os.makedirs(folder, exist_ok=True)

@@ -12,7 +12,7 @@ from allanite.core.errors import UnitError, UsageError
 
 from .deliver import Extra, Outputs, carry_out, demand_recording, given, outputs, recipe_of, rendered, settings_of
 from .helping import command
-from .options import IDENTIFYING, NUMBERS, RECORDING, RESULTS, Option, options, path_option
+from .options import IDENTIFYING, NUMBERS, RECORDING, RESULTS, Option, Whole, options, path_option
 from .streams import complain
 
 if TYPE_CHECKING:
@@ -127,7 +127,7 @@ USUAL_DURATION_S = 3600.0  # horizon without a recording, s
 @command()
 @options(
     "optional file", *RECORDING, "gyro", "accelerometer", "filter", "time_constant", "bias_time", "gate",
-    click.option("--coning", "samples", type=click.IntRange(1, 2), metavar="N",
+    click.option("--coning", "samples", type=Whole(1, 2), metavar="N",
                  help="Samples of the coning correction of bortz.  [default: 2]"),
     "axes", "keep_bias", "horizon",
     click.option("--gyro-bias", metavar="RATE", help="Constant bias of the gyro without a recording, e.g. '10 deg/h'."),

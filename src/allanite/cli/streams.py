@@ -3,16 +3,19 @@
 import errno
 import io
 import os
+import re
 import signal
 import sys
 import warnings
 from _thread import interrupt_main
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from threading import Lock, Timer, current_thread, main_thread
 from types import FrameType
 
 import click
+
+from allanite.phrases.phrase import visible
 
 
 class _Closed(io.TextIOBase):
@@ -67,20 +70,24 @@ def lost() -> str:
     return str(getattr(sys.stdout, "why", ""))
 
 
-def show(text: str) -> None:
-    """Write lines to standard output; names in them must not drive the terminal."""
-    click.echo(_harmless(text))
+def show(*lines: str) -> None:
+    """Write lines to standard output; names in them must not drive the terminal, nor begin lines of their own."""
+    click.echo(_harmless(lines))
 
 
-def hand_over(data: str | bytes) -> None:
-    """Write a result to standard output as it is: its renderer made the names harmless, or it is for a program."""
+def hand_over(data: str | bytes, *, styled: bool = False) -> None:
+    """Write a result to standard output as it is for a program; on a terminal nothing drives it but the styles."""
+    if sys.stdout.isatty():
+        text = data if isinstance(data, str) else data.decode("utf-8", "replace")
+        parts = re.split(r"(\x1b\[[\d;]*m)", text) if styled else [text]
+        data = "".join(part if i % 2 else "\n".join(map(visible, part.split("\n"))) for i, part in enumerate(parts))
     click.echo(data, nl=False)
 
 
-def complain(text: str, before: str = "") -> None:
-    """Write to standard error, as far as it can be written to; what stands `before` the text may drive the terminal."""
+def complain(*lines: str, before: str = "") -> None:
+    """Write lines to standard error, as far as it takes them; what stands `before` them may drive the terminal."""
     try:
-        click.echo(before + _harmless(text), err=True)
+        click.echo(before + _harmless(lines), err=True)
     except OSError:
         sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - what is left in the old one is not flushed
 
@@ -94,10 +101,10 @@ def as_sentences(kind: type[Warning]) -> Iterator[None]:
         yield
 
 
-def _harmless(text: str) -> str:
+def _harmless(lines: Iterable[str]) -> str:
     from allanite.reporting.digits import printable
 
-    return "\n".join(map(printable, text.split("\n")))
+    return "\n".join(map(printable, lines))
 
 
 ENDS = ("SIGINT", "SIGTERM", "SIGHUP")  # signals that end the program, where the system has them

@@ -36,17 +36,22 @@ class AllaniteError(ValueError):
     `choice` is the name of the choice that cures it, as it stands in a recipe or settings; empty if none does alone.
     `cure` is what to type, from which the command line makes a command that can be copied. `code` is a fixed keyword
     for programs, such as the name of the finding that refuses a record; empty if there is none. `columns` are those of
-    a file that does not say what they are.
+    a file that does not say what they are. `more` are lines below the message.
     """
 
     exit_code = 3
 
     def __init__(self, *words: object, choice: str = "", cure: Cure = ("", ""), code: str = "",
-                 columns: tuple[ColumnRow, ...] = ()) -> None:  # fmt: skip
+                 columns: tuple[ColumnRow, ...] = (), more: tuple[str, ...] = ()) -> None:  # fmt: skip
         super().__init__(*words)
-        self.choice, self.cure, self.code, self.columns = choice, cure, code, columns
+        self.choice, self.cure, self.code, self.columns, self.more = choice, cure, code, columns, more
 
     def __str__(self) -> str:
+        return "\n  ".join((self.message, *self.more)) if self.more else self.message
+
+    @property
+    def message(self) -> str:
+        """The message without the lines below it."""
         words = super().__str__()  # the phrase, which can be translated
         if not _UNBROKEN.search(words):
             return words
@@ -54,8 +59,8 @@ class AllaniteError(ValueError):
 
     def within(self, where: str) -> Self:
         """The same error, whose message begins with where it is."""
-        words = join(": ", (where, str(self)))
-        return type(self)(words, choice=self.choice, cure=self.cure, code=self.code, columns=self.columns)
+        return type(self)(join(": ", (where, self.message)), choice=self.choice, cure=self.cure, code=self.code,
+                          columns=self.columns, more=self.more)  # fmt: skip
 
 
 class UsageError(AllaniteError):

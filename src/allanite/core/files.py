@@ -6,7 +6,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 from allanite.phrases.phrase import spelled
 
@@ -20,6 +20,17 @@ DRAFTS = ".allanite-*.part"  # pattern of the names of drafts
 def encoded(text: str) -> bytes:
     """Text as UTF-8; what is no character, of a name that was not UTF-8, as its escape."""
     return text.encode("utf-8", "backslashreplace")
+
+
+@contextmanager
+def in_utf8(path: PathLike, mode: str = "rb") -> Iterator[str | IO[Any]]:
+    """The path for a library that takes it in UTF-8 alone; where it is not, the open file."""
+    name = os.fspath(path)
+    if encoded(name) == os.fsencode(name):
+        yield name
+    else:
+        with open(name, mode) as file:
+            yield file
 
 
 def demand_writable(path: PathLike, *, force: bool = False) -> None:

@@ -207,7 +207,8 @@ def unit_of(text: str) -> Unit:
         alike = [unit for unit in USUAL if ("sqrt" in unit) == rooted]
         meant = nearest(text[:MAX_LETTERS], alike)
         words = f"did you mean {meant}?" if meant else f"units are written as {', '.join(alike)}"
-        raise UnitError(f"unknown unit {given(text)}; {words}", cure=(text, meant) if meant else ("", "")) from None
+        what = f"unknown unit {given(text)}" if text.strip() else "a unit is missing"
+        raise UnitError(f"{what}; {words}", cure=(text, meant) if meant else ("", "")) from None
     return unit
 
 

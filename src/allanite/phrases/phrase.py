@@ -110,6 +110,13 @@ def join(separator: str, parts: Iterable[str]) -> Phrase:
 _SEPARATORS = (say(": "), say("; "), say(", "), say(". "))
 
 
+def visible(text: str) -> str:
+    """A text on one line, which drives no terminal: with replacement characters in place of what cannot be printed."""
+    if text.isprintable():  # a phrase stays one
+        return text
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
 def translate(value: Any, catalogue: Catalogue) -> Any:
     """A phrase in the language of a catalogue; anything else, such as the name of a channel or a number, unchanged."""
     return value.within(catalogue) if isinstance(value, Phrase) else value

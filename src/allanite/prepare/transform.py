@@ -134,7 +134,8 @@ def block_means(record: Record, m: int) -> Record:
     unchanged. Samples beyond the last whole block are omitted, which the history states.
     """
     if not isinstance(m, (int, np.integer)) or not 1 <= m <= record.size // 2:
-        raise UsageError(f"blocks must have between 1 and {record.size // 2} samples, not {given(m)}")
+        raise UsageError(f"means of {given(m)} samples are not possible: the record has {record.size}, so that a mean "
+                         f"takes a whole number from 1 to {record.size // 2}")  # fmt: skip
     kept = means(record.values, record.kind, int(m))
     rest = record.size - (len(kept) - KINDS[record.kind][1]) * m
     return replace(record, values=kept, rate=record.rate / m, history=(*record.history, blocks_words(int(m), rest)))

@@ -98,7 +98,7 @@ class Spool:
                 with open(self.path, "rb") as old, part.open("wb") as new:
                     for place, line in enumerate(old):
                         row = line if place < len(self._head) else self._judged(line[:-1]) + b"\n"
-                        rows += place >= len(self._head) and bool(row.strip())
+                        rows += place >= len(self._head) and self._counts(row)
                         changed |= row != line
                         new.write(row)
                 if self._strict or not (self._model and changed):
@@ -157,7 +157,7 @@ class Spool:
         """The lines to write when one more has come."""
         if self._model:
             row = self._judged(line) if self._strict or len(line) > LONGEST_ROW else line
-            self.rows += bool(row.strip())
+            self.rows += self._counts(row)
             self._last.append(row)
             return [row]
         form, before = self._form(line), self._head[-1:] and self._form(self._head[-1])
@@ -177,8 +177,13 @@ class Spool:
         """The line, or a row of missing samples where it is none; a heading that comes again is no line at all."""
         if line in self._head:
             return b""
-        good = not line.strip() or (len(line) <= LONGEST_ROW and b"\0" not in line and self._form(line) == self._model)
+        empty = not line.strip() and not (self.sent and self.width == 1)
+        good = empty or (len(line) <= LONGEST_ROW and b"\0" not in line and self._form(line) == self._model)
         return line if good else self._missing()
+
+    def _counts(self, line: bytes) -> bool:
+        """Whether a line is a row: of a single column, an empty one is a missing sample."""
+        return bool(line.strip()) or self.width == 1
 
     def _form(self, line: bytes) -> list[bool]:
         """Which fields of a line are numbers."""

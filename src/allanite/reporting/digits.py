@@ -4,6 +4,7 @@ import re
 
 from allanite.core.digits import digits as digits, rounded as rounded, upper_limit as upper_limit  # noqa: PLC0414
 from allanite.core.units import ATOMS, RAISED, plain_letters
+from allanite.phrases.phrase import visible
 
 _SIGN = re.compile(r"(?<![A-Za-z0-9\])])-(?=[\d.])")
 _POWER = re.compile(r"(?<=\d)e([+-]?\d+)")
@@ -29,8 +30,7 @@ _ENDLESS = re.compile(r"\S{401,}")
 
 def printable(text: str) -> str:
     """`text` without control characters; of a word of more than 400 characters both ends are left."""
-    if not text.isprintable():  # otherwise a phrase stays one
-        text = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+    text = visible(text)
     if len(text) <= 400 or not _ENDLESS.search(text):
         return text
     return _ENDLESS.sub(lambda found: f"{found[0][:60]}…{found[0][-60:]}", text)

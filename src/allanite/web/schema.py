@@ -9,6 +9,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, NonNegativeIn
 from pydantic_core import from_json
 from typing_extensions import TypedDict
 
+from allanite.cli.streams import complain
 from allanite.core.errors import UsageError
 from allanite.core.files import reason
 from allanite.core.names import demand_name
@@ -190,12 +191,7 @@ def faults(error: Any) -> str:
     return "; ".join(f"{'.'.join(map(str, fault['loc'])) or 'the request'}: {fault['msg']}" for fault in error.errors())
 
 
-def log(words: str) -> None:
-    """Say it where the server was started."""
-    sys.stderr.write(f"{words}\n")
-
-
-def kept(path: Path, schema: Any, tell: Callable[[str], None] = log) -> Any:
+def kept(path: Path, schema: Any, tell: Callable[[str], object] = complain) -> Any:
     """What a file of the page holds; None if there is none, or if it is damaged and has another name from now on."""
     try:
         return fitting(schema, path.read_bytes(), MAX_KEPT_DEPTH)

@@ -22,6 +22,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import JSONResponse, PlainTextResponse
 from starlette.staticfiles import StaticFiles
 
+from allanite.cli.streams import show
 from allanite.core.errors import UsageError
 from allanite.core.files import draft, locked, reason
 from allanite.phrases.phrase import command_line, spelled
@@ -235,8 +236,7 @@ def _serve(store: Store, paths: Sequence[str], port: int, browser: bool, lang: s
 
 
 def _announce(link: str, words: str) -> None:
-    sys.stdout.write(f"{link}\nopen this link, once; {words}\n")
-    sys.stdout.flush()
+    show(link, f"open this link, once; {words}")
 
 
 def joined(store: Store, paths: Sequence[str]) -> str:

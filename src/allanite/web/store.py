@@ -12,9 +12,10 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from allanite.cli.streams import complain
 from allanite.core.errors import DataError, UsageError
 from allanite.core.files import DRAFTS, reason, write
-from allanite.phrases.phrase import spelled
+from allanite.phrases.phrase import spelled, visible
 from allanite.readers.parts import size_in_words
 
 from . import schema
@@ -114,7 +115,7 @@ class Store:
 
     def _note(self, words: str) -> None:
         self.notes.append(words)
-        schema.log(words)
+        complain(words)
 
     @contextmanager
     def changed(self, name: str) -> Iterator[State]:
@@ -237,6 +238,4 @@ def known(name: str) -> str:
 
 def shown(name: str) -> str:
     """The name of a file as it is shown: without folders and control characters."""
-    last = name.replace("\\", "/").rpartition("/")[2]
-    clean = "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in last)
-    return clean[:200] or "recording"
+    return visible(name.replace("\\", "/").rpartition("/")[2])[:200] or "recording"

@@ -170,11 +170,8 @@ def test_names_of_units_do_not_drive_the_terminal(verb, tmp_path, monkeypatch):
     assert all(line.isprintable() for line in (done.stdout + done.stderr).splitlines())
 
 
-DOORS = {
-    "cli/streams.py", "web/server.py", "web/schema.py",
-    "readers/sandbox/worker.py", "readers/sandbox/xlsx_contents.py",
-}  # fmt: skip
-"""Files that write to a standard stream: of the program, of its server, and of processes that it reads from."""
+DOORS = {"cli/streams.py", "readers/sandbox/worker.py", "readers/sandbox/xlsx_contents.py"}
+"""Files that write to a standard stream: the one of the program, and those of processes that it reads from."""
 
 
 def test_names_in_messages_and_tables_are_text():

@@ -45,7 +45,7 @@ def test_block_means_keep_the_curve(m, kind):
 
 def test_block_means_refuse_what_is_no_block():
     for m in (0, 10_001):
-        with pytest.raises(al.UsageError, match="between 1 and"):
+        with pytest.raises(al.UsageError, match="from 1 to"):
             block_means(record(), m)
 
 

@@ -274,6 +274,35 @@ def test_two_lines_for_a_sample(write, header):
     assert noted(recording, "2 lines of 3, 4 numbers", "one row")
 
 
+def test_an_empty_line_of_a_single_column_is_a_missing_sample(write):
+    for ends, blank in (("\n", ""), ("\r\n", ""), ("\n", "  \t")):
+        lines = ["gx [deg/s]", "", "1", "2", blank, "4", blank, blank, "7", "", "# paused", "", "8", "9", "", ""]
+        values = read(write(ends.join(lines)), rate=10)["gx"].values
+        np.testing.assert_array_equal(values, [1, 2, np.nan, 4, np.nan, np.nan, 7, 8, 9])
+    # rows that are all apart have none between them, and rows of several columns are no cells
+    assert read(write("gx [deg/s]\n" + "\n\n".join(map(str, range(50)))), rate=10)["gx"].size == 50
+    assert read(write("gx [deg/s],gy [deg/s]\n1,2\n\n3,4\n5,6\n"), rate=10)["gx"].size == 3
+
+
+def test_a_heading_of_many_columns_is_one(write):
+    names = [f"g{i:0150}x [deg/h]" for i in range(1200)]  # more than is looked at of other files
+    rows = "".join(f"{i / 10}" + f",{i}.5" * len(names) + "\n" for i in range(3))
+    recording = read(write(",".join(["t [s]", *names]) + "\n" + rows))
+    assert [record.name for record in recording] == [name[:-8] for name in names]
+    assert (len(recording), recording[-1].rate, recording[-1].unit) == (1200, 10.0, "deg/h")
+
+
+@rows("text, words", [
+    ("\ufeff", "blank lines only"), ("\n" * 200_000, "bytes of the file are blank lines"),
+    ("gx [deg/s]\n1\n" + "1" * (3 << 20) + "\n2\n", r"line 3 has 3145728 bytes; expected one row per sample"),
+    ("t [s]\n0\n0.01\n0.02\n", "times and no samples"),
+    ("application/vnd.oasis.opendocument.spreadsheet", "an OpenDocument sheet"),
+])  # fmt: skip
+def test_what_is_no_table_is_named(write, text, words):
+    with pytest.raises(DataError, match=words):
+        read(write(text))
+
+
 def test_blank_lines_between_rows(write):
     text = lines(NOISE, lambda k, a, b, *_: f"{k * 0.01:.2f}\t {a}  \t{b}\n   ")
     recording = read(write("t gx gy\n\n" + text), unit="deg/s")

@@ -18,8 +18,8 @@ def _window(task: Task) -> FloatArray:
     n, name = task.size, task.options.window
     try:
         weights = get_window(name, n, fftbins=False)
-    except ValueError as error:
-        raise UsageError(f"unknown window {name!r}: {error}; for example hamming, hann, blackman") from None
+    except ValueError:
+        raise UsageError(f"unknown window {name!r}; give one of SciPy's: hamming, hann, blackman or another") from None
     total = float(weights.sum())
     if not total > 0:
         raise UsageError(f"the window {name!r} of {n} samples has no positive sum")

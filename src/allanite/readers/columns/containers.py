@@ -2,6 +2,7 @@
 
 import math
 import posixpath
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate, chain, islice, repeat
@@ -265,13 +266,14 @@ def arranged_datasets(
     if not series:
         none = say("the file contains no array of samples, with one row per sample")
         contents = [say("it contains {names}", names=some(list(map(str, datasets))))] if datasets else []
-        raise DataError(join("; ", (none, *contents)))
+        raise DataError(join("; ", (none, *contents, *notes)))
     # the position of the first column of each, counted from 1 over all of them
     firsts = accumulate((len(dataset.headers) for dataset in series), initial=1)
     places = {dataset.path: place for dataset, place in zip(series, firsts, strict=False)}
     family = series if text else _chosen(_families(series), options, places)
     options, family = _narrowed(options, family)
-    rest = [str(dataset) for dataset in datasets if dataset not in family]
+    taken = set(map(id, family))
+    rest = [str(dataset) for dataset in datasets if id(dataset) not in taken]
     omitted = [say("left out, of different length, clock or shape: {names}", names=some(rest))] if rest else []
     notes = [*notes, *omitted]
     stem = posixpath.commonpath([dataset.parent.strip("/") or "." for dataset in family])
@@ -295,11 +297,13 @@ def _column(piece: tuple[str, NDArray[Any]], position: int, unit: str, stem: str
 def _families(series: Sequence[Dataset]) -> list[Family]:
     """Datasets of one length; if several groups have a clock of that length, or a rate, each group separately."""
     families: dict[tuple[int, str, float | None], Family] = {}
+    clocks, paces = defaultdict[int, set[str]](set), defaultdict[int, set[float]](set)
     for dataset in series:
-        alike = [d for d in series if d.length == dataset.length]
-        homes = {d.parent for d in alike if d.is_clock}
+        clocks[dataset.length] |= {dataset.parent} if dataset.is_clock else set()
+        paces[dataset.length] |= set() if dataset.rate is None else {dataset.rate}
+    for dataset in series:
+        homes, rates = clocks[dataset.length], paces[dataset.length]
         home = _nearest(dataset, homes) or "" if len(homes) > 1 else ""
-        rates = {d.rate for d in alike} - {None}
         families.setdefault((dataset.length, home, dataset.rate if len(rates) > 1 else None), []).append(dataset)
     return list(families.values())
 

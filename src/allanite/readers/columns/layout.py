@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import accumulate, chain, takewhile, zip_longest
+from itertools import accumulate, chain, pairwise, takewhile, zip_longest
 from typing import NamedTuple
 
 from allanite.core.errors import DataError
@@ -66,6 +66,7 @@ def decoded(raw: bytes) -> str:
 
 
 HEAD = 1 << 17  # bytes at the beginning of a file from which its layout is determined
+LONGEST_HEAD = 1 << 22  # bytes of it at most, where the lines are longer
 JUDGED_ROWS = 200  # rows by which the columns are judged
 LINES = 2 * JUDGED_ROWS  # lines from which the layout is determined: the first ones, and some of the middle
 
@@ -95,6 +96,7 @@ class Layout:
     line: int
     notes: tuple[str, ...] = ()  # what was skipped
     nominal: tuple[float | None, str] = (None, "")  # sampling rate, Hz, that the lines above state, with its place
+    empties: bool = False  # whether an empty line is an empty cell, as of a single column, unless all rows are apart
 
     @property
     def width(self) -> int:
@@ -104,6 +106,8 @@ class Layout:
 
 def find(data: bytes) -> Layout:
     """The layout of a text; refused if there are no rows of numbers near the beginning, or more names than columns."""
+    if not data.strip():
+        raise DataError(say("the file is empty, or has blank lines only; a text file needs one row per sample"))
     # of all lines where it is further down
     begin = _begin_of(numbered_lines(data, LINES), LINES // 4) or _begin_of(numbered_lines(data))
     if begin is None:
@@ -123,7 +127,8 @@ def find(data: bytes) -> Layout:
     if rate is None and places:
         notes = (*notes, say("rates that contradict each other are not used: {places}", places=places))
     at = rows[first]
-    return Layout(delimiter, decimal, names, units, text, at.offset, at.line, notes, (rate, places))
+    empties = len(names) == 1 and any(b.line == a.line + 1 for a, b in pairwise(rows[first:]))
+    return Layout(delimiter, decimal, names, units, text, at.offset, at.line, notes, (rate, places), empties)
 
 
 class _Begin(NamedTuple):
@@ -142,7 +147,7 @@ def _begin_of(lines: list[tuple[int, int, str]], within: int = HEAD) -> _Begin |
     """Where the numbers begin; None if none of the first lines, `within` so many, is a row of them."""
     if not lines:
         raise DataError(say("the first line is longer than {size} bytes; expected one row per sample, each on its own "
-                            "line", size=HEAD))  # fmt: skip
+                            "line", size=LONGEST_HEAD))  # fmt: skip
     delimiter, decimal = _style_of([text for _, _, text in lines if text])
     marks, number = marks_of(delimiter), _NUMBERS[decimal].fullmatch
     # a line with a word is not one of numbers
@@ -177,9 +182,12 @@ def marks_of(delimiter: str) -> tuple[str, ...]:
 
 def numbered_lines(data: bytes, most: int = HEAD) -> list[tuple[int, int, str]]:
     """Number, offset and text of the whole lines of the head; of more than `most`, of the first and of the middle."""
-    head = data[:HEAD]
+    size = HEAD
+    while size < min(len(data), LONGEST_HEAD) and data.count(b"\n", 0, size) < HEADING + 2:
+        size *= 2
+    head = data[:size]
     raw = head.splitlines(keepends=True)
-    if len(data) > HEAD:
+    if len(data) > len(head):
         raw = raw[:-1]
     lines = list(zip(range(1, len(raw) + 1), accumulate(map(len, raw), initial=0), raw, strict=False))
     if len(lines) > most:

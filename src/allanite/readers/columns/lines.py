@@ -80,7 +80,7 @@ class TextLines:
         for chunk in text:
             data = plain(chunk, size)
             if not size:
-                returns = b"\n" not in data[: layout.HEAD]
+                returns = b"\n" not in data[: layout.LONGEST_HEAD]
             size += len(data)
             yield data.replace(b"\r", b"\n") if returns else data
 

@@ -18,6 +18,7 @@ from .layout import MISSING, Layout, cells, decoded, is_number, marks_of
 
 _NULLS = [*MISSING, "NaN", "NAN", "NULL", "None", "NA", "N/A", "#N/A", "-NaN", "1.#QNAN", "-1.#IND"]
 
+LONGEST_ROW = 1 << 20  # bytes of a row that pyarrow reads, whose blocks have as many
 FEW_WORDS = 16  # maximum number of different words in a column that may distinguish rows
 JUDGED_BYTES = 1 << 20  # bytes of the rows that show whether it has more
 
@@ -159,6 +160,9 @@ def clean_rows(
     # They have no comments, and single blanks between cells; line numbers are preserved. Most texts `held` no signs of
     # what is left out.
     body: bytes | memoryview = memoryview(data)[layout.offset :]
+    begin, blank = layout.offset, (b"\n\n", b"\n\r\n", b"\n\t", b"\n ")
+    if layout.empties and (data[begin : begin + 1].isspace() or any(data.find(mark, begin) >= 0 for mark in blank)):
+        body = _with_empties(bytes(body), layout, last=last)
     comments, marks = 0, [mark for mark in marks_of(layout.delimiter) if held.issuperset(mark)]
     if marks:
         pattern = rb"(?m)^[ \t]*(?:" + b"|".join(re.escape(mark.encode()) for mark in marks) + rb")[^\r\n]*"
@@ -183,6 +187,14 @@ def clean_rows(
     note = say("the last line ({text!r}) has {count} of {width} columns and was left out",
                text=end[:40], count=count, width=layout.width)  # fmt: skip
     return body[: len(body) - min(len(body), 65536) + start], comments, (note,)
+
+
+def _with_empties(body: bytes, layout: Layout, *, last: bool) -> bytes:
+    """The rows of a single column with a missing sample in each empty line, but around comments and at the end."""
+    marks = b"|".join(re.escape(mark.encode()) for mark in marks_of(layout.delimiter))
+    end = len(body.rstrip()) if last else len(body)
+    empty = re.compile(rb"(?m)(?:^[ \t]*(?:(?:%s)[^\n]*)?\r?\n)+" % marks)
+    return empty.sub(lambda run: run[0] if run[0].strip() else b"nan\n" * run[0].count(b"\n"), body[:end]) + body[end:]
 
 
 def commented(count: int) -> tuple[str, ...]:
@@ -295,6 +307,9 @@ def _blame(body: bytes | memoryview, layout: Layout, otherwise: str) -> NoReturn
         if not line.strip():
             continue
         where = say("line {line}", line=layout.line + i)
+        if len(raw) > LONGEST_ROW:
+            raise DataError(say("{where} has {size} bytes; expected one row per sample, each on its own line",
+                                where=where, size=len(raw)))  # fmt: skip
         if len(row) != layout.width:
             raise DataError(say("{where} has {count} columns instead of {width}: {line!r}",
                                 where=where, count=len(row), width=layout.width, line=line[:60]))  # fmt: skip

@@ -124,10 +124,11 @@ def overview(
     return tuple(rows)
 
 
-def printed(rows: Sequence[ColumnRow]) -> str:
+def printed(rows: Sequence[ColumnRow]) -> tuple[str, ...]:
     """A line for each column."""
     head = "", say("column"), say("mean"), say("std"), say("step"), say("looks like")
-    return "".join("\n  {1:<16}{2:>11}  {3:>10}  {4:>10}  {5}".format(*line).rstrip() for line in (head, *rows[:SHOWN]))
+    lines = (head, *rows[:SHOWN])
+    return tuple("{1:<16}{2:>11}  {3:>10}  {4:>10}  {5}".format(*line).rstrip() for line in lines)
 
 
 def _paced(column: FileColumn) -> tuple[str, str]:

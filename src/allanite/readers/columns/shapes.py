@@ -71,6 +71,8 @@ def straightened(data: bytes) -> tuple[bytes, tuple[str, ...]]:
         return _joined(data)
     delimiter, decimal = style([line[:4000] for line in plain])
     rows = [cells(line.strip(delimiter + " "), delimiter) for line in plain]
+    if not any(is_number(cell, decimal) for cell in rows[0]):  # a heading: its columns are many
+        return data, ()
     if min(map(len, rows)) <= WIDEST_LINE or len({len(row) for row in rows}) > 1:
         return _joined(data)
     names = all(not is_number(row[0], decimal) for row in rows)

@@ -56,12 +56,15 @@ class FileTable:
         sense = self.sense(options)
         time = sense.sources.stamps
         signals = [signal.column for signal in sense.signals]
+        if not signals and not sense.choice.questions:
+            raise DataError(say("the file contains times and no samples; a recording needs at least one channel"))
         _demand_rows([*signals, *([time] if time else [])])
         beat = clock.beat(sense.sources, options.rate, lambda: repeated([column.values for column in signals]))
         doubts = sense.demand(beat)
         records = tuple(_record(signal, beat, self.start) for signal in sense.signals)
         around = [c for c in sense.columns if c is not time and len(c.values) == len(signals[0].values)]
-        drivers = channels.beside(channels.drivers(tuple(c for c in around if c not in signals)))[0]
+        taken = set(map(id, signals))
+        drivers = channels.beside(channels.drivers(tuple(c for c in around if id(c) not in taken)))[0]
         others = tuple(_record(signal, beat, self.start) for signal in drivers)
         notes, (first, step) = sense.notes(beat), shapes.stride(records)
         if step > 1:
@@ -119,10 +122,9 @@ class Sense:
             numbers = [column for column in self.columns if not column.text and column.values.size]
             rows = proposal.overview(numbers, unsaid, clock, known) if unsaid or clock else ()
             words = "; ".join((*questions, *why, *(() if unsaid else self.choice.omitted)))
-            raise UsageError(
-                words + (proposal.printed(rows) if unsaid else ""),
-                choice="rate" if beat.questions else "unit", cure=asked, columns=rows,
-            )  # fmt: skip
+            choice = "rate" if beat.questions else "unit"
+            more = proposal.printed(rows) if unsaid else ()
+            raise UsageError(words, choice=choice, cure=asked, columns=rows, more=more)
         stated = self.options.unit or self.options.units
         doubts = tuple(gravity.doubts(self.choice.signals, beat.rate))
         against = None if stated else gravity.contradiction(self.choice.signals, doubts)

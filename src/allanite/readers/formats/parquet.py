@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
+from allanite.core.files import in_utf8
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns.column import RATE_NAMES, FileColumn, column, headed, is_number, of_arrow
@@ -19,7 +20,7 @@ from allanite.readers.sandbox.process import demand_size, worded
 
 TITLE = "Apache Parquet .parquet"
 
-BUFFER = 1 << 20  # bytes of a column that are read ahead; without it a whole row group would be
+BUFFERED: dict[str, Any] = {"pre_buffer": False, "buffer_size": 1 << 20}  # bytes ahead, instead of a whole row group
 
 _UNIT_NAMES = (b"unit", b"units", b"Unit", b"Units")
 
@@ -28,7 +29,7 @@ def read(path: str, options: Options) -> Recording:
     """The channels of a Parquet table; a missing value is NaN."""
     from pyarrow import parquet
 
-    with worded(), parquet.ParquetFile(path, memory_map=True) as file:
+    with worded(), in_utf8(path) as source, parquet.ParquetFile(source, memory_map=True) as file:
         table = _table(file, path, lambda field, before: file.read([field.name], use_threads=False).column(before))
     return table.recording(options)
 
@@ -38,7 +39,7 @@ def parts(path: str, options: Options) -> Parts:
     import pyarrow as pa
     from pyarrow import parquet
 
-    with worded(), parquet.ParquetFile(path, pre_buffer=False, buffer_size=BUFFER) as file:
+    with worded(), in_utf8(path) as source, parquet.ParquetFile(source, **BUFFERED) as file:
 
         def first_rows(field: Any, before: int) -> Any:
             first = next(file.iter_batches(HEAD_ROWS, columns=[field.name], use_threads=False), None)
@@ -51,7 +52,7 @@ def parts(path: str, options: Options) -> Parts:
     def blocks(wanted: Sequence[int], at_once: int) -> Iterator[list[NDArray[Any]]]:
         fields = [table.columns[i].position - 1 for i in wanted]
         keys = list(dict.fromkeys(names[i] for i in fields))
-        with worded(), parquet.ParquetFile(path, pre_buffer=False, buffer_size=BUFFER) as file:
+        with worded(), in_utf8(path) as source, parquet.ParquetFile(source, **BUFFERED) as file:
             for batch in file.iter_batches(at_once, columns=keys, use_threads=len(keys) > 1):
                 # columns come in the order of the file, and all that have a name
                 held = [i for i, name in enumerate(names) if name in keys]
@@ -103,7 +104,8 @@ def write(recording: Recording, path: str) -> None:
     headers = with_units([r.name for r in recording], recording)
     metadata = {KEY: described(recording, headers), "rate": repr(recording[0].rate)}
     table = pa.table([pa.array(r.values) for r in recording], schema=pa.schema(fields, metadata))
-    parquet.write_table(table, path, compression="zstd", use_dictionary=False)
+    with in_utf8(path, "wb") as target:
+        parquet.write_table(table, target, compression="zstd", use_dictionary=False)
 
 
 def _metadata(metadata: dict[bytes, bytes]) -> tuple[float | None, bytes, set[str]]:

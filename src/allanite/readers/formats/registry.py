@@ -183,7 +183,8 @@ def candidates() -> Iterator[Format | ReaderPlugin]:
 
 FOREIGN = {
     b"%PDF": "a PDF", b"\x89PNG": "a picture", b"\xff\xd8\xff": "a picture", b"GIF8": "a picture",
-    b"<!DOCTYPE": "a web page", b"<html": "a web page", b"\x7fELF": "a program",
+    b"application/vnd.oasis": "an OpenDocument sheet (save it as .xlsx or CSV)", b"<!DOCTYPE": "a web page",
+    b"<html": "a web page", b"\x7fELF": "a program",
 }  # fmt: skip
 """Files that are given by mistake, by how they begin."""
 
@@ -195,6 +196,8 @@ def reader_for(head: bytes, suffix: str) -> FormatReader:
         if candidate.sniff(head, suffix):
             return candidate.reader(head)
     first = f"{what}, not a recording" if what else f"unknown file format (the file begins with {head[:8]!r})"
+    if head.isspace():
+        first = f"the first {len(head)} bytes of the file are blank lines"
     others = "".join(f"{candidate.TITLE}, " for candidate in added())
     raise DataError(f"{first}; readable are text or CSV with a column for each channel, {others}.npy, .mat, .h5, "
                     ".parquet, .bag, .mcap, .ulg, .bin and others (see docs/files.md)")  # fmt: skip

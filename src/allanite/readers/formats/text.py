@@ -149,7 +149,7 @@ def columns_of(data: bytes, notes: tuple[str, ...] = ()) -> Parsed:
 
 def _layout(data: bytes) -> layout.Layout:
     form = layout.find(data)
-    if form.width > shapes.WIDEST_LINE:
+    if form.width > shapes.WIDEST_LINE and not any(form.names):
         raise DataError(
             f"line {form.line} contains {form.width} numbers; expected one row per sample, each on its own line"
         )
@@ -160,7 +160,7 @@ def _opened(path: str) -> tuple[bytes, tuple[str, ...]]:
     """The text of a file in UTF-8, one line per sample, and the assumptions."""
     data, assumed = encoding.in_utf8(Path(path).read_bytes())
     data = lines.plain(data).removesuffix(b"\x1a")
-    data, turned = shapes.straightened(data if b"\n" in data[: layout.HEAD] else data.replace(b"\r", b"\n"))
+    data, turned = shapes.straightened(data if b"\n" in data[: layout.LONGEST_HEAD] else data.replace(b"\r", b"\n"))
     return data, (*assumed, *turned)
 
 

@@ -46,8 +46,9 @@ class Listing:
             if name in ("#refs#", "#subsystem#"):
                 continue
             # other links may refer to any file on this machine
-            if depth > DEEPEST or not isinstance(group.get(name, getlink=True), h5py.HardLink):
-                self.contents["left"].append(where)
+            link = not isinstance(group.get(name, getlink=True), h5py.HardLink)
+            if depth > DEEPEST or link:
+                self.contents["left"].append(where + " (a link, which is not followed)" * link)
                 continue
             item = group[name]
             info = h5py.h5o.get_info(item.id)
