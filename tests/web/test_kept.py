@@ -236,7 +236,7 @@ def test_a_second_server_joins_the_first(tmp_path, file):
             assert tab.base == client.base
             assert [one["name"] for one in tab.get(f"/api/workspaces/{workspace}").json()["files"]] == ["g.csv"]
         missing = second(tmp_path, tmp_path / "none.csv")
-        assert missing.returncode == 2
+        assert missing.returncode == 3
         assert "there is no file" in missing.stderr
         process.kill()  # the lock of a process that is dead is taken over
         process.wait()

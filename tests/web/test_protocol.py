@@ -20,7 +20,7 @@ class Transport(asyncio.Transport):
 
     closed = False
 
-    def close(self):
+    def abort(self):
         self.closed = True
 
     def is_closing(self):
@@ -45,7 +45,7 @@ async def slow(scope, receive, send):
 @pytest.fixture
 def loop(monkeypatch):
     """A loop whose patience is over at its next turn."""
-    monkeypatch.setattr(routes, "HEAD_TIMEOUT_S", 0.0)
+    monkeypatch.setattr(routes, "TURN_TIMEOUT_S", 0.0)
     loop = asyncio.new_event_loop()
     yield loop
     for task in asyncio.all_tasks(loop):

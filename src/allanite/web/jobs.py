@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.files import write
 
 from .requests import Request, problem_of
 from .schema import JobBody
-from .store import MissingError, State, Store, known
+from .store import FullError, MissingError, State, Store, known, overfull, removed
 from .workers import ProblemError, Worker, Workers
 
 READY_PERIOD_S = 0.3  # seconds between looks whether what is compiled after an installation is ready
@@ -162,6 +161,9 @@ class Jobs:
         def tell(kind: str, data: dict[str, Any]) -> None:
             if job["state"] == "waiting":
                 self._set(job, "running")
+            if kind == "trace" and not data["problem"] and self.store.room() < 0:  # others came at the same time
+                removed(self.store.place(data["file"]) / "trace")
+                data |= {"problem": problem_of(overfull(self.store.quota))}
             live.tell(kind, data)
 
         def ended() -> bool:
@@ -174,8 +176,8 @@ class Jobs:
                     tell("progress", self.preparing)
             answer = worker.ask("run", self._arguments(job), tell, ended)
             value, shown = self._paths(job["id"])
-            write(value, answer["json"].encode("utf-8", "replace"), force=True)
-            write(shown, json.dumps(answer["faces"] | {"exit": answer["exit"]}).encode(), force=True)
+            self.store.put(value, answer["json"].encode("utf-8", "replace"))
+            self.store.put(shown, json.dumps(answer["faces"] | {"exit": answer["exit"]}).encode())
         except ProblemError as problem:
             self._fail(job, live, problem.data)
         except Exception as error:
@@ -191,8 +193,8 @@ class Jobs:
         live.tell("failed", problem if job["state"] == "failed" else CANCELLED)
 
     def _set(self, job: State, state: str) -> None:
-        """Go on to another state, unless the job is over or its workspace deleted."""
-        with suppress(MissingError), self.store.changed(job["id"].partition("-")[0]):
+        """Go on to another state, unless the job is over or its workspace deleted; on a full disk, in memory."""
+        with suppress(MissingError, FullError), self.store.changed(job["id"].partition("-")[0]):
             if job["state"] in UNFINISHED:
                 job["state"] = state
 

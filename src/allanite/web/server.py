@@ -4,7 +4,7 @@ import errno
 import hmac
 import http.client
 import json
-import os
+import logging
 import secrets
 import socket
 import sys
@@ -29,7 +29,7 @@ from allanite.reporting.language import catalogue
 
 from . import routes
 from .jobs import Jobs
-from .routes import ANSWERED, MAX_ACCEPTED, Answer, PromptProtocol, answered, open_file
+from .routes import ANSWERED, MAX_ACCEPTED, Answer, PromptProtocol, answered, open_file, sought
 from .store import MissingError, Store, private_folder
 
 Scope = MutableMapping[str, Any]
@@ -170,10 +170,13 @@ ANSWER_TIMEOUT_S = 5.0  # seconds in which the server that runs already answers
 def serve(paths: Sequence[str], *, port: int, browser: bool, lang: str, limit: int, quota: int) -> None:
     """Serve the page until it is interrupted."""
     catalogue(lang)
+    paths = [sought(path) for path in paths]
     folder = private_folder()
     try:
         store = Store(folder, limit=limit, quota=quota)
         held = _lock(folder)
+        if held is not None:
+            store.clear()
     except OSError as error:
         raise UsageError(f"{str(error.filename or folder)!r} cannot be used ({reason(error)}); remove it, or make it "
                          f"writable: the page keeps its files in {str(folder)!r}") from None  # fmt: skip
@@ -203,7 +206,6 @@ def _lock(folder: Path) -> IO[bytes] | None:
 
 
 def _serve(store: Store, paths: Sequence[str], port: int, browser: bool, lang: str) -> None:
-    store.clear()
     listener = listen(port)
     port = listener.getsockname()[1]
     jobs = Jobs(store)
@@ -218,6 +220,8 @@ def _serve(store: Store, paths: Sequence[str], port: int, browser: bool, lang: s
         uvicorn.Config(door, http=PromptProtocol, ws="none", log_level="error", access_log=False, lifespan="off",
                        backlog=MAX_ACCEPTED, timeout_graceful_shutdown=1, server_header=False)
     )  # fmt: skip
+    # what is broken off by the end is no error
+    logging.getLogger("uvicorn.error").addFilter(lambda record: not server.should_exit)
     with draft(store.folder / ADDRESS, force=True) as part:
         part.chmod(0o600)
         part.write_text(json.dumps({"port": port, "secret": door.secret}), "ascii")
@@ -247,7 +251,7 @@ def joined(store: Store, paths: Sequence[str]) -> str:
             address = json.loads((store.folder / ADDRESS).read_text("ascii"))
             place = _asked(address, "workspaces", {})["id"] if paths else ""
             for path in paths:
-                _asked(address, f"workspaces/{place}/open", {"path": os.path.abspath(path)})
+                _asked(address, f"workspaces/{place}/open", {"path": path})
             link: str = _asked(address, "link", {})["link"]
             return f"{link}&workspace={place}" if place else link
         except UsageError:

@@ -49,10 +49,14 @@ def build(folder: Path, recording: Recording, key: str, raw: Sequence[str] = (),
         return None
     draft = folder / "trace.part"
     shutil.rmtree(draft, ignore_errors=True)
-    draft.mkdir(mode=0o700)
-    channels = [_write(draft, i, record, raw) for i, record in enumerate(recording)]
-    meta = json.dumps({"key": key, "channels": channels}, ensure_ascii=False)
-    write(draft / "meta.json", meta.encode("utf-8", "replace"))
+    try:
+        draft.mkdir(mode=0o700)
+        channels = [_write(draft, i, record, raw) for i, record in enumerate(recording)]
+        meta = json.dumps({"key": key, "channels": channels}, ensure_ascii=False)
+        write(draft / "meta.json", meta.encode("utf-8", "replace"))
+    except (OSError, UsageError):
+        shutil.rmtree(draft, ignore_errors=True)
+        raise
     shutil.rmtree(place, ignore_errors=True)
     draft.rename(place)
     return room
