@@ -1,4 +1,4 @@
-"""The folder of the page: states of other versions, what stands in the way, a full disk, and what is asked meanwhile."""
+"""The folder of the page: states of other versions, what stands in the way, a full disk, and how much is kept."""
 
 import asyncio
 import errno
@@ -264,7 +264,7 @@ def test_json_is_refused_by_its_depth(deep):
         if deep < 50:
             assert plain(data)
         else:
-            with pytest.raises(UsageError, match="^lists and objects are nested more than 50 deep$"):
+            with pytest.raises(UsageError, match=r"^lists and objects are nested more than 50 deep$"):
                 plain(data)
 
 

@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -266,14 +267,30 @@ def test_ctrl_c_ends_a_server_that_still_compiles(tmp_path, file, monkeypatch):
 
 
 @pytest.mark.slow("a server that is stopped, killed, or interrupted")
-def test_a_job_is_begun_once_more_after_ctrl_c(tmp_path):
+def test_a_job_is_begun_once_more_after_ctrl_c(tmp_path, file):
+    """Whoever waits for the server is answered, and the terminal has one line, also after uploads that broke off."""
     with (
         served(tmp_path, waiting=True) as (process, link),
         Client(link) as client,
         waiting_job(client, tmp_path) as (workspace, job),
+        ThreadPoolExecutor(2) as pool,
     ):
+        place = f"/api/workspaces/{workspace}"
+        example = pool.submit(client.again().post, f"{place}/example")
+        while not any(path.is_dir() for path in (kept(tmp_path) / workspace).iterdir()):
+            client.get("/api/workspaces")
+        for how in ("?name=a.csv HTTP/1.1\r\nContent-Length: 9", " HTTP/1.1\r\nTransfer-Encoding: chunked"):
+            host, _, port = client.base.removeprefix("http://").partition(":")
+            own = f"Host: {host}:{port}\r\nOrigin: {client.base}\r\nAuthorization: Bearer {client.secret}\r\n\r\nZ"
+            with socket.create_connection((host, int(port))) as one:
+                one.sendall(f"POST {place}/files{how}\r\n{own}".encode())
+        events = client.again().events(job)
+        next(events)
         process.send_signal(signal.SIGINT)
         process.wait(WAIT)
+        assert example.result().json()["error"].startswith("the server was ended")
+        assert process.stderr.read() == "\nerror: interrupted\n"
+    assert not list(kept(tmp_path).rglob("data*"))
     with served(tmp_path, waiting=True) as (_, link), Client(link) as client:
         assert client.get(f"/api/workspaces/{workspace}").json()["jobs"][0]["state"] in ("waiting", "running")
         client.post(f"/api/jobs/{job}/cancel")

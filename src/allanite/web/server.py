@@ -1,5 +1,6 @@
 """The server: on this machine alone, until Ctrl-C; who may come in, its routes, and what is answered to errors."""
 
+import asyncio
 import errno
 import hmac
 import http.client
@@ -84,16 +85,25 @@ class Door:
                 await self.inside(scope, receive, send)
             return
 
+        begun = False
+
         async def closed(message: MutableMapping[str, Any]) -> None:
+            nonlocal begun
             if message["type"] == "http.response.start":
+                begun = True
                 headers = MutableHeaders(scope=message)
                 for name, value in HEADERS.items():
                     headers[name] = value
             await send(message)
 
         answer = self._answer(scope)
-        with command_line():  # messages name options, as controls are called by them
-            await (answer or self.inside)(scope, receive, closed)
+        try:
+            with command_line():  # messages name options, as controls are called by them
+                await (answer or self.inside)(scope, receive, closed)
+        except asyncio.CancelledError:
+            if begun:
+                raise
+            await _refusal("the server was ended: run allanite serve again", 503)(scope, receive, closed)
 
     def _answer(self, scope: Scope) -> Application | None:
         """The answer to a request that does not come in."""
@@ -101,25 +111,27 @@ class Door:
         if headers.get("host", "") not in self.hosts:
             return PlainTextResponse("this server answers at 127.0.0.1 only", 421)
         if scope["method"] not in SAFE and headers.get("origin", "") not in {f"http://{host}" for host in self.hosts}:
-            return JSONResponse({"error": "the request comes from another page", "option": None, "exit": 2}, 403)
+            return _refusal("the request comes from another page", 403)
         if not scope["path"].startswith("/api/"):
             return None
         given = headers.get("authorization", "").removeprefix("Bearer ").encode()
         if scope["path"] == ENTRY and scope["method"] == "POST":
             return self._entered(given)
         if not hmac.compare_digest(given, self.secret.encode()):
-            words = "open the link that allanite serve prints; run it once more for a new one"
-            return JSONResponse({"error": words, "option": None, "exit": 2}, 401)
+            return _refusal("open the link that allanite serve prints; run it once more for a new one", 401)
         return None
 
     def _entered(self, given: bytes) -> Application:
         self.tokens = self._valid()
         token = next((token for token in self.tokens if hmac.compare_digest(given, token.encode())), None)
         if token is None:
-            words = "this link was used already, or is too old; run allanite serve once more for a new one"
-            return JSONResponse({"error": words, "option": None, "exit": 2}, 403)
+            return _refusal("this link was used already, or is too old: run allanite serve once more for another", 403)
         del self.tokens[token]
         return JSONResponse({"secret": self.secret})
+
+
+def _refusal(words: str, status: int) -> JSONResponse:
+    return JSONResponse({"error": words, "option": None, "exit": 2}, status)
 
 
 def application(store: Store, jobs: Jobs, first: dict[str, Any]) -> FastAPI:
