@@ -92,7 +92,9 @@ def window(folder: Path, channel: str, start: float | None, end: float | None, p
     """The part of a trace between two times, s, as at most so many stretches."""
     meta = _meta(folder / "trace")
     if not meta:
-        raise UsageError("there is no trace of this file: it was not read yet, or the quota has no room for it")
+        raise UsageError(
+            "there is no trace of this file: it was not read yet, or only in parts, or the quota has no room for it"
+        )
     names = [stored["name"] for stored in meta["channels"]]
     if channel and channel not in names:
         raise UsageError(f"no channel {channel!r}; channels: {', '.join(names)}")
