@@ -13,9 +13,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from tests.rows import rows
 
 import allanite as al
+from allanite.cli import main
 from allanite.core.errors import UsageError
 from allanite.web.jobs import MAX_EVENTS, Jobs, Live
 from allanite.web.server import serve
@@ -310,13 +312,38 @@ def blocked(place, how):
         (base / "serve" / "address").mkdir() if how == "address" else os.mkfifo(base / "serve" / ".lock")
 
 
-@rows("how", ["file", "link", "below a file", "address", "lock"])
+@rows("how", ["file", "link", "below a file", "address", "lock", "below /proc"])
 def test_what_stands_in_the_way_is_named(tmp_path, monkeypatch, how):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    place = Path("/proc/self") if how == "below /proc" else tmp_path
+    monkeypatch.setenv("XDG_CACHE_HOME", str(place))
     blocked(tmp_path, how)
     with pytest.raises(UsageError, match="cannot be used") as refused:
         serve([], port=0, browser=False, lang="en", limit=1, quota=1)
-    assert str(tmp_path / "allanite") in str(refused.value)
+    assert str(place / "allanite") in str(refused.value)
+
+
+def test_a_user_without_a_home_is_told(monkeypatch):
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setattr(os.path, "expanduser", lambda path: path)
+    with pytest.raises(UsageError, match="set HOME"):
+        serve([], port=0, browser=False, lang="en", limit=1, quota=1)
+
+
+@rows(
+    ("words", "code", "said"),
+    [
+        (["--limit", "0"], 2, "--limit is a size such as 1GB or 500MB, not '0'"),
+        (["--quota", "-1GB"], 2, "--quota is a size such as 1GB or 500MB, not '-1GB'"),
+        (["--quota", "9" * 400 + "GB"], 2, "--quota is a size such as"), (["--limit", ""], 2, "--limit is a size"),
+        (["--port", "70000"], 2, "--port"), (["--lang", "xx"], 2, "unknown language 'xx'"),
+        (["/"], 3, "'/' is a folder: give a file of it"), (["none"], 3, "no file 'none'"), ([""], 3, "no file ''"),
+    ],
+)  # fmt: skip
+def test_options_are_refused_before_anything_is_kept(tmp_path, monkeypatch, words, code, said):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    result = CliRunner().invoke(main, ["serve", "--no-browser", *words])
+    assert (result.exit_code, said in result.stderr) == (code, True), result.stderr
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.slow("takes more than half a second")

@@ -212,6 +212,8 @@ async def opened(request: Request, name: str) -> dict[str, Any]:
 def sought(path: str) -> str:
     """Where a file of this machine is, by its path."""
     where = os.path.abspath(os.path.expanduser(path))
+    if path and os.path.isdir(where):
+        raise DataError(f"{path!r} is a folder: give a file of it")
     if not path or not os.path.isfile(where):
         raise DataError(f"there is no file {path!r}; give its path on this machine")
     if encoded(where) != os.fsencode(where):

@@ -183,7 +183,10 @@ def serve(paths: Sequence[str], *, port: int, browser: bool, lang: str, limit: i
     """Serve the page until it is interrupted."""
     catalogue(lang)
     paths = [sought(path) for path in paths]
-    folder = private_folder()
+    try:
+        folder = private_folder()
+    except RuntimeError as error:
+        raise UsageError(f"the folder for the files of the page is unknown ({error}); set HOME") from None
     try:
         store = Store(folder, limit=limit, quota=quota)
         held = _lock(folder)
