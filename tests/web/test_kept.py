@@ -299,6 +299,25 @@ def test_a_job_is_begun_once_more_after_ctrl_c(tmp_path, file):
         assert list(client.events(job))[-1][1]["error"] == "cancelled"
 
 
+@pytest.mark.slow("a server that is stopped, killed, or interrupted")
+@rows("stopped", [False, True])
+def test_a_stream_has_its_results_when_the_server_ends(tmp_path, stopped):
+    path = tmp_path / "growing.txt"
+    path.write_text("gx [deg/h]\n" + "".join(f"{v:.4f}\n" for v in np.random.default_rng(2).normal(size=4000)))
+    with served(tmp_path) as (process, link), Client(link) as client:
+        workspace = client.workspace()
+        job = client.begin(workspace, "watch", [], {"rate": 100, "every": 0.2}, target=str(path))
+        assert any(kind == "live" for kind, _ in client.events(job))
+        if stopped:  # what is coming to its end already is not asked twice, which would end it without results
+            client.post(f"/api/jobs/{job}/cancel")
+        process.send_signal(signal.SIGINT)
+        process.wait(WAIT)
+    with served(tmp_path) as (_, link), Client(link) as client:
+        made = client.get(f"/api/jobs/{job}").json()
+        assert made["state"] == "done", made["problem"]
+        assert made["value"]["channels"][0]["fit"]["terms"]
+
+
 def blocked(place, how):
     """What the page keeps its files in, with something in its way."""
     base = place / "allanite"

@@ -4,7 +4,7 @@ import asyncio
 import json
 import secrets
 import threading
-from concurrent.futures import Future
+from concurrent.futures import Future, wait
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from typing import Any
 from allanite.core.errors import DataError, UsageError
 
 from .requests import Request, problem_of
-from .schema import JobBody
+from .schema import JobBody, log
 from .store import FullError, MissingError, State, Store, known, overfull, removed
 from .workers import ProblemError, Worker, Workers
 
@@ -22,6 +22,8 @@ WARM = "warm"  # the lane of the worker that compiles what is not compiled yet
 UNFINISHED = ("waiting", "running")
 
 CANCELLED = {"error": "cancelled", "option": None, "exit": 130}
+
+MAX_END_S = 60.0  # seconds in which a stream comes to its results when the server ends
 
 LATEST = ("progress", "live")  # reports of which only the last one matters
 MAX_EVENTS, MAX_LIVES = 200, 50  # reports of a job, and jobs that are over, that are remembered
@@ -33,7 +35,7 @@ class Live:
     def __init__(self) -> None:
         self.events: list[tuple[int, str, dict[str, Any]]] = []
         self.count = 0
-        self.over = False
+        self.over = self.stopping = False
         self.turn: Future[None] | None = None
 
     def tell(self, kind: str, data: dict[str, Any]) -> None:
@@ -93,12 +95,12 @@ class Jobs:
         job = self.job(name)
         if job["state"] not in UNFINISHED:
             return
-        if job["verb"] == "watch" and job["state"] == "running" and not job.get("stopping"):
-            job["stopping"] = True
+        live = self.live.get(name)
+        if live and job["verb"] == "watch" and job["state"] == "running" and not live.stopping:
+            live.stopping = True
             self.workers.interrupt(_lane(job))
             return
         self._set(job, "cancelled")
-        live = self.live.get(name)
         if live and live.turn and live.turn.cancel():  # it had not begun
             live.tell("failed", CANCELLED)
         else:
@@ -110,6 +112,26 @@ class Jobs:
         for job in jobs:
             self._set(job, "cancelled")
         self.workers.close(f"{workspace} main", *map(_lane, jobs))
+
+    def close(self) -> None:
+        """End everything; streams that are watched come to their results before."""
+        try:
+            streams = [live for name, live in list(self.live.items()) if not live.over and self._watched(name)]
+            if streams:
+                log("the results of what is watched are computed; Ctrl-C once more ends without them")
+            wait([live.turn for live in streams if live.turn], MAX_END_S)
+        finally:
+            self.workers.close()
+
+    def _watched(self, name: str) -> bool:
+        """Whether a job is a stream that is being watched, which is asked to come to an end."""
+        with suppress(MissingError):
+            job, live = self.job(name), self.live[name]
+            if job["verb"] == "watch" and job["state"] == "running":
+                if not live.stopping:
+                    self.cancel(name)
+                return True
+        return False
 
     def result(self, name: str) -> tuple[bytes, bytes]:
         """The JSON of a result, and what is shown of it."""

@@ -248,9 +248,9 @@ def _serve(store: Store, paths: Sequence[str], port: int, browser: bool, lang: s
         jobs.warm()
         server.run(sockets=[listener])
     finally:
-        jobs.workers.close()
         listener.close()
         (store.folder / ADDRESS).unlink(missing_ok=True)
+        jobs.close()
 
 
 def _announce(link: str, words: str) -> None:
