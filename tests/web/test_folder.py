@@ -1,6 +1,5 @@
 """The folder of the page: states of other versions, what stands in the way, a full disk, and how much is kept."""
 
-import asyncio
 import errno
 import json
 import os
@@ -19,6 +18,8 @@ from allanite.web.schema import JobBody, plain
 from allanite.web.server import application, serve
 from allanite.web.store import FullError, Store
 from allanite.web.worker import MAX_RESULTS, Held
+
+from .served import apart
 
 MB = 1_000_000
 
@@ -52,7 +53,7 @@ def asked(store, jobs, method, path, **body):
         async with httpx.AsyncClient(transport=transport, base_url="http://page") as client:
             return await client.request(method, path, json=body)
 
-    return asyncio.run(ask())
+    return apart(ask)
 
 
 RESULT = {"json": "{}", "faces": {}, "exit": 0}

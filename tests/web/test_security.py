@@ -1,6 +1,5 @@
 """Who may come in, and what hostile input cannot do."""
 
-import asyncio
 import http.client
 import importlib.util
 import re
@@ -19,7 +18,7 @@ from allanite.cli.front import EXCEEDED
 from allanite.reporting.digits import printable
 from allanite.web.server import MAX_LINK_AGE_S, MAX_LINKS, ROUTES, Door
 
-from .served import Client, served
+from .served import Client, apart, served
 
 spec = importlib.util.spec_from_file_location("damaged", ROOT / "benchmarks" / "damaged.py")
 damaged = importlib.util.module_from_spec(spec)
@@ -109,7 +108,7 @@ def entered(door, link):
     async def send(message):
         sent.append(message)
 
-    asyncio.run(door(scope, None, send))
+    apart(lambda: door(scope, None, send))
     return sent[0]["status"]
 
 

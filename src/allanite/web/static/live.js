@@ -46,7 +46,10 @@ async function showing(result) {
   running(true);
   try {
     const made = await result;
-    fill(byId("live-results"), (made.channels ?? []).map((one) => fragment(el("div", { class: "fragment" }), one.html)));
+    fill(byId("live-results"), (made.channels ?? []).flatMap((one) => [
+      fragment(el("div", { class: "fragment" }), one.html),
+      el("ul", {}, one.findings.map(({ text }) => el("li", {}, spoken(text)))),
+    ]));
   } catch (error) {
     fill(byId("live-results"), complaint(error, "error-live"));
   }
