@@ -115,23 +115,17 @@ class Jobs:
 
     def close(self) -> None:
         """End everything; streams that are watched come to their results before."""
+        jobs = [job for state in [*self.store.states.values()] for job in state["jobs"].values()]
+        watched = [job["id"] for job in jobs if job["verb"] == "watch" and job["state"] == "running"]
+        streams = {name: self.live[name] for name in watched if name in self.live}
         try:
-            streams = [live for name, live in list(self.live.items()) if not live.over and self._watched(name)]
+            for name, live in streams.items():
+                self.cancel(name) if not live.stopping else None
             if streams:
                 log("the results of what is watched are computed; Ctrl-C once more ends without them")
-            wait([live.turn for live in streams if live.turn], MAX_END_S)
+            wait([live.turn for live in streams.values() if live.turn], MAX_END_S)
         finally:
             self.workers.close()
-
-    def _watched(self, name: str) -> bool:
-        """Whether a job is a stream that is being watched, which is asked to come to an end."""
-        with suppress(MissingError):
-            job, live = self.job(name), self.live[name]
-            if job["verb"] == "watch" and job["state"] == "running":
-                if not live.stopping:
-                    self.cancel(name)
-                return True
-        return False
 
     def result(self, name: str) -> tuple[bytes, bytes]:
         """The JSON of a result, and what is shown of it."""
