@@ -1,10 +1,12 @@
 """A server of the page in a process of its own, and a client that has entered it."""
 
+import asyncio
 import json
 import os
 import signal
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -14,6 +16,12 @@ WAIT = 120.0  # seconds after which something that should come does not come any
 
 PLUGIN = Path(__file__).with_name("plugin")
 """Where the format of `waiting_job` is installed, for a server that is `waiting`."""
+
+
+def apart(call):
+    """What a coroutine gives, in another thread: in this one a browser may hold a loop that runs."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(lambda: asyncio.run(call())).result()
 
 
 @contextmanager

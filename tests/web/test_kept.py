@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -12,9 +13,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from tests.rows import rows
 
 import allanite as al
+from allanite.cli import main
 from allanite.core.errors import UsageError
 from allanite.web.jobs import MAX_EVENTS, Jobs, Live
 from allanite.web.server import serve
@@ -236,7 +239,7 @@ def test_a_second_server_joins_the_first(tmp_path, file):
             assert tab.base == client.base
             assert [one["name"] for one in tab.get(f"/api/workspaces/{workspace}").json()["files"]] == ["g.csv"]
         missing = second(tmp_path, tmp_path / "none.csv")
-        assert missing.returncode == 2
+        assert missing.returncode == 3
         assert "there is no file" in missing.stderr
         process.kill()  # the lock of a process that is dead is taken over
         process.wait()
@@ -266,18 +269,53 @@ def test_ctrl_c_ends_a_server_that_still_compiles(tmp_path, file, monkeypatch):
 
 
 @pytest.mark.slow("a server that is stopped, killed, or interrupted")
-def test_a_job_is_begun_once_more_after_ctrl_c(tmp_path):
+def test_a_job_is_begun_once_more_after_ctrl_c(tmp_path, file):
+    """Whoever waits for the server is answered, and the terminal has one line, also after uploads that broke off."""
     with (
         served(tmp_path, waiting=True) as (process, link),
         Client(link) as client,
         waiting_job(client, tmp_path) as (workspace, job),
+        ThreadPoolExecutor(2) as pool,
     ):
+        place = f"/api/workspaces/{workspace}"
+        example = pool.submit(client.again().post, f"{place}/example")
+        while not any(path.is_dir() for path in (kept(tmp_path) / workspace).iterdir()):
+            client.get("/api/workspaces")
+        for how in ("?name=a.csv HTTP/1.1\r\nContent-Length: 9", " HTTP/1.1\r\nTransfer-Encoding: chunked"):
+            host, _, port = client.base.removeprefix("http://").partition(":")
+            own = f"Host: {host}:{port}\r\nOrigin: {client.base}\r\nAuthorization: Bearer {client.secret}\r\n\r\nZ"
+            with socket.create_connection((host, int(port))) as one:
+                one.sendall(f"POST {place}/files{how}\r\n{own}".encode())
+        events = client.again().events(job)
+        next(events)
         process.send_signal(signal.SIGINT)
         process.wait(WAIT)
+        assert example.result().json()["error"].startswith("the server was ended")
+        assert process.stderr.read() == "\nerror: interrupted\n"
+    assert not list(kept(tmp_path).rglob("data*"))
     with served(tmp_path, waiting=True) as (_, link), Client(link) as client:
         assert client.get(f"/api/workspaces/{workspace}").json()["jobs"][0]["state"] in ("waiting", "running")
         client.post(f"/api/jobs/{job}/cancel")
         assert list(client.events(job))[-1][1]["error"] == "cancelled"
+
+
+@pytest.mark.slow("a server that is stopped, killed, or interrupted")
+@rows("stopped", [False, True])
+def test_a_stream_has_its_results_when_the_server_ends(tmp_path, stopped):
+    path = tmp_path / "growing.txt"
+    path.write_text("gx [deg/h]\n" + "".join(f"{v:.4f}\n" for v in np.random.default_rng(2).normal(size=4000)))
+    with served(tmp_path) as (process, link), Client(link) as client:
+        workspace = client.workspace()
+        job = client.begin(workspace, "watch", [], {"rate": 100, "every": 0.2}, target=str(path))
+        assert any(kind == "live" for kind, _ in client.events(job))
+        if stopped:  # what is coming to its end already is not asked twice, which would end it without results
+            client.post(f"/api/jobs/{job}/cancel")
+        process.send_signal(signal.SIGINT)
+        process.wait(WAIT)
+    with served(tmp_path) as (_, link), Client(link) as client:
+        made = client.get(f"/api/jobs/{job}").json()
+        assert made["state"] == "done", made["problem"]
+        assert made["value"]["channels"][0]["fit"]["terms"]
 
 
 def blocked(place, how):
@@ -293,13 +331,38 @@ def blocked(place, how):
         (base / "serve" / "address").mkdir() if how == "address" else os.mkfifo(base / "serve" / ".lock")
 
 
-@rows("how", ["file", "link", "below a file", "address", "lock"])
+@rows("how", ["file", "link", "below a file", "address", "lock", "below /proc"])
 def test_what_stands_in_the_way_is_named(tmp_path, monkeypatch, how):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    place = Path("/proc/self") if how == "below /proc" else tmp_path
+    monkeypatch.setenv("XDG_CACHE_HOME", str(place))
     blocked(tmp_path, how)
     with pytest.raises(UsageError, match="cannot be used") as refused:
         serve([], port=0, browser=False, lang="en", limit=1, quota=1)
-    assert str(tmp_path / "allanite") in str(refused.value)
+    assert str(place / "allanite") in str(refused.value)
+
+
+def test_a_user_without_a_home_is_told(monkeypatch):
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setattr(os.path, "expanduser", lambda path: path)
+    with pytest.raises(UsageError, match="set HOME"):
+        serve([], port=0, browser=False, lang="en", limit=1, quota=1)
+
+
+@rows(
+    ("words", "code", "said"),
+    [
+        (["--limit", "0"], 2, "--limit is a size such as 1GB or 500MB, not '0'"),
+        (["--quota", "-1GB"], 2, "--quota is a size such as 1GB or 500MB, not '-1GB'"),
+        (["--quota", "9" * 400 + "GB"], 2, "--quota is a size such as"), (["--limit", ""], 2, "--limit is a size"),
+        (["--port", "70000"], 2, "--port"), (["--lang", "xx"], 2, "unknown language 'xx'"),
+        (["/"], 3, "'/' is a folder: give a file of it"), (["none"], 3, "no file 'none'"), ([""], 3, "no file ''"),
+    ],
+)  # fmt: skip
+def test_options_are_refused_before_anything_is_kept(tmp_path, monkeypatch, words, code, said):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    result = CliRunner().invoke(main, ["serve", "--no-browser", *words])
+    assert (result.exit_code, said in result.stderr) == (code, True), result.stderr
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.slow("takes more than half a second")

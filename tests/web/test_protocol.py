@@ -6,11 +6,12 @@ from itertools import count
 
 import pytest
 import uvicorn
+from tests import ROOT
 from tests.rows import rows
 from uvicorn.server import ServerState
 
 from allanite.web import routes
-from allanite.web.routes import MAX_CONNECTIONS, PromptProtocol
+from allanite.web.routes import MAX_CONNECTIONS, TURN_TIMEOUT_S, PromptProtocol
 
 WHOLE = b"GET / HTTP/1.1\r\nHost: a\r\n\r\n"
 
@@ -20,7 +21,7 @@ class Transport(asyncio.Transport):
 
     closed = False
 
-    def close(self):
+    def abort(self):
         self.closed = True
 
     def is_closing(self):
@@ -45,7 +46,7 @@ async def slow(scope, receive, send):
 @pytest.fixture
 def loop(monkeypatch):
     """A loop whose patience is over at its next turn."""
-    monkeypatch.setattr(routes, "HEAD_TIMEOUT_S", 0.0)
+    monkeypatch.setattr(routes, "TURN_TIMEOUT_S", 0.0)
     loop = asyncio.new_event_loop()
     yield loop
     for task in asyncio.all_tasks(loop):
@@ -66,6 +67,11 @@ def connected(loop, answer, state=None):
     made, transport = PromptProtocol(uvicorn.Config(answer), state or ServerState(), {}, _loop=loop), Transport()
     made.connection_made(transport)
     return made, transport
+
+
+def test_a_client_has_ten_seconds_as_the_page_on_it_says():
+    words = (ROOT / "docs" / "page.md").read_text("utf-8")
+    assert f"within {TURN_TIMEOUT_S:.0f} s" in " ".join(words.split())
 
 
 @rows("sent", [b"", b"GET / HT", WHOLE[:-2], b"POST / HTTP/1.1\r\nHost: a\r\nX: "])
@@ -96,10 +102,25 @@ def test_whole_requests_have_all_the_time_and_half_ones_are_closed(loop):
     assert transport.closed
 
 
-def test_of_too_many_connections_the_oldest_that_asks_for_nothing_is_closed(loop):
+def test_an_answer_that_is_not_taken_is_broken_off(loop):
+    made, transport = connected(loop, slow)
+    made.data_received(WHOLE)
+    made.pause_writing()
+    made.resume_writing()
+    turn(loop)
+    assert not transport.closed
+    made.pause_writing()
+    turn(loop)
+    assert transport.closed
+
+
+def test_of_too_many_connections_the_oldest_that_waits_for_its_client_is_closed(loop):
     loop.time, state = count().__next__, ServerState()
     many = [connected(loop, slow, state) for _ in range(MAX_CONNECTIONS)]
-    many[0][0].data_received(WHOLE)
+    for made, _ in many[:3]:
+        made.data_received(WHOLE)
+    many[1][0].pause_writing()  # it takes no answer
     many += [connected(loop, slow, state) for _ in range(3)]
-    assert [transport.closed for _, transport in many] == [False, True, True, True] + [False] * (MAX_CONNECTIONS - 1)
+    assert [transport.closed for _, transport in many[:6]] == [False, True, False, True, True, False]
+    assert sum(transport.closed for _, transport in many) == 3
     del loop.time

@@ -18,7 +18,7 @@ from allanite.cli.front import EXCEEDED
 from allanite.reporting.digits import printable
 from allanite.web.server import MAX_LINK_AGE_S, MAX_LINKS, ROUTES, Door
 
-from .served import Client, served
+from .served import Client, apart, served
 
 spec = importlib.util.spec_from_file_location("damaged", ROOT / "benchmarks" / "damaged.py")
 damaged = importlib.util.module_from_spec(spec)
@@ -90,6 +90,28 @@ def test_a_link_opens_once(client, link):
         assert other.secret == client.secret
 
 
+def entered(door, link):
+    """The status of the answer to the token of a link."""
+    sent = []
+    headers = {
+        "host": "127.0.0.1:1",
+        "origin": "http://127.0.0.1:1",
+        "authorization": f"Bearer {link.partition('=')[2]}",
+    }
+    scope = {
+        "type": "http",
+        "method": "POST",
+        "path": "/api/enter",
+        "headers": [(k.encode(), v.encode()) for k, v in headers.items()],
+    }
+
+    async def send(message):
+        sent.append(message)
+
+    apart(lambda: door(scope, None, send))
+    return sent[0]["status"]
+
+
 def test_links_are_few_and_grow_old():
     now = [0.0]
     door = Door(None, port=1, clock=lambda: now[0])
@@ -101,6 +123,11 @@ def test_links_are_few_and_grow_old():
     now[0] = MAX_LINK_AGE_S
     last = door.link()
     assert list(door.tokens) == [link.partition("token=")[2] for link in (newer, last)]
+    # the one that is an hour old opens nothing, though nobody has asked for another since
+    now[0] += MAX_LINK_AGE_S / 2
+    statuses = [entered(door, link) for link in (links[-1], newer, last, last)]
+    assert statuses == [403, 403, 200, 403]
+    assert door.tokens == {}
 
 
 @pytest.mark.slow("two servers, one after the other")

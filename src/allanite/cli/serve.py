@@ -32,5 +32,4 @@ def serve(files: tuple[str, ...], **choices: Any) -> None:
     demand_extra("web", "fastapi", "uvicorn", what="the page")
     from allanite.web.server import serve as run
 
-    run(files, port=choices["port"], browser=choices["browser"], lang=choices["lang"], limit=bytes_of(choices["limit"]),
-        quota=bytes_of(choices["quota"]))  # fmt: skip
+    run(files, **choices | {name: bytes_of(choices[name], name) for name in ("limit", "quota")})

@@ -4,7 +4,7 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import ceil
+from math import ceil, inf
 from pathlib import Path
 from typing import Any
 
@@ -55,13 +55,13 @@ def size_in_words(size: float) -> str:
     return f"{size:.0f} B"
 
 
-def bytes_of(text: str) -> int:
-    """A size such as ``"1GB"`` or ``"500 MB"``."""
+def bytes_of(text: str, name: str = "memory") -> int:
+    """The size of a choice, such as ``"1GB"`` or ``"500 MB"``."""
     match = _SIZE.fullmatch(text)
-    size = int(float(match[1]) * _UNITS[match[2].lower()]) if match else 0
-    if not size:
-        raise UsageError(f"{spelled('--memory', 'memory')} is a size such as 1GB or 500MB, not {text!r}")
-    return size
+    size = float(match[1]) * _UNITS[match[2].lower()] if match else 0.0
+    if not 1.0 <= size < inf:
+        raise UsageError(f"{spelled(f'--{name}', name)} is a size such as 1GB or 500MB, not {text!r}")
+    return int(size)
 
 
 def available() -> int:

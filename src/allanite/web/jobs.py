@@ -4,17 +4,16 @@ import asyncio
 import json
 import secrets
 import threading
-from concurrent.futures import Future
+from concurrent.futures import Future, wait
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.files import write
 
 from .requests import Request, problem_of
-from .schema import JobBody
-from .store import MissingError, State, Store, known
+from .schema import JobBody, log
+from .store import FullError, MissingError, State, Store, known, overfull, removed
 from .workers import ProblemError, Worker, Workers
 
 READY_PERIOD_S = 0.3  # seconds between looks whether what is compiled after an installation is ready
@@ -23,6 +22,8 @@ WARM = "warm"  # the lane of the worker that compiles what is not compiled yet
 UNFINISHED = ("waiting", "running")
 
 CANCELLED = {"error": "cancelled", "option": None, "exit": 130}
+
+MAX_END_S = 60.0  # seconds in which a stream comes to its results when the server ends
 
 LATEST = ("progress", "live")  # reports of which only the last one matters
 MAX_EVENTS, MAX_LIVES = 200, 50  # reports of a job, and jobs that are over, that are remembered
@@ -34,7 +35,7 @@ class Live:
     def __init__(self) -> None:
         self.events: list[tuple[int, str, dict[str, Any]]] = []
         self.count = 0
-        self.over = False
+        self.over = self.stopping = False
         self.turn: Future[None] | None = None
 
     def tell(self, kind: str, data: dict[str, Any]) -> None:
@@ -94,12 +95,12 @@ class Jobs:
         job = self.job(name)
         if job["state"] not in UNFINISHED:
             return
-        if job["verb"] == "watch" and job["state"] == "running" and not job.get("stopping"):
-            job["stopping"] = True
+        live = self.live.get(name)
+        if live and job["verb"] == "watch" and job["state"] == "running" and not live.stopping:
+            live.stopping = True
             self.workers.interrupt(_lane(job))
             return
         self._set(job, "cancelled")
-        live = self.live.get(name)
         if live and live.turn and live.turn.cancel():  # it had not begun
             live.tell("failed", CANCELLED)
         else:
@@ -111,6 +112,20 @@ class Jobs:
         for job in jobs:
             self._set(job, "cancelled")
         self.workers.close(f"{workspace} main", *map(_lane, jobs))
+
+    def close(self) -> None:
+        """End everything; streams that are watched come to their results before."""
+        jobs = [job for state in [*self.store.states.values()] for job in state["jobs"].values()]
+        watched = [job["id"] for job in jobs if job["verb"] == "watch" and job["state"] == "running"]
+        streams = {name: self.live[name] for name in watched if name in self.live}
+        try:
+            for name, live in streams.items():
+                self.cancel(name) if not live.stopping else None
+            if streams:
+                log("the results of what is watched are computed; Ctrl-C once more ends without them")
+            wait([live.turn for live in streams.values() if live.turn], MAX_END_S)
+        finally:
+            self.workers.close()
 
     def result(self, name: str) -> tuple[bytes, bytes]:
         """The JSON of a result, and what is shown of it."""
@@ -162,6 +177,9 @@ class Jobs:
         def tell(kind: str, data: dict[str, Any]) -> None:
             if job["state"] == "waiting":
                 self._set(job, "running")
+            if kind == "trace" and not data["problem"] and self.store.room() < 0:  # others came at the same time
+                removed(self.store.place(data["file"]) / "trace")
+                data |= {"problem": problem_of(overfull(self.store.quota))}
             live.tell(kind, data)
 
         def ended() -> bool:
@@ -174,8 +192,8 @@ class Jobs:
                     tell("progress", self.preparing)
             answer = worker.ask("run", self._arguments(job), tell, ended)
             value, shown = self._paths(job["id"])
-            write(value, answer["json"].encode("utf-8", "replace"), force=True)
-            write(shown, json.dumps(answer["faces"] | {"exit": answer["exit"]}).encode(), force=True)
+            self.store.put(value, answer["json"].encode("utf-8", "replace"))
+            self.store.put(shown, json.dumps(answer["faces"] | {"exit": answer["exit"]}).encode())
         except ProblemError as problem:
             self._fail(job, live, problem.data)
         except Exception as error:
@@ -191,8 +209,8 @@ class Jobs:
         live.tell("failed", problem if job["state"] == "failed" else CANCELLED)
 
     def _set(self, job: State, state: str) -> None:
-        """Go on to another state, unless the job is over or its workspace deleted."""
-        with suppress(MissingError), self.store.changed(job["id"].partition("-")[0]):
+        """Go on to another state, unless the job is over or its workspace deleted; on a full disk, in memory."""
+        with suppress(MissingError, FullError), self.store.changed(job["id"].partition("-")[0]):
             if job["state"] in UNFINISHED:
                 job["state"] = state
 

@@ -12,11 +12,12 @@ from fastapi import Query, Request
 from fastapi.exceptions import RequestValidationError
 from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
 from starlette.responses import JSONResponse, Response, StreamingResponse
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
-from allanite.core.files import encoded
+from allanite.core.files import encoded, reason
 from allanite.core.names import demand_name
 from allanite.core.syntax import toml
 
@@ -28,34 +29,33 @@ from .store import FullError, MissingError, Store, shown
 from .worker import FORMS
 from .workers import ProblemError
 
-HEAD_TIMEOUT_S = 10.0
-"""Seconds in which the head of a request has to come whole; a browser on this machine takes milliseconds."""
+TURN_TIMEOUT_S = 10.0
+"""Seconds in which a client sends the head of a request, or takes what is sent; a browser here takes milliseconds."""
 
 MAX_CONNECTIONS = 200
-"""Connections beyond which the oldest that asks for nothing is closed; Linux gives a process 1024 files."""
+"""Connections beyond which the oldest that waits for its client is closed; Linux gives a process 1024 files."""
 
 MAX_ACCEPTED = 64  # connections that are taken at once, before those that are too many are closed
 
 
 class PromptProtocol(H11Protocol):
-    """Closes a connection whose request does not come in time, or that is in the way of others."""
+    """Closes a connection whose client does not send a request or take the answer in time, or is in the way."""
 
     late: asyncio.TimerHandle | None = None
     begun = 0.0
 
     @property
     def idle(self) -> bool:
-        """Whether it is asked for nothing at the moment."""
-        return self.cycle is None or self.cycle.response_complete
+        """Whether it is the turn of the client: to ask for something, or to take what is sent."""
+        return self.cycle is None or self.cycle.response_complete or self.flow.write_paused
 
     def connection_made(self, transport: Any) -> None:
         """Begin to wait for the first request."""
         super().connection_made(transport)
         self.begun = self.loop.time()
-        every = [other for other in self.connections if isinstance(other, PromptProtocol)]
-        all_open = [other for other in every if not other.transport.is_closing()]
-        if len(all_open) > MAX_CONNECTIONS:
-            min((other for other in all_open if other.idle), key=lambda other: other.begun).transport.close()
+        if len(self.connections) > MAX_CONNECTIONS:
+            every = [other for other in self.connections if isinstance(other, PromptProtocol)]
+            min((other for other in every if other.idle), key=lambda other: other.begun).end()
         self._wait()
 
     def data_received(self, data: bytes) -> None:
@@ -63,16 +63,31 @@ class PromptProtocol(H11Protocol):
         super().data_received(data)
         self._wait()
 
+    def pause_writing(self) -> None:
+        """Wait until the client takes what was sent."""
+        super().pause_writing()
+        self._wait()
+
+    def resume_writing(self) -> None:
+        """Send the rest."""
+        super().resume_writing()
+        self._wait()
+
     def connection_lost(self, exc: Exception | None) -> None:
         """Wait no more."""
         super().connection_lost(exc)
         self._stop()
 
+    def end(self) -> None:
+        """Close it now, whatever was not sent yet."""
+        self.connections.discard(self)
+        self.transport.abort()
+
     def _wait(self) -> None:
-        if not self.idle:  # the head is there
+        if not self.idle:
             self._stop()
         elif self.late is None:
-            self.late = self.loop.call_later(HEAD_TIMEOUT_S, self.transport.close)
+            self.late = self.loop.call_later(TURN_TIMEOUT_S, self.end)
 
     def _stop(self) -> None:
         if self.late is not None:
@@ -101,7 +116,8 @@ class Answer(JSONResponse):
         return json.dumps(content, allow_nan=False).encode("ascii")
 
 
-ANSWERED: tuple[Any, ...] = (AllaniteError, ProblemError, RequestValidationError, HTTPException, Exception)
+ANSWERED: tuple[Any, ...] = (AllaniteError, ProblemError, RequestValidationError, HTTPException, OSError,
+                             ClientDisconnect, Exception)  # fmt: skip
 """Kinds of errors that are answered."""
 
 
@@ -113,6 +129,11 @@ def answered(request: Request, error: Exception) -> JSONResponse:
         return Answer(problem_of(UsageError(str(error.detail))), error.status_code)
     if isinstance(error, RequestValidationError):
         error = UsageError(faults(error))
+    if isinstance(error, ClientDisconnect):  # which nobody hears of
+        error = UsageError("the request broke off")
+    if isinstance(error, OSError):
+        place = repr(str(error.filename or request.app.state.store.folder))
+        error = DataError(f"{place} cannot be used ({reason(error)}); see that it is there and can be written")
     statuses = ((MissingError, 404), (FullError, 413), (AllaniteError, 400), (Exception, 500))
     return Answer(problem_of(error), next(status for kind, status in statuses if isinstance(error, kind)))
 
@@ -188,16 +209,22 @@ async def opened(request: Request, name: str) -> dict[str, Any]:
     return _shown(open_file(request.app.state.store, name, asked.path))
 
 
-def open_file(store: Store, workspace: str, path: str) -> dict[str, Any]:
-    """Enter a file of this machine by its path."""
+def sought(path: str) -> str:
+    """Where a file of this machine is, by its path."""
     where = os.path.abspath(os.path.expanduser(path))
+    if path and os.path.isdir(where):
+        raise DataError(f"{path!r} is a folder: give a file of it")
     if not path or not os.path.isfile(where):
         raise DataError(f"there is no file {path!r}; give its path on this machine")
     if encoded(where) != os.fsencode(where):
         raise DataError(f"the path {where!r} is not UTF-8, which the page needs: rename the file or its folder")
-    size = os.path.getsize(where)
-    own = f"{workspace}-{secrets.token_hex(8)}"
-    return store.add({"id": own, "name": shown(path), "bytes": size, "path": where, "own": False})
+    return where
+
+
+def open_file(store: Store, workspace: str, path: str) -> dict[str, Any]:
+    """Enter a file of this machine by its path."""
+    where, own = sought(path), f"{workspace}-{secrets.token_hex(8)}"
+    return store.add({"id": own, "name": shown(path), "bytes": os.path.getsize(where), "path": where, "own": False})
 
 
 async def example(request: Request, name: str) -> dict[str, Any]:
@@ -211,7 +238,7 @@ async def example(request: Request, name: str) -> dict[str, Any]:
     with store.arriving(name, f"example-{which}.npz") as (file, path):
         await jobs.work(name, "example", line=simulation(which, str(path)))
         file["bytes"] = path.stat().st_size
-        store.reserve(file, file["bytes"])
+        store.reserve(file, file["bytes"], upload=False)
     return _shown(file)
 
 

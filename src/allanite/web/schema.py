@@ -82,7 +82,13 @@ class ExampleBody(Body):
     name: str = ""
 
 
-class File(TypedDict):
+class Kept(TypedDict):
+    """What is kept; what another version of allanite has written beside it stays."""
+
+    __pydantic_config__ = ConfigDict(extra="allow")  # type: ignore[misc]
+
+
+class File(Kept):
     """A file of a workspace; `own` is one that was uploaded."""
 
     id: Id
@@ -92,7 +98,7 @@ class File(TypedDict):
     own: bool
 
 
-class Problem(TypedDict):
+class Problem(Kept):
     """Why a job failed."""
 
     error: str
@@ -102,7 +108,7 @@ class Problem(TypedDict):
     columns: NotRequired[list[dict[str, Any]]]
 
 
-class Job(TypedDict):
+class Job(Kept):
     """A job of a workspace."""
 
     id: Id
@@ -116,7 +122,7 @@ class Job(TypedDict):
     problem: Problem | None
 
 
-class Workspace(TypedDict):
+class Workspace(Kept):
     """A workspace as it is kept."""
 
     id: str
@@ -162,17 +168,18 @@ def workspace(name: str) -> Any:
 
 def plain(data: bytes, deepest: int = MAX_DEPTH) -> Any:
     """JSON that can be written and read again."""
+    too_deep = f"lists and objects are nested more than {deepest} deep"
     try:
         value = from_json(data, allow_inf_nan=False)
-    except ValueError as error:
-        raise UsageError(f"this is not JSON: {error}") from None
+    except ValueError as error:  # the parser, too, follows them to a depth only
+        raise UsageError(too_deep if "recursion limit" in str(error) else f"this is not JSON: {error}") from None
     layer, deep = [value], 0
     while layer:
         if any(isinstance(v, (int, float)) and abs(v) > sys.float_info.max for v in layer):
             raise UsageError(f"a number is larger than {sys.float_info.max:.3g}")
         deep += 1
         if deep > deepest:
-            raise UsageError(f"lists and objects are nested more than {deepest} deep")
+            raise UsageError(too_deep)
         parts = (v.values() if isinstance(v, dict) else v for v in layer if isinstance(v, (dict, list)))
         layer = [v for part in parts for v in part]
     return value
@@ -191,14 +198,24 @@ def faults(error: Any) -> str:
     return "; ".join(f"{'.'.join(map(str, fault['loc'])) or 'the request'}: {fault['msg']}" for fault in error.errors())
 
 
+ASIDE = ".damaged"  # what the name of a file ends with that could not be read
+
+
 def kept(path: Path, schema: Any, tell: Callable[[str], object] = complain) -> Any:
     """What a file of the page holds; None if there is none, or if it is damaged and has another name from now on."""
     try:
+        if path.exists() and not path.is_file():  # a pipe would be waited for
+            raise UsageError("not a file")
         return fitting(schema, path.read_bytes(), MAX_KEPT_DEPTH)
     except FileNotFoundError:
         return None
     except (OSError, UsageError) as error:
-        aside = path.with_name(f"{path.name}.damaged")
-        path.replace(aside)
-        tell(f"{str(path)!r} is damaged ({reason(error)}). It was renamed to {aside.name!r}; everything else works.")
+        aside = path.with_name(f"{path.name}{ASIDE}")
+        try:
+            path.replace(aside)
+            how = f"It was renamed to {aside.name!r}"
+        except OSError as other:
+            how = f"It cannot be renamed to {aside.name!r} ({reason(other)})"
+        tell(f"{str(path)!r} is damaged, or of another version of allanite ({reason(error)}). {how}; "
+             "everything else works.")  # fmt: skip
         return None

@@ -1,10 +1,11 @@
 """The server: on this machine alone, until Ctrl-C; who may come in, its routes, and what is answered to errors."""
 
+import asyncio
 import errno
 import hmac
 import http.client
 import json
-import os
+import logging
 import secrets
 import socket
 import sys
@@ -30,7 +31,7 @@ from allanite.reporting.language import catalogue
 
 from . import routes
 from .jobs import Jobs
-from .routes import ANSWERED, MAX_ACCEPTED, Answer, PromptProtocol, answered, open_file
+from .routes import ANSWERED, MAX_ACCEPTED, Answer, PromptProtocol, answered, open_file, sought
 from .store import MissingError, Store, private_folder
 
 Scope = MutableMapping[str, Any]
@@ -85,16 +86,25 @@ class Door:
                 await self.inside(scope, receive, send)
             return
 
+        begun = False
+
         async def closed(message: MutableMapping[str, Any]) -> None:
+            nonlocal begun
             if message["type"] == "http.response.start":
+                begun = True
                 headers = MutableHeaders(scope=message)
                 for name, value in HEADERS.items():
                     headers[name] = value
             await send(message)
 
         answer = self._answer(scope)
-        with command_line():  # messages name options, as controls are called by them
-            await (answer or self.inside)(scope, receive, closed)
+        try:
+            with command_line():  # messages name options, as controls are called by them
+                await (answer or self.inside)(scope, receive, closed)
+        except asyncio.CancelledError:
+            if begun:
+                raise
+            await _refusal("the server was ended: run allanite serve again", 503)(scope, receive, closed)
 
     def _answer(self, scope: Scope) -> Application | None:
         """The answer to a request that does not come in."""
@@ -102,25 +112,27 @@ class Door:
         if headers.get("host", "") not in self.hosts:
             return PlainTextResponse("this server answers at 127.0.0.1 only", 421)
         if scope["method"] not in SAFE and headers.get("origin", "") not in {f"http://{host}" for host in self.hosts}:
-            return JSONResponse({"error": "the request comes from another page", "option": None, "exit": 2}, 403)
+            return _refusal("the request comes from another page", 403)
         if not scope["path"].startswith("/api/"):
             return None
         given = headers.get("authorization", "").removeprefix("Bearer ").encode()
         if scope["path"] == ENTRY and scope["method"] == "POST":
             return self._entered(given)
         if not hmac.compare_digest(given, self.secret.encode()):
-            words = "open the link that allanite serve prints; run it once more for a new one"
-            return JSONResponse({"error": words, "option": None, "exit": 2}, 401)
+            return _refusal("open the link that allanite serve prints; run it once more for a new one", 401)
         return None
 
     def _entered(self, given: bytes) -> Application:
         self.tokens = self._valid()
         token = next((token for token in self.tokens if hmac.compare_digest(given, token.encode())), None)
         if token is None:
-            words = "this link was used already, or is too old; run allanite serve once more for a new one"
-            return JSONResponse({"error": words, "option": None, "exit": 2}, 403)
+            return _refusal("this link was used already, or is too old: run allanite serve once more for another", 403)
         del self.tokens[token]
         return JSONResponse({"secret": self.secret})
+
+
+def _refusal(words: str, status: int) -> JSONResponse:
+    return JSONResponse({"error": words, "option": None, "exit": 2}, status)
 
 
 def application(store: Store, jobs: Jobs, first: dict[str, Any]) -> FastAPI:
@@ -171,10 +183,16 @@ ANSWER_TIMEOUT_S = 5.0  # seconds in which the server that runs already answers
 def serve(paths: Sequence[str], *, port: int, browser: bool, lang: str, limit: int, quota: int) -> None:
     """Serve the page until it is interrupted."""
     catalogue(lang)
-    folder = private_folder()
+    paths = [sought(path) for path in paths]
+    try:
+        folder = private_folder()
+    except RuntimeError as error:
+        raise UsageError(f"the folder for the files of the page is unknown ({error}); set HOME") from None
     try:
         store = Store(folder, limit=limit, quota=quota)
         held = _lock(folder)
+        if held is not None:
+            store.clear()
     except OSError as error:
         raise UsageError(f"{str(error.filename or folder)!r} cannot be used ({reason(error)}); remove it, or make it "
                          f"writable: the page keeps its files in {str(folder)!r}") from None  # fmt: skip
@@ -204,7 +222,6 @@ def _lock(folder: Path) -> IO[bytes] | None:
 
 
 def _serve(store: Store, paths: Sequence[str], port: int, browser: bool, lang: str) -> None:
-    store.clear()
     listener = listen(port)
     port = listener.getsockname()[1]
     jobs = Jobs(store)
@@ -219,6 +236,8 @@ def _serve(store: Store, paths: Sequence[str], port: int, browser: bool, lang: s
         uvicorn.Config(door, http=PromptProtocol, ws="none", log_level="error", access_log=False, lifespan="off",
                        backlog=MAX_ACCEPTED, timeout_graceful_shutdown=1, server_header=False)
     )  # fmt: skip
+    # what is broken off by the end is no error
+    logging.getLogger("uvicorn.error").addFilter(lambda record: not server.should_exit)
     with draft(store.folder / ADDRESS, force=True) as part:
         part.chmod(0o600)
         part.write_text(json.dumps({"port": port, "secret": door.secret}), "ascii")
@@ -230,9 +249,9 @@ def _serve(store: Store, paths: Sequence[str], port: int, browser: bool, lang: s
         jobs.warm()
         server.run(sockets=[listener])
     finally:
-        jobs.workers.close()
         listener.close()
         (store.folder / ADDRESS).unlink(missing_ok=True)
+        jobs.close()
 
 
 def _announce(link: str, words: str) -> None:
@@ -247,7 +266,7 @@ def joined(store: Store, paths: Sequence[str]) -> str:
             address = json.loads((store.folder / ADDRESS).read_text("ascii"))
             place = _asked(address, "workspaces", {})["id"] if paths else ""
             for path in paths:
-                _asked(address, f"workspaces/{place}/open", {"path": os.path.abspath(path)})
+                _asked(address, f"workspaces/{place}/open", {"path": path})
             link: str = _asked(address, "link", {})["link"]
             return f"{link}&workspace={place}" if place else link
         except UsageError:

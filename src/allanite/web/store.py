@@ -72,15 +72,17 @@ class Store:
 
     def clear(self) -> None:
         """Remove what interrupted uploads and jobs have left; for the only server of this folder."""
+        for place in self._places():
+            aside, own = place / f"state.json{schema.ASIDE}", place / "state.json"
+            if aside.exists() and not own.exists():  # this version may read it, or it was mended
+                aside.rename(own)
         for state in self.all():
             for path in (self.folder / state["id"]).iterdir():
                 name = f"{state['id']}-{path.name.partition('.')[0]}"
                 if _ID.match(path.name) and name not in state["files"] and name not in state["jobs"]:
-                    shutil.rmtree(path) if path.is_dir() else path.unlink()
-        for path in self.folder.rglob(DRAFTS):
-            path.unlink()
-        for path in self.folder.glob("*/*/trace.part"):
-            shutil.rmtree(path)
+                    removed(path)
+        for path in (*self.folder.rglob(DRAFTS), *self.folder.glob("*/*/trace.part")):
+            removed(path)
 
     def new(self) -> State:
         """A workspace."""
@@ -89,7 +91,11 @@ class Store:
         with self.lock:
             (self.folder / name).mkdir(mode=0o700)
             self.states[name] = state
-            self.save(state)
+            try:
+                self.save(state)
+            except FullError:
+                self.remove(name)
+                raise
         return state
 
     def state(self, name: str) -> State:
@@ -114,20 +120,35 @@ class Store:
         return schema.kept(path, form, self._note)
 
     def _note(self, words: str) -> None:
-        self.notes.append(words)
-        complain(words)
+        if words not in self.notes:
+            self.notes.append(words)
+            complain(words)
 
     @contextmanager
     def changed(self, name: str) -> Iterator[State]:
-        """The state of a workspace, saved afterwards."""
+        """The state of a workspace, saved afterwards; what cannot be saved is not entered."""
         with self.lock:
             state = self.state(name)
-            yield state
-            self.save(state)
+            before = {key: dict(state[key]) for key in ("files", "jobs", "choices")}
+            try:
+                yield state
+                self.save(state)
+            except BaseException:
+                state.update(before)
+                raise
 
     def save(self, state: State) -> None:
-        """Write a state, atomically."""
-        write(self.folder / state["id"] / "state.json", json.dumps(state).encode(), force=True)
+        """Write a state."""
+        self.put(self.folder / state["id"] / "state.json", json.dumps(state).encode())
+
+    @staticmethod
+    def put(path: Path, data: bytes) -> None:
+        """Write a file of the page, atomically."""
+        try:
+            write(path, data, force=True)
+        except UsageError as error:  # which names another path as the remedy
+            raise FullError(f"{str(error).partition(';')[0]}; make room on the disk, and see that the folder of the "
+                            "page can be written") from None  # fmt: skip
 
     def remove(self, name: str) -> None:
         """Delete a workspace, also one that cannot be read."""
@@ -135,7 +156,7 @@ class Store:
             if not (place := self.folder / known(name)).is_dir():
                 self.state(name)
             self.states.pop(name, None)
-            shutil.rmtree(place)
+            removed(place)
 
     def file(self, name: str) -> State:
         """A file by its id."""
@@ -185,7 +206,7 @@ class Store:
         self.file(name)
         with self.changed(name.partition("-")[0]) as state:
             del state["files"][name]
-            shutil.rmtree(self.place(name))
+            removed(self.place(name))
 
     def measure(self) -> None:
         """Look how many bytes all workspaces take, without what is being written."""
@@ -207,15 +228,15 @@ class Store:
             self.measure()
             return self.quota - self.stored - sum(self.coming.values())
 
-    def reserve(self, file: State, size: int) -> None:
+    def reserve(self, file: State, size: int, *, upload: bool = True) -> None:
         """Reserve bytes for a file that is being written, or refuse it: it is too large, or there is no room."""
-        if size > self.limit:
+        if upload and size > self.limit:
             raise FullError(f"the file is larger than {size_in_words(self.limit)}, the limit of an upload: open it by "
                             f"its path, or raise the limit with {spelled('--limit', 'limit')}",
                             choice="limit")  # fmt: skip
         with self.lock:
             if self.stored + sum(self.coming.values()) + max(0, size - self.coming[file["id"]]) > self.quota:
-                raise overfull(self.quota, "open the file by its path, ")
+                raise overfull(self.quota, "open the file by its path, " if upload else "")
             self.coming[file["id"]] = max(size, self.coming[file["id"]])
 
 
@@ -227,6 +248,11 @@ def overfull(quota: int, remedy: str = "") -> FullError:
 
 class MissingError(UsageError):
     """There is no such workspace, file or job."""
+
+
+def removed(path: Path) -> None:
+    """Delete a file, a folder with what it holds, or a link."""
+    shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink(missing_ok=True)
 
 
 def known(name: str) -> str:

@@ -49,10 +49,14 @@ def build(folder: Path, recording: Recording, key: str, raw: Sequence[str] = (),
         return None
     draft = folder / "trace.part"
     shutil.rmtree(draft, ignore_errors=True)
-    draft.mkdir(mode=0o700)
-    channels = [_write(draft, i, record, raw) for i, record in enumerate(recording)]
-    meta = json.dumps({"key": key, "channels": channels}, ensure_ascii=False)
-    write(draft / "meta.json", meta.encode("utf-8", "replace"))
+    try:
+        draft.mkdir(mode=0o700)
+        channels = [_write(draft, i, record, raw) for i, record in enumerate(recording)]
+        meta = json.dumps({"key": key, "channels": channels}, ensure_ascii=False)
+        write(draft / "meta.json", meta.encode("utf-8", "replace"))
+    except (OSError, UsageError):
+        shutil.rmtree(draft, ignore_errors=True)
+        raise
     shutil.rmtree(place, ignore_errors=True)
     draft.rename(place)
     return room
@@ -88,7 +92,9 @@ def window(folder: Path, channel: str, start: float | None, end: float | None, p
     """The part of a trace between two times, s, as at most so many stretches."""
     meta = _meta(folder / "trace")
     if not meta:
-        raise UsageError("there is no trace of this file: it was not read yet, or the quota has no room for it")
+        raise UsageError(
+            "there is no trace of this file: it was not read yet, or only in parts, or the quota has no room for it"
+        )
     names = [stored["name"] for stored in meta["channels"]]
     if channel and channel not in names:
         raise UsageError(f"no channel {channel!r}; channels: {', '.join(names)}")

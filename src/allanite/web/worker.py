@@ -16,6 +16,7 @@ from allanite.cli.deliver import rendered
 from allanite.cli.tasks import Reports
 from allanite.core.choices import choices_of, read_given
 from allanite.core.errors import AllaniteError, DataError, UsageError
+from allanite.core.files import reason
 from allanite.core.record import Recording
 from allanite.parallel.processes import ANSWER
 from allanite.parallel.processors import IDENTIFICATION, PREPARING, imported, importing, processes
@@ -29,9 +30,10 @@ from allanite.study.recipe import READING, Recipe
 
 from . import faces, trace
 from .requests import PROBLEM, Request, problem_of
-from .store import overfull
+from .store import FullError, overfull
 
 MAX_RECORDINGS = 2  # recordings that stay in memory
+MAX_RESULTS = 8  # results that stay in memory, with their recordings; of an older one the job is done once more
 PROGRESS_PERIOD_S = 0.05  # seconds between reports of progress
 
 ASSUMED: dict[str, dict[str, Any]] = {"unit": {"unit": "deg/s", "kind": None}, "kind": {"unit": "deg/s", "kind": None},
@@ -124,9 +126,13 @@ class Held:
     def _traced(self, path: str, key: str, recording: Recording, raw: Sequence[str] = ()) -> None:
         if path in self.files:
             file, folder, _ = self.files[path]
-            rest = trace.build(Path(folder), recording, key, raw, room=self.room)
-            self.room = self.room if rest is None else rest
-            full = problem_of(overfull(self.quota)) if rest is None else None
+            full = None
+            try:
+                rest = trace.build(Path(folder), recording, key, raw, room=self.room)
+                self.room = self.room if rest is None else rest
+                full = problem_of(overfull(self.quota)) if rest is None else None
+            except (OSError, UsageError) as error:  # the analysis goes on without it
+                full = problem_of(FullError(f"the trace cannot be stored ({reason(error)}); make room on the disk"))
             self.send("trace", {"file": file, "problem": full})
 
     def send(self, kind: str, data: Answer) -> None:
@@ -148,6 +154,9 @@ def run(
     request = Request.of(verb, choices)
     with processes(None), importing(IDENTIFICATION, kernels=True):
         value = request.task.run(paths, request.recipe, request.settings, Reports(held.tell, held.event, held.source))
+    for old in list(held.values)[: 1 - MAX_RESULTS]:
+        del held.values[old]
+        held.drawn = {key: panel for key, panel in held.drawn.items() if key[0] != old}
     held.values[job] = value, shown
     return {"json": to_json(value), "faces": faces.described(value, lang), "exit": request.task.code(value)}
 

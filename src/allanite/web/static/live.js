@@ -2,7 +2,7 @@
 
 import * as api from "./api.js";
 import { byId, complaint, el, fill, fragment, show } from "./dom.js";
-import { perform } from "./jobs.js";
+import { follow, perform } from "./jobs.js";
 import { beside, between, draw, layout, literal, log, series } from "./plots.js";
 import { spoken } from "./naming.js";
 import { on, state, tell } from "./state.js";
@@ -39,10 +39,17 @@ async function watch(event) {
   event.preventDefault();
   fill(byId("live-log"));
   fill(byId("live-results"));
+  await showing(perform("watch", [], wanted(), heard, { target: byId("live-source").value.trim() }));
+}
+
+async function showing(result) {
   running(true);
   try {
-    const made = await perform("watch", [], wanted(), heard, { target: byId("live-source").value.trim() });
-    fill(byId("live-results"), (made.channels ?? []).map((one) => fragment(el("div", { class: "fragment" }), one.html)));
+    const made = await result;
+    fill(byId("live-results"), (made.channels ?? []).flatMap((one) => [
+      fragment(el("div", { class: "fragment" }), one.html),
+      el("ul", {}, one.findings.map(({ text }) => el("li", {}, spoken(text)))),
+    ]));
   } catch (error) {
     fill(byId("live-results"), complaint(error, "error-live"));
   }
@@ -57,8 +64,19 @@ function running(yes) {
   byId("live-stop").disabled = !yes;
 }
 
+const latest = () => state.jobs.findLast((one) => one.verb === "watch");
+
+/** A stream that was watched before the page was loaded goes on, or has its results. */
+function restore() {
+  const job = latest();
+  if (!["waiting", "running", "done"].includes(job?.state)) return;
+  byId("live-section").open ||= job.state !== "done";
+  byId("live-source").value = job.target;
+  showing(follow(job.id, "watch", heard));
+}
+
 function stop() {
-  const job = state.jobs.findLast((one) => one.verb === "watch");
+  const job = latest();
   if (job) api.cancel(job.id).catch((error) => tell("error", error));
 }
 
@@ -68,4 +86,5 @@ export function start() {
   byId("live-form").addEventListener("submit", watch);
   byId("live-stop").addEventListener("click", stop);
   on("theme", () => last && paint(last));
+  restore();
 }

@@ -14,7 +14,7 @@ const WORDS = {
   back: ["Back to", "Вернуться к", "返回"],
   named: ["“%”", "«%»", "“%”"],
   preparing: ["Preparing, once after an installation: about 6 s", "Подготовка, один раз после установки: около 6 с", "正在准备，仅在安装后进行一次：约 6 s"],
-  damaged: ["Damaged work, not shown", "Повреждённая работа, не показана", "已损坏的工作，未显示"],
+  damaged: ["Damaged work, or of another version: not shown", "Работа повреждена или от другой версии: не показана", "工作已损坏或来自其他版本，未显示"],
   remove: ["Remove", "Убрать", "移除"],
   reading: ["What the file contains", "Что в файле", "文件内容"],
   assumed: ["What was assumed when reading", "Что принято при чтении", "读取时的假定"],
