@@ -296,7 +296,7 @@ def _ratio(y: FloatArray, lengths: IntArray) -> float | None:
     starts = np.concatenate(([0], np.cumsum(lengths)[:-1]))
     parts = []
     for L in np.unique(lengths[lengths > 1]).tolist():
-        here, size = starts[lengths == L], L if L < SHORT_TRANSFORM else next(k for k in range(L, 0, -1) if smooth(k + 1))
+        here, size = starts[lengths == L], next(k for k in range(L, 0, -1) if k < SHORT_TRANSFORM or smooth(k + 1))
         every, power = np.lib.stride_tricks.sliding_window_view(y, size), np.zeros(size // 2)
         for some in np.array_split(here, min(here.size, -(-here.size * size // TOGETHER))):
             d = sine(every[some])[:, 1::2]

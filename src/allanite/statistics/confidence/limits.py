@@ -199,16 +199,16 @@ def _windows(row: Statistic, m: int, places: Places, size: int) -> MeanMoments:
 
 
 @lru_cache(maxsize=512)  # points of the curves of channels that lost the same samples, up to 100 kB each
-def _under(row: Statistic, m: int, places: Places, size: int, kind: Kind, rate: float) -> TermMoments:
-    """Moments under a term of coefficient 1 where windows with missing samples count."""
-    return _windows(row, m, places, size).under(*_sampled([kind], rate))
+def _under(row: Statistic, kind: Kind, rate: float, at: tuple[int, Places, int]) -> TermMoments:
+    """Moments under a term of coefficient 1 where windows with missing samples count: m, places and size."""
+    return _windows(row, *at).under(*_sampled([kind], rate))
 
 
 def _of_means(points: CurvePoints, m: int, model: Model) -> Local:
     """The same where windows with missing samples count."""
     row, rate, places = points.row, points.rate, tuple(points.places)
     if len(places) <= MAX_PLACES:
-        each = tuple(_under(row, m, places, points.size, kind, rate) for kind in kinds_of(model))
+        each = tuple(_under(row, kind, rate, (m, places, points.size)) for kind in kinds_of(model))
     else:
         own = mean_moments(row, m, places, points.size)
         each = tuple(own.under(term) for term in _sampled(kinds_of(model), rate))
