@@ -112,6 +112,6 @@ def test_a_stored_curve_of_a_statistic_that_is_not_known_is_refused_by_its_name(
 
 def test_a_deviation_that_falls_by_many_decades_leaves_room_beside_the_axis():
     record = al.Record(np.sin(0.4 * np.pi * np.arange(500)), 100.0, "deg/s")
-    figure = plot(al.deviation(record, "oadev"))
+    figure = plot(al.deviation(record, "oadev", taus="log"))
     encode(figure, "svg")  # a layout without room warns, which is an error here
     assert figure.axes[0].get_position().width * figure.get_figwidth() > 2.5
