@@ -310,7 +310,7 @@ def _ratio(y: FloatArray, lengths: IntArray) -> float | None:
         return most
     octave = np.floor(-8 * np.log2(x)).astype(np.int32)
     octave = (np.cumsum(np.bincount(octave) > 0) - 1)[octave]
-    count = np.bincount(octave, times)
+    count = np.bincount(octave, times).astype(np.float64)
     if count.size < FEWEST_FREQUENCIES:
         return None
     angle = np.bincount(octave, times * 4 * np.sin(np.pi / 2 * x) ** 2) / count

@@ -213,7 +213,7 @@ def _of_means(points: CurvePoints, m: int, model: Model) -> Local:
         own = mean_moments(row, m, places, points.size)
         each = tuple(own.under(term) for term in _sampled(kinds_of(model), rate))
     E = np.array([term.E * t.power(rate) for term, t in zip(each, model, strict=True)])
-    return Local(row, model, m, each[0].count, points.size, rate, E, relative(each), np.ones(E.size), each)
+    return Local(row, model, m, each[0].windows, points.size, rate, E, relative(each), np.ones(E.size), each)
 
 
 def _mixtures(

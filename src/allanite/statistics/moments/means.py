@@ -190,7 +190,7 @@ def norm_of(row: Statistic, m: int) -> float:
 class TermMoments(NamedTuple):
     """Moments of V under a term of coefficient 1, unit sample interval: windows spread over the record are for all."""
 
-    count: int  # windows of which V is made
+    windows: int  # of which V is made
     E: float  # expectation of V
     # covariances of each of few windows with those near it, times the root of the weights, shape (w, l); of each with
     # all of the few, which is the quadratic form of V, shape (w, w)
