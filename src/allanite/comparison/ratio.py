@@ -129,8 +129,8 @@ def shared_curves(records: Sequence[Record], fits: Sequence[Fit], statistic: str
         return m, curves
     # of a record that alternates they are zero at even factors, of which no ratio tells anything
     if not isinstance(taus, str) or not known.any():
-        raise UsageError(f"{statistic} is zero at {curves[0].tau[~known][0]:.6g} s, where there is no ratio: choose other "
-                         f"averaging times ({spelled('--taus', 'taus=')})", choice="taus")  # fmt: skip
+        raise UsageError(f"{statistic} is zero at {curves[0].tau[~known][0]:.6g} s, where there is no ratio: choose "
+                         f"other averaging times ({spelled('--taus', 'taus=')})", choice="taus")  # fmt: skip
     return shared_curves(records, fits, statistic, curves[0].tau[known].tolist())
 
 

@@ -189,4 +189,5 @@ def test_the_ratio_is_that_of_each_coefficient_and_no_long_piece_has_a_size_that
     prime = 1 << 16  # and one more is a prime number: its transform takes six times the memory
     y = 3 * np.diff(rng.standard_normal(prime + 101)) + rng.standard_normal(prime + 100)
     assert pieces._ratio(y, np.array([prime, 100])) == pytest.approx(9, rel=0.2)
-    assert len(sizes) == 2 and all(pieces.smooth(size + 1) for size in sizes)
+    assert len(sizes) == 2
+    assert all(pieces.smooth(size + 1) for size in sizes)

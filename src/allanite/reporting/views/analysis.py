@@ -109,7 +109,7 @@ def fitness(channel: Channel) -> str:
     unit, (mean, deviation) = record.signal.sheet[0], mean_and_spread(record)
     facts = say("mean {mean:.6g}, standard deviation {deviation:.4g} {unit}", mean=mean, deviation=deviation, unit=unit)
     if channel.refusal:
-        return facts
+        return facts if np.isfinite(deviation) else ""  # nothing is known where all samples are missing
     fit = say("fit for analysis, with caution") if channel.quality.warnings else say("fit for analysis")
     return join("; ", (facts, fit))
 

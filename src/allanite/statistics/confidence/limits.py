@@ -15,7 +15,7 @@ from allanite.core.units import Signal
 from allanite.statistics.estimator import AngleRecord
 from allanite.statistics.grids import times
 from allanite.statistics.moments.compact import white_level
-from allanite.statistics.moments.means import MeanMoments, Places, TermMoments, mean_moments, relative, takes_means
+from allanite.statistics.moments.means import Places, TermMoments, mean_moments, relative, takes_means
 from allanite.statistics.moments.moments import grouped, moments, noise_of
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import CurvePoints
@@ -193,9 +193,7 @@ def _forms(part: Statistic, kinds: tuple[Kind, ...], rate: float, m: int, of: tu
     return reduced(matrices(part, _sampled(kinds, rate), m, *of))
 
 
-@lru_cache(maxsize=2)  # terms of a model one after the other
-def _windows(row: Statistic, m: int, places: Places, size: int) -> MeanMoments:
-    return mean_moments(row, m, places, size)
+_windows = lru_cache(maxsize=2)(mean_moments)  # terms of a model one after the other
 
 
 @lru_cache(maxsize=512)  # points of the curves of channels that lost the same samples, up to 100 kB each
