@@ -193,8 +193,8 @@ def _sheet(
 def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None", meant: Meaning | None) -> Iterator[Part]:
     if channel.fit is None:
         yield from map(Note, filter(None, [fitness(channel)]))
-        if isinstance(channel.record, Record) and not channel.record.out_of_range:
-            yield over_time(channel.record)
+        if isinstance(record := channel.record, Record) and np.isfinite(record.extent[0]) and not record.out_of_range:
+            yield over_time(record)
         return
     # what a warning or the verdict says is not repeated
     points = channel.noise.statement.points if channel.noise else ()
