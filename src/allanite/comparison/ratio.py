@@ -127,7 +127,6 @@ def shared_curves(records: Sequence[Record], fits: Sequence[Fit], statistic: str
     known = np.all([curve.variance > 0 for curve in curves], axis=0)
     if known.all():
         return m, curves
-    # of a record that alternates they are zero at even factors, of which no ratio tells anything
     if not isinstance(taus, str) or not known.any():
         raise UsageError(f"{statistic} is zero at {curves[0].tau[~known][0]:.6g} s, where there is no ratio: choose "
                          f"other averaging times ({spelled('--taus', 'taus=')})", choice="taus")  # fmt: skip
