@@ -316,7 +316,7 @@ def curve_row(channel: Channel, claimed: Model, supposed: Model | Fit, alpha: fl
     factor, expected = unit_of(curve.unit).factor, claimed_deviation(claimed, curve)
     low, high = (limit / expected for limit in curve.interval(1 - alpha / curve.tau.size))
     outcomes = [judge(least, most) for least, most in zip(low.tolist(), high.tolist(), strict=True)]
-    outside = np.maximum(low, 1 / high)
+    outside = np.maximum(low, 1 / np.maximum(high, 1e-300))  # of a record that alternates the deviation may be zero
     outcomes = [o if tau >= settled else AGREES for o, tau in zip(outcomes, curve.tau, strict=True)]
     outside = np.where(curve.tau >= settled, outside, outside - 2 * outside.max())
     most = int(np.argmax(np.where([outcome != AGREES for outcome in outcomes], outside, outside - outside.max())))

@@ -17,7 +17,7 @@ from allanite.core.model import Model
 from allanite.core.record import Record
 from allanite.core.units import Signal
 from allanite.identification.likelihood.law import Subset, ThetaProfile
-from allanite.phrases.phrase import join, say
+from allanite.phrases.phrase import join, say, spelled
 from allanite.statistics import deviation
 from allanite.statistics.confidence.chisquares import MIN_DEVIATE, ChiSquareSum, cumulants
 from allanite.statistics.confidence.limits import mixtures
@@ -123,8 +123,14 @@ def shared_curves(records: Sequence[Record], fits: Sequence[Fit], statistic: str
                   taus: str | Sequence[float]) -> tuple[list[IntArray], tuple[Curve, ...]]:  # fmt: skip
     """Averaging factors of each record, and its curve, at the same averaging times; see `shared_factors`."""
     m = shared_factors(records, statistic, taus)
-    each = zip(records, m, fits, strict=True)
-    return m, tuple(deviation(record, statistic, m=k.tolist(), noise=fit) for record, k, fit in each)
+    curves = tuple(deviation(r, statistic, m=k.tolist(), noise=fit) for r, k, fit in zip(records, m, fits, strict=True))
+    known = np.all([curve.variance > 0 for curve in curves], axis=0)
+    if known.all():
+        return m, curves
+    if not isinstance(taus, str) or not known.any():
+        raise UsageError(f"{statistic} is zero at {curves[0].tau[~known][0]:.6g} s, where there is no ratio: choose "
+                         f"other averaging times ({spelled('--taus', 'taus=')})", choice="taus")  # fmt: skip
+    return shared_curves(records, fits, statistic, curves[0].tau[known].tolist())
 
 
 def shared_factors(records: Sequence[Record], statistic: str, taus: str | Sequence[float]) -> list[IntArray]:

@@ -6,6 +6,8 @@ from scipy.linalg import toeplitz
 from tests.rows import rows
 
 import allanite as al
+from allanite.identification.likelihood import pieces
+from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.pieces import PieceReading, apart, rate_weights
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.likelihood.whittle import column
@@ -157,3 +159,35 @@ def test_small_noise_of_the_rate_is_told_between_gaps():
         inside += low <= truth <= high
         assert abs(estimate.value / truth - 1) < 0.3
     assert inside >= 3
+
+
+def ratio(y, lengths):
+    """Q^2 / N^2 of the coefficients one by one, beside a slow noise."""
+    x, power = [], []
+    for start, L in zip(np.cumsum(lengths) - lengths, lengths, strict=True):
+        d = sines(L) @ y[start : start + L]
+        x += [k / (L + 1) for k in range(2, L + 1, 2)]
+        power += [d[k - 1] ** 2 for k in range(2, L + 1, 2)]
+    x, power = np.array(x), np.array(power)
+    every = [np.floor(-8 * np.log2(x)) == octave for octave in np.unique(np.floor(-8 * np.log2(x)))]
+    S = np.array([[(4 * np.sin(np.pi / 2 * x[b]) ** 2).mean(), 1.0, (1 / x[b] ** 2).mean()] for b in every])
+    none, count = np.zeros((len(every), 0)), np.array([b.sum() for b in every], float)
+    mean = np.array([power[b].mean() for b in every])
+    part = Likelihood(S, mean, count, none[:, :, None], none, np.zeros((0, 3)), np.zeros(0, bool))
+    theta = part.minimise(np.ones(3, bool))[0]
+    return theta[0] / theta[1]
+
+
+def test_the_ratio_is_that_of_each_coefficient_and_no_long_piece_has_a_size_that_takes_memory(monkeypatch):
+    rng, sizes = np.random.default_rng(2), []
+    lengths = np.array([7, 1, 90, 31, 90, 2, 7] * 9)
+    y = 3 * np.diff(rng.standard_normal(lengths.sum() + 1)) + rng.standard_normal(lengths.sum())
+    for together in (pieces.TOGETHER, 100):
+        monkeypatch.setattr(pieces, "TOGETHER", together)
+        assert pieces._ratio(y, lengths) == pytest.approx(ratio(y, lengths), rel=1e-6)
+    monkeypatch.setattr(pieces, "sine", lambda x, own=pieces.sine: [sizes.append(x.shape[-1]), own(x)][1])
+    prime = 1 << 16  # and one more is a prime number: its transform takes six times the memory
+    y = 3 * np.diff(rng.standard_normal(prime + 101)) + rng.standard_normal(prime + 100)
+    assert pieces._ratio(y, np.array([prime, 100])) == pytest.approx(9, rel=0.2)
+    assert len(sizes) == 2
+    assert all(pieces.smooth(size + 1) for size in sizes)

@@ -108,3 +108,10 @@ def test_a_stored_curve_of_a_statistic_that_is_not_known_is_refused_by_its_name(
     stored = type(curve).from_dict(curve.to_dict() | {"statistic": "__class__"})
     with pytest.raises(al.UsageError, match="unknown statistic '__class__'"):
         show(stored)
+
+
+def test_a_deviation_that_falls_by_many_decades_leaves_room_beside_the_axis():
+    record = al.Record(np.sin(0.4 * np.pi * np.arange(500)), 100.0, "deg/s")
+    figure = plot(al.deviation(record, "oadev", taus="log"))
+    encode(figure, "svg")  # a layout without room warns, which is an error here
+    assert figure.axes[0].get_position().width * figure.get_figwidth() > 2.5

@@ -1,5 +1,7 @@
 """Curves of records with gaps from means of what is there: against dense matrices, and in any pattern."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.linalg import toeplitz
@@ -9,7 +11,7 @@ import allanite as al
 from allanite.core.estimate import averaged
 from allanite.statistics.estimator import integrated
 from allanite.statistics.moments.lagsums import second_difference
-from allanite.statistics.moments.means import mean_moments, takes_means
+from allanite.statistics.moments.means import MeanMoments, mean_moments, relative, structure_at, takes_means
 from allanite.terms import TERMS
 from gaps import pattern_of
 
@@ -69,7 +71,7 @@ def test_moments_are_those_of_dense_matrices(name, m):
     expectation = found.expectation(terms)
     np.testing.assert_allclose(expectation[1], E[1], rtol=1e-12)
     np.testing.assert_allclose(expectation, E, rtol=0.04)
-    r = found.relative(terms, expectation)
+    r = relative([found.under(term) for term in terms])
     np.testing.assert_allclose(r[1:, 1:], (T / np.outer(E, E))[1:, 1:], rtol=0.05)
     # of windows that start every quarter of m, those under noise of the angle know less of each other than of all
     assert (T / np.outer(E, E))[0, 0] * 0.95 < r[0, 0] < 1.6 * (T / np.outer(E, E))[0, 0]
@@ -166,3 +168,24 @@ def test_complete_windows_are_counted_run_by_run(name):
     expected = np.array(counted) < 0.9 * whole
     np.testing.assert_array_equal(takes_means(row, m, places, int(lengths.sum()) + 300), expected)
     assert takes_means(row, 50, places, 10_000) == (counted[49] < 0.9 * row.count(10_000, np.array([50]))[0])
+
+
+def test_a_shape_is_computed_once_a_lag_and_channels_with_the_same_gaps_share_it(monkeypatch):
+    term, asked = TERMS["GM"].shaped((5.0,), 1.0), []
+    lag = np.random.default_rng(1).integers(0, 50, (9, 99))
+    for lags in (lag, lag * 1000):  # by a table, and one by one
+        np.testing.assert_array_equal(structure_at(term, lags), term.structure(lags.astype(float)))
+    counted = replace(term, structure=lambda t: [asked.append(t.size), term.structure(t)][1])
+    mean_moments(al.statistics.STATISTICS["oadev"], 20, integrated(lossy(), 2).places, SIZE).under(counted)
+    assert sum(asked) <= 3 * SIZE
+    under, calls = MeanMoments.under, []
+    monkeypatch.setattr(MeanMoments, "under", lambda *own: [calls.append(1), under(*own)][1])
+    for factor in (1, 2, 3):
+        model = al.N(factor, "deg/sqrt(h)") + al.GM(factor, "deg/h", time_constant=7.0)
+        assert al.deviation(al.Record(factor * lossy().values, 1.0, "rad/s"), m=[20, 50], noise=model).edf.size == 2
+        assert len(calls) == 4
+
+
+def test_a_model_without_noise_is_refused_with_gaps_too():
+    wave = al.Sine(1, "deg/s", frequency=0.1)
+    refused(al.UsageError, "has no noise", lambda: al.deviation(lossy(), m=[20], noise=wave).edf)

@@ -138,6 +138,7 @@ def inertial(recording: Recording, axes: Axes | None = None) -> Inertial:
     """The six channels as arrays along `axes`, checked; by default x, y, z, of which z must be vertical."""
     gyros, accelerometers = six_channels(recording)
     for record in (*gyros, *accelerometers):
+        record.demand_range()
         demand_whole(record)
     gyro, force = (np.stack([r.rate_values for r in records], axis=1) for records in (gyros, accelerometers))
     fastest = float(np.sqrt((gyro**2).mean(axis=0)).max())

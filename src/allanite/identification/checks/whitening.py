@@ -16,7 +16,7 @@ from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record, Recording
 from allanite.core.residuals import Shared
 from allanite.core.validity import Finding, Scope
-from allanite.identification.likelihood.spectrum import SHORT_TRANSFORM
+from allanite.identification.likelihood.pieces import SHORT_TRANSFORM
 from allanite.parallel.processes import spread
 from allanite.phrases.phrase import Phrase, say, say_count
 from allanite.prepare.gaps import Gaps, joined, whole

@@ -2,6 +2,7 @@
 
 # Derivation: docs/derivations.md.
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -51,6 +52,16 @@ def sine(x: FloatArray) -> FloatArray:
     from scipy.fft import dst
 
     return np.asarray(dst(x, type=1, norm="ortho"))
+
+
+SHORT_TRANSFORM = 1 << 16  # points up to which a transform of any size is fast enough
+PRIME = 256  # largest prime factor of the size of a transform that takes no more than others, unless it is short
+TOGETHER = 1 << 20  # samples of pieces that are transformed at once
+
+
+def smooth(size: int) -> bool:
+    """Whether a size has small prime factors only: the transform of others takes many times the memory and time."""
+    return pow(math.factorial(PRIME), size.bit_length(), size) == 0
 
 
 def sine_variances(c: FloatArray) -> FloatArray:
@@ -283,22 +294,27 @@ def _ratio(y: FloatArray, lengths: IntArray) -> float | None:
     """Q^2 / N^2 from the coefficients of the pieces to which a constant rate adds nothing, beside a slow noise."""
     # None where the pieces are too short to tell.
     starts = np.concatenate(([0], np.cumsum(lengths)[:-1]))
-    at, squares = [], []
+    parts = []
     for L in np.unique(lengths[lengths > 1]).tolist():
-        here = starts[lengths == L]
-        d = sine(y[here[:, None] + np.arange(L)])[:, 1::2]
-        at.append(np.tile(np.arange(2, L + 1, 2) / (L + 1), here.size))
-        squares.append((d**2).ravel())
-    x, power = np.concatenate(at), np.concatenate(squares)
+        here, size = starts[lengths == L], next(k for k in range(L, 0, -1) if k < SHORT_TRANSFORM or smooth(k + 1))
+        every, power = np.lib.stride_tricks.sliding_window_view(y, size), np.zeros(size // 2)
+        for some in np.array_split(here, min(here.size, -(-here.size * size // TOGETHER))):
+            d = sine(every[some])[:, 1::2]
+            power += np.einsum("pk,pk->k", d, d)
+        parts.append((np.arange(2, size + 1, 2) / (size + 1), power, np.full(size // 2, float(here.size))))
+    if not parts:
+        return None
+    x, power, times = map(np.concatenate, zip(*parts, strict=True))
     most = (FARTHEST_RATIO * float(lengths @ lengths) / float(lengths.sum())) ** 2
     if not power.any():  # each piece is constant
         return most
-    octave = np.unique(np.floor(-8 * np.log2(x)), return_inverse=True)[1].ravel()
-    if octave.max() + 1 < FEWEST_FREQUENCIES:
+    octave = np.floor(-8 * np.log2(x)).astype(np.int32)
+    octave = (np.cumsum(np.bincount(octave) > 0) - 1)[octave]
+    count = np.bincount(octave, times).astype(np.float64)
+    if count.size < FEWEST_FREQUENCIES:
         return None
-    count = np.bincount(octave).astype(np.float64)
-    angle = np.bincount(octave, 4 * np.sin(np.pi / 2 * x) ** 2) / count
-    S = np.column_stack((angle, np.ones(count.size), np.bincount(octave, 1 / x**2) / count))
+    angle = np.bincount(octave, times * 4 * np.sin(np.pi / 2 * x) ** 2) / count
+    S = np.column_stack((angle, np.ones(count.size), np.bincount(octave, times / x**2) / count))
     none = np.zeros((count.size, 0))
     part = Likelihood(
         S, np.bincount(octave, power) / count, count, none[:, :, None], none, np.zeros((0, 3)), np.zeros(0, bool)

@@ -20,7 +20,7 @@ from allanite.prepare.rounding import step_of
 from allanite.statistics.moments.lagsums import sum_nodes
 from allanite.terms import NoiseTerm, ramp_coefficients
 
-from .pieces import apart, pieces
+from .pieces import SHORT_TRANSFORM, apart, pieces, smooth
 
 SINGLE = 64  # coefficients below and at this index stand in bins of their own
 PER_OCTAVE = 16  # bins per octave above
@@ -38,8 +38,6 @@ def edges_of(n: int) -> IntArray:
 
 
 LONG_RECORD = 1 << 20  # points from which the cache does not hold a transform
-SHORT_TRANSFORM = 1 << 16  # points up to which a transform of any size is fast enough
-PRIME = 256  # largest prime factor of the size of a transform that is not cut, unless it is short
 UNEVEN = 16  # longest row over the shortest column, or the other way round, for which cutting pays
 
 
@@ -67,7 +65,7 @@ def easy_size(n: int) -> int:
 
     # A prime size takes more than ten times as long, and as much more memory.
     def easy(size: int) -> bool:
-        return bool(_rows(size)) if size >= LONG_RECORD else pow(math.factorial(PRIME), size.bit_length(), size) == 0
+        return bool(_rows(size)) if size >= LONG_RECORD else smooth(size)
 
     return n if n < SHORT_TRANSFORM else next(size for size in range(n, 0, -1) if easy(size))
 

@@ -20,7 +20,7 @@ from allanite.statistics import statistic_named
 from allanite.terms import TERMS
 
 from .drawing import TIME, draw_legend, ratio_axis, stacked, with_unit
-from .panels import CurvePanel, span, thinned
+from .panels import CurvePanel, positive, span, thinned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -86,7 +86,7 @@ def draw_curve(ax: "Axes", curve: Curve, called: tuple[int, str], level: float) 
 def frame_curves(ax: "Axes", curve: Curve, name: str, curves: Sequence[Curve]) -> None:
     """Axes, title and grid; the upper limits of the last points are far off, and not worth the room."""
     unit = readable_unit(curve.unit)
-    values = np.concatenate([c.to(unit).deviation for c in curves])
+    values = positive(np.concatenate([c.to(unit).deviation for c in curves]), name)
     ax.set(xscale="log", yscale="log", ylim=(values.min() / 2.5, values.max() * 2.5))
     style.plain_ticks(ax.xaxis, ax.yaxis)
     style.grid(ax)

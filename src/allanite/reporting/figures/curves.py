@@ -60,11 +60,12 @@ def plot_panels(
         ax.set_axis_off()
     for j, column in enumerate(columns):
         axes = list(grid[: len(column), j])
-        (tau, deviation), inches = sizes[j][:2]
+        (tau, deviation), inches, _, equal = sizes[j]
         for ax, panel in zip(axes, column, strict=True):
             ax.set_axis_on()
             ax.set(xscale="log", yscale="log", xlim=tau, ylim=deviation)
-            ax.set_aspect("equal", adjustable="box", anchor="N")
+            if equal:
+                ax.set_aspect("equal", adjustable="box", anchor="N")
             style.plain_ticks(ax.xaxis)
             style.plain_ticks(ax.yaxis, most=3000)
             _draw_panel(ax, panel._replace(brief=wide < MIN_LABELLED_INCHES), level)
@@ -76,14 +77,16 @@ def plot_panels(
     return figure
 
 
-def _scaled(spans: Sequence[Span], wide: float) -> tuple[Span, float, float]:
-    """Common ranges of both axes, and the width and height in inches that make their decades equal."""
+def _scaled(spans: Sequence[Span], wide: float) -> tuple[Span, float, float, bool]:
+    """Common ranges of both axes, the width and height in inches, and whether these make the decades equal."""
     (shortest, longest), (low, high) = ((min(s[i][0] for s in spans), max(s[i][1] for s in spans)) for i in (0, 1))
     across, up = math.log10(longest / shortest), math.log10(high / low)
     inches = min(wide / across, MAX_PANEL_INCHES / up)
     if up * inches < MIN_PANEL_INCHES:  # a flat panel has no room for labels
         low, up = high / 10 ** (MIN_PANEL_INCHES / inches), MIN_PANEL_INCHES / inches
-    return ((shortest, longest), (low, high)), across * inches, up * inches
+    # where a deviation falls by many decades, as that of a periodic record does, a column would have no room either
+    width = max(across * inches, min(MIN_PANEL_INCHES, wide))
+    return ((shortest, longest), (low, high)), width, up * inches, width == across * inches
 
 
 def _draw_panel(ax: "Axes", panel: CurvePanel, level: float) -> None:

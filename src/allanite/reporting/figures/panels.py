@@ -134,13 +134,18 @@ def thinned(count: int) -> IntArray:
     return np.unique(np.rint(np.geomspace(1, count, MAX_CURVE_POINTS)).astype(np.int64)) - 1
 
 
+def positive(values: FloatArray, name: str) -> FloatArray:
+    """What a logarithmic axis shows of the curve of a channel; UsageError if that is nothing."""
+    visible = values[np.isfinite(values) & (values > 0)]
+    if not visible.size:
+        raise UsageError(f"the curve of {name!r} is zero everywhere: logarithmic axes cannot show it")
+    return visible
+
+
 def span(panel: CurvePanel) -> tuple[tuple[float, float], tuple[float, float]]:
     """Range of both axes: room below the curve for the lines of the terms, above for the band."""
     curve = panel.curve
-    deviation = panel.shown(curve.deviation)
-    visible = deviation[np.isfinite(deviation) & (deviation > 0)]
-    if not visible.size:
-        raise UsageError(f"the curve of {panel.name!r} is zero everywhere: logarithmic axes cannot show it")
+    visible = positive(panel.shown(curve.deviation), panel.name)
     below = 8.0 if panel.drawn is not None else 2.5
     low, high = float(visible.min()) / below, float(visible.max())
     if panel.model is not None and any(t.row.periodic for t in panel.model):

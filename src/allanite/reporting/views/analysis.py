@@ -109,7 +109,7 @@ def fitness(channel: Channel) -> str:
     unit, (mean, deviation) = record.signal.sheet[0], mean_and_spread(record)
     facts = say("mean {mean:.6g}, standard deviation {deviation:.4g} {unit}", mean=mean, deviation=deviation, unit=unit)
     if channel.refusal:
-        return facts
+        return facts if np.isfinite(deviation) else ""  # nothing is known where all samples are missing
     fit = say("fit for analysis, with caution") if channel.quality.warnings else say("fit for analysis")
     return join("; ", (facts, fit))
 
@@ -193,8 +193,8 @@ def _sheet(
 def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None", meant: Meaning | None) -> Iterator[Part]:
     if channel.fit is None:
         yield from map(Note, filter(None, [fitness(channel)]))
-        if isinstance(channel.record, Record) and not channel.record.out_of_range:
-            yield over_time(channel.record)
+        if isinstance(record := channel.record, Record) and np.isfinite(record.extent[0]) and not record.out_of_range:
+            yield over_time(record)
         return
     # what a warning or the verdict says is not repeated
     points = channel.noise.statement.points if channel.noise else ()

@@ -62,13 +62,12 @@ def corrections(
 def _of_means(points: CurvePoints, i: int, terms: Model, scale: FloatArray) -> FloatArray:
     """Expectation of the plain statistic over that from means of what is there, with each scale of the powers."""
     row, m, rate = points.row, int(points.m[i]), points.rate
-    if not takes_means(row, m, points.places, points.size):
-        return np.ones(len(scale))
     kept = [i for i, t in enumerate(terms) if t.row.scatters]
+    if not kept or not takes_means(row, m, points.places, points.size):  # or there is nothing to correct
+        return np.ones(len(scale))
     noise = [terms.terms[i] for i in kept]
     power, rows = scale[:, kept] * [t.power(rate) for t in noise], [t.sampled(rate) for t in noise]
     own = power @ mean_moments(row, m, points.places, points.size).expectation(rows)
-    # a model may have none of these terms: nothing to correct
     return np.divide(power @ responses(row, rows, np.array([m]))[:, 0], own, out=np.ones(len(scale)), where=own > 0)
 
 

@@ -15,7 +15,7 @@ from allanite.core.units import Signal
 from allanite.statistics.estimator import AngleRecord
 from allanite.statistics.grids import times
 from allanite.statistics.moments.compact import white_level
-from allanite.statistics.moments.means import MeanMoments, mean_moments, takes_means
+from allanite.statistics.moments.means import Places, TermMoments, mean_moments, relative, takes_means
 from allanite.statistics.moments.moments import grouped, moments, noise_of
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import CurvePoints
@@ -34,6 +34,7 @@ RESCALING = (0.5, 1.3)
 
 
 MAX_TOGETHER = 256  # runs of points whose moments are computed in one pass: it takes some kilobytes for each
+MAX_PLACES = 4096  # stretches of a record whose moments are kept for other curves, at most: some 500 kB of places
 MIN_SHARE = 1e-9  # share of a term below which it has none
 
 
@@ -73,7 +74,7 @@ class Local:
     """What the law of a point takes from the terms of a model, whatever their sizes."""
 
     # `E` are their expectations, shape (t,), `r` their relative covariances, shape (t, t), `kept` what the scatter of a
-    # hybrid's own bias ratio leaves of the degrees of freedom, shape (t,); `means` is given if incomplete windows
+    # hybrid's own bias ratio leaves of the degrees of freedom, shape (t,); `means` are given if incomplete windows
     # count.
     row: Statistic
     model: Model
@@ -84,7 +85,7 @@ class Local:
     E: FloatArray
     r: FloatArray
     kept: FloatArray
-    means: MeanMoments | None = None
+    means: tuple[TermMoments, ...] = ()
 
     def laws(self, scale: FloatArray) -> tuple[FloatArray, ChiSquareSum]:
         """Degrees of freedom and laws of V / E[V] with the terms' powers times each `scale`, shape (k, t)."""
@@ -109,7 +110,7 @@ class Local:
         """The leading eigenvalues, a gamma for the rest and one for white angle noise, where they fit the EDF."""
         rows = [t.sampled(self.rate) for t in self.model]
         fixed = np.array([term.waveform is not None for term in rows])
-        sharp = self.means is None and is_sharp(self.row, self.count)
+        sharp = not self.means and is_sharp(self.row, self.count)
         white = np.array([sharp and white_level(term) > 0 for term in rows])
         smooth = ~(fixed | white)
         power = (np.array([t.power(self.rate) for t in self.model]) * scale)[:, smooth]
@@ -118,7 +119,7 @@ class Local:
             empty = np.empty((0, LEADING + 2))
             return held, ChiSquareSum(empty, empty, empty[:, 0], empty[:, 0])
         if self.means:
-            forms = reduced(self.means.forms([row for row, used in zip(rows, smooth, strict=True) if used]))
+            forms = reduced(np.array([term.form for term, used in zip(self.means, smooth, strict=True) if used]))
         else:
             kinds = tuple(kind for kind, used in zip(kinds_of(self.model), smooth, strict=True) if used)
             forms = _forms(self.row, kinds, self.rate, self.m, (self.count, self.size))
@@ -192,16 +193,25 @@ def _forms(part: Statistic, kinds: tuple[Kind, ...], rate: float, m: int, of: tu
     return reduced(matrices(part, _sampled(kinds, rate), m, *of))
 
 
+_windows = lru_cache(maxsize=2)(mean_moments)  # terms of a model one after the other
+
+
+@lru_cache(maxsize=512)  # points of the curves of channels that lost the same samples, up to 100 kB each
+def _under(row: Statistic, kind: Kind, rate: float, at: tuple[int, Places, int]) -> TermMoments:
+    """Moments under a term of coefficient 1 where windows with missing samples count: m, places and size."""
+    return _windows(row, *at).under(*_sampled([kind], rate))
+
+
 def _of_means(points: CurvePoints, m: int, model: Model) -> Local:
     """The same where windows with missing samples count."""
-    row, rate = points.row, points.rate
-    means, terms = mean_moments(row, m, points.places, points.size), [term.sampled(rate) for term in model]
-    E = means.expectation(terms)
-    power = np.array([term.power(rate) for term in model])
-    count = means.windows.start.size
-    return Local(
-        row, model, m, count, points.size, rate, E * power, means.relative(terms, E), np.ones(len(terms)), means
-    )
+    row, rate, places = points.row, points.rate, tuple(points.places)
+    if len(places) <= MAX_PLACES:
+        each = tuple(_under(row, kind, rate, (m, places, points.size)) for kind in kinds_of(model))
+    else:
+        own = mean_moments(row, m, places, points.size)
+        each = tuple(own.under(term) for term in _sampled(kinds_of(model), rate))
+    E = np.array([term.E * t.power(rate) for term, t in zip(each, model, strict=True)])
+    return Local(row, model, m, each[0].windows, points.size, rate, E, relative(each), np.ones(E.size), each)
 
 
 def _mixtures(

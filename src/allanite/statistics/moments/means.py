@@ -5,6 +5,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -103,14 +104,14 @@ class JoinedWindows:
         return self.start[:, None] + self.m * np.arange(self.signs.size + 1)
 
     @cached_property
-    def points(self) -> tuple[FloatArray, FloatArray]:
+    def points(self) -> tuple[IntArray, FloatArray]:
         """Delta as a weighted sum of points of the angle: their times, and their weights, shape (w, points) each."""
         parts, quarters = self.signs.size, min(QUARTERS, self.m)
         inner = np.rint(np.arange(parts * quarters + 1) * (self.m / quarters)).astype(np.int64)
         time = self.start[:, None] + inner
         held = self.readings.between(time[:, :-1], time[:, 1:]) / np.diff(inner)
         rate = held * np.repeat(self.signs / self.count, quarters, axis=1)
-        return time.astype(np.float64), -np.diff(np.pad(rate, ((0, 0), (1, 1))), axis=1)
+        return time, -np.diff(np.pad(rate, ((0, 0), (1, 1))), axis=1)
 
     def variances(self, term: NoiseTerm) -> FloatArray:
         """Variance of the delta under a term of coefficient 1, unit sample interval, shape (w,)."""
@@ -124,7 +125,7 @@ class JoinedWindows:
         if term.slope == WHITE:
             return np.asarray(1 / self.h)
         time, v = self.points
-        D = term.structure(np.abs(time[:, :, None] - time[:, None, :]))
+        D = structure_at(term, np.abs(time[:, :, None] - time[:, None, :]))
         return np.asarray(-0.5 * np.einsum("wi,wij,wj->w", v, D, v))
 
     @property
@@ -140,11 +141,8 @@ class JoinedWindows:
         if not term.edge and term.slope != WHITE:
             time, v = self.points
             times, others = (x.reshape(w, -1, time.shape[1]) for x in near.points)
-            total = np.zeros(times.shape[:2])
-            for k in range(time.shape[1]):
-                D = term.structure(np.abs(times - time[:, None, k, None]))
-                total -= 0.5 * v[:, k, None] * np.einsum("wlj,wlj->wl", others, D)
-            return total
+            D = structure_at(term, np.abs(times[..., None, :] - time[:, None, :, None]))
+            return np.asarray(-0.5 * np.einsum("wk,wlkj,wlj->wl", v, D, others, optimize=True))
         mine, begin, end = self.signs / self.count, self.edges[:, None, :-1], self.edges[:, None, 1:]
         theirs = near.edges.reshape(w, -1, self.signs.size + 1)
         total = np.zeros(other.shape[:2])
@@ -156,6 +154,14 @@ class JoinedWindows:
                 both -= self.readings.steps(np.maximum(c, a - 1), np.minimum(d, b - 1))
             total += (term.edge or 1.0) * mine[:, p, None] * np.einsum("wlq,wlq->wl", other, both)
         return total
+
+
+def structure_at(term: NoiseTerm, lag: IntArray) -> FloatArray:
+    """D at whole lags, each computed once where they are fewer than the places that ask for them."""
+    most = int(lag.max(initial=0)) + 1
+    if most < lag.size:
+        return term.structure(np.arange(float(most)))[lag]
+    return term.structure(lag.astype(np.float64))
 
 
 def windows_of(row: Statistic, m: int, readings: There, stride: int) -> JoinedWindows:
@@ -181,6 +187,27 @@ def norm_of(row: Statistic, m: int) -> float:
     return float(row.norm(np.array([m]))[0]) / float((binomials(row.differences - 1) ** 2).sum())
 
 
+class TermMoments(NamedTuple):
+    """Moments of V under a term of coefficient 1, unit sample interval: windows spread over the record are for all."""
+
+    windows: int  # of which V is made
+    E: float  # expectation of V
+    # covariances of each of few windows with those near it, times the root of the weights, shape (w, l); of each with
+    # all of the few, which is the quadratic form of V, shape (w, w)
+    near: FloatArray
+    form: FloatArray
+    fixed: bool  # whether it is a waveform
+
+
+def relative(terms: Sequence[TermMoments]) -> FloatArray:
+    """r_ij, shape (t, t): half the relative covariance that terms i and j give the variance."""
+    C, E = np.array([term.near.ravel() for term in terms]), np.array([term.E for term in terms])
+    fixed = np.array([term.fixed for term in terms])
+    T = np.where(np.outer(fixed, fixed), 0.0, C @ C.T)
+    scale = np.outer(E, E)
+    return np.asarray(np.divide(T, scale, out=np.zeros_like(T), where=scale != 0))
+
+
 @dataclass(frozen=True, eq=False)
 class MeanMoments:
     """Moments of V under terms: windows that start every quarter of m, or less, represent all."""
@@ -192,10 +219,18 @@ class MeanMoments:
         some = self.windows.of(_spread(self.windows.start.size, 8 * REFERENCES))
         return np.array([some.weight @ some.variances(term) for term in terms])
 
-    def relative(self, terms: Sequence[NoiseTerm], E: FloatArray) -> FloatArray:
-        """r_ij, shape (t, t): half the relative covariance that terms i and j give the variance."""
+    def under(self, term: NoiseTerm) -> TermMoments:
+        """All moments under a term."""
+        few, near, each, weight = self._near
+        form = few.covariances(term, each) * np.sqrt(np.outer(few.weight, few.weight))
+        E, fixed = float(self.expectation([term])[0]), term.waveform is not None
+        return TermMoments(self.windows.start.size, E, few.covariances(term, near) * weight, form, fixed)
+
+    @cached_property
+    def _near(self) -> tuple[JoinedWindows, JoinedWindows, JoinedWindows, FloatArray]:
+        """Few windows, those near each of them and all of them for each; the root of the weights of those near."""
         every, at = self.windows, _spread(self.windows.start.size, REFERENCES)
-        first, size = every.of(at), every.start.size
+        few, size = every.of(at), every.start.size
         # lags, in windows, at which windows may have to do with each other
         lags = np.arange(1 - size, size)
         if size > REFERENCES:
@@ -205,21 +240,8 @@ class MeanMoments:
         inside = (index >= 0) & (index < every.start.size)
         near = every.of(np.where(inside, index, at[:, None]).ravel())
         weight = every.weight[np.where(inside, index, 0)] * inside
-        C = np.array([first.covariances(term, near) for term in terms])
-        share = first.weight * (every.weight.sum() / first.weight.sum() if at.size else 1.0)
-        T = np.einsum("iwl,jwl,wl,w->ij", C, C, weight, share, optimize=True)
-        fixed = np.array([term.waveform is not None for term in terms])
-        T[np.outer(fixed, fixed)] = 0.0
-        scale = np.outer(E, E)
-        return np.asarray(np.divide(T, scale, out=np.zeros_like(T), where=scale != 0))
-
-    def forms(self, terms: Sequence[NoiseTerm]) -> FloatArray:
-        """The quadratic form of V under each term, of few windows spread over the record, shape (t, w, w)."""
-        some = self.windows.of(_spread(self.windows.start.size, REFERENCES))
-        w = some.start.size
-        near = some.of(np.tile(np.arange(w), w))
-        root = np.sqrt(some.weight)
-        return np.array([some.covariances(term, near) * np.outer(root, root) for term in terms])
+        share = few.weight * (every.weight.sum() / few.weight.sum() if at.size else 1.0)
+        return few, near, few.of(np.tile(np.arange(at.size), at.size)), np.sqrt(weight * share[:, None])
 
 
 def mean_moments(row: Statistic, m: int, places: Places, size: int) -> MeanMoments:
