@@ -9,10 +9,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from allanite.cli.streams import complain
 from allanite.core.errors import DataError, UsageError
 
 from .requests import Request, problem_of
-from .schema import JobBody, log
+from .schema import JobBody
 from .store import FullError, MissingError, State, Store, known, overfull, removed
 from .workers import ProblemError, Worker, Workers
 
@@ -122,7 +123,7 @@ class Jobs:
             for name, live in streams.items():
                 self.cancel(name) if not live.stopping else None
             if streams:
-                log("the results of what is watched are computed; Ctrl-C once more ends without them")
+                complain("the results of what is watched are computed; Ctrl-C once more ends without them")
             wait([live.turn for live in streams.values() if live.turn], MAX_END_S)
         finally:
             self.workers.close()
