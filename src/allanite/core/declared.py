@@ -70,6 +70,14 @@ def parameters(function: Callable[..., Any]) -> dict[str, Any]:
     return get_type_hints(given, getattr(function, "__globals__", {}), _Public())
 
 
+def fields_of(cls: type) -> dict[str, Any]:
+    """The declared type of each field of a dataclass; none if one names what only type checkers import."""
+    try:
+        return parameters(cls.__init__)  # type: ignore[misc]
+    except NameError:
+        return {}
+
+
 def _holds(value: Any, hint: Any) -> bool:
     kind, args = _kind(hint)
     return kind.holds(value, args)
