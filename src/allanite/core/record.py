@@ -264,6 +264,7 @@ class Record(Value):
         return replace(self, values=values, kind=kind, start=start, history=(*self.history, what))
 
 
+@constructed
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording(Value):
     """Records with common sample times, by name and in channel order.

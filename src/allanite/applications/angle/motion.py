@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.extending import FloatArray, UnitError, UsageError, Value
+from allanite.extending import FloatArray, UnitError, UsageError, Value, constructed
 
 
 def vector(h: FloatArray, q: FloatArray) -> FloatArray:
@@ -33,6 +33,7 @@ def turned(vectors: FloatArray, rotation: FloatArray) -> FloatArray:
     return np.asarray(vectors * np.cos(size) - np.cross(axis, vectors, axis=0) * np.sin(size) + along)
 
 
+@constructed
 @dataclass(frozen=True, repr=False)
 class Sway(Value):
     """A ship's sway: roll and pitch of one period, a quarter of it apart.
@@ -76,6 +77,7 @@ def sway_of(sway: "Sway | tuple[float, float] | None") -> Sway | None:
     return Sway(float(sway[0]), float(sway[0]), float(sway[1]))
 
 
+@constructed
 @dataclass(frozen=True, repr=False)
 class Ring(Value):
     """Motion of a gimbal's outer ring, which is turned to and fro between two angles to tell the harmonics apart.
