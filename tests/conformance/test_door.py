@@ -106,7 +106,7 @@ ODD = [
     (lambda: al.claims.DriftSettings(require=[1.0]), "require must be a text or a list of texts, not "),
     (lambda: al.claims.DriftSettings(times=HUGE), "not a number of more than 200 digits"),
     (lambda: al.Welch(segment=HUGE), "segment must be below 2.63, not a number of more than 200 digits"),
-    (lambda: al.Recording("abc"), "Recording: records must be a tuple of Records, not 'abc'"),
+    (lambda: al.Recording("abc"), "Recording: records must be a tuple of Records, not "),
     *((lambda value=value: al.Model(value), "Model: terms must be text or terms") for value in (0, None, ["N"])),
     (lambda: al.simulation.RingLaser(pulse=GREAT), "RingLaser: pulse must be a "),
     (lambda: al.simulation.faults.Dither({"a": 1}), "Dither: amplitude must be a number"),
