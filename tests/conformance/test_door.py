@@ -3,6 +3,7 @@
 import contextlib
 import inspect
 import math
+import os
 import re
 import sys
 from functools import cache
@@ -17,6 +18,7 @@ from hypothesis import given, strategies as st
 
 import allanite as al
 from allanite.core.declared import misfit, parameters
+from allanite.core.files import locked
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "docs"))
 from generate.api import TOPICS, public_names  # the names that the reference of the documentation has
@@ -121,6 +123,13 @@ ODD = [
 def test_odd_values_are_refused_by_name(call, words):
     with pytest.raises(al.AllaniteError, match=words):
         call()
+
+
+def test_a_lock_that_is_no_file_is_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path, tmp_path / "pipe"):
+        with pytest.raises(FileExistsError, match="not a file"):
+            locked(path)
 
 
 def test_values_that_say_nothing_are_no_error():
