@@ -3,6 +3,7 @@
 import contextlib
 import inspect
 import math
+import os
 import re
 import sys
 from functools import cache
@@ -17,6 +18,7 @@ from hypothesis import given, strategies as st
 
 import allanite as al
 from allanite.core.declared import misfit, parameters
+from allanite.core.files import locked
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "docs"))
 from generate.api import TOPICS, public_names  # the names that the reference of the documentation has
@@ -91,6 +93,50 @@ def test_another_type_is_refused_by_name(name, parameter):
     else:
         others = {one.name: values()[one.name] for one in NAMED[name] if one.default is one.empty or one.name in SIZED}
         refused(name, {**others, parameter: Strange()})
+
+
+HUGE = 10**400
+LOST = al.Record(np.full(100, np.nan), 10.0, "deg/s", name="gz")
+GREAT = al.Record(1e300 * np.random.default_rng(1).normal(size=100), 10.0, "deg/s", name="gz")
+
+ODD = [
+    (lambda: al.whitened(LOST, al.N(1.0, "deg/sqrt(h)")), "'gz' has 0 samples that are not missing"),
+    (lambda: al.whitened(GREAT, al.N(1.0, "deg/sqrt(h)")), "times as large as the model's noise"),
+    *((lambda name=name: al.claims.DriftSettings(**{name: 5}), f"{name} must be a text or a list of texts, not 5")
+      for name in ("maneuver", "require", "turn_on")),
+    (lambda: al.claims.DriftSettings(turn_on=None), "turn_on must be a text or a list of texts, not None"),
+    (lambda: al.claims.DriftSettings(require=[1.0]), "require must be a text or a list of texts, not "),
+    (lambda: al.claims.DriftSettings(times=HUGE), "not a number of more than 200 digits"),
+    (lambda: al.Welch(segment=HUGE), "segment must be below 2.63, not a number of more than 200 digits"),
+    (lambda: al.Recording("abc"), "Recording: records must be a tuple of Records, not "),
+    *((lambda value=value: al.Model(value), "Model: terms must be text or terms") for value in (0, None, ["N"])),
+    (lambda: al.simulation.RingLaser(pulse=GREAT), "RingLaser: pulse must be a "),
+    (lambda: al.simulation.faults.Dither({"a": 1}), "Dither: amplitude must be a number"),
+    (lambda: al.attitude.attitudes([[1.0, 2.0]], [1.0, 0.0, 0.0, 0.0]), r"have the shape \(n, 3\), not \(1, 2\)"),
+    (lambda: al.attitude.attitudes(np.zeros((2, 3)), [1.0]), r"a quaternion of 4 numbers, not of the shape \(1,\)"),
+    (lambda: al.K(np.timedelta64(1, "s")), "K: value must be a number or a string, not "),
+]  # fmt: skip
+"""Calls with values of another type or size, and what is said of them."""
+
+
+@rows("call, words", ODD)
+def test_odd_values_are_refused_by_name(call, words):
+    with pytest.raises(al.AllaniteError, match=words):
+        call()
+
+
+def test_a_lock_that_is_no_file_is_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path, tmp_path / "pipe"):
+        with pytest.raises(FileExistsError, match="not a file"):
+            locked(path)
+
+
+def test_values_that_say_nothing_are_no_error():
+    record = al.Record(np.random.default_rng(1).normal(size=200), 10.0, "deg/s")
+    assert al.identify(record, masks=np.array([])).method == al.identify(record, masks=[]).method
+    assert al.deviation(record, noise=al.N(0.0, "deg/sqrt(h)")).tau.size
+    assert np.isnan(al.simulation.faults.noise_profile(LOST, [0.0], [1.0]).values).all()
 
 
 SIZED = ("rate", "size")  # parameters without which a model alone says nothing, although they have a default

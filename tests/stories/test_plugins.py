@@ -17,7 +17,15 @@ from tests.rows import refused, rows
 import allanite as al
 from allanite.cli import Verb
 from allanite.terms import TERMS
-from allanite.testing import check_data_sheet, check_reader, check_statistic, check_target, check_term, check_verb
+from allanite.testing import (
+    CHECKS,
+    check_data_sheet,
+    check_reader,
+    check_statistic,
+    check_target,
+    check_term,
+    check_verb,
+)
 
 SAMPLE = ROOT / "tests" / "plugin"
 SAID = "; update or remove it"
@@ -255,6 +263,88 @@ def test_the_program_says_in_one_line_what_is_left_out(tmp_path):
     assert done.returncode == 0
 
 
+ODD = """
+import click
+from allanite.cli import VERBS, Verb
+def verb(*parts, **more): return Verb(*parts, **more)
+class Raising(Verb):
+    def __getattribute__(self, name): raise RuntimeError("no " + name)
+class Mute(Exception):
+    def __str__(self): raise RuntimeError("mute")
+class Silent(Verb):
+    def imported(self, part="command"): raise Mute
+class Hidden(click.Command):
+    def get_short_help_str(self, limit=45): raise SystemExit(4)
+absent, empty = verb("absent", "Analyze", "nope.nope"), verb("empty", "Analyze", "")
+number, spaced = verb(5, "Analyze", "analyze.info"), verb(" x", "Analyze", "analyze.info")
+grouped, listed = verb("grouped", [], "analyze.info"), verb("listed", "Analyze", "analyze.info", synonyms=(5,))
+function, tasked = verb("function", "Analyze", len), verb("tasked", "Analyze", "analyze.info", 5)
+raising, silent = Raising("raising", "Analyze", "analyze.info"), Silent("silent", "Analyze", "analyze.info")
+hidden = verb("hidden", "Analyze", Hidden("hidden"))
+taking = verb("taking", "Analyze", "analyze.deviation", old=("info", "budget"))
+@click.command()
+def dividing(): "Divide by zero."; 1 / 0
+divided = verb("divided", "Analyze", dividing)
+"""
+ODD_VERBS = {
+    "absent": "ModuleNotFoundError", "empty": "ModuleNotFoundError", "number": "its name must be a string, not 5",
+    "spaced": "' x' is no name", "grouped": "its group must be a string, not []",
+    "listed": "its synonyms must be a tuple of strings, not (5,)",
+    "function": "its command must be a string or a Command, not <built-in function len>",
+    "tasked": "AttributeError: 'int' object has no attribute 'kind'", "raising": "RuntimeError: no ",
+    "silent": "Mute", "hidden": "SystemExit: 4",
+}  # fmt: skip
+RUN = r"""
+print(allanite("--help"), allanite("info --help"), allanite("quantization --help"))
+print(allanite("divided", 1))
+"""
+
+
+@pytest.mark.slow("takes more than half a second")
+def test_verbs_that_are_broken_take_nothing_from_the_others(tmp_path):
+    (tmp_path / "theirs.py").write_text(ODD, "utf-8")
+    points = {"allanite.verbs": {name: f"theirs:{name}" for name in (*ODD_VERBS, "taking", "divided")}}
+    out, err = run(RUN, install(tmp_path, "their_package", points), cwd=tmp_path)
+    said = " ".join((out + err).split())
+    for name, why in ODD_VERBS.items():
+        assert f"the verb plugin {name!r} of the package 'their_package' is broken ({why}" in said, said
+    for text in ("Special jobs:", "Usage: allanite info", "Usage: allanite quantization"):
+        assert text in said
+    ended = "internal error in the package 'their_package' (ZeroDivisionError: division by zero)"
+    assert f"{ended}; please report it with the command and the file to its maintainers" in said
+
+
+MALFORMED = (b"[allanite.verbs]\nb\n", b"[console_scripts]\nb\n", b"[allanite.verbs]\n\xff = x\n")
+
+
+@pytest.mark.slow("takes more than half a second")
+@rows("text", MALFORMED)
+def test_malformed_entry_points_of_any_package_stop_no_verb(sample, tmp_path, text):
+    (install(tmp_path, "theirs", {}) / "theirs-1.0.dist-info" / "entry_points.txt").write_bytes(text)
+    script = FILES + 'print(allanite("analyze a.tones --brief"), "extent" in VERBS)'
+    out, err = run(script, *sample, tmp_path, cwd=tmp_path)
+    assert "velocity random walk" in out or "in-run" in out
+    assert out.endswith("True\n")
+    named = "the entry points of the package 'theirs' cannot be read"
+    assert (named in out + err) == (b"allanite" in text)
+
+
+def test_a_check_that_is_expected_to_fail_has_a_reason_and_fails():
+    mine = replace(ADEV, order=3, meaning="")
+    known = {"order": "a walk is wanted in it", "texts": "not written yet"}
+    refused(AssertionError, r"meaning is empty \(check 'texts'\)", lambda: check_statistic(mine))
+    check_statistic(mine, expected_failed_checks=known)
+    words = r"statistic 'adev': the check 'texts' passes, but is expected to fail \(not written yet\)"
+    refused(AssertionError, words, lambda: check_statistic(replace(mine, meaning="x"), expected_failed_checks=known))
+    unknown = lambda: check_term(TERMS["K"], expected_failed_checks={"sum": "a typing error"})  # noqa: E731
+    refused(al.UsageError, "unknown check 'sum'; did you mean sums?", unknown)
+
+
+def test_the_documentation_names_every_check():
+    text = (ROOT / "docs" / "architecture.md").read_text("utf-8")
+    assert [name for names in CHECKS.values() for name in names if f"`{name}`" not in text] == []
+
+
 def reader(**parts):
     """A reader of numbers, a line each, with other parts."""
 
@@ -301,7 +391,7 @@ def silent(path):
         (check_data_sheet, replace(SHEET, claims=(replace(SHEET.claims[0], unit="deg/h"),)), "is not a unit of N"),
         (check_data_sheet, replace(SHEET, claims=(replace(SHEET.claims[0], place=""),)), "it has no page or table"),
         (check_data_sheet, replace(SHEET, claims=(replace(SHEET.claims[0], sensor="accelerometer"),)), "of the gyro"),
-        (check_reader, SimpleNamespace(TITLE="x"), "the reader has no sniff, read"),
+        (check_reader, SimpleNamespace(TITLE="x"), "reader of 'x': it has no sniff, read"),
         (check_reader, reader(sniff=lambda head, suffix: False), "sniff does not recognize a.mine"),
         (check_reader, reader(read=lambda path, options: [1.0]), "read returns a list, not a Recording"),
         (check_reader, reader(), "cut off after 0 bytes, it raises IndexError.* instead of a DataError"),

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from allanite.core.aliases import constructed
 from allanite.core.digits import digits, upper_limit
 from allanite.core.errors import UsageError
 from allanite.core.limits import FAIL, NOT_DECIDED, PASS, held
@@ -47,6 +48,7 @@ class Limit(Value):
         return f"{self.symbol} <= {self.words()}"
 
 
+@constructed
 @dataclass(frozen=True, repr=False)
 class Specification(Value):
     """Limits of the terms, for all channels and for some of them.

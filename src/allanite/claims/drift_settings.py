@@ -105,9 +105,6 @@ class DriftSettings(DriftChoices, Value):
     def __post_init__(self) -> None:
         demand_choices(self)
         demand_name("platform", self.platform, PLATFORMS)
-        for name in ("turn_on", "maneuver", "require"):
-            texts = getattr(self, name)
-            object.__setattr__(self, name, (texts,) if isinstance(texts, str) else tuple(texts))
         times = DURATIONS.read(np.asarray(self.times).tolist())
         if not times or not all(SHORTEST <= time <= LONGEST for time in times):
             raise UsageError(f"times without aid must be from {SHORTEST:g} to {LONGEST:g} s, not {given(self.times)}")

@@ -41,7 +41,7 @@ _OWN = (
 )
 """The verbs in the order of the help, below the headings of their groups."""
 
-VERBS = Registry({verb.name: verb for verb in _OWN}, "allanite.verbs", kind=Verb, key="name")
+VERBS = Registry({verb.name: verb for verb in _OWN}, "allanite.verbs", kind=Verb, key="name", demand=Verb.demand_whole)
 
 
 def jobs() -> list[str]:

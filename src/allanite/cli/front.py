@@ -19,7 +19,7 @@ import click
 from allanite.core.errors import AllaniteError, Cure, UnitError, UsageError
 from allanite.core.names import row_of, unknown
 from allanite.phrases.phrase import command_line
-from allanite.plugins import PluginWarning
+from allanite.plugins import PluginWarning, raised_in, told
 
 from .helping import WithExamples
 from .options import demand_filled, with_commas
@@ -48,6 +48,13 @@ class Failure(click.ClickException):
         super().__init__(message)
         self.status, self.more = status, more
 
+    def complained(self) -> int:
+        """The exit code, after the message was written."""
+        _complain(self.message, self.status)
+        if self.more:
+            complain(*self.more)
+        return self.status
+
 
 @dataclass(frozen=True)
 class Verb:
@@ -68,6 +75,15 @@ class Verb:
             return row
         module, _, name = row.partition(".")
         return getattr(import_module(f"allanite.cli.{module}"), name)
+
+    def demand_whole(self) -> None:
+        """Refuse a row whose command has no help, or whose task is none."""
+        command = self.imported()
+        if not isinstance(command, click.Command):
+            raise TypeError(f"its command is a {type(command).__name__}, not a click.Command")
+        str.strip(command.get_short_help_str())
+        if self.task:
+            self.imported("task").kind  # noqa: B018 - imported now
 
 
 def _given(option: str, words: Sequence[str]) -> bool:
@@ -104,7 +120,9 @@ class Front(WithExamples, click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """The command of a verb, whose module is imported now; an unknown one is refused."""
-        now = {old: name for name, verb in self.verbs.items() for old in verb.old}.get(cmd_name, cmd_name)
+        now = cmd_name
+        if now not in self.verbs:
+            now = next((name for name, verb in self.verbs.items() if now in verb.old), now)
         command: click.Command = row_of("command", now, self.verbs).imported()
         return command
 
@@ -162,10 +180,7 @@ class Front(WithExamples, click.Group):
             if isinstance(error, MemoryError):
                 advice = "read fewer channels (--channels) or a part of the record (--from, --until)"
                 raise Failure(f"not enough memory; {advice}", DATA) from None
-            what = " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
-            report = f"internal error ({what}); please report it with the command and the file: {TRACKER}"
-            trace = "".join(traceback.format_exception(error)).splitlines() if ctx.params["debug"] else ()
-            raise Failure(report, DEFECT, *trace) from None
+            raise _defect(error, debug=ctx.params["debug"]) from None
 
     def main(self, *args: Any, **extra: Any) -> Any:
         """Parse, run, and end the program."""
@@ -185,14 +200,14 @@ class Front(WithExamples, click.Group):
         except click.Abort:
             code = _complain("interrupted", INTERRUPTED)
         except Failure as failure:
-            code = _complain(failure.message, failure.status)
-            if failure.more:
-                complain(*failure.more)
+            code = failure.complained()
         except click.ClickException as error:
             code = _complain(" ".join(error.format_message().split()), error.exit_code)
             context = getattr(error, "ctx", None)
             if context is not None:
                 complain(f"try: {context.command_path} --help")
+        except Exception as error:  # noqa: BLE001, RUF100 - before a verb runs, as in the help of all
+            code = _defect(error, debug="--debug" in sys.argv).complained()
         if lost() and not code:
             code = _complain(f"standard output cannot be written ({lost()}); what should be there is lost", DATA)
         sys.exit(code)
@@ -204,6 +219,15 @@ def _failure(error: AllaniteError, ctx: click.Context) -> Failure:
     better = cured(words, error.cure)
     more = [f"  {line}" for line in error.more] + [f"try: {shlex.join(better)}"] * (better != words)
     return Failure(error.message, error.exit_code, *more)
+
+
+def _defect(error: Exception, *, debug: bool) -> Failure:
+    """The end of the program with an error that is nobody's intention: of a plug-in if it was running, else our own."""
+    package = raised_in(error)
+    where, whom = (f" in the package {package!r}", " to its maintainers") if package else ("", f": {TRACKER}")
+    what = " ".join(told(error).split())
+    report = f"internal error{where} ({what}); please report it with the command and the file{whom}"
+    return Failure(report, DEFECT, *("".join(traceback.format_exception(error)).splitlines() if debug else ()))
 
 
 def _elsewhere(error: AllaniteError, words: list[str]) -> AllaniteError:

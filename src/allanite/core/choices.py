@@ -149,6 +149,13 @@ def _lines(value: Any) -> tuple[str, ...]:
     return tuple([value] if isinstance(value, str) else value)
 
 
+def _demand_lines(name: str, value: Any) -> tuple[str, ...]:
+    texts = (value,) if isinstance(value, str) else value
+    if not isinstance(texts, (tuple, list)) or not all(isinstance(text, str) for text in texts):
+        raise UsageError(f"{name} must be a text or a list of texts, not {given(value)}")
+    return tuple(texts)
+
+
 def _model(text: Any) -> Any:
     from .model import Model
 
@@ -211,7 +218,7 @@ def _span(value: Any) -> Any:
 
 SPAN = ChoiceKind("span", _span, lambda _, value: _span(value), takes=(*LISTS, bool), form=_SPAN, alone="yes",
                   write=lambda value: ("no", "yes")[value] if isinstance(value, bool) else written(value))  # fmt: skip
-LINES = ChoiceKind("text", _lines, control="list", many=True, takes=(str, list, tuple, dict),
+LINES = ChoiceKind("text", _lines, _demand_lines, control="list", many=True, takes=(str, list, tuple, dict),
                    form="text, a list of texts, or a table")  # fmt: skip
 
 KINDS: dict[Any, ChoiceKind] = {float: NUMBER, int: INTEGER, str: WORD, bool: FLAG, tuple[str, ...]: NAMES,

@@ -52,7 +52,8 @@ def excess(name: str, value: Any, hint: Any) -> str:
     members = get_args(hint) or (hint,)
     if not isinstance(value, Real) or np.random.Generator in members or not {int, float} & set(members):
         return ""
-    number: Any = value  # compared as it is: an integer need not have a float
+    # compared as it is, for an integer need not have a float; single precision would not hold the limits
+    number: Any = value.item() if isinstance(value, np.floating) else value
     if name in SIZES:
         words, low, high, unit = SIZES[name]
         return "" if low <= number <= high else f"{words} must be between {low:g} and {high:g} {unit}"
@@ -68,6 +69,14 @@ def parameters(function: Callable[..., Any]) -> dict[str, Any]:
     declared = {name: hint for name, hint in function.__annotations__.items() if name != "return"}
     given = types.SimpleNamespace(__annotations__=declared)
     return get_type_hints(given, getattr(function, "__globals__", {}), _Public())
+
+
+def fields_of(cls: type) -> dict[str, Any]:
+    """The declared type of each field of a dataclass; none if one names what only type checkers import."""
+    try:
+        return parameters(cls.__init__)  # type: ignore[misc]
+    except NameError:
+        return {}
 
 
 def _holds(value: Any, hint: Any) -> bool:
@@ -180,6 +189,8 @@ def _is(words: str, *kinds: type, but: tuple[type, ...] = ()) -> Kind:
     return Kind(lambda _: words, lambda value, _: isinstance(value, kinds) and not isinstance(value, but))
 
 
+UNCOUNTED = (bool, np.timedelta64)  # what Python takes for an integer
+
 ARRAY_LIKE = Kind(lambda _: "an array", _regular)
 _anything = Kind(lambda _: "", lambda value, _: True)
 _alternatives = Kind(_union, lambda value, args: any(_holds(value, hint) for hint in args))
@@ -188,8 +199,8 @@ _table = Kind(lambda args: _of("a mapping", args), _mapping)
 
 TYPE_KINDS: dict[Any, Kind] = {
     Any: _anything, object: _anything, types.NoneType: _is("None", types.NoneType),
-    bool: _is("True or False", bool, np.bool_), int: _is("an integer", Integral, but=(bool,)),
-    float: _is("a number", Real, but=(bool,)), str: _is("a string", str), PathLike: _is("a path", PathLike),
+    bool: _is("True or False", bool, np.bool_), int: _is("an integer", Integral, but=UNCOUNTED),
+    float: _is("a number", Real, but=UNCOUNTED), str: _is("a string", str), PathLike: _is("a path", PathLike),
     Literal: Kind(lambda args: f"one of {', '.join(map(repr, args))}", lambda value, _: isinstance(value, str)),
     np.ndarray: Kind(lambda _: "an array", _array),
     Callable: Kind(lambda _: "a function", lambda value, _: callable(value)),

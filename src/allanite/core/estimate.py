@@ -69,7 +69,7 @@ def averaged(models: Sequence[ModelLike], weights: Sequence[float] | FloatArray)
     for row, model in zip(scale, each, strict=True):
         for term in model:
             key = term.symbol, term.shape
-            row[where[key]] = (term.value / sizes[key].value) ** 2
+            row[where[key]] = (term.value / (sizes[key].value or 1.0)) ** 2
     return Averaged(Model(tuple(sizes.values())), scale, weight / weight.sum())
 
 

@@ -1,5 +1,6 @@
 """Writing files: never over an existing one unless asked to, and never partially."""
 
+import errno
 import os
 import stat
 import sys
@@ -101,6 +102,8 @@ def _unwritable(path: PathLike, error: OSError) -> UsageError:
 
 def locked(path: PathLike) -> IO[bytes] | None:
     """A file that one program at a time has open, until it closes it or ends; None if another has it."""
+    if os.path.exists(path) and not os.path.isfile(path):  # a pipe would not be opened until somebody else does
+        raise FileExistsError(errno.EEXIST, "not a file", os.fspath(path))
     file = open(path, "ab")  # noqa: SIM115 - the caller keeps it open
     try:
         if sys.platform == "win32":

@@ -197,7 +197,7 @@ class Model(Value):
     doubt: str = field(default="", compare=False)
 
     def __init__(self, terms: str | Term | Iterable[Term], *, doubt: str = "") -> None:
-        listed = _terms_of(terms) if isinstance(terms, str) else (terms,) if isinstance(terms, Term) else tuple(terms)
+        listed = _terms_of(terms) if isinstance(terms, str) else _listed(terms)
         object.__setattr__(self, "terms", listed)
         object.__setattr__(self, "doubt", doubt)
         symbols = [t.symbol for t in self.terms]
@@ -311,6 +311,14 @@ def _term(words: list[str], text: str) -> Term:
     (value, unit), *rest = quantities
     shape = (convert(v, u or p.unit or "1", p.unit or "1") for (v, u), p in zip(rest, parameters, strict=False))
     return term(symbol, value, unit, tuple(shape))
+
+
+def _listed(terms: Any) -> tuple[Term, ...]:
+    listed = tuple(terms) if isinstance(terms, Iterable) and not isinstance(terms, Term) else (terms,)
+    for term in listed:
+        if not isinstance(term, Term):
+            raise WrongTypeError(f"Model: terms must be text or terms, e.g. N(0.01, 'deg/sqrt(h)'), not {given(term)}")
+    return listed
 
 
 class HasModel(Protocol):

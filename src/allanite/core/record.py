@@ -296,6 +296,8 @@ class Recording(Value):
     others: tuple[Record, ...] = ()
 
     def __post_init__(self) -> None:
+        if not isinstance(self.records, (tuple, list)) or not all(isinstance(record, Value) for record in self.records):
+            raise WrongTypeError(f"Recording: records must be a tuple of Records, not {given(self.records)}")
         names = self.channels
         if not names:
             raise DataError(say("a recording needs at least one channel"))

@@ -1,4 +1,4 @@
-from allanite.core.aliases import public as public, size_and_rate as size_and_rate
+from allanite.core.aliases import constructed as constructed, public as public, size_and_rate as size_and_rate
 from allanite.core.arrays import (
     LARGEST as LARGEST,
     BoolArray as BoolArray,

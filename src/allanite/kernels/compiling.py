@@ -14,10 +14,15 @@ An array expression, an assignment to a slice or a function of numpy brings code
 kernels that a first run compiles, loops are written instead (docs/measured.md).
 """
 
+from contextlib import suppress
 from functools import partial
 
 from numba import njit
 from numba.core.caching import FunctionCache
+from numba.core.entrypoints import init_all
+
+with suppress(Exception):  # the malformed metadata of some package; numba looks for its own plug-ins once
+    init_all()  # type: ignore[no-untyped-call]
 
 
 def _kept() -> bool:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.core.aliases import generator, public, size_and_rate
+from allanite.core.aliases import constructed, generator, public, size_and_rate
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UnitError, UsageError
 from allanite.core.model import Model, ModelLike, N, Q, Term, usable_model
@@ -166,6 +166,7 @@ class Simulation(Value):
         return cls(model, seed, first.rate, first.size, tuple(record.header for record in recording))
 
 
+@constructed
 @dataclass(frozen=True)
 class RingLaser:
     """A dithered ring laser gyro, in the units of data sheets.

@@ -1,7 +1,6 @@
 """The server: on this machine alone, until Ctrl-C; who may come in, its routes, and what is answered to errors."""
 
 import asyncio
-import errno
 import hmac
 import http.client
 import json
@@ -209,8 +208,6 @@ def serve(paths: Sequence[str], *, port: int, browser: bool, lang: str, limit: i
 def _lock(folder: Path) -> IO[bytes] | None:
     """The lock of the only server of a folder, without the address of the one before it; None if another has it."""
     path = folder / LOCK
-    if path.exists() and not path.is_file():  # a pipe would not be opened until somebody else does
-        raise FileExistsError(errno.EEXIST, "not a file", str(path))
     held = locked(path)
     if held is not None:
         try:

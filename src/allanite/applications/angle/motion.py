@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.extending import FloatArray, UnitError, UsageError, Value
+from allanite.extending import FloatArray, UnitError, UsageError, Value, constructed
 
 
 def vector(h: FloatArray, q: FloatArray) -> FloatArray:
@@ -33,6 +33,7 @@ def turned(vectors: FloatArray, rotation: FloatArray) -> FloatArray:
     return np.asarray(vectors * np.cos(size) - np.cross(axis, vectors, axis=0) * np.sin(size) + along)
 
 
+@constructed
 @dataclass(frozen=True, repr=False)
 class Sway(Value):
     """A ship's sway: roll and pitch of one period, a quarter of it apart.

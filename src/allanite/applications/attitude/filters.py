@@ -53,11 +53,21 @@ def attitudes(vectors: FloatArray, start: FloatArray) -> FloatArray:
 
     They rotate from the axes of the body to those of the start's reference; with
     ``scipy.spatial.transform.Rotation.from_quat(q, scalar_first=True)`` they become matrices or angles.
+
+    Raises
+    ------
+    DataError
+        The vectors do not have the shape (n, 3), or the start not (4,).
     """
     from allanite.kernels.attitude import rotated
 
+    vectors, start = np.ascontiguousarray(vectors, dtype=np.float64), np.array(start, dtype=np.float64)
+    if vectors.ndim != 2 or vectors.shape[1] != 3:
+        raise DataError(f"vectors have the shape (n, 3), not {vectors.shape}")
+    if start.shape != (4,):
+        raise DataError(f"start is a quaternion of 4 numbers, not of the shape {start.shape}")
     quaternions = np.empty((len(vectors), 4))
-    rotated(np.ascontiguousarray(vectors), np.array(start, dtype=np.float64), quaternions)
+    rotated(vectors, start, quaternions)
     return quaternions
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.extending import (  # isort: skip
-    LARGEST, FloatArray, Model, ModelLike, Term, UnitError, UsageError, Value, convert, given, public, spelled,
-    usable_model)  # fmt: skip
+    LARGEST, FloatArray, Model, ModelLike, Term, UnitError, UsageError, Value, constructed, convert, given, public,
+    spelled, usable_model)  # fmt: skip
 
 GRAVITY = convert(1.0, "g", "m/s^2")
 SENSORS = ("gyro", "accelerometer")
@@ -114,6 +114,7 @@ def density(t: Term, f: FloatArray, interval: float | None) -> FloatArray:
 ComplexArray = NDArray[np.complex128]
 
 
+@constructed
 @dataclass(frozen=True, repr=False)
 class Loop(Value):
     """A complementary filter.

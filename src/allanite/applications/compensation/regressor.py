@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from allanite.extending import (  # isort: skip
-    DataError, FloatArray, Record, Recording, UnitError, UsageError, Value, convert, public, say, say_count, spelled
+    DataError, FloatArray, Record, Recording, UnitError, UsageError, Value, constructed, convert, public, say,
+    say_count, spelled
 )  # fmt: skip
 
 MIN_WINDOW = 60.0  # seconds of a window; in a shorter one the steps of a digital thermometer are what changes
@@ -99,6 +100,7 @@ SIGNIFICANT = 0.05  # p-value below which an effect is significant
 TREND = "time"  # name of the regressor that is no channel: seconds, counted from the middle of the record
 
 
+@constructed
 @dataclass(frozen=True, repr=False)
 class Regressor(Value):
     """One column of a regression: a power of a channel minus its centre, optionally with a lag, or its time derivative.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray, IntArray
-from allanite.core.errors import UsageError
+from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record, Recording
@@ -22,6 +22,8 @@ from allanite.phrases.phrase import Phrase, say, say_count
 from allanite.prepare.gaps import Gaps, joined, whole
 from allanite.prepare.outliers import demand_choice, treated
 
+LEAST = 2  # samples that have a difference from their mean
+MOST = 1e34  # size of the record over the noise of the model, up to which sums in single precision hold it
 BLOCK = 64  # number of coefficients normalized together where the fit does not read
 
 SINGLE_NODES, NODES_PER_OCTAVE = 64, 32
@@ -53,6 +55,8 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
     ------
     UsageError
         The model is of another signal, or has no noise.
+    DataError
+        Fewer than two samples are not missing.
 
     Examples
     --------
@@ -68,6 +72,8 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
     if model.signal is not record.signal:
         raise UsageError(f"a model of a {model.signal.name} does not apply to a {record.signal.name}")
     y, gaps, kept = joined(record)
+    if y.size < LEAST:
+        raise DataError(f"{record.name!r} has {y.size} samples that are not missing: whitening needs {LEAST} or more")
     unit = record.rate_factor
     for term in model:
         wave = term.sampled(record.rate).waveform
@@ -111,6 +117,8 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
 def _divide(c: NDArray[np.float32], k: IntArray, deviation: FloatArray, unit: float) -> None:
     """Divide by the standard deviation in place; its inverse is interpolated linearly between the nodes k."""
     weight = unit / deviation
+    if not np.abs(weight).max() < MOST:
+        raise DataError(f"the record is more than {MOST:g} times as large as the model's noise; give another model")
     steps = np.arange(np.diff(k).max(initial=0), dtype=np.float64)
     c[0] = 0.0
     for a, b, start, slope in zip(k[:-1], k[1:], weight[:-1], np.diff(weight) / np.diff(k), strict=True):

@@ -3,7 +3,7 @@
 Readers of other packages are entry points of the group ``allanite.readers``.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
-from allanite.plugins import broken, leave_out, plugins
+from allanite.plugins import FAILURES, broken, leave_out, plugins, told
 from allanite.readers.options import Options
 from allanite.readers.sandbox.process import demand_start
 
@@ -122,8 +122,8 @@ class ReaderPlugin:
         """Whether bytes and suffix look like the format; not if it cannot say."""
         try:
             return bool(self.module.sniff(head, suffix))
-        except Exception as error:  # noqa: BLE001, RUF100 - a file of another format is read all the same
-            leave_out(self.entry, f"sniff failed: {type(error).__name__}: {error}")
+        except FAILURES as error:  # a file of another format is read all the same
+            leave_out(self.entry, f"sniff failed: {told(error)}")
             return False
 
     def reader(self, head: bytes) -> FormatReader:
@@ -137,11 +137,22 @@ class ReaderPlugin:
         except (AllaniteError, MemoryError):
             raise
         except Exception as error:
-            raise DataError(broken(self.entry, f"read failed: {type(error).__name__}: {error}")) from error
+            raise DataError(broken(self.entry, f"read failed: {told(error)}")) from error
+        except SystemExit as error:
+            if isinstance(error.code, int) and error.code > SIGNALLED:
+                raise
+            recording = error  # no context of what follows, which would end the program
         if not isinstance(recording, Recording):
             why = f"read returned a {type(recording).__name__} instead of a Recording"
             raise UsageError(broken(self.entry, why))
         return recording
+
+
+PARTS: dict[str, Any] = {"TITLE": str, "sniff": Callable, "read": Callable}
+"""What the module of a reader has."""
+
+SIGNALLED = 128
+"""Exit codes above this one are those of signals, by the habit of shells."""
 
 
 @cache
@@ -149,9 +160,13 @@ def added() -> tuple[ReaderPlugin, ...]:
     """The readers of other packages, by name."""
     readers: dict[str, ReaderPlugin] = {}
     for entry, module in plugins("allanite.readers"):
-        missing = [part for part in ("TITLE", "sniff", "read") if not hasattr(module, part)]
-        if missing:
-            leave_out(entry, f"it has no {', '.join(missing)}")
+        try:
+            missing = [part for part, kind in PARTS.items() if not isinstance(getattr(module, part, None), kind)]
+            why = f"it has no {', '.join(missing)}" if missing else ""
+        except FAILURES as error:
+            why = told(error)
+        if why:
+            leave_out(entry, why)
         elif entry.name in READERS or entry.name in readers:
             leave_out(entry, f"the name {entry.name!r} exists already")
         else:

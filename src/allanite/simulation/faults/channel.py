@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.aliases import public
+from allanite.core.aliases import constructed, public
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UnitError, UsageError
 from allanite.core.kinds import KINDS
@@ -18,6 +18,7 @@ from allanite.core.units import signal_with, unit_of
 EXACT = 2.0**52  # steps beyond which a double cannot tell one from the next
 
 
+@constructed
 @dataclass(frozen=True)
 class Dither:
     """What is added before rounding.
@@ -228,7 +229,7 @@ def noise_profile(record: Record, times: Sequence[float] | FloatArray, factors: 
     if not known or (np.diff(t) < 0).any() or (factor < 0).any():
         raise UsageError("a noise profile needs ascending times in s, and factors that are not negative")
     values = _floats(record)
-    mean = np.nanmean(values)
+    mean = np.nanmean(values) if np.isfinite(values).any() else 0.0
     at = np.interp((np.arange(values.size) + 0.5) / record.rate, t, factor)
     story = f"noise multiplied by a profile of {t.size} points, {factor.min():g} to {factor.max():g}"
     return _changed(record, mean + at * (values - mean), story)

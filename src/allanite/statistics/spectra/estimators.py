@@ -7,6 +7,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
+from allanite.core.aliases import constructed
 from allanite.core.arrays import FloatArray, stretches
 from allanite.core.errors import DataError, UsageError
 from allanite.core.names import demand_name
@@ -65,6 +66,7 @@ MAX_SEGMENT = 2**22  # samples of a segment of a record that is read in parts, a
 BATCH_SAMPLES = 2**19  # samples that are transformed at once: 4 MB, which stay in the cache of a processor
 
 
+@constructed
 @dataclass(frozen=True)
 class Welch:
     """Mean of the periodograms of segments that overlap by half.
@@ -225,6 +227,7 @@ LARGEST_TAPERS = 2**16  # length up to which tapers are computed; longer ones ar
 SHAPE_LENGTH = 4096  # length at which the shape of the tapers is looked at
 
 
+@constructed
 @dataclass(frozen=True)
 class Multitaper:
     """Weighted mean of the periodograms of the entire record under orthogonal tapers (Slepian sequences).
