@@ -228,12 +228,12 @@ A_DURATION = "a time in s such as 600, or '10 min' or 1h"
 
 def seconds_of(text: Any) -> float:
     """Seconds of ``600``, ``10 min`` or ``1h``; days are ``d``."""
-    if isinstance(text, (int, float)):
-        return float(text)
     try:
+        if isinstance(text, (int, float)):
+            return float(text)
         ((value, unit),) = split_quantities(str(text).split())
         seconds = 86400 * value if unit == "d" else convert(value, unit or "s", "s")
-    except ValueError:
+    except (ValueError, OverflowError):
         seconds = 0.0
     if not seconds > 0:
         raise UsageError(f"expected {A_DURATION}, not {given(text)}")

@@ -96,9 +96,6 @@ class Watch:
 
     def __post_init__(self) -> None:
         self.recipe = replace(self.recipe, motion=self.recipe.motion or "mark")
-        if not 0 < (accuracy := self.settings.accuracy) <= 1:
-            words = f"the accuracy to reach is above 0 and at most 100 %, not {100 * accuracy:g} %"
-            raise UsageError(words, choice="accuracy")
 
     def events(self) -> Iterator[str]:
         """Read until the end, and say what happens."""
