@@ -99,6 +99,7 @@ class DriftSettings(DriftChoices, Value):
     def __post_init__(self) -> None:
         super().__post_init__()
         demand_name("platform", self.platform, PLATFORMS)
+        UNAIDED.demand(self.calibration or None, "a time of calibration that is not 0")
         if not self.times:
             raise UsageError("give at least one time without aid, in s")
         object.__setattr__(self, "times", tuple(sorted(set(self.times))))

@@ -8,18 +8,9 @@ from inspect import cleandoc
 from types import UnionType
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin
 
+from . import ranges
 from .errors import UsageError, given
-from .ranges import (
-    FREQUENCY,
-    INSTANT as INSTANTS,
-    RATE,
-    SAMPLES,
-    SHARE as SHARES,
-    TIME,
-    Range,
-    demand_pieces,
-    demand_ranges,
-)
+from .ranges import Range, demand_pieces, demand_ranges
 from .units import A_DURATION, seconds_of
 
 Settings = TypeVar("Settings")
@@ -147,7 +138,7 @@ def pieces(unit: str) -> ChoiceKind:
     """Pairs of numbers in a unit, as ``100..160,300..310``; plain data may hold a list of them."""
     return ChoiceKind("pieces", lambda value: demand_pieces(value, unit), lambda _, value: demand_pieces(value, unit),
                       takes=LISTS, form=f"pairs of numbers in {unit}, e.g. 100..160,300..310",
-                      within={"s": INSTANTS, "Hz": FREQUENCY}[unit])  # fmt: skip
+                      within={"s": ranges.INSTANT, "Hz": ranges.FREQUENCY}[unit])  # fmt: skip
 
 
 def _share(value: Any) -> float:
@@ -160,15 +151,15 @@ def _share(value: Any) -> float:
 def _table(value: Any) -> Any:
     if not isinstance(value, str):
         return value
-    ranges = {}
+    pairs = {}
     for part in value.split(","):
         symbol, _, numbers = part.partition("=")
         try:
             low, high = (float(number) for number in numbers.split(":"))
         except ValueError:
             raise UsageError(f"expected terms with their ranges, e.g. N=0.1:10,K=100:1000, not {given(part)}") from None
-        ranges[symbol.strip()] = (low, high)
-    return ranges
+        pairs[symbol.strip()] = (low, high)
+    return pairs
 
 
 def _either(read: Callable[[Any], Any], other: Callable[[Any], Any]) -> Callable[[Any], Any]:
@@ -197,11 +188,11 @@ def _model(text: Any) -> Any:
 
 NUMBER = ChoiceKind("float", _parsed(float), _demand_number, control="number", form=A_NUMBER)
 HERTZ = ChoiceKind("float", lambda v: NUMBER.read(re.sub(r"\s*Hz$", "", v, flags=re.I) if isinstance(v, str) else v),
-                   _demand_number, control="number", form=A_NUMBER, within=RATE)  # fmt: skip
+                   _demand_number, control="number", form=A_NUMBER, within=ranges.RATE)  # fmt: skip
 INTEGER = ChoiceKind("integer", _parsed(int), _demand_integer, control="number", form=AN_INTEGER)
 PERCENT = ChoiceKind("float", lambda v: NUMBER.read(v) / (100 if isinstance(v, str) else 1), _demand_number,
                      form=A_NUMBER, write=lambda v: f"{100 * v:.12g}", measure=" A share, from 0 to 1.",
-                     within=SHARES, unit="%")  # fmt: skip
+                     within=ranges.SHARE, unit="%")  # fmt: skip
 """A share: of text, as it is typed, in percent; of plain data, as in Python, from 0 to 1."""
 SHARE = ChoiceKind("share", _share, _demand_number, form="a share such as 0.1%, 1000ppm or 0.001")
 WORD = ChoiceKind("text", str, _demand_word, form="a word")
@@ -212,24 +203,24 @@ FLAG = ChoiceKind("boolean", lambda value: value not in (False, 0, "false", "no"
                   takes=(str, int, bool), form="true or false")  # fmt: skip
 NAMES = separated(str, "names", example="gx,gy")
 NUMBERS = separated(float, "numbers", example="1,10,100")
-INTEGERS = separated(int, "integers", example="1,10,100", within=SAMPLES)
+INTEGERS = separated(int, "integers", example="1,10,100", within=ranges.SAMPLES)
 _FREQUENCIES = separated(float, "auto, all, or two frequencies in Hz", 2, "0.01,10")
 BAND = ChoiceKind("band", lambda v: v if v in ("auto", "all") else _FREQUENCIES.read(v), control="band", takes=LISTS,
-                  form=_FREQUENCIES.form, within=FREQUENCY)  # fmt: skip
+                  form=_FREQUENCIES.form, within=ranges.FREQUENCY)  # fmt: skip
 GRID = ChoiceKind("grid", _either(NUMBERS.read, lambda value: value), takes=LISTS,
-                  form="octave, decade, log, all, or times in s, e.g. 1,10,100", within=TIME)  # fmt: skip
+                  form="octave, decade, log, all, or times in s, e.g. 1,10,100", within=ranges.TIME)  # fmt: skip
 RANGES = ChoiceKind("ranges", _table, lambda name, value: demand_ranges(value), takes=(str, dict),
-                    form="terms with their ranges, e.g. N=0.1:10,K=100:1000", within=TIME)  # fmt: skip
+                    form="terms with their ranges, e.g. N=0.1:10,K=100:1000", within=ranges.TIME)  # fmt: skip
 WORTH = ChoiceKind("scale", _either(float, str), lambda name, v: v if isinstance(v, str) else _demand_number(name, v),
-                   form="a number, or a number with a unit as 0.01deg/s")  # fmt: skip
-DURATION = ChoiceKind("duration", seconds_of, _demand_number, form=A_DURATION, measure=SECONDS, within=TIME)
+                   form="a number, or a number with a unit as 0.01deg/s", within=ranges.POSITIVE)  # fmt: skip
+DURATION = ChoiceKind("duration", seconds_of, _demand_number, form=A_DURATION, measure=SECONDS, within=ranges.TIME)
 INSTANT = ChoiceKind("duration", _either(float, seconds_of), _demand_number, control="number", form=A_DURATION,
-                     measure=SECONDS, within=INSTANTS)  # fmt: skip
+                     measure=SECONDS, within=ranges.INSTANT)  # fmt: skip
 """Seconds after the first sample, which may be zero."""
 MODEL = ChoiceKind("model", _model, form="a model, e.g. 'N 0.003 deg/sqrt(h), B 0.5 deg/h'")
 DURATIONS = ChoiceKind(
     "duration", lambda v: tuple(map(seconds_of, _parts(v) if isinstance(v, (str, list, tuple)) else [v])),
-    _demand_times, "list", takes=LISTS, within=TIME,
+    _demand_times, "list", takes=LISTS, within=ranges.TIME,
     form="times in s, e.g. 600,3600, or with units, e.g. '10 min,1 h'", measure=SECONDS,
 )  # fmt: skip
 _SPAN = "two averaging times in s, e.g. 1,1000 or '1 s,10 min', or yes, or no"
@@ -253,7 +244,7 @@ def _span(value: Any) -> Any:
 
 SPAN = ChoiceKind("span", _span, lambda _, value: _span(value), takes=(*LISTS, bool), form=_SPAN, alone="yes",
                   write=lambda value: ("no", "yes")[value] if isinstance(value, bool) else written(value),
-                  within=TIME)  # fmt: skip
+                  within=ranges.TIME)  # fmt: skip
 LINES = ChoiceKind("text", _lines, _demand_lines, control="list", many=True, takes=(str, list, tuple, dict),
                    form="text, a list of texts, or a table")  # fmt: skip
 

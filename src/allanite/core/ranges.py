@@ -44,10 +44,11 @@ class Range(NamedTuple):
             return value
         shown = given(value if typed is None else typed)
         refusal = f"{self.what or name} must be {words or self.words()}, not {shown}"
-        share = isinstance(value, (int, float)) and self.high <= 1 and value > self.high and self.holds(value / 100)
-        if words or not share:
-            raise UsageError(refusal)
-        raise UsageError(f"{refusal}; did you mean {value / 100:g}?", cure=(f"{value:g}", f"{value / 100:g}"))
+        percent = self.high <= 1 and isinstance(value, (int, float)) and self.high < value <= 100 * self.high
+        meant = f"{value / 100:g}" if percent and not words and self.holds(value / 100) else ""
+        raise UsageError(
+            f"{refusal}; did you mean {meant}?" if meant else refusal, cure=(meant and f"{value:g}", meant)
+        )
 
 
 RATE = Range(1e-9, 1e15, "Hz", what="the sampling rate")
@@ -59,6 +60,8 @@ INSTANT, STAMP = Range(0, TIME.high, "s"), Range(-TIME.high, TIME.high, "s")
 FREQUENCY = Range(0, RATE.high, "Hz")
 SAMPLES = Range(1, 2**53)
 """Numbers of samples: more are not told from each other in floating point."""
+INTERVALS = Range(0, 1e15)
+"""Time constants in sampling intervals: differences of functions of longer ones are lost in rounding."""
 LEVEL = Range(0, 1, above=True, below=True, what="a confidence level")
 SHARE = Range(0, 1)
 PART = Range(0, 1, above=True)
