@@ -42,8 +42,11 @@ def public(function: F) -> F:
         called = function.__qualname__.removesuffix(".__init__")
         options = renamed(options, names)
         demand_own(called, () if open_ else options.keys() - names)
+        columns = args[0].columns if args and hasattr(type(args[0]), "columns") else ()
         for name, value in chain(zip(names, args, strict=False), options.items()):
             hint = types.get(name, Any)
+            if isinstance(value, str) and name != "channels" and value in columns:
+                raise WrongTypeError(f"{called}: {name} is {value!r}, a column: select it with channels={value!r}")
             if expected := misfit(value, hint):
                 rated = isinstance(value, Real) and "sampling" in names  # as the second argument of other libraries
                 raise WrongTypeError(

@@ -42,7 +42,7 @@ class Range(NamedTuple):
         """The value, which is refused if it holds another number; `name` is that of its parameter."""
         if self.holds(value):
             return value
-        shown = given(value if typed is None else typed)
+        shown = given(typed or (value.tolist() if hasattr(value, "tolist") else value))
         refusal = f"{self.what or name} must be {words or self.words()}, not {shown}"
         percent = self.high <= 1 and isinstance(value, (int, float)) and self.high < value <= 100 * self.high
         meant = f"{value / 100:g}" if percent and not words and self.holds(value / 100) else ""

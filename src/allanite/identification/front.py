@@ -172,7 +172,7 @@ def started(  # noqa: PLR0913 - each is a choice of its own
     row = METHODS[name]
     symbols = symbols_of(terms)
     band = None if band == "auto" and "band" not in row.options else band  # no option was given
-    given = {"band": band, "masks": masks or None, "lines": None if lines else False, "ranges": ranges}
+    given = {"band": band, "masks": masks if len(masks) else None, "lines": None if lines else False, "ranges": ranges}
     options: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
     _demand(name, symbols, options)
     if "rival" in row.options:

@@ -152,6 +152,8 @@ def state_space(model: ModelLike, rate: float, *, tau: tuple[float, float] = (1.
     ((3, 3), 'sample', True)
     """
     model = usable_model(model)
+    for term in model:
+        term.sampled(rate)  # refuses a time constant that the rate does not suit
     SIZE.demand(turn_on, "the turn-on bias, SI,")
     if measurement not in ("auto", *MEASUREMENTS):
         raise UsageError(f"measurement must be auto, {' or '.join(MEASUREMENTS)}, not {measurement!r}")

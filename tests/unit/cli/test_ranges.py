@@ -7,8 +7,10 @@ from importlib import import_module
 from typing import get_args
 
 import click
+import numpy as np
+import pandas as pd
 import pytest
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.cli import main
@@ -107,6 +109,52 @@ def test_a_field_keeps_numbers_of_its_range_alone():
     (RATE, 10**400, "the sampling rate must be between 1e-09 and 1e+15 Hz, not a number of more than 200 digits"),
 ])  # fmt: skip
 def test_a_range_says_what_came_and_what_is_expected(within, value, words):
-    with pytest.raises(al.UsageError) as refused:
+    with pytest.raises(al.UsageError) as told:
         within.demand(value, "a time")
-    assert str(refused.value) == words
+    assert str(told.value) == words
+
+
+RECORD = al.simulate(al.N(1.0, "rad/sqrt(s)"), 400, 100.0, rng=1)
+TWO_VALUED = al.Record(np.arange(400) % 2 * 1.0, 100.0, "rad/s")
+TABLE = pd.DataFrame({"gx": RECORD.values, "gy": RECORD.values})
+NOISE = al.N(1.0, "rad/sqrt(s)")
+
+REFUSED = {
+    "a time constant": (lambda: al.Model("GM 1 deg/h 1e-308 s"), "time_constant of GM must be between 1e-15"),
+    "a long one": (lambda: al.state_space(al.Model("GM 1 deg/h 1e9 s"), 1e9), "over the sampling interval must be"),
+    "a calibration": (lambda: al.drift(NOISE, calibration=5e-324), "calibration that is not 0 must be between 1e-09"),
+    "a maneuver": (lambda: al.claims.DriftSettings(maneuver=5), "maneuver must be a text, or several, not 5"),
+    "a turn-on bias": (lambda: al.claims.DriftSettings(turn_on=None), "turn_on must be a text, or several, not None"),
+    "times": (lambda: al.claims.DriftSettings(times=10**400), "times: .* not a number of more than 200 digits"),
+    "a segment": (lambda: al.Welch(segment=10**400), "length of a segment must be between 1e-15"),
+    "an averaging time": (lambda: al.expected(NOISE, "oadev", [1e-300]), "averaging times must be above 0 s"),
+    "the same of a record": (lambda: al.deviation(RECORD, taus=[math.inf]), "averaging times must be between"),
+    "a length": (lambda: al.simulate(NOISE, rate=10.0, duration=1e308), "duration must be between"),
+    "a column": (lambda: al.deviation(TABLE, "gx"), "statistic is 'gx', a column: select it with channels='gx'"),
+    "nothing": (lambda: al.whitened(al.Record(np.full(9, np.nan), 1.0, "rad/s"), NOISE), "all are missing"),
+}  # fmt: skip
+
+
+@rows("what", REFUSED)
+def test_numbers_beyond_sense_reach_no_mathematics(what):
+    call, words = REFUSED[what]
+    refused(al.AllaniteError, words, call)
+
+
+def test_ordinary_numbers_of_odd_records_raise_no_warning():
+    assert al.identify(RECORD, masks=np.array([])).method == "whittle"
+    assert al.identify(TWO_VALUED, terms="K").method == "whittle"
+    pair = al.compare(RECORD, TWO_VALUED)[0]
+    low, high = pair["N"].interval(1e-12)
+    assert low <= high
+    assert np.isfinite(pair.ratios.ratio).any()
+
+
+@rows("value, name, words", [
+    (RECORD, "valuse", "did you mean values?"), (NOISE, "sgnal", "did you mean signal?"),
+    (al, "stride", "dir(allanite) lists"),
+])  # fmt: skip
+def test_a_misspelled_name_is_told(value, name, words):
+    with pytest.raises(AttributeError) as missing:
+        getattr(value, name)
+    assert words in str(missing.value)

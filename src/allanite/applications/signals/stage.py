@@ -5,24 +5,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from allanite.extending import (
-    POSITIVE,  # isort: skip
-    DataError,
-    FloatArray,
-    Record,
-    UnitError,
-    UsageError,
-    Value,
-    convert,
-    join,
-    public,
-    say,
-    say_count,
-    signal_with,
-    spelled,  # fmt: skip
-    unit_of,
-    windowing,
-)
+from allanite.extending import (  # isort: skip
+    POSITIVE, DataError, FloatArray, Record, UnitError, UsageError, Value, convert, join, public, say, say_count,
+    signal_with, spelled, unit_of, windowing)  # fmt: skip
 
 MAX_CLIPPED = 1e-3  # share of clipped samples above which noise coefficients are meaningless
 MAX_OFF_GRID = 0.05  # distance from the grid, in steps, up to which a reading printed with rounding lies on it

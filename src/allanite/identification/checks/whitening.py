@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray, IntArray
-from allanite.core.errors import UsageError
+from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record, Recording
@@ -68,6 +68,8 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
     if model.signal is not record.signal:
         raise UsageError(f"a model of a {model.signal.name} does not apply to a {record.signal.name}")
     y, gaps, kept = joined(record)
+    if not y.size:
+        raise DataError(say("{name!r} has no samples: all are missing", name=record.name))
     unit = record.rate_factor
     for term in model:
         wave = term.sampled(record.rate).waveform
