@@ -24,6 +24,9 @@ collect_ignore = ["plugin"]
 NEEDED = ("Chromium", "Chinese characters") if os.environ.get("ALLANITE_CI") else ()
 """What continuous integration installs: a test that is skipped for want of it has failed."""
 
+os.environ["PYTHONWARNINGS"] = "error::RuntimeWarning"
+"""NumPy's are errors in the processes that tests start, too."""
+
 COUNTED = processors.processors
 
 

@@ -69,4 +69,5 @@ def _meant(name: str) -> str:
     for verb in VERBS.values():
         if name in verb.synonyms and verb.name in __all__:
             return f"allanite has no {name}: type al.{verb.name}({_needed(_named(verb.name))})"
-    return str(unknown("name", name, __all__, listed=False))
+    error = unknown("name", name, __all__, listed=False)
+    return str(error) if error.cure[1] else f"{error}; dir(allanite) lists the names that there are"

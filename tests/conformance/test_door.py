@@ -182,7 +182,7 @@ EXTREME: dict[str, tuple[Any, str]] = {
     "no time": (lambda: al.expected(MODEL, "oadev", 0.0), "averaging times"),
     "a long time": (lambda: al.expected(MODEL, "oadev", 1e300), "tau must be between"),
     "samples": (lambda: al.simulate(MODEL, 10**12, 10.0, rng=1), "at most 1e+10 samples"),
-    "seed": (lambda: al.simulate(MODEL, 10, 10.0, rng=-1), "a seed must not be negative"),
+    "seed": (lambda: al.simulate(MODEL, 10, 10.0, rng=-1), "a seed must be between 0 and"),
     "infinite duration": (lambda: al.simulate(MODEL, rate=1.0, duration=math.inf, rng=1), "duration must be"),
     "no duration": (lambda: al.bound(MODEL, rate=1.0, duration=math.nan), "duration must be"),
     "no rate": (lambda: al.selfcheck(MODEL, 100, math.nan, rng=1), "sampling rate must be"),

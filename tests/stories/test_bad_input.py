@@ -69,7 +69,7 @@ LINES = [*OPTIONS, "--method", "piecewise", "--terms", "NK"]  # the method of li
 
 CASES = [
     # file, options, exit code, words
-    ("one.csv", ["--rate", "0", "--unit", "deg/s"], 2, ["rate", "positive", "0"]),
+    ("one.csv", ["--rate", "0", "--unit", "deg/s"], 2, ["rate", "between", "0"]),
     ("one.csv", [*OPTIONS, "--terms", "NX"], 2, ["'X'", "Q, F, N, B, K, R"]),
     ("one.csv", [*OPTIONS, "--method", "magic"], 2, ["'magic'", "whittle"]),
     ("one.csv", [*OPTIONS, "--band", "5,1"], 2, ["band", "low < high"]),

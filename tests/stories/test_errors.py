@@ -83,7 +83,7 @@ ROWS = [
     sentence("analyze gyro.csv --rate 100", "contradicts the time stamps"),
     sentence("info millis.csv --rate 100", "10 Hz as ms", cure="info millis.csv --rate 100 --time none"),
     sentence("info gyro.csv --rate fast", "'--rate'", "expected a number, not 'fast'"),
-    sentence("info gyro.csv --rate -5", "positive", "-5"),
+    sentence("info gyro.csv --rate -5", "between 1e-09 and 1e+15 Hz", "-5"),
     sentence("info gyro.csv --kind rates", "did you mean rate?", cure="info gyro.csv --kind rate"),
     # columns, windows, levels
     sentence("info gyro.csv --channels gxx", "no column 'gxx'", "did you mean gx?", cure="info gyro.csv --channels gx"),
@@ -129,7 +129,7 @@ ROWS = [
     sentence("drift", "give the noise", "--model, --sensor or --datasheet", "--require '1 deg in 10 min'"),
     sentence("drift --sensor mems --require '1 deg'", "'1 deg in 10 min' or '100 m in 1 min', not '1 deg'"),
     sentence("drift --sensor mems --claims imu.yml", "'imu.yml' cannot be read", code=3),
-    sentence("drift --sensor mems --scale-factor 1", "share below 0.1", "did you mean 1%?"),
+    sentence("drift --sensor mems --scale-factor 1", "below 0.1, not 1", "did you mean 0.01?"),
     sentence("drift --sensor mems --turn 90deg", "did you mean --maneuver?"),
     sentence("vertical six.csv --filter kalmann", "did you mean kalman?"),
     sentence("rate gyro.csv --interval 99999", "longer than the record of 100 s", cure="rate gyro.csv --interval 10"),

@@ -9,7 +9,7 @@ import numpy as np
 
 from allanite.batch.specification import Limit, seen_of
 from allanite.core.aliases import public
-from allanite.core.errors import DataError, UsageError
+from allanite.core.errors import DataError
 from allanite.core.fit import REJECTED, Fit
 from allanite.core.limits import FAIL, NOT_DECIDED, PASS, held
 from allanite.core.model import Model
@@ -23,6 +23,7 @@ from allanite.study.analysis import analyzed
 from allanite.study.channels import Progress, Source
 from allanite.study.recipe import Recipe
 from allanite.study.results import Channel, Study
+from allanite.study.settings import TOLERANCES
 
 from .claim import CUTOFF, KINDS, ClaimedNoise, ClaimedSetting, claim_of
 from .convention import causes_of
@@ -190,8 +191,7 @@ def check(source: Source, claims: "str | os.PathLike[str] | Model | ClaimedNoise
     >>> al.check(record, "lowpass 30 Hz").causes
     (<Cause : the record shows no low-pass below 35.3 Hz>,)
     """
-    if not 0 <= tolerance < 1:
-        raise UsageError(f"the tolerance must be from 0 to less than 1, not {tolerance:g}", choice="tolerance")
+    TOLERANCES.demand(tolerance, "the tolerance")
     recipe = (recipe or Recipe()).but(choices)
     claim_of(claims, claims_from, recipe.rate or 1.0)  # what cannot be read is refused before any work
     study = analyzed(source, recipe, progress)

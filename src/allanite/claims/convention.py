@@ -7,6 +7,7 @@ from itertools import groupby
 
 import numpy as np
 
+from allanite.core.arrays import mean_and_deviation
 from allanite.core.model import Term
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
@@ -219,7 +220,7 @@ def _rise(channel: Channel, term: Term) -> float:
         return NAN
     rates = record.rate_values
     part, step = rates.size // 10, 1 / record.rate
-    change = float(np.nanmean(rates[-part:]) - np.nanmean(rates[:part]))
+    change = mean_and_deviation(rates[-part:])[0] - mean_and_deviation(rates[:part])[0]
     t = np.arange(rates.size) * step
     if term.symbol == "K":
         mean = t * (0.5 * term.value / math.sqrt(step))

@@ -5,25 +5,19 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-import numpy as np
-
-from allanite.core.choices import DURATIONS, demand_choices, described
+from allanite.core.choices import described
 from allanite.core.errors import UnitError, UsageError, given
 from allanite.core.names import demand_name
 from allanite.core.plain import Value
+from allanite.core.ranges import POSITIVE, SIZE
 from allanite.core.syntax import split_quantities
 from allanite.core.units import Signal, convert, seconds_of, signal_named, unit_of
 from allanite.exporting.target import ACCELEROMETER, GYRO
 from allanite.phrases.phrase import say, spelled
 from allanite.planning.drift import GRAVITY, Response, flat, schuler
-from allanite.study.settings import DriftChoices
+from allanite.study.settings import UNAIDED, DriftChoices
 
 CALIBRATION = 60.0  # usual time over which the bias is averaged, s
-
-SHORTEST, LONGEST = 1e-9, 1e7
-"""Times without aid, and longest calibration, that are computed with, s: so many Schuler periods have nodes."""
-
-LARGE = 0.1  # errors of a scale factor from which on percent are meant
 
 
 class QuantityUnits(NamedTuple):
@@ -81,7 +75,7 @@ class Requirement(NamedTuple):
             seconds = seconds_of(time)
         except ValueError:
             limit, unit, seconds = 0.0, "", 0.0
-        if not (unit and SHORTEST <= seconds <= LONGEST and 0 < limit < math.inf):
+        if not (unit and UNAIDED.holds(seconds) and POSITIVE.holds(limit)):
             raise UsageError(f"a requirement has the form '1 deg in 10 min' or '100 m in 1 min', not {text!r}")
         dimension = unit_of(unit).dimension
         fitting = [q for q, row in QUANTITIES.items() if unit_of(row.si).dimension == dimension]
@@ -103,17 +97,12 @@ class DriftSettings(DriftChoices, Value):
     """
 
     def __post_init__(self) -> None:
-        demand_choices(self)
+        super().__post_init__()
         demand_name("platform", self.platform, PLATFORMS)
-        times = DURATIONS.read(np.asarray(self.times).tolist())
-        if not times or not all(SHORTEST <= time <= LONGEST for time in times):
-            raise UsageError(f"times without aid must be from {SHORTEST:g} to {LONGEST:g} s, not {given(self.times)}")
-        object.__setattr__(self, "times", tuple(sorted(set(times))))
-        if self.calibration is not None and not 0 <= self.calibration <= LONGEST:
-            raise UsageError(f"a time of calibration must be from 0 to {LONGEST:g} s, not {given(self.calibration)}")
-        if not 0 <= self.scale_factor < LARGE:
-            refusal = f"an error of the scale factor is a share below {LARGE:g}, not {self.scale_factor:g}"
-            raise UsageError(f"{refusal}; did you mean {self.scale_factor:g}%?" if self.scale_factor > 0 else refusal)
+        UNAIDED.demand(self.calibration or None, "a time of calibration that is not 0")
+        if not self.times:
+            raise UsageError("give at least one time without aid, in s")
+        object.__setattr__(self, "times", tuple(sorted(set(self.times))))
         if bool(self.scale_factor) != bool(self.maneuver):
             raise UsageError(
                 "an error of the scale factor acts on a maneuver: give both, e.g. "
@@ -132,7 +121,7 @@ class DriftSettings(DriftChoices, Value):
             ((value, unit),) = split_quantities(text.split())
         except (ValueError, AttributeError):
             value, unit = math.nan, ""
-        if not unit or not 0 <= value < math.inf:
+        if not unit or not SIZE.holds(value):
             raise UsageError(f"{what} has the form '{example}', not {given(text)}")
         for sensor in (GYRO, ACCELEROMETER):
             for power in powers:

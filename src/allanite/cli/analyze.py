@@ -15,7 +15,7 @@ from allanite.study.settings import (  # isort: skip
 from .deliver import Progress, carry_out, deliver, outputs, progress, recipe_of, settings_of
 from .front import DATA, PARTLY
 from .helping import command
-from .options import IDENTIFYING, RECORDING, RESULTS, SHOWN, Option, Whole, options
+from .options import IDENTIFYING, RECORDING, RESULTS, SHOWN, Option, integer, options
 from .streams import complain, show
 from .tasks import ANALYZE, DEVIATION, DYNAMIC, INFO, SPECTRUM, WATCH, Reports, ends_of_units, perform
 
@@ -86,7 +86,7 @@ def end_of_units(batch: "Batch", *, strict: bool) -> None:
     click.argument("source", type=click.Path(), metavar="FOLDER_OR_MANIFEST"),
     click.option("--out", "results", required=True, metavar="RESULTS", type=click.Path(),
         help="Folder of the results; one of an earlier run is continued.", cls=Option, old=("--output", "-o")),
-    click.option("--workers", type=Whole(1), metavar="N",
+    click.option("--workers", type=integer(1, 10_000), metavar="N",
         help="Processes of this machine.  [default: one for each core]"),
     click.option("--scheduler", metavar="ADDRESS",
         help="Dask scheduler, e.g. tcp://10.0.0.5:8786, whose workers are used instead."),

@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from allanite.applications.choices import RateChoices
-from allanite.core.choices import separated
+from allanite.core.choices import NUMBERS, separated
 from allanite.core.errors import UnitError, UsageError
+from allanite.core.ranges import ANGLE, LATITUDE, POSITIVE, REAL, SIZE, STAMP, TIME
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import say, say_count
 from allanite.study.settings import LengthChoices, WatchChoices
 
 from .deliver import STDOUT, Extra, Outputs, deliver, outputs, put, settings_of
-from .options import NAMES, NUMBERS, RESULTS, Converted, Decorator, options
+from .options import NAMES, RESULTS, Converted, Decorator, number, options
 from .streams import show
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 DEGREE, ARCSEC = math.pi / 180, math.pi / 648_000
 
-PRIOR = Converted(separated(float, "two standard deviations", 2, "3,10"))
+PRIOR = Converted(separated(float, "two standard deviations", 2, "3,10"), POSITIVE)
 
 
 def prior_option(words: str, default: str | None = None) -> Decorator:
@@ -37,12 +38,12 @@ def prior_option(words: str, default: str | None = None) -> Decorator:
 
 def turn_option(words: str, default: float | None = None) -> Decorator:
     """The option of the period of the auto-compensating rotation."""
-    return click.option("--turn-period", type=float, default=default, show_default=True, metavar="S", help=words)
+    return click.option("--turn-period", type=number(TIME), default=default, show_default=True, metavar="S", help=words)
 
 
 ANGLES = click.option("--angles", type=NAMES, default="h,q", show_default=True,
                       help="Angle sensors: h, q, h_polar, q_polar, mu.")  # fmt: skip
-HEADING = click.option("--ring-heading", type=float, default=0.0, show_default=True, metavar="DEG",
+HEADING = click.option("--ring-heading", type=number(ANGLE), default=0.0, show_default=True, metavar="DEG",
     help="Direction of the outer ring's axis, from north to east.")  # fmt: skip
 
 TRUE = "# simulated errors, arcsec: "  # what begins a simulated file
@@ -91,8 +92,8 @@ def columns_of(data: Mapping[str, Any]) -> str:
     return "".join(f"{','.join(map(str, row))}\n" for row in (data, *rows))
 
 
-SWAY = Converted(separated(float, "amplitude in deg and period in s", 2, "1,60"))
-RANGE = Converted(separated(float, "two angles in deg", 2, "-10,10"))
+SWAY = Converted(separated(float, "amplitude in deg and period in s", 2, "1,60"), POSITIVE)
+RANGE = Converted(separated(float, "two angles in deg", 2, "-10,10"), ANGLE)
 
 EXPERIMENT = (
     "latitude", "duration", "reading interval",
@@ -101,11 +102,11 @@ EXPERIMENT = (
     turn_option("Auto-compensation.", 300.0),
     click.option("--sway", type=SWAY, metavar="DEG,S",
         help="Sway of the base in roll and pitch: amplitude and period."),
-    click.option("--ring-rate", type=float, metavar="DEG/MIN",
+    click.option("--ring-rate", type=number(REAL), metavar="DEG/MIN",
         help="Turn the outer ring of the equatorial gyro to and fro, at this mean rate."),
     click.option("--ring-range", type=RANGE, default="-10,10", show_default=True, metavar="DEG,DEG",
         help="Angles between which it turns, from the first."),
-    click.option("--ring-step", type=float, default=0.0, metavar="DEG",
+    click.option("--ring-step", type=number(ANGLE), default=0.0, metavar="DEG",
         help="Turn it in steps of this size.  [default: continuously]"),
     HEADING,
 )  # fmt: skip
@@ -114,7 +115,7 @@ EXPERIMENT = (
 @click.command()
 @options(
     *EXPERIMENT,
-    click.option("--start", "starts", type=NUMBERS, metavar="S,...",
+    click.option("--start", "starts", type=Converted(NUMBERS, STAMP), metavar="S,...",
         help="Start, in seconds after h = 0; several are compared.  [default: every five minutes]"),
     "given sigma", prior_option("in the unit of --sigma", "3,10"), "orders", ANGLES, "level", "recipe", *RESULTS,
     settings=(LengthChoices, RateChoices),
@@ -136,12 +137,12 @@ def plan(**choices: Any) -> None:
 @options(
     click.argument("out", type=click.Path()),
     *EXPERIMENT,
-    click.option("--start", type=float, default=0.0, show_default=True, metavar="S",
+    click.option("--start", type=number(STAMP), default=0.0, show_default=True, metavar="S",
         help="Start, in seconds after h = 0."),
     click.option("--error", "errors", multiple=True, metavar="ANGLE:ORDER=S,C",
         help="A harmonic in arcsec, e.g. h:128=3,-1.5; repeatable."),
     "given sigma",
-    click.option("--walk", type=float, default=0.0, show_default=True, metavar="ARCSEC",
+    click.option("--walk", type=number(SIZE), default=0.0, show_default=True, metavar="ARCSEC",
         help="Standard deviation of a step of a random walk."),
     "seed", "plot", "lang", "force", "quiet", settings=(LengthChoices, RateChoices),
 )  # fmt: skip
@@ -240,7 +241,7 @@ GIMBALS = (
         help="Intermediate angle of the equatorial gyro."),
     click.option("--h-polar", metavar="COLUMN", help="Inner angle of the polar gyro.  [default: the latitude]"),
     click.option("--q-polar", metavar="COLUMN", help="Intermediate angle of the polar gyro.  [default: 0]"),
-    click.option("--latitude", type=float, metavar="DEG",
+    click.option("--latitude", type=number(LATITUDE), metavar="DEG",
         help="Latitude of the site.  [default: from the motion of h and q]"),
     click.option("--mu", metavar="COLUMN",
         help="Angle of the equatorial gyro's outer ring.  [default: mu, if there is such a column]"),

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from allanite.core import choices
-from allanite.core.choices import DURATION, FLAG, LINES, ChoiceKind, ChoiceRow, choices_of
+from allanite.core.choices import DURATION, FLAG, HERTZ, INTEGER, LINES, NUMBER, ChoiceKind, ChoiceRow, choices_of
 from allanite.core.errors import COLUMN, MEANINGS, RATE, SCALE, UNIT, UsageError
 from allanite.core.names import demand_name
+from allanite.core.ranges import POSITIVE, SEED, SIZE, TIME, Range
 from allanite.reporting.language import ENGLISH, LANGUAGES
 from allanite.study.recipe import IDENTIFYING as IDENTIFIES, READING, SELECTING, Recipe, load_toml
 
@@ -24,21 +25,25 @@ else:
 class Converted(ParamType):
     """The kind of a choice as a type of click."""
 
-    def __init__(self, kind: ChoiceKind) -> None:
-        self.kind, self.name = kind, kind.name
+    def __init__(self, kind: ChoiceKind, within: Range | None = None) -> None:
+        self.kind, self.name, self.within = kind, kind.name, within
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The value, from its text or what a recipe holds."""
         try:
-            return self.kind.parse(value)
+            return self.kind.parse(value, self.within)
         except UsageError as error:
             raise error.within(f"Invalid value for {param.get_error_hint(ctx)}" if param else self.name) from None
 
 
-class Whole(click.IntRange):
-    """A whole number within limits."""
+def number(within: Range) -> Converted:
+    """The type of an option that is a number within a range."""
+    return Converted(NUMBER, within)
 
-    name = "whole number"
+
+def integer(low: int, high: int) -> Converted:
+    """The type of an option that is an integer, from `low` to `high`."""
+    return Converted(INTEGER, Range(low, high))
 
 
 class Threads(ParamType):
@@ -182,7 +187,7 @@ def option_of(choice: ChoiceRow) -> Decorator:
     """The option of a choice."""
     if choice.kind is FLAG:
         return click.option(*choice.options, choice.name, is_flag=True, default=choice.default, help=choice.text)
-    form: dict[str, Any] = {"type": Converted(choice.kind)}
+    form: dict[str, Any] = {"type": Converted(choice.kind, choice.within)}
     if choice.kind.many:
         form = {"multiple": True, "callback": lambda _, __, values: values or None}
     form |= {"metavar": choice.metavar or None, "help": choice.text, "cls": Option, "synonyms": choice.synonyms,
@@ -199,7 +204,7 @@ OPTIONS: dict[str, Decorator] = {
     "files": click.argument("files", nargs=-1, required=True, type=click.Path(), metavar="FILE..."),
     "recipe": click.option("--recipe", metavar="TOML", type=click.Path(), is_eager=True, callback=_load_recipe,
         help="Read options from a file; the command line overrides them."),
-    "seed": click.option("--seed", type=Whole(min=0), metavar="N", default=1, show_default=True,
+    "seed": click.option("--seed", type=Converted(INTEGER, SEED), metavar="N", default=1, show_default=True,
         help="Seed of the random number generator."),
     "threads": click.option("--threads", type=Threads(), default="auto", show_default=True, metavar="N",
         help="Processors to use at once, or auto: all of them. The results are the same.",
@@ -229,7 +234,7 @@ OPTIONS: dict[str, Decorator] = {
         cls=Option, synonyms=("overwrite", "yes")),
     "quiet": click.option("--quiet", is_flag=True, help="Print errors only, and what is written to standard output."),
     # options of the same name whose meaning differs between verbs
-    "simulated rate": click.option("--rate", "--fs", "rate", type=float, required=True, metavar="HZ",
+    "simulated rate": click.option("--rate", "--fs", "rate", type=Converted(HERTZ), required=True, metavar="HZ",
         help="Sampling rate."),
     "simulated unit": click.option("--unit", help="Unit of the samples.  [default: deg/h, ug]"),
     "simulated channels": click.option("--channels", type=NAMES, default="1", show_default=True, metavar="N",
@@ -238,7 +243,7 @@ OPTIONS: dict[str, Decorator] = {
         help="Outliers: '0.01% 20' (sigma) or '0.01% 50 deg/h'."),
     "simulated dither": click.option("--dither", metavar="HOW",
         help="Dither added before rounding and removed after: 'random' or '400 Hz 20' (steps)."),
-    "reading interval": click.option("--interval", type=float, default=10.0, show_default=True, metavar="S",
+    "reading interval": click.option("--interval", type=number(TIME), default=10.0, show_default=True, metavar="S",
         help="Sampling interval."),
     "reference rate": click.option("--reference", metavar="RATE", help="The true rate, in deg/h or e.g. '12.4 deg/h'."),
     "known bias": click.option("--bias", metavar="RATE", help="Known bias to subtract, in deg/h or e.g. '3 ug'."),
@@ -258,11 +263,11 @@ OPTIONS: dict[str, Decorator] = {
         "[default: complementary]"),
     "horizon": click.option("--horizon", "duration", type=Converted(DURATION), metavar="TIME",
         help="Time to predict without a recording.  [default: 1 h]", cls=Option, old=("--duration",)),
-    "estimated sigma": click.option("--sigma", type=float, metavar="ARCSEC",
+    "estimated sigma": click.option("--sigma", type=number(POSITIVE), metavar="ARCSEC",
         help="Noise of a sample.  [default: estimated]"),
-    "given sigma": click.option("--sigma", type=float, default=1.0, show_default=True, metavar="ARCSEC",
+    "given sigma": click.option("--sigma", type=number(SIZE), default=1.0, show_default=True, metavar="ARCSEC",
         help="Noise of a sample."),
-    "angle trend": click.option("--trend", type=int, default=0, show_default=True,
+    "angle trend": click.option("--trend", type=integer(0, 2), default=0, show_default=True,
         help="Degree of a polynomial drift estimated jointly."),
     "target": click.option("--to", "target", metavar="TARGET",
         help="Program that reads the file: kalibr, vins-mono, px4, ...; 'allanite explain' lists them.  "

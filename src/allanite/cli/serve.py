@@ -5,13 +5,13 @@ from typing import Any
 import click
 
 from .helping import command
-from .options import Whole, options
+from .options import integer, options
 
 
 @command()
 @options(
     click.argument("files", nargs=-1, type=click.Path(), metavar="[FILE]..."),
-    click.option("--port", type=Whole(0, 65535), default=0, metavar="N",
+    click.option("--port", type=integer(0, 65535), default=0, metavar="N",
         help="Port at 127.0.0.1.  [default: any that is free]"),
     click.option("--browser/--no-browser", default=True, help="Open the page in the browser."),
     click.option("--limit", default="4GB", show_default=True, metavar="SIZE", help="Size of an upload at most."),

@@ -8,11 +8,13 @@ import click
 from allanite.applications.choices import (  # isort: skip
     CompensationChoices, EstimatorChoices, FitChoices, IntervalChoices, RateChoices, VerticalChoices
 )  # fmt: skip
+from allanite.core.choices import NUMBERS
 from allanite.core.errors import UnitError, UsageError
+from allanite.core.ranges import POSITIVE, REAL
 
 from .deliver import Extra, Outputs, carry_out, demand_recording, given, outputs, recipe_of, rendered, settings_of
 from .helping import command
-from .options import IDENTIFYING, NUMBERS, RECORDING, RESULTS, Option, Whole, options, path_option
+from .options import IDENTIFYING, RECORDING, RESULTS, Converted, Option, integer, number, options, path_option
 from .streams import complain
 
 if TYPE_CHECKING:
@@ -30,10 +32,10 @@ if TYPE_CHECKING:
     click.option("--torquer", metavar="A=X,...",
         help="Constants of the torquer in SI: turns, field (T), span (m), radius (m), inertia (kg m^2), spin (rad/s), "
         "sides."),
-    click.option("--torque-scale", "scale_factor", type=float, metavar="K", cls=Option, old=("--scale-factor",),
+    click.option("--torque-scale", "scale_factor", type=number(REAL), metavar="K", cls=Option, old=("--scale-factor",),
         help="Or the scale factor of the torquer, rad/s per A."),
-    click.option("--sense", type=float, metavar="V/A", help="Gain of the current sensor, for voltages."),
-    click.option("--coupling", type=NUMBERS, metavar="XX,XY,YX,YY",
+    click.option("--sense", type=number(POSITIVE), metavar="V/A", help="Gain of the current sensor, for voltages."),
+    click.option("--coupling", type=Converted(NUMBERS, REAL), metavar="XX,XY,YX,YY",
         help="Two channels are the currents of the x and y torquers: rates about x and y over the scale factor, "
         "e.g. 0,-1,1,0 with cross-coupling in XX and YY."),
     *IDENTIFYING, path_option("rates", "Write the rates as a recording: .csv, .npz, ..."), *RESULTS,
@@ -66,7 +68,8 @@ def quantization(file: str, **choices: Any) -> None:
     click.option("--apply", "apply_to", metavar="FILE", type=click.Path(),
         help="Also correct this file, which is not used for the fit."),
     *IDENTIFYING, path_option("save", "Write the regressions, to be used with --use."), "corrected record", "autopilot",
-    click.option("--instance", type=int, metavar="N", help="Number of the sensor there.  [default: the first]"),
+    click.option("--instance", type=integer(0, 99), metavar="N",
+        help="Number of the sensor there.  [default: the first]"),
     "written parameters", *RESULTS, settings=(CompensationChoices, FitChoices),
 )  # fmt: skip
 def compensate(file: str, **choices: Any) -> None:
@@ -127,7 +130,7 @@ USUAL_DURATION_S = 3600.0  # horizon without a recording, s
 @command()
 @options(
     "optional file", *RECORDING, "gyro", "accelerometer", "filter", "time_constant", "bias_time", "gate",
-    click.option("--coning", "samples", type=Whole(1, 2), metavar="N",
+    click.option("--coning", "samples", type=integer(1, 2), metavar="N",
                  help="Samples of the coning correction of bortz.  [default: 2]"),
     "axes", "keep_bias", "horizon",
     click.option("--gyro-bias", metavar="RATE", help="Constant bias of the gyro without a recording, e.g. '10 deg/h'."),

@@ -47,7 +47,8 @@ class Ratios(Value):
     @property
     def ratio(self) -> FloatArray:
         """Variance after over variance before."""
-        return np.asarray(self.after.variance / self.before.variance)
+        with np.errstate(divide="ignore", invalid="ignore"):  # of nothing it is infinite, or not a number
+            return np.asarray(self.after.variance / self.before.variance)
 
     def interval(self, level: float = 0.95) -> tuple[FloatArray, FloatArray]:
         """Confidence limits (low, high) of the ratio of the variances."""

@@ -128,6 +128,8 @@ class Contrast(Portable):
 
         if best == end or self.excess(end) <= drop:
             return end
+        if self.excess(best) >= drop:  # at a low level, to rounding
+            return best
         inside, share = best, 1e-3
         while self.excess(outside := best + min(share, 1 - 1e-9) * (end - best)) < drop:
             inside, share = outside, 3 * share

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from allanite.core.arrays import FloatArray, IntArray
+from allanite.core.arrays import LARGEST, FloatArray, IntArray
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.estimate import Estimate
@@ -46,7 +46,7 @@ class RatioLaw:
         """Probability of a smaller ratio, shape (k,)."""
         from scipy.special import ndtr
 
-        ratio = np.asarray(ratio, dtype=np.float64)
+        ratio = np.clip(np.asarray(ratio, dtype=np.float64), 1 / LARGEST, LARGEST)  # of nothing it is 0 or infinite
         low, high = -1 / (2 * ratio * _largest(self.first)), 1 / (2 * _largest(self.second))
         for _ in range(HALVINGS):
             t = (low + high) / 2

@@ -1,6 +1,5 @@
 """Arguments that have another name in other libraries, or are given in another form."""
 
-import math
 from collections.abc import Callable
 from functools import cache, wraps
 from inspect import Parameter, signature
@@ -12,6 +11,7 @@ from allanite.phrases.phrase import spelled
 
 from .errors import UsageError, WrongTypeError, given
 from .habits import demand_own, renamed
+from .ranges import RATE, SAMPLES, SEED, TIME
 
 if TYPE_CHECKING:
     import numpy as np
@@ -42,8 +42,11 @@ def public(function: F) -> F:
         called = function.__qualname__.removesuffix(".__init__")
         options = renamed(options, names)
         demand_own(called, () if open_ else options.keys() - names)
+        columns = args[0].columns if args and hasattr(type(args[0]), "columns") else ()
         for name, value in chain(zip(names, args, strict=False), options.items()):
             hint = types.get(name, Any)
+            if isinstance(value, str) and name != "channels" and value in columns:
+                raise WrongTypeError(f"{called}: {name} is {value!r}, a column: select it with channels={value!r}")
             if expected := misfit(value, hint):
                 rated = isinstance(value, Real) and "sampling" in names  # as the second argument of other libraries
                 raise WrongTypeError(
@@ -70,9 +73,7 @@ def generator(rng: "np.random.Generator | int | None") -> "np.random.Generator":
     """The source of randomness, which may be given by its seed; None for another one each time."""
     import numpy as np
 
-    if rng is not None and not isinstance(rng, np.random.Generator) and rng < 0:
-        raise UsageError(f"a seed must not be negative, as {rng} is")
-    return np.random.default_rng(rng)
+    return np.random.default_rng(rng if isinstance(rng, np.random.Generator) else SEED.demand(rng))
 
 
 def size_and_rate(size: int | None, rate: float | None, duration: float | str | None) -> tuple[int, float]:
@@ -87,11 +88,9 @@ def size_and_rate(size: int | None, rate: float | None, duration: float | str | 
         duration = seconds_of(duration)
     if rate is None:
         raise UsageError("the sampling rate is missing: give rate, in Hz, e.g. rate=100")
-    if not (math.isfinite(rate) and rate > 0):
-        raise UsageError(f"the sampling rate must be a positive number of Hz, not {given(rate)}")
-    if duration is not None and not (math.isfinite(duration) and duration > 0):
-        raise UsageError(f"the duration must be a positive number of s, not {given(duration)}")
+    RATE.demand(rate)
+    TIME.demand(duration, "the duration")
     if (size is None) == (duration is None):
         how = spelled("--duration or --samples", "size, a number of samples, or duration, in s, e.g. duration=3600")
         raise UsageError(f"give either {how}")
-    return (size if size is not None else round((duration or 0.0) * rate)), rate
+    return SAMPLES.demand(size if size is not None else round((duration or 0.0) * rate), "the number of samples"), rate

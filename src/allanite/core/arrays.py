@@ -10,14 +10,13 @@ from allanite.phrases.phrase import say
 
 from .errors import DataError
 from .kinds import KINDS
+from .ranges import POSITIVE
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-RATES = (1e-9, 1e15)  # sampling rates, Hz: beyond them powers of averaging times are not numbers any more
-
-LARGEST = 1e30
+LARGEST = POSITIVE.high
 """Size of rates, accelerations and coefficients, SI, to which, and down to whose inverse, eighth powers are numbers."""
 
 

@@ -8,8 +8,9 @@ from inspect import cleandoc
 from types import UnionType
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin
 
+from . import ranges
 from .errors import UsageError, given
-from .ranges import demand_pieces, demand_ranges
+from .ranges import Range, demand_pieces, demand_ranges
 from .units import A_DURATION, seconds_of
 
 Settings = TypeVar("Settings")
@@ -27,7 +28,8 @@ class ChoiceKind:
     # Each refuses what is no such value; `form` is what is expected. It is entered as a `control` of the page: "text",
     # "number", "list", "band" or "flag". The option is repeated for each of `many` parts; `write` makes the text that
     # is read, if `written` does not. `alone` is the value of an option that is given without one, `measure` what the
-    # documentation says of its unit in Python.
+    # documentation says of its unit in Python. Numbers are `within` a range, unless their choice has another; `unit` is
+    # that of text.
     name: str
     read: Callable[[Any], Any]
     demand: Callable[[str, Any], Any] = lambda name, value: value
@@ -38,12 +40,19 @@ class ChoiceKind:
     form: str = ""
     alone: str = ""
     measure: str = ""
+    within: Range | None = None
+    unit: str = ""
 
-    def parse(self, data: Any) -> Any:
-        """The value from text or plain data."""
+    def parse(self, data: Any, within: Range | None = None) -> Any:
+        """The value from text or plain data, each number of it within a range."""
         if not isinstance(data, self.takes) or (isinstance(data, bool) and bool not in self.takes):
             raise UsageError(f"expected {self.form or f'a {self.name}'}, not {given(data)}")
-        return self.read(data)
+        value, within = self.read(data), within or self.within
+        if within is not None:
+            percent = self.unit if isinstance(data, str) else ""
+            words = within.words(self.write, percent) if self.write and percent else ""
+            within.demand(value, words=words, typed=data if percent else None)
+        return value
 
 
 TYPED = ChoiceKind("value", lambda value: value)  # the kind that the type of the field says
@@ -67,7 +76,7 @@ def _parsed(number: type[float] | type[int]) -> Callable[[Any], Any]:
     def read(value: Any) -> float | int:
         try:
             return number(value)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise UsageError(f"expected {A_NUMBER if number is float else AN_INTEGER}, not {given(value)}") from None
 
     return read
@@ -77,6 +86,26 @@ def _demand_number(name: str, value: Any) -> Any:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise UsageError(f"{name} must be a number, not {given(value)}")
     return value
+
+
+def _demand_integer(name: str, value: Any) -> Any:
+    if isinstance(value, bool) or not hasattr(value, "__index__"):
+        raise UsageError(f"{name} must be an integer, not {given(value)}")
+    return value
+
+
+def _demand_times(name: str, value: Any) -> Any:
+    try:
+        return DURATIONS.read(value.tolist() if hasattr(value, "tolist") else value)
+    except UsageError as error:
+        raise error.within(name) from None
+
+
+def _demand_lines(name: str, value: Any) -> tuple[str, ...]:
+    lines = (value,) if isinstance(value, str) else value
+    if not isinstance(lines, (list, tuple)) or not all(isinstance(line, str) for line in lines):
+        raise UsageError(f"{name} must be a text, or several, not {given(value)}")
+    return tuple(lines)
 
 
 def _demand_word(name: str, value: Any) -> Any:
@@ -89,7 +118,8 @@ def _parts(value: Any) -> Any:
     return value.split(",") if isinstance(value, str) else value
 
 
-def separated(kind: type, name: str, count: int | None = None, example: str = "") -> ChoiceKind:
+def separated(kind: type, name: str, count: int | None = None, example: str = "",
+              within: Range | None = None) -> ChoiceKind:  # fmt: skip
     """Words or numbers separated by commas; plain data may hold a list."""
 
     def read(value: Any) -> tuple[Any, ...]:
@@ -101,13 +131,14 @@ def separated(kind: type, name: str, count: int | None = None, example: str = ""
             raise UsageError(f"expected {name}, e.g. {example}, not {given(value)}")
         return values
 
-    return ChoiceKind(name, read, control="list", takes=LISTS, form=f"{name}, e.g. {example}")
+    return ChoiceKind(name, read, control="list", takes=LISTS, form=f"{name}, e.g. {example}", within=within)
 
 
 def pieces(unit: str) -> ChoiceKind:
     """Pairs of numbers in a unit, as ``100..160,300..310``; plain data may hold a list of them."""
     return ChoiceKind("pieces", lambda value: demand_pieces(value, unit), lambda _, value: demand_pieces(value, unit),
-                      takes=LISTS, form=f"pairs of numbers in {unit}, e.g. 100..160,300..310")  # fmt: skip
+                      takes=LISTS, form=f"pairs of numbers in {unit}, e.g. 100..160,300..310",
+                      within={"s": ranges.INSTANT, "Hz": ranges.FREQUENCY}[unit])  # fmt: skip
 
 
 def _share(value: Any) -> float:
@@ -120,15 +151,15 @@ def _share(value: Any) -> float:
 def _table(value: Any) -> Any:
     if not isinstance(value, str):
         return value
-    ranges = {}
+    pairs = {}
     for part in value.split(","):
         symbol, _, numbers = part.partition("=")
         try:
             low, high = (float(number) for number in numbers.split(":"))
         except ValueError:
             raise UsageError(f"expected terms with their ranges, e.g. N=0.1:10,K=100:1000, not {given(part)}") from None
-        ranges[symbol.strip()] = (low, high)
-    return ranges
+        pairs[symbol.strip()] = (low, high)
+    return pairs
 
 
 def _either(read: Callable[[Any], Any], other: Callable[[Any], Any]) -> Callable[[Any], Any]:
@@ -164,10 +195,11 @@ def _model(text: Any) -> Any:
 
 NUMBER = ChoiceKind("float", _parsed(float), _demand_number, control="number", form=A_NUMBER)
 HERTZ = ChoiceKind("float", lambda v: NUMBER.read(re.sub(r"\s*Hz$", "", v, flags=re.I) if isinstance(v, str) else v),
-                   _demand_number, control="number", form=A_NUMBER)  # fmt: skip
-INTEGER = ChoiceKind("integer", _parsed(int), _demand_number, control="number", form=AN_INTEGER)
-PERCENT = ChoiceKind("float", lambda v: NUMBER.read(v) / (100 if isinstance(v, str) else 1), form=A_NUMBER,
-                     write=lambda v: f"{100 * v:.12g}", measure=" A share, from 0 to 1.")  # fmt: skip
+                   _demand_number, control="number", form=A_NUMBER, within=ranges.RATE)  # fmt: skip
+INTEGER = ChoiceKind("integer", _parsed(int), _demand_integer, control="number", form=AN_INTEGER)
+PERCENT = ChoiceKind("float", lambda v: NUMBER.read(v) / (100 if isinstance(v, str) else 1), _demand_number,
+                     form=A_NUMBER, write=lambda v: f"{100 * v:.12g}", measure=" A share, from 0 to 1.",
+                     within=ranges.SHARE, unit="%")  # fmt: skip
 """A share: of text, as it is typed, in percent; of plain data, as in Python, from 0 to 1."""
 SHARE = ChoiceKind("share", _share, _demand_number, form="a share such as 0.1%, 1000ppm or 0.001")
 WORD = ChoiceKind("text", str, _demand_word, form="a word")
@@ -178,24 +210,25 @@ FLAG = ChoiceKind("boolean", lambda value: value not in (False, 0, "false", "no"
                   takes=(str, int, bool), form="true or false")  # fmt: skip
 NAMES = separated(str, "names", example="gx,gy")
 NUMBERS = separated(float, "numbers", example="1,10,100")
-INTEGERS = separated(int, "integers", example="1,10,100")
+INTEGERS = separated(int, "integers", example="1,10,100", within=ranges.SAMPLES)
 _FREQUENCIES = separated(float, "auto, all, or two frequencies in Hz", 2, "0.01,10")
 BAND = ChoiceKind("band", lambda v: v if v in ("auto", "all") else _FREQUENCIES.read(v), control="band", takes=LISTS,
-                  form=_FREQUENCIES.form)  # fmt: skip
+                  form=_FREQUENCIES.form, within=ranges.FREQUENCY)  # fmt: skip
 GRID = ChoiceKind("grid", _either(NUMBERS.read, lambda value: value), takes=LISTS,
-                  form="octave, decade, log, all, or times in s, e.g. 1,10,100")  # fmt: skip
+                  form="octave, decade, log, all, or times in s, e.g. 1,10,100", within=ranges.TIME)  # fmt: skip
 RANGES = ChoiceKind("ranges", _table, lambda name, value: demand_ranges(value), takes=(str, dict),
-                    form="terms with their ranges, e.g. N=0.1:10,K=100:1000")  # fmt: skip
+                    form="terms with their ranges, e.g. N=0.1:10,K=100:1000", within=ranges.TIME)  # fmt: skip
 WORTH = ChoiceKind("scale", _either(float, str), lambda name, v: v if isinstance(v, str) else _demand_number(name, v),
-                   form="a number, or a number with a unit as 0.01deg/s")  # fmt: skip
-DURATION = ChoiceKind("duration", seconds_of, form=A_DURATION, measure=SECONDS)
+                   form="a number, or a number with a unit as 0.01deg/s", within=ranges.POSITIVE)  # fmt: skip
+DURATION = ChoiceKind("duration", seconds_of, _demand_number, form=A_DURATION, measure=SECONDS, within=ranges.TIME)
 INSTANT = ChoiceKind("duration", _either(float, seconds_of), _demand_number, control="number", form=A_DURATION,
-                     measure=SECONDS)  # fmt: skip
-"""Seconds after the first sample, which may be zero or, to be refused later in other words, negative."""
+                     measure=SECONDS, within=ranges.INSTANT)  # fmt: skip
+"""Seconds after the first sample, which may be zero."""
 MODEL = ChoiceKind("model", _model, form="a model, e.g. 'N 0.003 deg/sqrt(h), B 0.5 deg/h'")
 DURATIONS = ChoiceKind(
     "duration", lambda v: tuple(map(seconds_of, _parts(v) if isinstance(v, (str, list, tuple)) else [v])),
-    control="list", takes=LISTS, form="times in s, e.g. 600,3600, or with units, e.g. '10 min,1 h'", measure=SECONDS,
+    _demand_times, "list", takes=LISTS, within=ranges.TIME,
+    form="times in s, e.g. 600,3600, or with units, e.g. '10 min,1 h'", measure=SECONDS,
 )  # fmt: skip
 _SPAN = "two averaging times in s, e.g. 1,1000 or '1 s,10 min', or yes, or no"
 _ANSWERS = {"yes": True, "no": False}
@@ -217,7 +250,8 @@ def _span(value: Any) -> Any:
 
 
 SPAN = ChoiceKind("span", _span, lambda _, value: _span(value), takes=(*LISTS, bool), form=_SPAN, alone="yes",
-                  write=lambda value: ("no", "yes")[value] if isinstance(value, bool) else written(value))  # fmt: skip
+                  write=lambda value: ("no", "yes")[value] if isinstance(value, bool) else written(value),
+                  within=ranges.TIME)  # fmt: skip
 LINES = ChoiceKind("text", _lines, _demand_lines, control="list", many=True, takes=(str, list, tuple, dict),
                    form="text, a list of texts, or a table")  # fmt: skip
 
@@ -250,6 +284,7 @@ class ChoiceRow:
     # other names of the option by which it is asked for; they are suggested, not taken
     synonyms: tuple[str, ...] = ()
     old: tuple[str, ...] = ()  # names that the option had, which are taken and not shown
+    within: Range | None = None  # its numbers, if they are not those of its kind
     unlike: tuple[str, ...] = ()  # those of them whose values are of another unit: they are not put in its place
     # what a value must be beyond its kind: returns the value as it is kept, or raises UsageError
     demand: Callable[[Any], Any] | None = None
@@ -279,7 +314,7 @@ class ChoiceRow:
     def read(self, data: Any) -> Any:
         """The value from its text or plain data."""
         try:
-            return self.kind.parse(data)
+            return self.kind.parse(data, self.within)
         except UsageError as error:
             names = " / ".join(f"'{option}'" for option in self.options)
             raise UsageError(f"Invalid value for {names}: {error}", choice=self.name, cure=error.cure) from None
@@ -345,15 +380,24 @@ def named(kind: type[Any], *groups: str) -> tuple[str, ...]:
 def demand_choices(settings: Any) -> None:
     """Refuse a value that its choice does not allow, and keep the others as their kind and choice return them."""
     for name, row in choices_of(type(settings)).items():
-        value = getattr(settings, name)
-        if value is None and row.default is None:
+        value, within = getattr(settings, name), row.within or row.kind.within
+        if (value is None and row.default is None) or value is row.default:
             continue
         try:
             kept = row.kind.demand(name, value)
+            if within is not None:
+                within.demand(kept, name)
             object.__setattr__(settings, name, row.demand(kept) if row.demand else kept)
         except UsageError as error:
             error.choice = error.choice or name
             raise
+
+
+class Choices:
+    """A class of choices, whose values are checked when it is made."""
+
+    def __post_init__(self) -> None:
+        demand_choices(self)
 
 
 def needing_all(settings: Any) -> Iterator[tuple[ChoiceRow, Any]]:

@@ -13,13 +13,14 @@ from typing import Any, Literal, NamedTuple, Union, get_args, get_type_hints
 
 import numpy as np
 
-from .arrays import LARGEST, RATES
+from .arrays import LARGEST
 from .encoding import derived
+from .ranges import RATE, Range
 
 MAX_ITEMS = 1000  # items of a sequence that are looked at
 
-SIZES = {"rate": ("the sampling rate", *RATES, "Hz")}
-"""The least and the largest number of a name; of other names, functions refuse what is infinite or not a number."""
+SIZES: dict[str, Range] = {"rate": RATE}
+"""The numbers of a name; of other names, functions refuse what is infinite or not a number."""
 
 CONVERTED = ("__array__", "to_numpy", "magnitude", "to_value")
 """What arrays, columns and quantities of other libraries have, of which `samples` makes arrays."""
@@ -55,8 +56,8 @@ def excess(name: str, value: Any, hint: Any) -> str:
     # compared as it is, for an integer need not have a float; single precision would not hold the limits
     number: Any = value.item() if isinstance(value, np.floating) else value
     if name in SIZES:
-        words, low, high, unit = SIZES[name]
-        return "" if low <= number <= high else f"{words} must be between {low:g} and {high:g} {unit}"
+        within = SIZES[name]
+        return "" if within.holds(number) else f"{within.what or name} must be {within.words()}"
     if isinstance(number, Integral):
         return "" if abs(int(number)) < 2**63 else f"{name} must be below 2^63"
     size, low, high = abs(number), 1 / LARGEST**2, LARGEST**2

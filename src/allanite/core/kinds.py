@@ -3,6 +3,7 @@
 from allanite.phrases.phrase import join, say, spelled
 from allanite.terms import TERMS
 
+from .errors import SCALE
 from .units import Signal, signal_with, unit_of
 
 # kind: power of time in the unit relative to the signal, points beyond the number of intervals, meaning
@@ -40,7 +41,7 @@ def offered(unit: str, *, integers: bool = True) -> str:
     """The meanings that samples in this unit may have, each with the choice that states it; none is advised."""
     # Counts are offered for `integers` only.
     kinds = [kind for kind in kinds_of(unit) if integers or kind != "count"]
-    scale = {"count": spelled(" --scale 1", ", scale=1")}
+    scale = {"count": spelled(f" --scale {SCALE}", ", scale=...")}
     named = ((spelled(f"--kind {kind}", f"kind={kind!r}") + scale.get(kind, ""), KINDS[kind][2]) for kind in kinds)
     choices = [say("{option}: {meaning}", option=option, meaning=meaning) for option, meaning in named]
     if kinds and "rate" not in kinds and signal_of_kind(f"({unit})/s", "rate"):

@@ -7,9 +7,9 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from .arrays import LARGEST, RATES, FloatArray
+from .arrays import LARGEST, FloatArray
 from .errors import UsageError, unfit
-from .ranges import demand_level as demand_level  # noqa: PLC0414 - of this module too
+from .ranges import RATE, demand_level as demand_level  # noqa: PLC0414 - of this module too
 from .threads import one_thread
 
 T = TypeVar("T")
@@ -164,8 +164,8 @@ class NormalMixture:
 
 def demand_stored_rate(value: float) -> None:
     """Refuse what is no sampling rate."""
-    if not RATES[0] <= value <= RATES[1]:
-        raise unfit(value, f"a rate between {RATES[0]:g} and {RATES[1]:g} Hz")
+    if not RATE.holds(value):
+        raise unfit(value, f"a rate {RATE.words()}")
 
 
 def demand_stored_size(value: float | Stored | None) -> None:

@@ -20,6 +20,7 @@ from .kinds import title_of
 from .limits import demand_stored_size
 from .names import demand_name, row_of, unknown
 from .plain import Value
+from .ranges import INTERVALS, POSITIVE, REAL, TIME, Range
 from .syntax import NUMBER, split_quantities
 from .units import SIGNALS, Signal, convert, signal_with, unit_of
 
@@ -60,6 +61,9 @@ class Term(Value):
 
     def sampled(self, rate: float) -> NoiseTerm:
         """The row whose functions hold for a sample interval of 1 / rate."""
+        for parameter, value in zip(self.row.parameters, self.shape, strict=True):
+            if parameter.time > 0:
+                INTERVALS.demand(value * rate, f"the {parameter.name} of {self.symbol} over the sampling interval")
         return self.row.shaped(self.shape, rate) if self.row.shaped else self.row
 
     def power(self, rate: float) -> float:
@@ -148,9 +152,9 @@ def _shape(symbol: str, given: tuple[float, ...]) -> tuple[float, ...]:
     if len(shape) != len(parameters):
         raise UsageError(f"{symbol} has {wanted}, but {len(given)} values were given")
     for p, value in zip(parameters, shape, strict=True):
-        if not math.isfinite(value) or (p.least is not None and value <= p.least):
-            above = "" if p.least is None else f" above {p.least:g}"
-            raise UsageError(f"the {p.name} of {symbol} must be a finite number{above}, not {value:g}")
+        span = POSITIVE if not p.time else TIME if p.time > 0 else Range(1 / TIME.high, 1 / TIME.low, p.unit)
+        within = REAL if p.least is None else span
+        within.demand(value, f"the {p.name} of {symbol}")
     return tuple(float(value) for value in shape)
 
 

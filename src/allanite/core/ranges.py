@@ -2,11 +2,74 @@
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 from .errors import UsageError, given
+
+
+class Range(NamedTuple):
+    """Numbers from `low` to `high` in a unit; without `low` if they are `above` it, without `high` if `below`."""
+
+    low: float
+    high: float
+    unit: str = ""
+    above: bool = False
+    below: bool = False
+    what: str = ""  # what they are, where a message does not name their option
+
+    def holds(self, value: Any) -> bool:
+        """Whether a number, or each of several, is one of them; words and what is missing always are."""
+        value = value.tolist() if hasattr(value, "tolist") else value
+        if value is None or isinstance(value, (str, bool)):
+            return True
+        if isinstance(value, Iterable):
+            return all(map(self.holds, value.values() if isinstance(value, Mapping) else value))
+        inner = value != self.low if self.above else True
+        return bool(self.low <= value <= self.high and inner and not (self.below and value == self.high))
+
+    def words(self, write: Callable[[float], str] = "{:g}".format, unit: str = "") -> str:
+        """Which numbers they are: ``above 0 and at most 100 %``."""
+        low, high = write(self.low), write(self.high)
+        if self.above == self.below:
+            words = f"between {low} and {high}"
+        else:
+            words = f"above {low} and at most {high}" if self.above else f"at least {low} and below {high}"
+        return f"{words} {unit or self.unit}".rstrip()
+
+    def demand(self, value: Any, name: str = "it", words: str = "", typed: Any = None) -> Any:
+        """The value, which is refused if it holds another number; `name` is that of its parameter."""
+        if self.holds(value):
+            return value
+        shown = given(typed or (value.tolist() if hasattr(value, "tolist") else value))
+        refusal = f"{self.what or name} must be {words or self.words()}, not {shown}"
+        percent = self.high <= 1 and isinstance(value, (int, float)) and self.high < value <= 100 * self.high
+        meant = f"{value / 100:g}" if percent and not words and self.holds(value / 100) else ""
+        raise UsageError(
+            f"{refusal}; did you mean {meant}?" if meant else refusal, cure=(meant and f"{value:g}", meant)
+        )
+
+
+RATE = Range(1e-9, 1e15, "Hz", what="the sampling rate")
+"""Sampling rates: beyond them powers of averaging times are not numbers any more."""
+TIME = Range(1 / RATE.high, 1e12, "s")
+"""Times: from one sample of the highest rate to 30 000 years."""
+INSTANT, STAMP = Range(0, TIME.high, "s"), Range(-TIME.high, TIME.high, "s")
+"""Times that may be zero, such as that at which a window begins, or negative."""
+FREQUENCY = Range(0, RATE.high, "Hz")
+SAMPLES = Range(1, 2**53)
+"""Numbers of samples: more are not told from each other in floating point."""
+INTERVALS = Range(0, 1e15)
+"""Time constants in sampling intervals: differences of functions of longer ones are lost in rounding."""
+LEVEL = Range(0, 1, above=True, below=True, what="a confidence level")
+SHARE = Range(0, 1)
+PART = Range(0, 1, above=True)
+SEED = Range(0, 2**63 - 1, what="a seed")
+LATITUDE, ANGLE = Range(-90, 90, "deg"), Range(-360, 360, "deg")
+POSITIVE = Range(1e-30, 1e30)
+"""Sizes, of which eighth powers are numbers."""
+SIZE, REAL = Range(0, POSITIVE.high), Range(-POSITIVE.high, POSITIVE.high)
 
 AS = {"s": "100..160,300..310", "Hz": "0.4..2.1,19..20"}  # an example of pieces in each unit
 
@@ -56,12 +119,7 @@ def demand_band(band: Any) -> Any:
 
 def demand_level(level: float) -> float:
     """The confidence level, which is refused if it is not between 0 and 1."""
-    if not 0 < level < 1:
-        meant = f"{level / 100:g}" if 1 < level < 100 else ""
-        refusal = f"a confidence level must be between 0 and 1, not {given(level)}"
-        cure = (f"{level:g}", meant) if meant else ("", "")
-        raise UsageError(f"{refusal}; did you mean {meant}?" if meant else refusal, cure=cure)
-    return level
+    return float(LEVEL.demand(level))
 
 
 class Units(dict[float, str]):

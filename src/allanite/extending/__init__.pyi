@@ -10,6 +10,7 @@ from allanite.core.choices import (
     DURATION as DURATION,
     INSTANT as INSTANT,
     MODEL as MODEL,
+    Choices as Choices,
     choice as choice,
     described as described,
     separated as separated,
@@ -42,6 +43,14 @@ from allanite.core.plain import (
     Value as Value,
     header_from as header_from,
     stored_fields as stored_fields,
+)
+from allanite.core.ranges import (
+    ANGLE as ANGLE,
+    LATITUDE as LATITUDE,
+    POSITIVE as POSITIVE,
+    SAMPLES as SAMPLES,
+    TIME as TIME,
+    Range as Range,
 )
 from allanite.core.record import (
     SHORTEST as SHORTEST,

@@ -21,7 +21,6 @@ from allanite.phrases.phrase import join
 from allanite.prepare.gaps import whole
 from allanite.terms import TERMS, NoiseTerm, ramp_coefficients
 
-MAX_SAMPLES = 2**53  # samples, at most: more are not told from each other in floating point
 STEP = 1.001  # factor on the shape of a term by which its expected power, or its waveform, is differentiated
 RESOLVED = 1e-13  # eigenvalue of the scaled information, at least: below it are the rounding errors of the sums
 AUTO = "".join(symbol for symbol, row in TERMS.items() if row.automatic)  # the default terms of `identify`
@@ -117,8 +116,6 @@ def bound(
     n, rate = size_and_rate(size, rate, duration)
     if n < 8:
         raise UsageError(f"a bound needs at least 8 samples, not {n}")
-    if n > MAX_SAMPLES:
-        raise UsageError(f"{n:.3g} samples are too many for a bound; at most {MAX_SAMPLES:.3g} are possible")
     noise = [t for t in model if t.row.waveform is None and t.value]
     if not noise:
         raise UsageError(f"{model} has no noise; without noise everything is known exactly")

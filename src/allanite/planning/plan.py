@@ -10,9 +10,10 @@ import numpy as np
 
 from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray, IntArray
-from allanite.core.errors import UsageError, given
+from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, usable_model
 from allanite.core.plain import Value
+from allanite.core.ranges import PART, TIME
 from allanite.core.record import SHORTEST
 from allanite.core.units import SIGNALS
 from allanite.statistics.confidence.limits import mixtures, unit_term
@@ -123,11 +124,8 @@ def plan(
     >>> [round(float(hours), 1) for hours in found.needed / 3600]
     [0.0, 0.5, 3.4]
     """
-    if accuracy > 1:
-        raise UsageError(f"the accuracy is a share between 0 and 1, not {accuracy:g}; did you mean {accuracy / 100:g}?")
-    if not (math.isfinite(rate) and rate > 0) or not accuracy > 0 or not all(d > 0 for d in durations):
-        raise UsageError(f"the sampling rate, the accuracy and all lengths must be above 0, not {given(rate)} Hz, "
-                         f"{given(accuracy)}, ({', '.join(map(given, durations))})")  # fmt: skip
+    PART.demand(accuracy, "the accuracy")
+    TIME.demand(durations, "all lengths")
     model = usable_model(model)
     unknown = model.drifts if ramp is None else ramp
 

@@ -9,6 +9,7 @@ import numpy as np
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term
+from allanite.core.ranges import PART, TIME
 from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 from allanite.terms.markov import gauss_markov
@@ -37,13 +38,12 @@ def flicker_sum(tau: tuple[float, float], *, ripple: float = 0.02, order: int | 
     # non-negative least squares of the logarithm of the Allan variance, and scaled so that the sum errs as far upwards
     # as downwards.
     low, high = tau
-    if not 0 < low < high < math.inf:
+    if not (low < high and TIME.holds(tau)):
         raise UsageError(f"a range of averaging times must be two numbers of s, 0 < low < high, not {low:g},{high:g}")
     if order is not None and not 1 <= order <= MOST:
         raise UsageError(f"the number of processes that approximate flicker must be between 1 and {MOST}, not "
                          f"{order!r}")  # fmt: skip
-    if not ripple > 0:
-        raise UsageError(f"the ripple must be above 0, not {ripple!r}")
+    PART.demand(ripple, "the ripple")
     for k in range(1, MOST + 1) if order is None else (order,):
         span = _best_span(low, high, k)
         if order is not None or span.ripple <= ripple:

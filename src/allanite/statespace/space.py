@@ -9,9 +9,10 @@ import numpy as np
 
 from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray, IntArray
-from allanite.core.errors import StoredError, UsageError, given
+from allanite.core.errors import StoredError, UsageError
 from allanite.core.model import Model, ModelLike, usable_model
 from allanite.core.plain import Value
+from allanite.core.ranges import SIZE
 from allanite.phrases.phrase import say, say_count
 from allanite.statistics.moments.moments import expected
 from allanite.terms.row import Block
@@ -151,8 +152,9 @@ def state_space(model: ModelLike, rate: float, *, tau: tuple[float, float] = (1.
     ((3, 3), 'sample', True)
     """
     model = usable_model(model)
-    if not 0 <= turn_on < math.inf:
-        raise UsageError(f"the turn-on bias must be 0 or a positive number of SI units, not {given(turn_on)}")
+    for term in model:
+        term.sampled(rate)  # refuses a time constant that the rate does not suit
+    SIZE.demand(turn_on, "the turn-on bias, SI,")
     if measurement not in ("auto", *MEASUREMENTS):
         raise UsageError(f"measurement must be auto, {' or '.join(MEASUREMENTS)}, not {measurement!r}")
     low, high = max(tau[0], 1 / rate), tau[1]

@@ -7,6 +7,7 @@ import numpy as np
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
 from allanite.core.names import unknown
+from allanite.core.ranges import TIME
 from allanite.phrases.phrase import spelled
 
 from .row import Statistic
@@ -29,7 +30,7 @@ def factors_of(
     """Averaging factors of a named grid, or of times in seconds; those that are no multiples become the `nearest`."""
     parts = row.parts or (row,)
     if not isinstance(taus, str):
-        asked = np.atleast_1d(np.asarray(taus, dtype=np.float64))
+        asked = TIME.demand(np.atleast_1d(np.asarray(taus, dtype=np.float64)), "averaging times")
         part = [parts[-1] if len(parts) > 1 and tau * rate > row.join * size else parts[0] for tau in asked]
         factor, step = np.array([p.tau_factor for p in part]), np.array([p.step for p in part])
         wanted = asked * rate / factor

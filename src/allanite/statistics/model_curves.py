@@ -12,6 +12,7 @@ from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, Term, model_of
 from allanite.core.plain import Value
+from allanite.core.ranges import RATE, SAMPLES, TIME
 from allanite.phrases.phrase import spelled
 from allanite.statistics.grids import factors_of, times
 from allanite.statistics.moments.moments import expected
@@ -100,8 +101,7 @@ def expectation(
     [1.333333333, 1.333333333]
     """
     model = model_of(model)
-    if rate is not None and not 0 < rate < math.inf:
-        raise UsageError(f"the sampling rate must be a positive number of Hz, not {rate!r}")
+    RATE.demand(rate)
     rows = [statistic_named(statistic) for statistic in statistics]
     return Expectation(model, tuple(_curve(model, row, tau, rate, size) for row in rows), name)
 
@@ -116,9 +116,9 @@ def _curve(model: Model, row: Statistic, tau: str | Sequence[float], rate: float
         low, high = (TIMES_PER_DECADE * math.log10(end) for end in reach(model))
         at = np.asarray(10 ** (np.arange(math.floor(low), math.ceil(high) + 1) / TIMES_PER_DECADE))
     elif rate is None:
-        at = np.atleast_1d(np.asarray(tau, dtype=np.float64))
+        at = TIME.demand(np.atleast_1d(np.asarray(tau, dtype=np.float64)), "averaging times")
     else:
-        length = size or max(8, math.ceil(4 * reach(model)[1] * rate))
+        length = size or max(8, math.ceil(min(4 * reach(model)[1] * rate, SAMPLES.high)))
         m = factors_of(tau, row, length, rate)
         at = times(row, m, length) / rate
     if not at.size:

@@ -1,6 +1,5 @@
 """What follows from the noise of every channel, or from a given model: plans, checks, state spaces."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -103,6 +102,7 @@ class StateSpaceSettings(StateSpaceChoices, NoiseSettings):
     """Choices of a state space: `ripple` as a share, `turn_on` with its unit, others as for `state_space`."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if len(self.tau) != 2:
             raise UsageError(f"expected two averaging times, e.g. 1,1000 or '1 s,1 h', not {self.tau!r}")
 
@@ -262,11 +262,9 @@ def run_model_job(source: Source | None, settings: Use, recipe: Recipe | None = 
     tell = progress or (lambda what, fraction: None)
     if given is not None:
         demand_no_recording(settings, recipe)
-        rate = 0.0 if recipe.rate is None else recipe.rate
-        if not 0 < rate < math.inf:
-            wrong = "" if recipe.rate is None else f", not {recipe.rate!r}"
-            raise UsageError(f"a model needs a sampling rate above 0: {spelled('--rate HZ', 'rate=...')}{wrong}")
-        noise = Supposed(given, rate, settings.name)
+        if recipe.rate is None:
+            raise UsageError(f"a model needs a sampling rate above 0: {spelled('--rate HZ', 'rate=...')}")
+        noise = Supposed(given, recipe.rate, settings.name)
         made = Modelled(noise.name, noise.rate, result=work(noise, recipe, tell))
         return kind((made,), recipe, (), (), provenance_of())
     assert source is not None  # noqa: S101 - one of them is there

@@ -84,15 +84,10 @@ def noise_of(record: Record, recipe: Recipe, *, terms: str | None = None, band: 
 def begun(record: Record, recipe: Recipe, *, lines: bool = True) -> Started:
     """The search for the noise of a channel with the choices of the recipe; the rest as for `noise_of`."""
     row = METHODS.get(recipe.method)
-    readable = row is not None and recipe.statistic in row.allowed
-    search = started(record, method=recipe.method, terms=recipe.terms, statistic=recipe.statistic if readable else None,
-                     band=recipe.band, masks=demand_pieces(recipe.mask, "Hz") if recipe.mask else (),
-                     outliers=recipe.outliers or "mark", lines=lines, ranges=recipe.ranges)  # fmt: skip
-    if row is None or not row.allowed or readable:
-        return search
-    note = say("method {method!r} cannot fit {statistic}: the coefficients are those of {other}",
-               method=recipe.method, statistic=recipe.statistic, other=row.statistic)  # fmt: skip
-    return replace(search, notes=(*search.notes, note))
+    read = recipe.statistic if row is not None and row.allowed else None  # the curve that the method fits
+    return started(record, method=recipe.method, terms=recipe.terms, statistic=read,
+                   band=recipe.band, masks=demand_pieces(recipe.mask, "Hz") if recipe.mask else (),
+                   outliers=recipe.outliers or "mark", lines=lines, ranges=recipe.ranges)  # fmt: skip
 
 
 def begun_in(seen: Inspected, recipe: Recipe) -> Started:

@@ -9,13 +9,13 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.choices import (  # isort: skip
-    BAND, HERTZ, INSTANT, LINES, RANGES, SYMBOLS, WORD, WORTH, ChoiceKind, choice, choices_of, demand_choices,
-    described, named, pieces
+    BAND, HERTZ, INSTANT, LINES, RANGES, SYMBOLS, WORD, WORTH, ChoiceKind, Choices, choice, choices_of, described,
+    named, pieces
 )  # fmt: skip
 from allanite.core.errors import UsageError, unfit
 from allanite.core.files import reason
 from allanite.core.names import demand_name
-from allanite.core.ranges import demand_band, demand_level
+from allanite.core.ranges import LEVEL, TIME, Range, demand_band
 
 from .settings import grid
 
@@ -80,7 +80,7 @@ def _facts(lines: tuple[str, ...]) -> tuple[str, ...]:
 
 @described
 @dataclass(frozen=True)
-class Recipe:
+class Recipe(Choices):
     """Every choice of an analysis as plain data; what describes a file is taken from it where it is None.
 
     Attributes
@@ -114,21 +114,23 @@ class Recipe:
     time: str | None = choice("", "Column of the time stamps.", group="reading", synonyms=("stamps", "time column"))
     dtype: str | None = choice("TYPE", "The file is raw binary of this type: i2, >i2, f4, ..., u4,6i2 for mixed rows, "
                                "or kfgins.", group="reading")
-    columns: int | None = choice("N", "Numbers per row of raw binary.", group="reading")
-    offset: int | None = choice("BYTES", "Bytes before the first row of raw binary.", group="reading")
+    columns: int | None = choice("N", "Numbers per row of raw binary.", group="reading", within=Range(1, 1e6))
+    offset: int | None = choice("BYTES", "Bytes before the first row of raw binary.", group="reading",
+                               within=Range(0, 2**63 - 1))
     sincos: tuple[str, ...] | None = choice(
         "S,C,...", "Columns of sine and cosine, in pairs: their angle is analyzed.", group="reading", parts=())
     average: float | None = choice("TIME", "First of all replace the samples by means over this time.", kind=INSTANT,
-                                   group="selecting", synonyms=("decimate", "downsample"))
+                                   within=TIME, group="selecting", synonyms=("decimate", "downsample"))
     exclude: str | tuple[tuple[float, float], ...] | None = choice(
         "S..S,...", "Pieces to leave out, s after the first sample: 100..160,300..310; they become gaps.",
         kind=pieces("s"), group="selecting", synonyms=("cut", "drop"))
     start: float | None = choice("TIME", "Start of the window after the first sample: 600, 10min.", kind=INSTANT,
                                  group="selecting", synonyms=("start", "begin", "skip"), flags=("--from",))
     until: float | None = choice("TIME", "End of the window after the first sample: 3600, 1h.", kind=INSTANT,
-                                 group="selecting", synonyms=("end", "stop"))
+                                 within=TIME, group="selecting", synonyms=("end", "stop"))
     quiet_window: float | None = choice(
-        "TIME", "Use the most stationary window of this length.", kind=INSTANT, group="selecting", parts=())
+        "TIME", "Use the most stationary window of this length.", kind=INSTANT, within=TIME, group="selecting",
+        parts=())
     outliers: str | None = choice("WORD", "mark: exclude everywhere; keep: use everywhere.", told="exclude from the "
                                   "fit only", group="selecting", demand=_accepted("prepare.outliers.demand_choice"))
     motion: str | None = choice(
@@ -155,7 +157,7 @@ class Recipe:
         "HZ..HZ,...", "Frequencies that the fit leaves out, beside those it finds: 0.4..2.1,19..20.", kind=pieces("Hz"),
         group="identifying")
     level: float = choice("", "Confidence level of intervals.", default=0.95, group="identifying",
-        synonyms=("confidence", "ci"), demand=demand_level)
+        synonyms=("confidence", "ci"), within=LEVEL)
     device: str | None = choice("NAME", "Likely causes of each term in it: stabilizer, mscsg, rlg, fog, mems, "
                                 "accelerometer.", group="showing", demand=_accepted("interpretation.devices.device"))
     to: tuple[str, ...] | None = choice(
@@ -164,9 +166,6 @@ class Recipe:
     about: tuple[str, ...] | None = choice("KEY=VALUE", "For the header of the report: serial, operator, date, "
                                            "temperature, ...", kind=LINES, group="showing", demand=_facts)
     # fmt: on
-
-    def __post_init__(self) -> None:
-        demand_choices(self)
 
     @property
     def labels(self) -> dict[str, str]:

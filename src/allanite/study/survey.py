@@ -44,6 +44,7 @@ class Deviations(DeviationChoices, Value):
     """Statistics over averaging time; of `bias`, those statistics take it that have this correction."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         object.__setattr__(self, "statistic", tuple(statistic_named(name).name for name in self.statistic))
         if not self.statistic:
             raise UsageError("give at least one statistic")
@@ -99,6 +100,7 @@ class Densities(DensityChoices, Value):
     """A power spectral density, or the deviation that it amounts to; attributes as for `spectrum` and its methods."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         side_factor(self.sides)
         if self.deviation is not None:
             object.__setattr__(self, "deviation", statistic_named(self.deviation).name)
@@ -146,6 +148,7 @@ class Windows(WindowChoices, Value):
     """A statistic in sliding windows of the record; attributes as for `dynamic`."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         object.__setattr__(self, "statistic", statistic_named(self.statistic).name)
 
     @property

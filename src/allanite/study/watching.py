@@ -101,9 +101,6 @@ class Watch:
 
     def __post_init__(self) -> None:
         recipe = self.recipe = replace(self.recipe, motion=self.recipe.motion or "mark")
-        if not 0 < (accuracy := self.settings.accuracy) <= 1:
-            words = f"the accuracy to reach is above 0 and at most 100 %, not {100 * accuracy:g} %"
-            raise UsageError(words, choice="accuracy")
         longest = min(self.settings.duration, LONGEST)
         for key, samples in (("average", SHORTEST), ("start", 1), ("quiet_window", 1)):
             if samples * (time := getattr(recipe, key) or 0.0) > longest:

@@ -124,13 +124,13 @@ def test_what_is_allowed_just_keeps_the_requirement(text):
 
 
 @rows("choices, words", [
-    ({"times": ()}, "from 1e-09 to 1e+07 s"),
-    ({"times": (0,)}, "from 1e-09 to 1e+07 s"),
-    ({"times": (1e300,)}, "from 1e-09 to 1e+07 s"),
-    ({"calibration": -1}, "from 0 to 1e+07 s, not -1"),
-    ({"calibration": 1e160}, "from 0 to 1e+07 s, not 1e+160"),
+    ({"times": ()}, "at least one time"),
+    ({"times": (0,)}, "between 1e-09 and 1e+07 s"),
+    ({"times": (1e300,)}, "between 1e-09 and 1e+07 s"),
+    ({"calibration": -1}, "between 0 and 1e+07 s, not -1"),
+    ({"calibration": 1e160}, "between 0 and 1e+07 s, not 1e+160"),
     ({"require": ("1 m in 1e-30 s",)}, "not '1 m in 1e-30 s'"),
-    ({"scale_factor": 0.5, "maneuver": ("90 deg",)}, "did you mean 0.5%?"),
+    ({"scale_factor": 0.5, "maneuver": ("90 deg",)}, "did you mean 0.005?"),
     ({"scale_factor": 0.01}, "give both"),
     ({"maneuver": ("90 deg",)}, "give both"),
     ({"turn_on": ("10 deg",)}, "'3 deg/h'; 'deg' is not a unit of it"),

@@ -164,7 +164,7 @@ def test_refused(arguments, code, words, tmp_path, monkeypatch):
     (["--difference", "difference", "--rho", "rho", "--h", "q_polar"], 2, "give the latitude"),
     ([], 0, "from the motion of h and q"),
     (["--difference", "difference", "--latitude", 60, "--rho", "rho", "--turn-period", 300], 2, "the same rotation"),
-    (["--difference", "difference", "--latitude", 60, "--turn-period", 0], 2, "positive number of s"),
+    (["--difference", "difference", "--latitude", 60, "--turn-period", 0], 2, "between 1e-15 and 1e+12 s, not 0"),
     (["--difference", "difference", "--latitude", 60, "--rho", "rho", "--unit", "m"], 2, "cannot be converted"),
     (["--difference", "difference", "--latitude", 60, "--rho", "rho", "--sigma", "0.5"], 0, "times the sigma given"),
 ])  # fmt: skip

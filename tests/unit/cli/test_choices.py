@@ -30,7 +30,7 @@ REQUESTS = [
     ("dynamic", {"rate": "50", "window": 600, "step": 60.5, "taus": [1.5, 3], "level": 0.9}),
     ("compare", {"against": ["gz"], "channels": "gx", "taus": "log"}),
     ("compare", {"part": 80, "taus": "octave"}),
-    ("watch", {"rate": 100, "unit": "deg/h", "every": "1 min", "duration": 3600, "baud": 9600, "accuracy": 7}),
+    ("watch", {"rate": 100, "unit": "deg/h", "every": "1 min", "duration": 3600, "baud": 9600, "accuracy": 0.07}),
 ]
 
 

@@ -142,8 +142,8 @@ USUAL = ("--sensor", "rlg", "--rate", "100")
     (("out.npz", *USUAL, "--samples", "99", "--unit", "ug"), "not a unit of rates"),
     (("out.npz", *USUAL, "--samples", "99", "--low-pass", "9 Hz 2.5"), "must be an integer, not 2.5"),
     (("out.npz", *USUAL, "--samples", "99", "--seed", "-1"), "--seed"),
-    (("out.npz", "--sensor", "rlg", "--rate", "-5", "--samples", "99"), "positive number of Hz, not -5"),
-    (("out.npz", "--sensor", "rlg", "--rate", "nan", "--duration", "9"), "positive number of Hz, not nan"),
+    (("out.npz", "--sensor", "rlg", "--rate", "-5", "--samples", "99"), "between 1e-09 and 1e+15 Hz, not -5"),
+    (("out.npz", "--sensor", "rlg", "--rate", "nan", "--duration", "9"), "between 1e-09 and 1e+15 Hz, not nan"),
     (("out.npz", *USUAL, "--duration", "a while"), "expected a time in s"),
     (("out.npz", *USUAL, "--duration", "-3 s"), "expected a time in s"),
 ])  # fmt: skip

@@ -36,7 +36,7 @@ def test_the_refusal_offers_every_meaning_and_each_works(unit):
     assert [re.sub(r".*kind='(\w+)'.*", r"\1", c) for c in choices[:-1]] == list(kinds_of(unit))
     assert {"increment", "angle", "value"} < set(kinds_of(unit))
     for choice in choices:
-        given = {"unit": unit} | dict(eval(f"dict({choice})"))  # noqa: S307 - what the message says, word for word
+        given = {"unit": unit} | dict(eval(f"dict({choice.replace('...', '1.0')})"))  # noqa: S307 - what the message says, word for word
         assert al.Record(NUMBERS, 10.0, **given).duration > 0
 
 

@@ -24,11 +24,13 @@ def angles(tmp_path_factory):
 def test_the_refusal_lists_every_meaning_and_each_option_works(angles):
     run = CliRunner().invoke(main, ["info", str(angles)])
     assert run.exit_code == 2
-    options = re.findall(r"(--\w+ \S+(?: --scale 1)?): ", run.stderr)
+    options = re.findall(r"(--\w+ \S+(?: --scale SCALE)?): ", run.stderr)
     assert options[0] == "--kind increment"
     assert {"--kind increment", "--kind angle", "--kind value", "--unit arcmin/s"} <= set(options)
     for option in options:
-        run = CliRunner().invoke(main, ["info", str(angles), "--channels", "az,tilt", *shlex.split(option)])
+        run = CliRunner().invoke(
+            main, ["info", str(angles), "--channels", "az,tilt", *shlex.split(option.replace("SCALE", "1"))]
+        )
         assert run.exit_code == 0, (option, run.stderr)
     # the refusal in python names arguments
     refused(al.UsageError, r"kind='angle': .*kind='value': .*unit='arcmin/s': ", lambda: al.read(angles))

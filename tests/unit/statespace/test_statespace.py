@@ -161,7 +161,7 @@ def test_the_simpler_measurement_is_taken_where_it_does():
     ("Q 1 arcsec", {"measurement": "sample"}, "needs measurement='mean'"),
     ("B 1 deg/h", {"tau": (10.0, 1.0)}, "0 < low < high"), ("B 1 deg/h", {"order": 0}, "between 1 and 40"),
     ("B 1 deg/h", {"ripple": 0.0}, "above 0"), ("B 1 deg/h", {"measurement": "median"}, "auto, mean or sample"),
-    ("K 1 deg/h/sqrt(h)", {"turn_on": -1.0}, "0 or a positive number"),
+    ("K 1 deg/h/sqrt(h)", {"turn_on": -1.0}, "between 0 and 1e.30"),
 ])  # fmt: skip
 def test_what_is_refused(text, options, words):
     refused(al.UsageError, words, lambda: al.state_space(al.Model(text), 10.0, **options))

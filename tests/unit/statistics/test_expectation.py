@@ -66,7 +66,7 @@ def test_what_figures_of_models_say():
     (("--sensor", "fog", "--duration", "1h"), "--rate HZ"),
     (("--sensor", "fog", "--terms", "QN"), "--terms applies to a recording"),
     (("--sensor", "fog", "--m", "1,2"), "--taus 1,10,100"), (("--sensor", "fog", "--taus", "decade"), "--rate HZ"),
-    (("--sensor", "fog", "--rate", "0"), "positive number of Hz"),
+    (("--sensor", "fog", "--rate", "0"), "between 1e-09 and 1e+15 Hz"),
     (("--sensor", "fog", "--rate", "10", "--samples", "1"), "too short for oadev"),
 ])  # fmt: skip
 def test_what_cannot_be_expected_is_refused(arguments, words):

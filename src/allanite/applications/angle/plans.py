@@ -17,6 +17,7 @@ from .solve import correlation_of
 from .squareroot import batch
 
 MAX_READINGS = 4096  # samples of one window of a scan; more are thinned, their noise averaged
+MAX_COUNT = 100_000_000  # samples of an experiment, of which each takes some hundred bytes
 START_STEP = 300.0  # between the starts of a scan, s: finer than anybody schedules, and than the total changes
 
 
@@ -58,6 +59,9 @@ class AngleSettings(Value):
             value = getattr(self, name)
             if not (isinstance(value, (int, float, np.number)) and math.isfinite(value) and value > 0):
                 raise UsageError(f"{name} must be a positive number, not {value!r}")
+        if self.count > MAX_COUNT:
+            raise UsageError(f"{self.duration:g} s at an interval of {self.interval:g} s are {self.count:.3g} samples; "
+                             f"at most {MAX_COUNT:.0e} are computed with")  # fmt: skip
         if self.duration < 2 * self.interval:
             raise UsageError(f"{self.duration:g} s contain fewer than 2 samples at an interval of {self.interval:g} s")
 

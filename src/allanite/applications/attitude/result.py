@@ -11,7 +11,7 @@ from allanite.applications.choices import VerticalChoices
 
 from allanite.extending import (  # isort: skip
     ChannelResult, DataError, Estimate, FloatArray, Header, Job, Model, Record, UsageError, Value, chosen, described,
-    given, row_of, say, spelled)  # fmt: skip
+    row_of, say, spelled)  # fmt: skip
 
 from .filters import FILTERS, AttitudeFilter
 from .inertial import Axes
@@ -40,14 +40,10 @@ class VerticalSettings(VerticalChoices, Value):
     """
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         row_of("filter", self.method, FILTERS)
         if self.axes is not None:
             Axes.of(self.axes)
-        for name in ("time_constant", "bias_time", "gate"):
-            value = getattr(self, name)
-            if value is not None and not (math.isfinite(value) and value > 0):
-                option = spelled("--" + name.replace("_", "-"), name)
-                raise UsageError(f"{option} must be above 0, not {given(value)}")
 
     @property
     def row(self) -> AttitudeFilter:

@@ -1,6 +1,5 @@
 """The regressors of a regression, and the settings of the fit."""
 
-import math
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -26,16 +25,13 @@ class FitSettings(FitChoices, Value):
     """
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         symbols = self.symbols
         wrong = [s for s in symbols if s not in TERMS or TERMS[s].waveform is not None or TERMS[s].parameters]
         if wrong or not symbols or len(set(symbols)) < len(symbols):
             raise UsageError(f"terms must be different noise terms such as QNBK, not {self.terms!r}; a linear drift "
                              f"is estimated beside the regressors, unless {spelled('--no-trend', 'trend=False')} is "
                              "given")  # fmt: skip
-        if not _whole(self.blocks, 3, 50):
-            raise UsageError(f"the number of blocks must be a whole number from 3 to 50, not {self.blocks!r}")
-        if not (math.isfinite(self.least) and self.least > 0):
-            raise UsageError(f"the least number of effective samples must be positive, not {self.least!r}")
 
     @property
     def symbols(self) -> str:
@@ -59,6 +55,7 @@ class CompensationSettings(CompensationChoices, Value):
     fit: FitSettings = field(default_factory=FitSettings)
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         named = self.regressors or self.derivative_of
         if self.use is None and not named:
             raise UsageError("name at least one regressor, for example " + spelled("--regressors temp",
@@ -71,9 +68,7 @@ class CompensationSettings(CompensationChoices, Value):
                 raise UsageError(f"a regressor is named twice: {', '.join(names)}")
         if TREND in self.regressors:
             raise UsageError("a linear drift is estimated beside the regressors, and not subtracted: leave out 'time'")
-        if not _whole(self.degree, 1, 6):
-            raise UsageError(f"a degree must be a whole number from 1 to 6, not {self.degree!r}")
-        if len(set(self.lags)) < len(self.lags) or not all(math.isfinite(lag) and lag > 0 for lag in self.lags):
+        if len(set(self.lags)) < len(self.lags):
             raise UsageError(f"lags must be different positive numbers of seconds, not {self.lags!r}")
 
     def choices(self) -> dict[str, Any]:
@@ -82,8 +77,3 @@ class CompensationSettings(CompensationChoices, Value):
         own |= own.pop("fit")
         del own["terms"]
         return {k: list(v) if isinstance(v, tuple) else v for k, v in own.items() if v not in (None, ())}
-
-
-def _whole(value: object, low: int, high: int) -> bool:
-    """Whether it is a whole number from `low` to `high`."""
-    return isinstance(value, int) and not isinstance(value, bool) and low <= value <= high

@@ -126,6 +126,7 @@ class RateSettings(RateChoices, Value):
     durations: tuple[float, ...] = DURATIONS
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.horizontal and self.latitude is None:
             raise UsageError(f"finding north needs the latitude: give {spelled('--latitude', 'latitude=...')}")
 

@@ -40,8 +40,9 @@ class EstimatorSettings(EstimatorChoices, Value):
     allowed: float | None = None
 
     def __post_init__(self) -> None:
-        if self.descent is not None and (self.descent < 0 or self.certified):
-            raise UsageError("a descent has a number of steps, 0 or more, and proves no optimum: omit certified")
+        super().__post_init__()
+        if self.descent is not None and self.certified:
+            raise UsageError("a descent proves no optimum: omit certified")
 
 
 @dataclass(frozen=True, eq=False)

@@ -134,12 +134,9 @@ class ExperimentSettings(IntervalChoices, Value):
     gaps: str = "error"
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.interval) and self.interval > 0):
-            raise UsageError(f"an interval must be a positive number of seconds, not {self.interval!r}")
+        super().__post_init__()
         if self.gaps not in ("error", "split"):
             raise UsageError(f"gaps must be 'error' or 'split', not {given(self.gaps)}")
-        if self.most is not None and self.most < 1:
-            raise UsageError(f"the number of intervals must be at least 1, not {self.most!r}")
         for method in self.methods:
             estimator_named(method)
 

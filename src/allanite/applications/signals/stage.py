@@ -6,8 +6,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from allanite.extending import (  # isort: skip
-    DataError, FloatArray, Record, UnitError, UsageError, Value, convert, join, public, say, say_count, signal_with,
-    spelled, unit_of, windowing)  # fmt: skip
+    POSITIVE, DataError, FloatArray, Record, UnitError, UsageError, Value, convert, join, public, say, say_count,
+    signal_with, spelled, unit_of, windowing)  # fmt: skip
 
 MAX_CLIPPED = 1e-3  # share of clipped samples above which noise coefficients are meaningless
 MAX_OFF_GRID = 0.05  # distance from the grid, in steps, up to which a reading printed with rounding lies on it
@@ -362,4 +362,4 @@ def positive(value: float, what: str, unit: str = "") -> float:
     number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
     if not (number and math.isfinite(value) and value > 0):
         raise UsageError(f"the {what} must be a positive number{f' of {unit}' * bool(unit)}, not {value!r}")
-    return float(value)
+    return float(POSITIVE.demand(value, f"the {what}"))

@@ -318,7 +318,7 @@ def expected(
     row = statistic_named(statistic).joined(join)
     model = model_of(model)
     times = np.atleast_1d(np.asarray(tau, dtype=np.float64))
-    if not ((times > 0) & (times < TIMES)).all():
+    if not ((times >= 1 / TIMES) & (times < TIMES)).all():
         raise UsageError(f"averaging times must be above 0 s and below {TIMES:g} s, not {given(tau)}")
     if row.differences and not row.summed and not any(t.row.per_sample or t.row.transient for t in model):
         # no time but tau is in these: let it be the sample interval

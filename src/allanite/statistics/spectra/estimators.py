@@ -11,6 +11,7 @@ from allanite.core.aliases import constructed
 from allanite.core.arrays import FloatArray, stretches
 from allanite.core.errors import DataError, UsageError
 from allanite.core.names import demand_name
+from allanite.core.ranges import TIME, Range
 from allanite.core.record import Record
 from allanite.core.splines import cubic, valued
 from allanite.phrases.phrase import say, spelled, windowing
@@ -94,8 +95,7 @@ class Welch:
 
     def __post_init__(self) -> None:
         demand_name("window", self.window, WINDOWS)
-        if self.segment is not None and not (math.isfinite(self.segment) and self.segment > 0):
-            raise UsageError(f"the length of a segment must be a positive number of seconds, not {self.segment!r}")
+        TIME.demand(self.segment, "the length of a segment")
 
     @property
     def title(self) -> str:
@@ -254,10 +254,7 @@ class Multitaper:
     weights: str = "eigen"
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.bandwidth) and 1 <= self.bandwidth <= 50):
-            raise UsageError(
-                f"the time-half-bandwidth product NW of the tapers must be between 1 and 50, not {self.bandwidth!r}"
-            )
+        Range(1, 50).demand(self.bandwidth, "the time-half-bandwidth product NW of the tapers")
         if self.weights not in ("eigen", "equal"):
             raise UsageError(f"weights of tapers must be 'eigen' or 'equal', not {self.weights!r}")
         if not 1 <= self.count <= 2 * self.bandwidth:

@@ -291,8 +291,8 @@ WRONG = [({"regressors": ["flat"]}, al.DataError, r"'flat' is constant \(always 
          ({"regressors": "temp"}, al.UsageError, "a sequence of strings"),
          ({"regressors": ["temp", "temp"]}, al.UsageError, "named twice"),
          ({"regressors": ["time"]}, al.UsageError, "leave out 'time'"),
-         ({"regressors": ["temp"], "degree": 0}, al.UsageError, "from 1 to 6"),
-         ({"regressors": ["temp"], "lags": (-1.0,)}, al.UsageError, "positive numbers of seconds"),
+         ({"regressors": ["temp"], "degree": 0}, al.UsageError, "between 1 and 6"),
+         ({"regressors": ["temp"], "lags": (-1.0,)}, al.UsageError, "between 1e-15 and"),
          ({"regressors": ["temp"], "lags": (0.2,)}, al.UsageError, "shorter than the sample interval"),
          ({"regressors": ["temp"], "lags": (4000.0,)}, al.DataError, "longer than"),
          ({"regressors": ["temp"], "settings": FitSettings(least=1e4)}, al.DataError, "effective samples.*least="),
@@ -307,7 +307,7 @@ def test_what_cannot_be_fitted_is_said(options, error, words):
 
 @rows("options, words", [
     ({"terms": "QR"}, "noise terms"), ({"terms": ""}, "noise terms"), ({"terms": "any"}, "noise terms"),
-    ({"blocks": 2}, "from 3 to 50"), ({"least": 0.0}, "positive"),
+    ({"blocks": 2}, "between 3 and 50"), ({"least": 0.0}, "between 1e-30"),
 ])  # fmt: skip
 def test_settings_are_checked(options, words):
     refused(al.UsageError, words, lambda: FitSettings(**options))

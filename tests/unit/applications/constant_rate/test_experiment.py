@@ -67,7 +67,7 @@ def test_gaps_are_an_error_or_split_the_record(kind):
 
 
 @rows("choice, words", [
-    ({"interval": 0.0}, "positive number of seconds"), ({"interval": math.nan}, "positive number of seconds"),
+    ({"interval": 0.0}, "between 1e-15 and 1e.12 s"), ({"interval": math.nan}, "between 1e-15 and 1e.12 s"),
     ({"gaps": "fill"}, "'error' or 'split'"), ({"methods": ("median",)}, "unknown rate estimator"),
 ])  # fmt: skip
 def test_impossible_plans_are_refused(choice, words):

@@ -180,16 +180,12 @@ BAD = {"a reading that is no number": (lambda: ([1.0, math.nan, 2.0], "mean", {}
                              "known targets: mean, constant"),
        "too many lines": (lambda: (np.ones(9), "conditional", {"options": EstimatorSettings(lines=9)}), al.UsageError,
                           "do not fit into 9 samples"),
-       "no lines": (lambda: (np.ones(9), "conditional", {"options": EstimatorSettings(lines=0)}), al.UsageError,
-                    "0 regression lines"),
        "an unknown window": (lambda: (np.ones(9), "hamming", {"options": EstimatorSettings(window="x")}), al.UsageError,
                              "hann"),
        "no model": (lambda: (np.ones(9), "optimal", {}), al.UsageError, "it needs a noise model"),
        "the constant of a drift": (lambda: (np.ones(9), "optimal", {"model": MODELS["K"], "target": "constant"}),
                                    al.UsageError, "drift is unbounded"),
        "no quantum": (lambda: (np.ones(9), "staircase", {}), al.UsageError, "quantum="),
-       "a quantum of nothing": (lambda: (np.ones(9), "staircase", {"options": EstimatorSettings(quantum=0.0)}),
-                                al.UsageError, "positive number"),
        "a model of another sensor": (lambda: (np.ones(9), "mean", {"model": al.N(1.0, "m/s/sqrt(h)")}), al.UnitError,
                                      "accelerometer")}  # fmt: skip
 

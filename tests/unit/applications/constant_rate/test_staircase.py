@@ -116,8 +116,8 @@ def test_the_descent_of_the_paper_goes_from_the_count_to_the_line_of_regression(
 
 
 def test_a_descent_proves_nothing():
-    for wrong in ({"descent": -1}, {"descent": 5, "certified": True}):
-        refused(al.UsageError, "number of steps", lambda wrong=wrong: EstimatorSettings(**wrong))
+    refused(al.UsageError, "descent must be between 0 and", lambda: EstimatorSettings(descent=-1))
+    refused(al.UsageError, "proves no optimum", lambda: EstimatorSettings(descent=5, certified=True))
 
 
 def test_readings_that_are_no_counts_need_a_quantum():
