@@ -101,13 +101,6 @@ def _demand_times(name: str, value: Any) -> Any:
         raise error.within(name) from None
 
 
-def _demand_lines(name: str, value: Any) -> tuple[str, ...]:
-    lines = (value,) if isinstance(value, str) else value
-    if not isinstance(lines, (list, tuple)) or not all(isinstance(line, str) for line in lines):
-        raise UsageError(f"{name} must be a text, or several, not {given(value)}")
-    return tuple(lines)
-
-
 def _demand_word(name: str, value: Any) -> Any:
     if not isinstance(value, str):
         raise UsageError(f"{name} must be a word, not {given(value)}")
