@@ -4,6 +4,7 @@ import math
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import fields, replace
+from typing import Annotated
 
 import numpy as np
 
@@ -140,7 +141,7 @@ SHARES = 5
 
 @public
 def check(source: Source, claims: "str | os.PathLike[str] | Model | ClaimedNoise", recipe: Recipe | None = None,
-          *, claims_from: str | None = None, at_most: bool = False, tolerance: float = TOLERANCE,
+          *, claims_from: str | None = None, at_most: bool = False, tolerance: Annotated[float, TOLERANCES] = TOLERANCE,
           progress: Progress | None = None, **choices: object) -> ClaimCheck:  # fmt: skip
     """Check whether a recording has the noise that a configuration, a simulator or a data sheet claims.
 
@@ -191,7 +192,6 @@ def check(source: Source, claims: "str | os.PathLike[str] | Model | ClaimedNoise
     >>> al.check(record, "lowpass 30 Hz").causes
     (<Cause : the record shows no low-pass below 35.3 Hz>,)
     """
-    TOLERANCES.demand(tolerance, "the tolerance")
     recipe = (recipe or Recipe()).but(choices)
     claim_of(claims, claims_from, recipe.rate or 1.0)  # what cannot be read is refused before any work
     study = analyzed(source, recipe, progress)

@@ -337,8 +337,6 @@ def gimbals_of(file: Any, choices: dict[str, Any]) -> "tuple[Recording, FloatArr
     period = choices["turn_period"]
     if choices["rho"] is not None and period is not None:
         raise UsageError("--rho and --turn-period describe the same rotation: give only one of them")
-    if period is not None and not period > 0:
-        raise UsageError(f"--turn-period must be a positive number of seconds, not {period!r}")
     usual = [role for role in ("mu", "rho") if choices[role] is None and not (role == "rho" and period)]
     for more in (usual, *([role] for role in usual), []):  # columns of their usual names, as far as the file has them
         chosen = choices | dict(zip(more, more, strict=True))

@@ -28,17 +28,17 @@ def public(function: F) -> F:
     """
 
     @cache
-    def declared() -> tuple[bool, list[str], dict[str, Any], Callable[[Any, Any], str], Callable[[str, Any, Any], str]]:
+    def declared() -> tuple[bool, list[str], dict[str, Any], Callable[..., str], Callable[..., None]]:
         """Names and types, which may not be defined before the first call."""
-        from .declared import excess, misfit, parameters  # with numpy, which help does without
+        from .declared import demand_size, misfit, parameters  # with numpy, which help does without
 
         known = signature(function).parameters
         open_ = any(parameter.kind is Parameter.VAR_KEYWORD for parameter in known.values())
-        return open_, list(known), parameters(function), misfit, excess
+        return open_, list(known), parameters(function), misfit, demand_size
 
     @wraps(function)
     def entered(*args: Any, **options: Any) -> Any:
-        open_, names, types, misfit, excess = declared()
+        open_, names, types, misfit, demand_size = declared()
         called = function.__qualname__.removesuffix(".__init__")
         options = renamed(options, names)
         demand_own(called, () if open_ else options.keys() - names)
@@ -53,8 +53,7 @@ def public(function: F) -> F:
                     f"{called}: {name} must be {expected}, not {given(value)} ({type(value).__name__})"
                     + f"; a sampling rate has its name: type al.{called}(x, rate={value})" * rated
                 )
-            if expected := excess(name, value, hint):
-                raise UsageError(f"{expected}, not {given(value)}")
+            demand_size(name, value, hint)
         try:
             return function(*args, **options)
         except OverflowError as error:

@@ -15,12 +15,13 @@ import numpy as np
 
 from .arrays import LARGEST
 from .encoding import derived
+from .errors import UsageError, given
 from .ranges import RATE, Range
 
 MAX_ITEMS = 1000  # items of a sequence that are looked at
 
 SIZES: dict[str, Range] = {"rate": RATE}
-"""The numbers of a name; of other names, functions refuse what is infinite or not a number."""
+"""The numbers of a name, whose type has no range: ``Annotated[float, TIME]`` has one."""
 
 CONVERTED = ("__array__", "to_numpy", "magnitude", "to_value")
 """What arrays, columns and quantities of other libraries have, of which `samples` makes arrays."""
@@ -48,28 +49,29 @@ def misfit(value: Any, hint: Any) -> str:
     return "" if _holds(value, hint) else _words(hint)
 
 
-def excess(name: str, value: Any, hint: Any) -> str:
-    """A sentence if the number is of a size that none of its name and type can have; else empty."""
+def demand_size(name: str, value: Any, hint: Any) -> None:
+    """Refuse numbers that are not within the range of their type, or of a size that none of their name can have."""
+    for within in getattr(hint, "__metadata__", ()):
+        within.demand(value, name)
     members = get_args(hint) or (hint,)
     if not isinstance(value, Real) or np.random.Generator in members or not {int, float} & set(members):
-        return ""
+        return
     # compared as it is, for an integer need not have a float; single precision would not hold the limits
     number: Any = value.item() if isinstance(value, np.floating) else value
-    if name in SIZES:
-        within = SIZES[name]
-        return "" if within.holds(number) else f"{within.what or name} must be {within.words()}"
-    if isinstance(number, Integral):
-        return "" if abs(int(number)) < 2**63 else f"{name} must be below 2^63"
     size, low, high = abs(number), 1 / LARGEST**2, LARGEST**2
-    fits = size == 0 or not math.isfinite(size) or low <= size <= high
-    return "" if fits else f"{name} must be between {low:g} and {high:g} in size"
+    if name in SIZES:
+        SIZES[name].demand(number, name)
+    elif isinstance(number, Integral) and size >= 2**63:
+        raise UsageError(f"{name} must be below 2^63, not {given(number)}")
+    elif size and math.isfinite(size) and not (isinstance(number, Integral) or low <= size <= high):
+        raise UsageError(f"{name} must be between {low:g} and {high:g} in size, not {given(number)}")
 
 
 def parameters(function: Callable[..., Any]) -> dict[str, Any]:
     """The declared type of each parameter of a function."""
     declared = {name: hint for name, hint in function.__annotations__.items() if name != "return"}
-    given = types.SimpleNamespace(__annotations__=declared)
-    return get_type_hints(given, getattr(function, "__globals__", {}), _Public())
+    named = types.SimpleNamespace(__annotations__=declared)
+    return get_type_hints(named, getattr(function, "__globals__", {}), _Public(), include_extras=True)
 
 
 def fields_of(cls: type) -> dict[str, Any]:

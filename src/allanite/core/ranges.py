@@ -19,6 +19,9 @@ class Range(NamedTuple):
     below: bool = False
     what: str = ""  # what they are, where a message does not name their option
 
+    def __repr__(self) -> str:
+        return self.words()  # as signatures show the annotation of a parameter
+
     def holds(self, value: Any) -> bool:
         """Whether a number, or each of several, is one of them; words and what is missing always are."""
         value = value.tolist() if hasattr(value, "tolist") else value

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
 from importlib import import_module
-from typing import Any, TypedDict
+from typing import Annotated, Any, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,11 +19,14 @@ from .habits import demand_own
 from .kinds import KINDS, explain_kinds, offered, signal_of_kind
 from .names import demand_name
 from .plain import Header, Value
+from .ranges import POSITIVE
 from .units import Signal, convert, unit_of
 from .validity import Finding
 
 MOMENTS = ("mean", "std", "var", "median", "min", "max")
 """Functions of numpy that are methods of a record; they omit missing samples."""
+
+SCALE = POSITIVE._replace(what="the scale")
 
 SHORTEST = 200  # number of samples below which no noise coefficient is reported
 
@@ -81,7 +84,7 @@ class Record(Value):
     rate: float
     unit: str
     kind: str = "rate"
-    scale: float | None = None
+    scale: Annotated[float | None, SCALE] = None
     name: str = ""
     start: float | None = None
     history: tuple[str, ...] = ()
@@ -91,9 +94,6 @@ class Record(Value):
 
     def __post_init__(self) -> None:
         demand_name("kind", self.kind, KINDS)
-        if self.scale is not None and not 1 / LARGEST <= self.scale <= LARGEST:
-            span = f"positive number of {self.unit}, from {1 / LARGEST:g} to {LARGEST:g}"
-            raise UsageError(f"the scale must be a {span}, not {given(self.scale)}")
         if self.kind == "count" and self.scale is None:
             raise UsageError("counts need the size of one pulse, for example scale=0.1 with unit='arcsec' "
                              f"({self.name})")  # fmt: skip

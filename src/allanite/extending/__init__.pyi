@@ -48,7 +48,11 @@ from allanite.core.ranges import (
     ANGLE as ANGLE,
     LATITUDE as LATITUDE,
     POSITIVE as POSITIVE,
+    REAL as REAL,
     SAMPLES as SAMPLES,
+    SHARE as SHARE,
+    SIZE as SIZE,
+    STAMP as STAMP,
     TIME as TIME,
     Range as Range,
 )

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -85,8 +85,8 @@ class RecordingPlan(Value):
 
 @public
 def plan(
-    model: ModelLike, rate: float, *, durations: Sequence[float] = DURATIONS, accuracy: float = 0.1,
-    ramp: bool | None = None,
+    model: ModelLike, rate: float, *, durations: Annotated[Sequence[float], TIME] = DURATIONS,
+    accuracy: Annotated[float, PART] = 0.1, ramp: bool | None = None,
 ) -> RecordingPlan:  # fmt: skip
     """Predict the accuracy of each coefficient against record length, and the length needed for a given accuracy.
 
@@ -124,8 +124,6 @@ def plan(
     >>> [round(float(hours), 1) for hours in found.needed / 3600]
     [0.0, 0.5, 3.4]
     """
-    PART.demand(accuracy, "the accuracy")
-    TIME.demand(durations, "all lengths")
     model = usable_model(model)
     unknown = model.drifts if ramp is None else ramp
 

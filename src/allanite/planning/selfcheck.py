@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -14,9 +14,10 @@ from allanite.core.errors import UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.kinds import title_of
-from allanite.core.limits import demand_level, quantile
+from allanite.core.limits import quantile
 from allanite.core.model import Model, ModelLike, Term, usable_model
 from allanite.core.plain import Value
+from allanite.core.ranges import LEVEL, Range
 from allanite.core.units import Signal
 from allanite.core.validity import Band
 from allanite.identification.front import identify
@@ -27,6 +28,8 @@ from allanite.terms import TERMS
 from .bound import Bound, bound
 
 Measured = tuple[float, float]  # a number and its Monte Carlo standard error
+
+RECORDS = Range(2, 1_000_000, what="the number of records")
 
 MEASURED = ("bias", "spread", "coverage", "found")
 
@@ -250,9 +253,9 @@ class SelfCheck(Value):
 @public
 def selfcheck(  # noqa: PLR0913 - the choices of the identification among its own
     model: ModelLike, size: int | None = None, rate: float | None = None, *, duration: float | str | None = None,
-    records: int = 100, rng: "np.random.Generator | int | None" = None, terms: str | Sequence[str] = "auto",
-    method: str | None = None, band: Band | None = None, level: float = 0.95,
-    progress: Callable[[str, float], None] | None = None,
+    records: Annotated[int, RECORDS] = 100, rng: "np.random.Generator | int | None" = None,
+    terms: str | Sequence[str] = "auto", method: str | None = None, band: Band | None = None,
+    level: Annotated[float, LEVEL] = 0.95, progress: Callable[[str, float], None] | None = None,
 ) -> SelfCheck:  # fmt: skip
     """Simulate records of a model, identify each, and compare with the true values and the Cramer-Rao bound.
 
@@ -294,9 +297,6 @@ def selfcheck(  # noqa: PLR0913 - the choices of the identification among its ow
     (1.0, True, 0.0158)
     """
     truth, (n, rate) = usable_model(model), size_and_rate(size, rate, duration)
-    demand_level(level)
-    if records < 2:
-        raise UsageError(f"a check needs at least 2 records, not {records}")
     tell = progress or (lambda what, fraction: None)
     fits = []
     for i, child in enumerate(generator(rng).spawn(records)):

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from allanite.core.arrays import FloatArray
 from allanite.core.errors import UnitError, UsageError
 from allanite.core.model import Model, ModelLike, N, Q, Term, usable_model
 from allanite.core.plain import Header, Value
+from allanite.core.ranges import POSITIVE, REAL, SAMPLES, SIZE, TIME
 from allanite.core.record import Record, Recording
 from allanite.phrases.phrase import say
 
@@ -132,16 +134,15 @@ def _embedded(covariance: Callable[[FloatArray], FloatArray], n: int) -> tuple[i
     raise UsageError("this model's covariance has no circulant embedding at this length; choose another length")
 
 
-def readout_noise(size: int, *, sigma: float, walk: float = 0.0, rng: "np.random.Generator") -> FloatArray:
+@public
+def readout_noise(size: Annotated[int, SAMPLES], *, sigma: Annotated[float, SIZE], walk: Annotated[float, SIZE] = 0.0,
+                  rng: "np.random.Generator") -> FloatArray:  # fmt: skip
     """White noise of a readout, and a random walk that begins at 0 and whose steps have the standard deviation `walk`.
 
     >>> noise = readout_noise(10_000, sigma=2.0, rng=np.random.default_rng(1))
     >>> bool(1.95 < noise.std() < 2.05)
     True
     """
-    if size < 1 or not (np.isfinite([sigma, walk]).all() and min(sigma, walk) >= 0):
-        raise UsageError(f"noise needs at least one sample and standard deviations that are not negative: {size=}, "
-                         f"{sigma=}, {walk=}")  # fmt: skip
     noise = sigma * rng.standard_normal(size)
     if walk:
         noise[1:] += walk * np.cumsum(rng.standard_normal(size - 1))
@@ -198,24 +199,18 @@ class RingLaser:
     N = 0.0002918 deg/sqrt(h), Q = 0.2544 arcsec
     """
 
-    pulse: float
-    lock_in: float
-    dither_rate: float = 100.0
-    residual: float = 0.0
+    pulse: Annotated[float, POSITIVE]
+    lock_in: Annotated[float, SIZE]
+    dither_rate: Annotated[float, POSITIVE] = 100.0
+    residual: Annotated[float, SIZE] = 0.0
     residual_band: tuple[float, float] = (25.0, 45.0)
-    coherence: float = 0.3
-    bias: float = 0.0
-    warm_up: float = 0.0
-    settling: float = 600.0
+    coherence: Annotated[float, TIME] = 0.3
+    bias: Annotated[float, REAL] = 0.0
+    warm_up: Annotated[float, REAL] = 0.0
+    settling: Annotated[float, TIME] = 600.0
     swing: Model | None = None
 
     def __post_init__(self) -> None:
-        for name in ("pulse", "dither_rate", "coherence", "settling"):
-            if not getattr(self, name) > 0:
-                raise UsageError(f"{name} of a ring laser must be positive, not {getattr(self, name)!r}")
-        for name in ("lock_in", "residual"):
-            if not getattr(self, name) >= 0:
-                raise UsageError(f"{name} of a ring laser must not be negative, but is {getattr(self, name)!r}")
         low, high = self.residual_band
         if not 0 < low <= high:
             raise UsageError("the band of the residual must be two ascending frequencies in Hz, not "

@@ -297,7 +297,7 @@ def test_a_model_that_does_not_explain_the_record_is_said_in_its_budget(tmp_path
 
 WRONG = [
     (("--stage", STAGE, "--scale-factor", 0.2), 2, "gain"),
-    (("--stage", STAGE, "--scale-factor", -1, "--sense", 1), 2, "positive number"),
+    (("--stage", STAGE, "--scale-factor", -1, "--sense", 1), 2, "between 1e-30"),
     (("--stage", STAGE, "--torquer", "turns=1"), 2, "missing field"),
     (("--stage", STAGE, "--torquer", "turns=x"), 2, "a name and a number"),
     (("--stage", STAGE, "--torquer", TORQUER, "--scale-factor", 1), 2, "given twice"),

@@ -3,12 +3,12 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from allanite.extending import DataError, Finding, FloatArray, UsageError, Value, join, public, say, say_count
+from allanite.extending import POSITIVE, DataError, Finding, FloatArray, UsageError, Value, join, public, say, say_count
 
 from .geometry import Gimbals, column
 from .harmonics import USUAL, Harmonics, Orders, amplitude_names, design, harmonic_set
@@ -171,7 +171,7 @@ def parts_of(result: Result) -> tuple[Harmonics, ...]:
 @public
 def estimate(
     difference: ArrayLike, gimbals: Gimbals, *, orders: Orders = (128, 256), nuisance: Sequence[str] = USUAL,
-    sigma: float | None = None, prior: Prior | None = None, method: str = "recursive",
+    sigma: Annotated[float | None, POSITIVE] = None, prior: Prior | None = None, method: str = "recursive",
 ) -> Calibration:  # fmt: skip
     """Estimate the harmonics of the angle sensors while the earth's rotation, or a ship's sway, moves the gimbals.
 
@@ -246,8 +246,7 @@ def prior_of(prior: Prior | None, harmonics: Mapping[str, tuple[int, ...]], size
     except (TypeError, ValueError):
         raise UsageError("prior must be two standard deviations, of the amplitudes and the other parameters, not "
                          f"{prior!r}") from None  # fmt: skip
-    if not (0 < amplitudes < math.inf and 0 < rest < math.inf):
-        raise UsageError(f"prior standard deviations must be positive and finite, not {prior!r}")
+    POSITIVE.demand(prior, "prior standard deviations")
     count = len(amplitude_names(harmonics))
     return np.array([amplitudes] * count + [rest] * (size - count))
 

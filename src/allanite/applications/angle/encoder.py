@@ -3,13 +3,14 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from allanite.extending import (  # isort: skip
-    DataError, Finding, FloatArray, Record, UnitError, UsageError, public, say, spelled, unit_of)  # fmt: skip
+    POSITIVE, DataError, Finding, FloatArray, Range, Record, UnitError, UsageError, public, say, spelled,
+    unit_of)  # fmt: skip
 
 from .calibration import part, too_large
 from .geometry import column, demand_motion
@@ -23,7 +24,8 @@ MAX_SCATTER = 0.5  # phase of the highest harmonic, rad, that the scatter of the
 @public
 def calibrate(
     measured: Record | ArrayLike, reference: Record | ArrayLike, orders: Sequence[int] = (128, 256), *,
-    unit: str = "rad", sigma: float | None = None, trend: int = 0, name: str = "",
+    unit: str = "rad", sigma: Annotated[float | None, POSITIVE] = None, trend: Annotated[int, Range(0, 2)] = 0,
+    name: str = "",
 ) -> Harmonics:  # fmt: skip
     """Estimate the harmonic errors of an angle sensor from its samples and those of a reference.
 
@@ -72,8 +74,6 @@ def calibrate(
     against, _ = _angle("reference", reference, unit)
     if against.size != angle.size:
         raise DataError(f"reference has {against.size} samples instead of {angle.size}, as many as measured")
-    if trend not in (0, 1, 2):
-        raise UsageError(f"trend must be the degree 0, 1 or 2 of a polynomial, not {trend!r}")
     steps = np.abs(np.diff(angle))
     torn = np.abs(steps - 360.0) < 5.0  # a jump of 360 in what are said to be radians is a turn in degrees
     if torn.any() and np.median(steps) < 5.0:

@@ -5,12 +5,12 @@
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from allanite.extending import LARGEST, DataError, FloatArray, UnitError, UsageError, Value, demand_name, given, public
+from allanite.extending import TIME, DataError, FloatArray, UnitError, Value, demand_name, public
 
 from .motion import Ring, Sway, angles_of, horizontal, sway_of, turned, vector
 
@@ -187,7 +187,7 @@ class Gimbals(Value):
 @public
 def gimbals(
     time: ArrayLike, *, latitude: float, q_law: str = "exact", sway: Sway | tuple[float, float] | None = None,
-    turn_period: float | None = 300.0, ring: Ring | None = None,
+    turn_period: Annotated[float | None, TIME] = 300.0, ring: Ring | None = None,
 ) -> Gimbals:  # fmt: skip
     """The gimbal angles of an ideal pair of gyros.
 
@@ -234,9 +234,6 @@ def gimbals(
     if not math.isfinite(latitude) or abs(latitude) > math.pi / 2 + 1e-12:
         raise UnitError(f"a latitude must not exceed a right angle, as {latitude!r} rad does: is it in degrees?")
     demand_name("law", q_law, Q_LAWS)
-    if turn_period is not None and not 1 / LARGEST <= turn_period <= LARGEST:
-        raise UsageError(f"the period of the auto-compensating rotation must be from {1 / LARGEST:g} to {LARGEST:g} s, "
-                         f"not {given(turn_period)}")  # fmt: skip
     H = EARTH_RATE * clock
     h, q = np.arcsin(math.cos(latitude) * np.sin(H)), Q_LAWS[q_law](H, latitude)
     still = Gimbals(clock, h, q, np.full(H.size, latitude), np.zeros(H.size),

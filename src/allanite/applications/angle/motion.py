@@ -2,10 +2,13 @@
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from allanite.extending import FloatArray, UnitError, UsageError, Value, constructed
+from allanite.extending import (  # isort: skip
+    POSITIVE, REAL, SIZE, TIME, FloatArray, UnitError, UsageError, Value, constructed
+)  # fmt: skip
 
 
 def vector(h: FloatArray, q: FloatArray) -> FloatArray:
@@ -48,14 +51,12 @@ class Sway(Value):
         Heading of the ship, from north to east, rad.
     """
 
-    roll: float
-    pitch: float
-    period: float
-    heading: float = 0.0
+    roll: Annotated[float, REAL]
+    pitch: Annotated[float, REAL]
+    period: Annotated[float, TIME]
+    heading: Annotated[float, REAL] = 0.0
 
     def __post_init__(self) -> None:
-        if not np.isfinite([self.roll, self.pitch, self.period, self.heading]).all() or self.period <= 0:
-            raise UsageError(f"sway must be two finite amplitudes in rad and a period in s above 0, not {self}")
         if max(abs(self.roll), abs(self.pitch)) > math.pi / 4:
             raise UnitError(f"sway of {max(abs(self.roll), abs(self.pitch)):g} rad: is that in degrees? rad is "
                             "expected")  # fmt: skip
@@ -77,6 +78,10 @@ def sway_of(sway: "Sway | tuple[float, float] | None") -> Sway | None:
     return Sway(float(sway[0]), float(sway[0]), float(sway[1]))
 
 
+RING_RATE = POSITIVE._replace(unit="rad/s", what="the rate of a ring")
+
+
+@constructed
 @dataclass(frozen=True, repr=False)
 class Ring(Value):
     """Motion of a gimbal's outer ring, which is turned to and fro between two angles to tell the harmonics apart.
@@ -109,17 +114,15 @@ class Ring(Value):
     [-1.0, -1.0, -0.5, 1.0, -0.5]
     """
 
-    rate: float
-    low: float
-    high: float
-    step: float = 0.0
-    heading: float = 0.0
+    rate: Annotated[float, RING_RATE]
+    low: Annotated[float, REAL]
+    high: Annotated[float, REAL]
+    step: Annotated[float, SIZE] = 0.0
+    heading: Annotated[float, REAL] = 0.0
 
     def __post_init__(self) -> None:
-        numbers = [self.rate, self.low, self.high, self.step, self.heading]
-        if not np.isfinite(numbers).all() or self.rate <= 0 or self.high <= self.low or self.step < 0:
-            raise UsageError("a ring needs a rate in rad/s above 0, an angle in rad below another, and no negative "
-                             f"step, not {self}")  # fmt: skip
+        if self.high <= self.low:
+            raise UsageError(f"a ring turns from a lower angle to a higher one, not from {self.low:g} to {self.high:g}")
         if max(abs(self.low), abs(self.high)) >= math.pi / 2:
             raise UnitError(f"a ring turned by {max(abs(self.low), abs(self.high)):g} rad, a right angle or "
                             "more, may lay the momentum vector along the axis of q, where the gimbals fold: is it in "

@@ -3,11 +3,13 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from allanite.extending import Finding, FloatArray, UsageError, Value, provenance_of, public
+from allanite.extending import (  # isort: skip
+    POSITIVE, STAMP, TIME, Finding, FloatArray, UsageError, Value, constructed, provenance_of, public
+)  # fmt: skip
 
 from .calibration import Calibration, Prior, caveats, prior_of
 from .geometry import QUARTER, Gimbals, gimbals
@@ -21,6 +23,7 @@ MAX_COUNT = 100_000_000  # samples of an experiment, of which each takes some hu
 START_STEP = 300.0  # between the starts of a scan, s: finer than anybody schedules, and than the total changes
 
 
+@constructed
 @dataclass(frozen=True, repr=False)
 class AngleSettings(Value):
     """Every choice of an experiment but its start.
@@ -42,9 +45,9 @@ class AngleSettings(Value):
     """
 
     latitude: float
-    duration: float
-    interval: float
-    sigma: float = 1.0
+    duration: Annotated[float, TIME]
+    interval: Annotated[float, TIME]
+    sigma: Annotated[float, POSITIVE] = 1.0
     q_law: str = "exact"
     turn_period: float | None = 300.0
     sway: Sway | tuple[float, float] | None = None
@@ -55,10 +58,6 @@ class AngleSettings(Value):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "sway", sway_of(self.sway))
-        for name in ("duration", "interval", "sigma"):
-            value = getattr(self, name)
-            if not (isinstance(value, (int, float, np.number)) and math.isfinite(value) and value > 0):
-                raise UsageError(f"{name} must be a positive number, not {value!r}")
         if self.count > MAX_COUNT:
             raise UsageError(f"{self.duration:g} s at an interval of {self.interval:g} s are {self.count:.3g} samples; "
                              f"at most {MAX_COUNT:.0e} are computed with")  # fmt: skip
@@ -147,7 +146,7 @@ class AnglePlan(Value):
 
 
 @public
-def plan(settings: AngleSettings, start: float) -> AnglePlan:
+def plan(settings: AngleSettings, start: Annotated[float, STAMP]) -> AnglePlan:
     """Expected standard deviations of an experiment with these samples.
 
     Parameters
@@ -169,8 +168,6 @@ def plan(settings: AngleSettings, start: float) -> AnglePlan:
     >>> round(hour.total, 2), np.degrees(hour.h).round(1).tolist(), round(hour.standard_deviations["S128 h"], 2)
     (1.14, [14.5, 20.7], 0.08)
     """
-    if not math.isfinite(start):
-        raise UsageError(f"start must be a time in s after h = 0, not {start!r}")
     angles = settings.gimbals(start)
     harmonics = harmonic_set(settings.orders)
     names, rows = design(angles, harmonics, settings.nuisance)
@@ -258,7 +255,7 @@ def scan(settings: AngleSettings, starts: Sequence[float] | None = None) -> Scan
         last = math.ceil((QUARTER - duration) / step) if duration < QUARTER else math.ceil(QUARTER / step)
         starts = (step * np.arange(last + 1)).tolist()
     grid = np.asarray(starts, dtype=np.float64)
-    if grid.ndim != 1 or not grid.size or not np.isfinite(grid).all():
+    if grid.ndim != 1 or not grid.size:
         raise UsageError(f"starts must be times in s after h = 0, not {starts!r}")
     thin = settings.thinned()
     plans = [plan(thin, float(start)) for start in grid]

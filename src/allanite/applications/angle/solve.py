@@ -301,10 +301,6 @@ def omission(at: FloatArray, count: int, threshold: float) -> tuple[Finding, ...
 def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tuple[SquareRoot, float, int]:
     """What the samples tell without a prior; the noise of one; the degrees of freedom that are left."""
     n, p = system.rows.shape
-    if sigma is not None and not (math.isfinite(sigma) and sigma > 0):
-        raise UsageError(f"sigma must be a positive number, not {sigma!r}; omit it to have it estimated")
-    if prior is not None and not (prior > 0).all():
-        raise UsageError(f"prior standard deviations must be positive, not {prior.tolist()}")
     if n <= p:
         raise DataError(f"{n} samples are too few for {p} constants and their noise; record for longer")
     if np.ptp(system.values) == 0:

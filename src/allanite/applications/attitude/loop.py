@@ -6,13 +6,14 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from allanite.extending import (  # isort: skip
-    LARGEST, FloatArray, Model, ModelLike, Term, UnitError, UsageError, Value, constructed, convert, given, public,
-    spelled, usable_model)  # fmt: skip
+    POSITIVE, SIZE, TIME, FloatArray, Model, ModelLike, Term, UnitError, UsageError, Value, constructed, convert,
+    public, spelled, usable_model)  # fmt: skip
 
 GRAVITY = convert(1.0, "g", "m/s^2")
 SENSORS = ("gyro", "accelerometer")
@@ -40,10 +41,7 @@ class SensorNoise:
         for model, sensor in zip(models, SENSORS, strict=True):
             if model.signal.name != sensor:
                 raise UnitError(f"the noise of the {sensor} is that of another sensor ({model.signal.name}): {model}")
-        for value, name, unit in ((duration, "duration", "s"), (rate, "rate", "Hz")):
-            if not 1 / LARGEST <= (1.0 if value is None else value) <= LARGEST:
-                raise UsageError(f"the {name} must be a number of {unit} from {1 / LARGEST:g} to {LARGEST:g}, "
-                                 f"not {given(value)}")  # fmt: skip
+        TIME.demand(duration, "the duration")
         for t in (t for model in models for t in model if t.value):
             if rate is None and (t.row.alpha or 0) > 0:  # its power is infinite in continuous time
                 raise UsageError(f"{t.symbol} ({t.row.title}) depends on the sampling rate: give it with "
@@ -134,22 +132,15 @@ class Loop(Value):
 
     _also = ("order", "time_constant")
 
-    k1: float
-    k2: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not (math.isfinite(self.k1) and self.k1 > 0 and math.isfinite(self.k2) and self.k2 >= 0):
-            raise UsageError(f"a filter has a gain k1 above 0 and k2 of at least 0, not k1 = {given(self.k1)}, k2 = "
-                             f"{given(self.k2)}")  # fmt: skip
+    k1: Annotated[float, POSITIVE]
+    k2: Annotated[float, SIZE] = 0.0
 
     @classmethod
     def of(cls, time_constant: "float | Loop") -> "Loop":
         """The filter of first order with this time constant, s; a filter is returned as it is."""
         if isinstance(time_constant, Loop):
             return time_constant
-        if not (math.isfinite(time_constant) and time_constant > 0):
-            raise UsageError(f"a time constant must be a number of seconds above 0, not {given(time_constant)}")
-        return cls(1 / time_constant)
+        return cls(1 / TIME.demand(time_constant, "a time constant"))
 
     @property
     def order(self) -> int:
@@ -209,7 +200,7 @@ class Loop(Value):
 
 
 @public
-def kalman(N: float, tilt: float, K: float = 0.0) -> Loop:
+def kalman(N: Annotated[float, SIZE], tilt: Annotated[float, POSITIVE], K: Annotated[float, SIZE] = 0.0) -> Loop:
     """The steady Kalman filter for white noises and a rate random walk, in closed form.
 
     Parameters
@@ -232,8 +223,4 @@ def kalman(N: float, tilt: float, K: float = 0.0) -> Loop:
     >>> round(kalman(8.7266e-5, 1e-4).time_constant, 3)
     1.146
     """
-    if not tilt > 0:
-        raise UsageError(f"the white noise of the tilt must be above 0, not {given(tilt)}")
-    if not (N >= 0 and K >= 0):
-        raise UsageError(f"N and K of the gyro must not be negative, unlike {given(N)}, {given(K)}")
     return Loop(math.sqrt(N**2 + 2 * K * tilt) / tilt, K / tilt)

@@ -2,12 +2,13 @@
 
 import math
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 
 from allanite.extending import (  # isort: skip
-    DataError, FloatArray, Record, Recording, UnitError, UsageError, Value, constructed, convert, public, say,
-    say_count, spelled
+    REAL, DataError, FloatArray, Range, Record, Recording, UnitError, UsageError, Value, constructed, convert, public,
+    say, say_count, spelled
 )  # fmt: skip
 
 MIN_WINDOW = 60.0  # seconds of a window; in a shorter one the steps of a digital thermometer are what changes
@@ -135,15 +136,11 @@ class Regressor(Value):
 
     channel: str
     unit: str
-    centre: float = 0.0
-    power: int = 1
-    lag: float = 0.0
+    centre: Annotated[float, REAL] = 0.0
+    power: Annotated[int, Range(1, 100)] = 1
+    lag: Annotated[float, REAL] = 0.0
     smooth: float | None = None
     span: tuple[float, float] | None = None
-
-    def __post_init__(self) -> None:
-        if not (math.isfinite(self.centre) and math.isfinite(self.lag) and self.power >= 1):
-            raise UsageError(f"a regressor needs a finite centre and lag, and a power of at least 1, not {self!r}")
 
     @property
     def is_trend(self) -> bool:

@@ -2,8 +2,9 @@
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
-from allanite.extending import DataError, UsageError, Value, public, say, say_count
+from allanite.extending import LATITUDE, DataError, UsageError, Value, public, say, say_count
 
 from .estimates import RateEstimate
 
@@ -11,7 +12,7 @@ EARTH = 7.292115e-5  # rate of the earth, rad/s (WGS 84)
 
 
 @public
-def earth_rate(latitude: float, axis: str = "vertical") -> float:
+def earth_rate(latitude: Annotated[float, LATITUDE], axis: str = "vertical") -> float:
     """Component of the earth's rate at a latitude, rad/s.
 
     Parameters
@@ -26,8 +27,6 @@ def earth_rate(latitude: float, axis: str = "vertical") -> float:
     >>> round(earth_rate(55.793) * 206264.80624709636, 3)
     12.439
     """
-    if not -90 <= latitude <= 90:
-        raise UsageError(f"a latitude must be between -90 and 90 degrees, not {latitude!r}")
     angle = math.radians(latitude)
     parts = {"vertical": math.sin(angle), "north": math.cos(angle)}
     if axis not in parts:

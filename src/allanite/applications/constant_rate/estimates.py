@@ -2,9 +2,10 @@
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Annotated, Any
 
-from allanite.extending import Finding, Signal, UnitError, UsageError, Value, demand_level, finite, public, say, unit_of
+from allanite.extending import (  # isort: skip
+    REAL, SIZE, Finding, Signal, UnitError, UsageError, Value, demand_level, finite, public, say, unit_of)  # fmt: skip
 
 
 def rate_factor(unit: str, signal: Signal) -> float:
@@ -105,7 +106,8 @@ class RateEstimate(Value):
 
 
 @public
-def subtract_bias(estimate: RateEstimate, bias: float, unit: str, standard_error: float = 0.0) -> RateEstimate:
+def subtract_bias(estimate: RateEstimate, bias: Annotated[float, REAL], unit: str,
+                  standard_error: Annotated[float, SIZE] = 0.0) -> RateEstimate:  # fmt: skip
     """The estimate less a bias known beforehand, for example from the gyro's passport.
 
     The reading is the true rate and the bias: a passport bias of -0.0948 deg/h raises the result by 0.0948 deg/h.
@@ -125,8 +127,6 @@ def subtract_bias(estimate: RateEstimate, bias: float, unit: str, standard_error
     12.4298
     """
     factor = rate_factor(unit, estimate.signal)
-    if not (math.isfinite(bias) and math.isfinite(standard_error) and standard_error >= 0):
-        raise UsageError(f"a bias and its standard error are finite numbers, not {bias!r} and {standard_error!r}")
     shift, limits = bias * factor, estimate.limits if standard_error == 0 else None
     history = (*estimate.history, say("bias of {bias:g} {unit} subtracted", bias=bias, unit=unit))
     return replace(estimate, value=estimate.value - shift, history=history,

@@ -11,8 +11,8 @@ import numpy as np
 from allanite.applications.choices import EstimatorChoices
 
 from allanite.extending import (  # isort: skip
-    DataError, Finding, FloatArray, Model, Record, Term, UsageError, Value, demand_name, described, say, say_count,
-    spelled, windowing)  # fmt: skip
+    POSITIVE, DataError, Finding, FloatArray, Model, Record, Term, UsageError, Value, demand_name, described, say,
+    say_count, spelled, windowing)  # fmt: skip
 
 
 @described
@@ -67,8 +67,7 @@ class Task:
                              "use target='mean', 'centre' or 'start': the rate including the drift, over or at that "
                              "time")  # fmt: skip
         for frequency in self.dither:
-            if not (np.isfinite(frequency) and frequency > 0):
-                raise UsageError(f"a dither frequency must be a positive number of Hz, not {frequency!r}")
+            POSITIVE.demand(frequency, "a dither frequency, Hz,")
             alias = abs(frequency - self.rate * round(frequency / self.rate))
             if alias * self.size < 2 * self.rate:
                 raise UsageError(f"dither at {frequency:g} Hz, sampled at {self.rate:g} Hz, appears at {alias:.3g} "
@@ -169,8 +168,6 @@ REPEATED = 0.999  # share of equal samples above which a record of counts is cal
 def pulse_of(record: Record, options: EstimatorSettings) -> float:
     """Quantum of the angle in samples (of a rate: samples times the sample interval); NaN where there is none."""
     if options.quantum is not None:
-        if not (math.isfinite(options.quantum) and options.quantum > 0):
-            raise UsageError(f"a quantum must be a positive number of {record.unit}, not {options.quantum!r}")
         readings = options.quantum / (1.0 if record.scale is None else record.scale)
         return readings if record.integrated else readings * record.rate
     counted = record.kind == "count" or (record.kind == "increment" and record.scale is not None)

@@ -1,13 +1,13 @@
 """A quantizer in the signal path, the noise that it adds, its clipping and codes; rates from a torquer's current."""
 
-import math
 from dataclasses import dataclass, fields
+from typing import Annotated
 
 import numpy as np
 
 from allanite.extending import (  # isort: skip
-    POSITIVE, DataError, FloatArray, Record, UnitError, UsageError, Value, convert, join, public, say, say_count,
-    signal_with, spelled, unit_of, windowing)  # fmt: skip
+    POSITIVE, DataError, FloatArray, Range, Record, UnitError, UsageError, Value, constructed, convert, join, public,
+    say, say_count, signal_with, spelled, unit_of, windowing)  # fmt: skip
 
 MAX_CLIPPED = 1e-3  # share of clipped samples above which noise coefficients are meaningless
 MAX_OFF_GRID = 0.05  # distance from the grid, in steps, up to which a reading printed with rounding lies on it
@@ -18,6 +18,7 @@ MIN_OCCURRENCES = 20
 MAX_CODES = 1 << 24  # codes between the least and the largest up to which they are counted out
 
 
+@constructed
 @dataclass(frozen=True, repr=False)
 class Stage(Value):
     """A converter or register of so many bits over -full_scale to +full_scale.
@@ -58,16 +59,12 @@ class Stage(Value):
     _also = ("step",)
 
     name: str
-    bits: int
-    full_scale: float
+    bits: Annotated[int, Range(1, 64, what="the bits of a stage")]
+    full_scale: Annotated[float, POSITIVE._replace(what="the full scale of a stage")]
     unit: str
-    gain: float = 1.0
+    gain: Annotated[float, POSITIVE._replace(what="the gain before a stage")] = 1.0
 
     def __post_init__(self) -> None:
-        if isinstance(self.bits, bool) or not isinstance(self.bits, (int, np.integer)) or not 1 <= self.bits <= 64:
-            raise UsageError(f"the bits of {self.name!r} must be a whole number from 1 to 64, not {self.bits!r}")
-        positive(self.full_scale, f"full scale of {self.name!r}")
-        positive(self.gain, f"gain before {self.name!r}")
         dimension = unit_of(self.unit).dimension
         signals = signal_with(dimension), signal_with(dimension, 1)
         if not (signals[0] or (signals[1] and signals[1].inertial)):
@@ -175,6 +172,7 @@ def codes(readings: FloatArray) -> Codes | None:
     return Codes(occurring.size, count.size, int(gaps[beside >= MIN_OCCURRENCES].sum()))
 
 
+@constructed
 @dataclass(frozen=True, repr=False)
 class TorqueScale(Value):
     r"""Scale factor of a Lorentz-force torquer: the rate that a current means.
@@ -221,17 +219,13 @@ class TorqueScale(Value):
 
     _also = ("factor",)
 
-    turns: float
-    field: float
-    span: float
-    radius: float
-    inertia: float
-    spin: float
-    sides: float = 1.0
-
-    def __post_init__(self) -> None:
-        for constant in fields(self):
-            positive(getattr(self, constant.name), f"{constant.name} of a torquer")
+    turns: Annotated[float, POSITIVE]
+    field: Annotated[float, POSITIVE]
+    span: Annotated[float, POSITIVE]
+    radius: Annotated[float, POSITIVE]
+    inertia: Annotated[float, POSITIVE]
+    spin: Annotated[float, POSITIVE]
+    sides: Annotated[float, POSITIVE] = 1.0
 
     @classmethod
     def parse(cls, text: str) -> "TorqueScale":
@@ -349,17 +343,9 @@ def gain_of(unit: str, sense: float | None) -> float:
     if sense is None:
         raise UsageError("converting a voltage to a current needs the gain of its sensor in V per A: pass "
                          + spelled("--sense 0.5", "sense=0.5"))  # fmt: skip
-    return positive(sense, "sense gain", "V per A")
+    return float(POSITIVE.demand(sense, "the gain of the current sensor, V per A,"))
 
 
 def factor_of(scale: TorqueScale | float) -> float:
     """Rate of a current, rad/s per A."""
-    return scale.factor if isinstance(scale, TorqueScale) else positive(scale, "scale", "rad/s per A")
-
-
-def positive(value: float, what: str, unit: str = "") -> float:
-    """`value`, once it is found to be a positive number."""
-    number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
-    if not (number and math.isfinite(value) and value > 0):
-        raise UsageError(f"the {what} must be a positive number{f' of {unit}' * bool(unit)}, not {value!r}")
-    return float(POSITIVE.demand(value, f"the {what}"))
+    return scale.factor if isinstance(scale, TorqueScale) else float(POSITIVE.demand(scale, "the scale, rad/s per A,"))

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,11 @@ from allanite.core.aliases import constructed, public
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UnitError, UsageError
 from allanite.core.kinds import KINDS
+from allanite.core.ranges import POSITIVE, SHARE, TIME, Range
 from allanite.core.record import Record
 from allanite.core.units import signal_with, unit_of
 
+LOST = Range(0, 1, below=True)  # shares of samples that are missing: some are left
 EXACT = 2.0**52  # steps beyond which a double cannot tell one from the next
 
 
@@ -33,13 +35,9 @@ class Dither:
         Taken off again after rounding, as it is known to the readout.
     """
 
-    amplitude: float = 0.5
-    frequency: float | None = None
+    amplitude: Annotated[float, POSITIVE] = 0.5
+    frequency: Annotated[float | None, POSITIVE] = None
     stripped: bool = True
-
-    def __post_init__(self) -> None:
-        if not self.amplitude > 0 or not (self.frequency is None or self.frequency > 0):
-            raise UsageError(f"a dither needs an amplitude and a frequency above 0, unlike {self}")
 
     def at(self, n: int, rate: float, rng: "np.random.Generator | None") -> FloatArray:
         """The dither at n instants, in steps; the phase of a sinusoid is random if there is a generator."""
@@ -56,7 +54,7 @@ class Dither:
 
 
 @public
-def quantize_rate(record: Record, lsb: float, unit: str, *, dither: Dither | None = None,
+def quantize_rate(record: Record, lsb: Annotated[float, POSITIVE], unit: str, *, dither: Dither | None = None,
                   rng: "np.random.Generator | None" = None) -> Record:  # fmt: skip
     """Round the rate to steps, as the converter of a rate output does.
 
@@ -84,13 +82,13 @@ def quantize_rate(record: Record, lsb: float, unit: str, *, dither: Dither | Non
     size = unit_of(unit)
     if signal_with(size.dimension, values=True) is not record.signal:
         raise UnitError(f"{unit!r} is not a unit of {record.signal.unit} samples")
-    step = _step(lsb, unit) * size.factor / record.factor
+    step = lsb * size.factor / record.factor
     values = _rounded(np.asarray(record.values / step), record.rate, dither, rng)
     return record.with_values(values * step, _words("rate", lsb, unit, dither), start=record.start)
 
 
 @public
-def quantize_angle(record: Record, lsb: float, unit: str, *, dither: Dither | None = None,
+def quantize_angle(record: Record, lsb: Annotated[float, POSITIVE], unit: str, *, dither: Dither | None = None,
                    rng: "np.random.Generator | None" = None) -> Record:  # fmt: skip
     """Round the angle to steps, as a pulse counter or an integrating readout does.
 
@@ -128,7 +126,7 @@ def quantize_angle(record: Record, lsb: float, unit: str, *, dither: Dither | No
     size = unit_of(unit)
     if signal_with(size.dimension, 1, values=True) is not record.signal:
         raise UnitError(f"{unit!r} is not a unit of the integral of {record.signal.unit}: for a gyro use arcsec")
-    angle = record.angle / (_step(lsb, unit) * size.factor)
+    angle = record.angle / (lsb * size.factor)
     steps = _rounded(angle, record.rate, dither, rng)
     history = (*record.history, _words("angle", lsb, unit, dither))
     if dither is not None and dither.stripped:
@@ -149,12 +147,6 @@ def _rounded(values: FloatArray, rate: float, dither: Dither | None, rng: "np.ra
     return np.rint(values + added) - (added if dither.stripped else 0.0)
 
 
-def _step(lsb: float, unit: str) -> float:
-    if not (math.isfinite(lsb) and lsb > 0):
-        raise UsageError(f"the step of a quantizer must be above 0, not {lsb!r} {unit}")
-    return lsb
-
-
 def _words(what: str, lsb: float, unit: str, dither: Dither | None) -> str:
     return f"{what} rounded to {lsb:g} {unit}" + ("" if dither is None else f", {dither}")
 
@@ -173,7 +165,7 @@ def constant(record: Record, value: float, unit: str) -> Record:
 
 
 @public
-def low_pass(record: Record, cutoff: float, *, order: int = 1) -> Record:
+def low_pass(record: Record, cutoff: float, *, order: Annotated[int, Range(1, 10)] = 1) -> Record:
     """Apply a causal Butterworth low-pass filter, as in a sensor or logger.
 
     Parameters
@@ -186,8 +178,6 @@ def low_pass(record: Record, cutoff: float, *, order: int = 1) -> Record:
     """
     if not 0 < cutoff < record.rate / 2:
         raise UsageError(f"a cutoff must be between 0 and {record.rate / 2:g} Hz (half of the rate), not {cutoff!r} Hz")
-    if not isinstance(order, int) or not 1 <= order <= 10:
-        raise UsageError(f"the order of a filter must be an integer from 1 to 10, not {order!r}")
     from scipy.signal import butter, sosfilt, sosfilt_zi
 
     values = _floats(record)
@@ -236,7 +226,8 @@ def noise_profile(record: Record, times: Sequence[float] | FloatArray, factors: 
 
 
 @public
-def outliers(record: Record, share: float, size: float, unit: str = "", *, rng: "np.random.Generator") -> Record:
+def outliers(record: Record, share: Annotated[float, SHARE], size: float, unit: str = "",
+             *, rng: "np.random.Generator") -> Record:  # fmt: skip
     """Add outliers of either sign to a random `share` of the samples.
 
     Parameters
@@ -258,8 +249,6 @@ def outliers(record: Record, share: float, size: float, unit: str = "", *, rng: 
     >>> sorted(set(np.abs(spiked.values).tolist())), spiked.history
     ([0.0, 5.0], ('9 outliers of 5 deg/h added',))
     """
-    if not 0 <= share <= 1:
-        raise UsageError(f"the share of outliers must be between 0 and 1, not {share!r}")
     values = _floats(record)
     hit = np.flatnonzero(rng.random(values.size) < share)
     fast = float(np.nanstd(np.diff(values)) / np.sqrt(2))
@@ -286,7 +275,8 @@ def clip(record: Record, limit: float, unit: str) -> Record:
 
 
 @public
-def gaps(record: Record, share: float, length: float, *, rng: "np.random.Generator") -> Record:
+def gaps(record: Record, share: Annotated[float, LOST], length: Annotated[float, TIME],
+         *, rng: "np.random.Generator") -> Record:  # fmt: skip
     """Replace a random `share` of the samples by NaN, in stretches. The first and the last sample are kept.
 
     Parameters
@@ -304,8 +294,6 @@ def gaps(record: Record, share: float, length: float, *, rng: "np.random.Generat
     >>> lossy.history
     ('11 samples missing in 2 stretches',)
     """
-    if not 0 <= share < 1 or not length > 0:
-        raise UsageError(f"gaps need a share from 0 to 1 and a mean length above 0 s, not {share!r} and {length!r} s")
     values = _floats(record)
     if values.size < 3:
         raise UsageError(f"there are no samples to remove between the first and the last of {values.size}")
