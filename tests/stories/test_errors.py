@@ -186,7 +186,7 @@ ROWS = [
     sentence("info gyro.csv --report x.docx", ".html or .pdf"),
     sentence("analyze gyro.csv --plot x.foo", "png, svg, pdf", "'foo'"),
     sentence("analyze gyro.csv --json - --csv -", "only one result"),
-    sentence("info gyro.csv --threads 0", "at least 1, or auto, not '0'"),
+    sentence("info gyro.csv --threads 0", "between 1 and 10000, not 0"),
     sentence("lot folder", "does not hold the results", "make one with allanite batch FOLDER --out 'folder'"),
     sentence("batch absent --out results", "'absent'", "No such file"),
 ]  # fmt: skip

@@ -46,25 +46,11 @@ def integer(low: int, high: int) -> Converted:
     return Converted(INTEGER, Range(low, high))
 
 
-class Threads(ParamType):
-    """A number of processors; "auto", all of them, is None."""
+NAMES = Converted(choices.NAMES)
 
-    name = "threads"
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> int | None:
-        """A number as it is, a word by its meaning."""
-        if value == "auto":
-            return None
-        try:
-            count = int(value)
-        except (TypeError, ValueError):
-            count = 0
-        if count < 1:
-            self.fail(f"expected a number of processors, at least 1, or auto, not {value!r}", param, ctx)
-        return count
-
-
-NAMES, NUMBERS, INTEGERS = map(Converted, (choices.NAMES, choices.NUMBERS, choices.INTEGERS))
+THREADS = ChoiceKind("threads", lambda value: None if value == "auto" else int(value),
+                     form="a number of processors, at least 1, or auto", within=Range(1, 10_000))  # fmt: skip
+"""A number of processors; "auto", all of them, is None."""
 
 PLACES = {"--unit": rf"\b({COLUMN}|{UNIT})\b", "--rate": rf"\b({RATE})\b", "--scale": rf"\b({SCALE})\b",
           "--time": rf".*\[({UNIT})\]"}  # fmt: skip
@@ -206,11 +192,11 @@ OPTIONS: dict[str, Decorator] = {
         help="Read options from a file; the command line overrides them."),
     "seed": click.option("--seed", type=Converted(INTEGER, SEED), metavar="N", default=1, show_default=True,
         help="Seed of the random number generator."),
-    "threads": click.option("--threads", type=Threads(), default="auto", show_default=True, metavar="N",
+    "threads": click.option("--threads", type=Converted(THREADS), default="auto", show_default=True, metavar="N",
         help="Processors to use at once, or auto: all of them. The results are the same.",
         cls=Option, synonyms=("jobs", "workers", "cpus")),
-    "orders": click.option("--orders", type=INTEGERS, metavar="K,K,...", default="128,256", show_default=True,
-        help="Harmonics of the angle to estimate."),
+    "orders": click.option("--orders", type=Converted(choices.INTEGERS), metavar="K,K,...", default="128,256",
+        show_default=True, help="Harmonics of the angle to estimate."),
     "report": path_option("report", "Write a report: HTML, or PDF if PATH ends in .pdf.",
         "out", "output", "o", "html", "pdf", "save"),
     "plot": path_option("plot", "Write the figure: .png, .svg or .pdf; with {channel} in PATH one file a channel.",

@@ -9,7 +9,7 @@ from types import UnionType
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin
 
 from . import ranges
-from .errors import UsageError, given
+from .errors import AllaniteError, UsageError, given
 from .ranges import Range, demand_pieces, demand_ranges
 from .units import A_DURATION, seconds_of
 
@@ -24,8 +24,8 @@ class ChoiceKind:
     """What the value of a choice is."""
 
     # The help calls it `name` where there is no metavar. `read` makes it from text, or from the plain data of a file or
-    # a request, which are of the types that it `takes`; `demand` checks a value of Python by the name of the choice.
-    # Each refuses what is no such value; `form` is what is expected. It is entered as a `control` of the page: "text",
+    # a request, which are of the types that it `takes`; what it raises is said to be no `form`. `demand` checks a value
+    # of Python by the name of the choice. It is entered as a `control` of the page: "text",
     # "number", "list", "band" or "flag". The option is repeated for each of `many` parts; `write` makes the text that
     # is read, if `written` does not. `alone` is the value of an option that is given without one, `measure` what the
     # documentation says of its unit in Python. Numbers are `within` a range, unless their choice has another; `unit` is
@@ -45,9 +45,15 @@ class ChoiceKind:
 
     def parse(self, data: Any, within: Range | None = None) -> Any:
         """The value from text or plain data, each number of it within a range."""
-        if not isinstance(data, self.takes) or (isinstance(data, bool) and bool not in self.takes):
-            raise UsageError(f"expected {self.form or f'a {self.name}'}, not {given(data)}")
-        value, within = self.read(data), within or self.within
+        try:
+            if not isinstance(data, self.takes) or (isinstance(data, bool) and bool not in self.takes):
+                raise TypeError
+            value = self.read(data)
+        except AllaniteError:
+            raise
+        except (TypeError, ValueError, OverflowError):
+            raise UsageError(f"expected {self.form or f'a {self.name}'}, not {given(data)}") from None
+        within = within or self.within
         if within is not None:
             percent = self.unit if isinstance(data, str) else ""
             words = within.words(self.write, percent) if self.write and percent else ""
@@ -56,8 +62,6 @@ class ChoiceKind:
 
 
 TYPED = ChoiceKind("value", lambda value: value)  # the kind that the type of the field says
-
-A_NUMBER, AN_INTEGER = "a number", "an integer"
 
 SECONDS = " In s."
 
@@ -72,26 +76,22 @@ def written(value: Any) -> str:
     return str(value).removesuffix(".0") if isinstance(value, float) else str(value)
 
 
-def _parsed(number: type[float] | type[int]) -> Callable[[Any], Any]:
-    def read(value: Any) -> float | int:
-        try:
-            return number(value)
-        except (TypeError, ValueError, OverflowError):
-            raise UsageError(f"expected {A_NUMBER if number is float else AN_INTEGER}, not {given(value)}") from None
+def _demanding(words: str, holds: Callable[[Any], bool]) -> Callable[[str, Any], Any]:
+    """A check of values of Python."""
 
-    return read
+    def demand(name: str, value: Any) -> Any:
+        if not holds(value):
+            raise UsageError(f"{name} must be {words}, not {given(value)}")
+        return value
 
-
-def _demand_number(name: str, value: Any) -> Any:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise UsageError(f"{name} must be a number, not {given(value)}")
-    return value
+    return demand
 
 
-def _demand_integer(name: str, value: Any) -> Any:
-    if isinstance(value, bool) or not hasattr(value, "__index__"):
-        raise UsageError(f"{name} must be an integer, not {given(value)}")
-    return value
+A_NUMBER, AN_INTEGER = "a number", "an integer"
+
+_demand_number = _demanding(A_NUMBER, lambda value: isinstance(value, (int, float)) and not isinstance(value, bool))
+_demand_integer = _demanding(AN_INTEGER, lambda value: hasattr(value, "__index__") and not isinstance(value, bool))
+_demand_word = _demanding("a word", lambda value: isinstance(value, str))
 
 
 def _demand_times(name: str, value: Any) -> Any:
@@ -99,12 +99,6 @@ def _demand_times(name: str, value: Any) -> Any:
         return DURATIONS.read(value.tolist() if hasattr(value, "tolist") else value)
     except UsageError as error:
         raise error.within(name) from None
-
-
-def _demand_word(name: str, value: Any) -> Any:
-    if not isinstance(value, str):
-        raise UsageError(f"{name} must be a word, not {given(value)}")
-    return value
 
 
 def _parts(value: Any) -> Any:
@@ -116,12 +110,9 @@ def separated(kind: type, name: str, count: int | None = None, example: str = ""
     """Words or numbers separated by commas; plain data may hold a list."""
 
     def read(value: Any) -> tuple[Any, ...]:
-        try:
-            values = tuple(kind(part.strip() if isinstance(part, str) else part) for part in _parts(value))
-        except (TypeError, ValueError):
-            values = ()
+        values = tuple(kind(part.strip() if isinstance(part, str) else part) for part in _parts(value))
         if not values or (count is not None and len(values) != count):
-            raise UsageError(f"expected {name}, e.g. {example}, not {given(value)}")
+            raise ValueError(values)
         return values
 
     return ChoiceKind(name, read, control="list", takes=LISTS, form=f"{name}, e.g. {example}", within=within)
@@ -138,7 +129,7 @@ def _share(value: Any) -> float:
     if not isinstance(value, str):
         return float(value)
     unit, size = next((row for row in (("%", 1e-2), ("ppm", 1e-6)) if value.endswith(row[0])), ("", 1.0))
-    return float(NUMBER.read(value.removesuffix(unit))) * size
+    return float(value.removesuffix(unit)) * size
 
 
 def _table(value: Any) -> Any:
@@ -147,10 +138,7 @@ def _table(value: Any) -> Any:
     pairs = {}
     for part in value.split(","):
         symbol, _, numbers = part.partition("=")
-        try:
-            low, high = (float(number) for number in numbers.split(":"))
-        except ValueError:
-            raise UsageError(f"expected terms with their ranges, e.g. N=0.1:10,K=100:1000, not {given(part)}") from None
+        low, high = map(float, numbers.split(":"))
         pairs[symbol.strip()] = (low, high)
     return pairs
 
@@ -186,11 +174,11 @@ def _model(text: Any) -> Any:
     return Model(str(text))
 
 
-NUMBER = ChoiceKind("float", _parsed(float), _demand_number, control="number", form=A_NUMBER)
-HERTZ = ChoiceKind("float", lambda v: NUMBER.read(re.sub(r"\s*Hz$", "", v, flags=re.I) if isinstance(v, str) else v),
+NUMBER = ChoiceKind("float", float, _demand_number, control="number", form=A_NUMBER)
+HERTZ = ChoiceKind("float", lambda v: float(re.sub(r"\s*Hz$", "", v, flags=re.I) if isinstance(v, str) else v),
                    _demand_number, control="number", form=A_NUMBER, within=ranges.RATE)  # fmt: skip
-INTEGER = ChoiceKind("integer", _parsed(int), _demand_integer, control="number", form=AN_INTEGER)
-PERCENT = ChoiceKind("float", lambda v: NUMBER.read(v) / (100 if isinstance(v, str) else 1), _demand_number,
+INTEGER = ChoiceKind("integer", int, _demand_integer, control="number", form=AN_INTEGER)
+PERCENT = ChoiceKind("float", lambda v: float(v) / (100 if isinstance(v, str) else 1), _demand_number,
                      form=A_NUMBER, write=lambda v: f"{100 * v:.12g}", measure=" A share, from 0 to 1.",
                      within=ranges.SHARE, unit="%")  # fmt: skip
 """A share: of text, as it is typed, in percent; of plain data, as in Python, from 0 to 1."""
