@@ -3,20 +3,8 @@
 from dataclasses import dataclass
 from typing import Any
 
-from allanite.extending import (
-    ANGLE,
-    DURATION,
-    INSTANT,
-    LATITUDE,
-    MODEL,
-    POSITIVE,
-    SAMPLES,
-    TIME,
-    Choices,
-    Range,
-    choice,
-    separated,
-)  # fmt: skip
+from allanite.extending import (  # isort: skip
+    ANGLE, DURATION, INSTANT, LATITUDE, MODEL, POSITIVE, SAMPLES, TIME, Choices, Range, choice, separated)  # fmt: skip
 
 SECONDS = separated(float, "seconds", example="60,300", within=TIME)
 

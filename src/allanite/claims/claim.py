@@ -1,14 +1,13 @@
 """ClaimedNoise: the noise that a configuration, a data sheet, a limits file or a model states, and its settings."""
 
-import math
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from allanite.batch.specification import Limit, Specification
+from allanite.core import ranges
 from allanite.core.aliases import public
 from allanite.core.errors import AllaniteError, DataError, UsageError, given as shown
 from allanite.core.files import reason
@@ -18,16 +17,18 @@ from allanite.core.units import Signal
 from allanite.core.validity import SETTLED
 from allanite.exporting.exports import EXPORTS, target_named
 from allanite.exporting.imported import Imported, models_of, noise_in, numbers, section_of
-from allanite.exporting.target import Target
 from allanite.phrases.phrase import join, say, spelled
 from allanite.planning.datasheets import claimed
 from allanite.terms import TERMS
 
 CUTOFF, RATE = SETTINGS = "cutoff", "rate"  # what may be claimed beside noise
 
+HERTZ = ranges.RATE._replace(what="a frequency")
+
 ITEM = re.compile(r"(?:(?P<sensor>gyro|accel)\w*\s+)?"
                   r"(?:(?P<cutoff>low-?\s?pass|bandwidth|dlpf|cut-?off)|(?:output |sampling )?rate|odr)"
-                  r"(?:\s+at|\s*[:=])?\s+(?P<value>[0-9.]+(?:e[+-]?\d+)?)\s*(?P<kilo>k?)hz", re.IGNORECASE)  # fmt: skip
+                  r"(?:\s+at|\s*[:=])?\s+(?P<value>(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*(?P<kilo>k?)hz",
+                  re.IGNORECASE)  # fmt: skip
 """A setting: ``lowpass 42 Hz``, ``gyro bandwidth 250 Hz``, ``output rate 1 kHz``."""
 
 
@@ -68,20 +69,10 @@ def settings_in(text: str) -> tuple[tuple[ClaimedSetting, ...], str]:
             if item is None:
                 kept.append(part)
                 continue
-            value = _number(item["value"]) * (1000 if item["kilo"] else 1)
+            value = HERTZ.demand(float(item["value"]) * (1000 if item["kilo"] else 1))
             settings.append(ClaimedSetting(CUTOFF if item["cutoff"] else RATE, value, (item["sensor"] or "").lower()))
         groups.append(",".join(kept))
     return tuple(settings), ";".join(group for group in groups if group.strip()).strip()
-
-
-def _number(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0 < value < math.inf:
-        raise UsageError(f"a frequency must be a positive number of Hz, not {shown(text)}", choice="claims")
-    return value
 
 
 SUFFIXES = {suffix for row in EXPORTS.values() for suffix in row.forms} | {".yml", ".xml", ".toml", ".txt", ".cfg"}
@@ -231,7 +222,8 @@ def _limited(limits: Specification) -> Iterator[Model]:
 
 def recognized(text: str, rate: float | None = None, name: str = "the text") -> Imported:
     """The noise in the text of a file of a target, which is recognized by its fields."""
-    counts = {row.name: _fields(text, row) for row in EXPORTS.values()}
+    counts = {row.name: sum(bool(numbers(section_of(text, field, row), field.name)) for field in row.fields)
+              for row in EXPORTS.values()}  # fmt: skip
     most = max(counts.values())
     if not most:
         known = ", ".join(row.name for row in EXPORTS.values() if row.fields)
@@ -252,9 +244,3 @@ def recognized(text: str, rate: float | None = None, name: str = "the text") -> 
                 name=name, targets=join(" or ", names), option=wanted)
         )  # fmt: skip
     return readings[0]
-
-
-def _fields(text: str, target: Target) -> int:
-    """How many of the fields of a target are in a text."""
-    fields: Sequence[Any] = target.fields
-    return sum(bool(numbers(section_of(text, field, target), field.name)) for field in fields)

@@ -250,7 +250,8 @@ def exact_rows(sensor: Sensor, count: Counts) -> Iterator[CheckedTerm]:
             # with the time that was found what is compared is the noise that drives the bias, s sqrt(2/T)
             column, scale = instead, math.sqrt(1 / time.ratio)
     for axis in sensor.axes:
-        form, channel = axis.form, _row(axis)
+        record = axis.channel.record
+        form, channel = axis.form, CheckedTerm(record.name, record.signal, "", None, None, "")  # to be filled in
         if form is None:
             for term in axis.model:
                 yield _estimated(axis.channel, term, count)
@@ -271,11 +272,6 @@ def exact_rows(sensor: Sensor, count: Counts) -> Iterator[CheckedTerm]:
                           unit=sensor.signal.sheet[other.row.power], outcome=UNCLAIMED)  # fmt: skip
         yield curve_row(axis.channel, axis.model, axis.model, count.channel, count.outcome, settled=axis.settled)
         yield from _distribution(axis, channel, count)
-
-
-def _row(axis: AxisCheck) -> CheckedTerm:
-    """A row of a channel, to be filled in."""
-    return CheckedTerm(axis.channel.record.name, axis.channel.record.signal, "", None, None, "")
 
 
 def _time(sensor: Sensor, column: int, count: Counts) -> tuple[CheckedTerm, int]:

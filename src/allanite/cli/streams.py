@@ -107,7 +107,8 @@ def _harmless(lines: Iterable[str]) -> str:
     return "\n".join(map(printable, lines))
 
 
-ENDS = ("SIGINT", "SIGTERM", "SIGHUP")  # signals that end the program, where the system has them
+ENDS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+"""Signals that end the program."""
 
 RESEND_PERIOD_S, END_PERIOD_S = 0.01, 0.25
 """Seconds after which a signal that had to wait is sent again, and one that should have ended the program."""
@@ -136,8 +137,7 @@ class _Ending:
 
     def __init__(self) -> None:
         self.starting, self.before = Lock(), sys.unraisablehook
-        numbers = [getattr(signal, name) for name in ENDS if hasattr(signal, name)]
-        handlers = {number: signal.getsignal(number) for number in numbers if current_thread() is main_thread()}
+        handlers = {number: signal.getsignal(number) for number in ENDS if current_thread() is main_thread()}
         usual = (signal.SIG_DFL, signal.default_int_handler)
         self.taken = {number: was for number, was in handlers.items() if was in usual}
         for number in self.taken:
@@ -195,9 +195,8 @@ def ended_by(error: BaseException | None) -> BaseException | None:
 def stopping() -> Iterator[Callable[[], bool]]:
     """Within this context signals that end the program are noted: whether one came is the answer of the value."""
     came = list[int]()
-    hangup = [signal.SIGHUP] if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN else []
-    numbers = [signal.SIGINT, signal.SIGTERM, *hangup]  # nohup ignores the last one
-    before = {which: signal.signal(which, lambda number, _: came.append(number)) for which in numbers}
+    heard = [which for which in ENDS if signal.getsignal(which) != signal.SIG_IGN]  # nohup ignores hangups
+    before = {which: signal.signal(which, lambda number, _: came.append(number)) for which in heard}
     try:
         yield lambda: bool(came)
     finally:

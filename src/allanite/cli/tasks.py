@@ -85,16 +85,16 @@ def _compare(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Rep
     from allanite.comparison.sheet import compare_with_sheet
 
     against, part, count = settings.against, settings.part, len(files)
-    if part is not None and count > 1:
-        raise UsageError(f"--part splits a single file, but {count} files were given", choice="part")
-    if against is not None and count != 2:
-        words = f"--against names channels of the second of two files, but {count} files were given"
-        raise UsageError(words, choice="against")
-    if settings.pool and count == 1:
-        raise UsageError("--pool needs two files or more, but one was given", choice="pool")
-    if settings.datasheet is not None and (count > 1 or part is not None):
-        words = "--datasheet compares a single file with a data sheet; give one file, without --part"
-        raise UsageError(words, choice="datasheet")
+    for choice, wrong, words in (
+        ("part", part is not None and count > 1, f"splits a single file, but {count} files were given"),
+        ("against", against is not None and count != 2,
+         f"names channels of the second of two files, but {count} files were given"),
+        ("pool", settings.pool and count == 1, "needs two files or more, but one was given"),
+        ("datasheet", settings.datasheet is not None and (count > 1 or part is not None),
+         "compares a single file with a data sheet; give one file, without --part"),
+    ):  # fmt: skip
+        if wrong:
+            raise UsageError(f"--{choice} {words}", choice=choice)
     sources = [reports.source(file, recipe) for file in files]
     if settings.datasheet is not None:
         return compare_with_sheet(sources[0], settings.datasheet, recipe, progress=reports.tell)

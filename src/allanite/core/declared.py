@@ -166,10 +166,6 @@ def _regular(value: Any, _: tuple[Any, ...]) -> bool:
         return False
 
 
-def _iterable(value: Any, args: tuple[Any, ...]) -> bool:
-    return np.iterable(value) and not isinstance(value, (str, bytes))
-
-
 def _tuple(value: Any, args: tuple[Any, ...]) -> bool:
     if not isinstance(value, (tuple, list)):
         return False
@@ -208,7 +204,8 @@ TYPE_KINDS: dict[Any, Kind] = {
     np.ndarray: Kind(lambda _: "an array", _array),
     Callable: Kind(lambda _: "a function", lambda value, _: callable(value)),
     tuple: Kind(_tuple_words, _tuple), list: _many, Sequence: _many, dict: _table, Mapping: _table,
-    Iterable: Kind(lambda args: _of("an iterable", args), _iterable),
+    Iterable: Kind(lambda args: _of("an iterable", args),
+                   lambda value, _: np.iterable(value) and not isinstance(value, (str, bytes))),
     Union: _alternatives, types.UnionType: _alternatives,
 }  # fmt: skip
 """The kind of a type, or of the type that it is derived from; any other class has its instances."""

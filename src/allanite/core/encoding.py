@@ -157,16 +157,6 @@ def _read_tuple(data: Any, args: tuple[Any, ...]) -> tuple[Any, ...]:
     return tuple(items)
 
 
-def _write_dict(value: Any, args: tuple[Any, ...], level: float) -> dict[str, Any]:
-    hint = args[1] if args else Any
-    return {str(key): write_plain(item, hint, level) for key, item in value.items()}
-
-
-def _read_dict(data: Any, args: tuple[Any, ...]) -> dict[Any, Any]:
-    hint = args[1] if args else Any
-    return {key: read_key(data, key, hint) for key in data}
-
-
 def _write_union(value: Any, args: tuple[Any, ...], level: float) -> Any:
     if value is None:
         return None
@@ -235,7 +225,10 @@ _float_form = Codec(lambda value, _, level: _scalar(value), _read_float,
                     _is(int, float, np.floating, np.integer), lambda data: data is None or isinstance(data, float)
                     or _whole(data) or data in NOT_FINITE, "a number")  # fmt: skip
 _union = Codec(_write_union, _read_union, _no_type, _no_type)
-_dict = Codec(_write_dict, _read_dict, _is(dict), _is(dict), "a table")
+_dict = Codec(lambda value, args, level: {str(key): write_plain(item, args[1] if args else Any, level)
+                                          for key, item in value.items()},
+              lambda data, args: {key: read_key(data, key, args[1] if args else Any) for key in data},
+              _is(dict), _is(dict), "a table")  # fmt: skip
 _tuple = Codec(lambda value, args, level: [write_plain(item, hint, level)
                                            for item, hint in zip(value, _hints(args, len(value)), strict=True)],
                _read_tuple, _is(tuple, list), _is(list, tuple), "a list")  # fmt: skip

@@ -2,7 +2,7 @@
 
 import importlib
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, fields
 from functools import cache, partial
 from operator import attrgetter
@@ -122,15 +122,12 @@ class Value(Portable):
                 if (part := self._named(name)) is not None:
                     return part
             call = remedy(REMEDIES, name).format(value=cls.__name__.lower())
-            known = [*(f.name for f in fields(self)), *dir(cls), *(part.name for part in self._parts())]
+            parts = self.__dict__.get("channels", ())  # which are reached by their names
+            named = [part.name for part in parts if hasattr(part, "name")] if isinstance(parts, tuple) else []
+            known = [*(f.name for f in fields(self)), *dir(cls), *named]
             meant = "" if call or name.startswith("_") else nearest(name, [word for word in known if word[:1] != "_"])
             more = f": type {call}" * bool(call) + f"; did you mean {meant}?" * bool(meant)
             raise AttributeError(f"a {cls.__name__} has no {name}{more}", name=name, obj=self)
-
-    def _parts(self) -> Iterable[Any]:
-        """What can be reached by its name, as the channels of a study."""
-        parts = self.__dict__.get("channels", ())
-        return [part for part in parts if hasattr(part, "name")] if isinstance(parts, tuple) else ()
 
     def _named(self, name: str) -> Any:
         """A part by its name, as of a study a channel; None if there is none of this name."""

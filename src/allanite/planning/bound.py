@@ -12,6 +12,7 @@ from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.limits import quantile
 from allanite.core.model import Model, ModelLike, Term, usable_model
+from allanite.core.names import demand_name
 from allanite.core.plain import Value
 from allanite.identification.checks.whitening import deviations
 from allanite.identification.likelihood.likelihood import Likelihood
@@ -60,8 +61,7 @@ class Bound(Value):
 
     def __getitem__(self, name: str) -> float:
         """Relative standard error of one parameter."""
-        if name not in self.names:
-            raise UsageError(f"there is no bound of {name!r}; parameters: {', '.join(self.names)}")
+        demand_name("parameter", name, self.names)
         return float(self.errors[self.names.index(name)])
 
     def _summary(self) -> str:

@@ -62,7 +62,7 @@ def test_a_claim_with_settings_is_read_from_its_own_text():
     claim = claim_of("N 1 deg/sqrt(h); lowpass 42 Hz; 60 ug/sqrt(Hz), gyro rate 0.2 kHz")
     assert [s.words() for s in claim.settings] == ["lowpass 42 Hz", "gyro rate 200 Hz"]
     assert (len(claim.models), claim_of(claim.text)) == (2, claim)
-    refused(UsageError, "a positive number of Hz", lambda: claim_of("lowpass 0 Hz"))
+    refused(UsageError, "a frequency must be between 1e-09 and 1e.15 Hz, not 0", lambda: claim_of("lowpass 0 Hz"))
 
 
 def test_correlation_time_makes_a_gauss_markov_bias(tmp_path):

@@ -8,7 +8,8 @@ from typing import Annotated, Any, ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from allanite.extending import POSITIVE, DataError, Finding, FloatArray, UsageError, Value, join, public, say, say_count
+from allanite.extending import (  # isort: skip
+    POSITIVE, DataError, Finding, FloatArray, UsageError, Value, demand_name, join, public, say, say_count)  # fmt: skip
 
 from .geometry import Gimbals, column
 from .harmonics import USUAL, Harmonics, Orders, amplitude_names, design, harmonic_set
@@ -138,8 +139,7 @@ class Calibration(Value):
         return tuple(h.name for h in self.harmonics)
 
     def __getitem__(self, angle: str) -> Harmonics:
-        if angle not in self.angles:
-            raise UsageError(f"no angle {angle!r} was estimated; angles: {', '.join(self.angles)}")
+        demand_name("angle", angle, self.angles, where=" of this estimate")
         return self.harmonics[self.angles.index(angle)]
 
     def __iter__(self) -> Iterator[Harmonics]:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from allanite.extending import (  # isort: skip
-    POSITIVE, STAMP, TIME, Finding, FloatArray, UsageError, Value, constructed, provenance_of, public
+    POSITIVE, STAMP, TIME, Finding, FloatArray, UsageError, Value, constructed, demand_name, provenance_of, public
 )  # fmt: skip
 
 from .calibration import Calibration, Prior, caveats, prior_of
@@ -131,8 +131,7 @@ class AnglePlan(Value):
         return float(self.errors[: self.amplitudes].sum())
 
     def __getitem__(self, name: str) -> float:
-        if name not in self.names:
-            raise UsageError(f"no constant {name!r}; constants: {', '.join(self.names)}")
+        demand_name("constant", name, self.names)
         return float(self.errors[self.names.index(name)])
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from allanite.extending import (  # isort: skip
-    BoolArray, DataError, Finding, FloatArray, IntArray, UsageError, Value, chance, demand_level, demand_name, join,
+    BoolArray, DataError, Finding, FloatArray, IntArray, Value, chance, demand_level, demand_name, join,
     say, say_count)  # fmt: skip
 
 from .squareroot import SquareRoot, batch
@@ -164,8 +164,7 @@ class Solution(Value):
 
     def index(self, name: str) -> int:
         """Place of a constant."""
-        if name not in self.names:
-            raise UsageError(f"no constant {name!r}; constants: {', '.join(self.names)}")
+        demand_name("constant", name, self.names)
         return self.names.index(name)
 
     def __getitem__(self, name: str) -> float:

@@ -70,8 +70,6 @@ def _spelled(axes: Axes | str) -> str:
 FASTEST = 50.0  # rate, rad/s, above which the unit is doubted
 PLAUSIBLE = 0.2  # deviation of the mean specific force from g, relative, beyond which the unit is doubted
 
-STEEP = math.cos(math.radians(89.0))
-
 
 @dataclass(frozen=True, eq=False)
 class Inertial:

@@ -259,7 +259,9 @@ def choose(design: Design, folds: Sequence[HeldBlock]) -> list[int]:
     columns = [(r.channel, r.power) for r in design.regressors]
     while True:
         open_ = [i for i, optional in enumerate(design.optional) if optional and i not in kept]
-        steps = [[j for j in open_ if j == i or _below(columns[j], columns[i])] for i in open_]
+        # each column with the lower powers of its channel
+        steps = [[j for j in open_ if j == i or (columns[j][0] == columns[i][0] and 1 < columns[j][1] < columns[i][1])]
+                 for i in open_]  # fmt: skip
         base = np.array([fold.misfit(kept) for fold in folds])
         for size in sorted({len(step) for step in steps}):
             some = [step for step in steps if len(step) == size]
@@ -272,8 +274,3 @@ def choose(design: Design, folds: Sequence[HeldBlock]) -> list[int]:
                 break
         else:
             return sorted(kept)
-
-
-def _below(column: tuple[str, int], other: tuple[str, int]) -> bool:
-    """Whether a column is a lower power of the same channel."""
-    return column[0] == other[0] and 1 < column[1] < other[1]

@@ -10,8 +10,8 @@ from typing import Any, Self
 import numpy as np
 
 from allanite.extending import (  # isort: skip
-    AllaniteError, Correction, Covariance, DataError, FloatArray, Model, Record, Recording, Signal, UsageError, join,
-    public, say, write)  # fmt: skip
+    AllaniteError, Correction, Covariance, DataError, FloatArray, Model, Record, Recording, Signal, UsageError,
+    demand_name, join, public, say, write)  # fmt: skip
 
 from .design import BEYOND_DOUBT, TRENDING
 from .mixture import Gain, Mixture, about_line
@@ -113,10 +113,9 @@ class Regression(Columns, Correction):
         return (self.effect(i) for i in range(len(self.regressors)))
 
     def __getitem__(self, label: str) -> Effect:
-        for i, regressor in enumerate(self.regressors):
-            if regressor.label == label:
-                return self.effect(i)
-        raise UsageError(f"no regressor {label!r}; regressors: {', '.join(r.label for r in self.regressors)}")
+        labels = [regressor.label for regressor in self.regressors]
+        demand_name("regressor", label, labels)
+        return self.effect(labels.index(label))
 
     def effect(self, which: int, level: float = 0.95) -> Effect:
         """The coefficient of a column, with limits at `level`."""
