@@ -121,16 +121,12 @@ def _rate(row: CheckedTerm, channel: Channel, claimed: float, tolerance: float, 
     if claimed > rate:
         why = say("the record has {rate:.6g} samples a second: it does not show whether the sensor has more", rate=rate)
         return replace(known, outcome=NOT_DECIDED, ratio=math.nan, low=math.nan, high=math.nan, reason=why)
-    if isinstance(record, Record) and _coarse(View(record), claimed):
+    # so many neighbours may be equal by chance that what a sensor of this rate repeats would not stand out
+    steps = View(record).steps if isinstance(record, Record) else np.empty(0)
+    if steps.size and float(np.mean(steps[1:] == steps[:-1]) if steps.size > 1 else 1.0) >= (1 - claimed / rate) / 2:
         return replace(row, outcome=NOT_DECIDED, reason=say("the samples are too coarse to tell repeated ones"))
     return replace(known, outcome=DIFFERS, reason=say("none of the {rate:.6g} samples a second is a repeated one",
                                                       rate=rate))  # fmt: skip
-
-
-def _coarse(view: View, claimed: float) -> bool:
-    """Whether so many neighbours are equal by chance that what a sensor of this rate repeats would not stand out."""
-    share = float(np.mean(view.steps[1:] == view.steps[:-1])) if view.steps.size > 1 else 1.0
-    return share >= (1 - claimed / view.rate) / 2
 
 
 TOLERANCE = 0.02  # relative difference that is accepted: files state two or three digits

@@ -358,27 +358,22 @@ def named(kind: type[Any], *groups: str) -> tuple[str, ...]:
     return tuple(name for name, row in choices_of(kind).items() if row.group in groups)
 
 
-def demand_choices(settings: Any) -> None:
-    """Refuse a value that its choice does not allow, and keep the others as their kind and choice return them."""
-    for name, row in choices_of(type(settings)).items():
-        value, within = getattr(settings, name), row.within or row.kind.within
-        if (value is None and row.default is None) or value is row.default:
-            continue
-        try:
-            kept = row.kind.demand(name, value)
-            if within is not None:
-                within.demand(kept, name)
-            object.__setattr__(settings, name, row.demand(kept) if row.demand else kept)
-        except UsageError as error:
-            error.choice = error.choice or name
-            raise
-
-
 class Choices:
-    """A class of choices, whose values are checked when it is made."""
+    """A class of choices: values that are not allowed are refused, others kept as their kind and choice return them."""
 
     def __post_init__(self) -> None:
-        demand_choices(self)
+        for name, row in choices_of(type(self)).items():
+            value, within = getattr(self, name), row.within or row.kind.within
+            if (value is None and row.default is None) or value is row.default:
+                continue
+            try:
+                kept = row.kind.demand(name, value)
+                if within is not None:
+                    within.demand(kept, name)
+                object.__setattr__(self, name, row.demand(kept) if row.demand else kept)
+            except UsageError as error:
+                error.choice = error.choice or name
+                raise
 
 
 def needing_all(settings: Any) -> Iterator[tuple[ChoiceRow, Any]]:

@@ -180,10 +180,6 @@ def _tuple_words(args: tuple[Any, ...]) -> str:
     return f"({', '.join(_words(hint) for hint in args)})"
 
 
-def _mapping(value: Any, args: tuple[Any, ...]) -> bool:
-    return isinstance(value, Mapping) and (not args or _items(value.values(), (args[1],) * MAX_ITEMS))
-
-
 def _is(words: str, *kinds: type, but: tuple[type, ...] = ()) -> Kind:
     return Kind(lambda _: words, lambda value, _: isinstance(value, kinds) and not isinstance(value, but))
 
@@ -194,7 +190,8 @@ ARRAY_LIKE = Kind(lambda _: "an array", _regular)
 _anything = Kind(lambda _: "", lambda value, _: True)
 _alternatives = Kind(_union, lambda value, args: any(_holds(value, hint) for hint in args))
 _many = Kind(lambda args: _of("a sequence", args), _sequence)
-_table = Kind(lambda args: _of("a mapping", args), _mapping)
+_table = Kind(lambda args: _of("a mapping", args), lambda value, args: isinstance(value, Mapping)
+              and (not args or _items(value.values(), args[1:] * MAX_ITEMS)))  # fmt: skip
 
 TYPE_KINDS: dict[Any, Kind] = {
     Any: _anything, object: _anything, types.NoneType: _is("None", types.NoneType),

@@ -10,12 +10,12 @@ import numpy as np
 from allanite.core.aliases import generator, public, size_and_rate
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.encoding import plain
-from allanite.core.errors import UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.kinds import title_of
 from allanite.core.limits import quantile
 from allanite.core.model import Model, ModelLike, Term, usable_model
+from allanite.core.names import row_of
 from allanite.core.plain import Value
 from allanite.core.ranges import LEVEL, Range
 from allanite.core.units import Signal
@@ -194,10 +194,7 @@ class SelfCheck(Value):
     notes: tuple[str, ...] = ()
 
     def __getitem__(self, symbol: str) -> TermCheck:
-        for check in self.terms:
-            if check.symbol == symbol:
-                return check
-        raise UsageError(f"{symbol!r} was not looked for; terms: {', '.join(check.symbol for check in self.terms)}")
+        return row_of("term", symbol, {check.symbol: check for check in self.terms}, where=" of this check")
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows: each measured number is followed by its Monte Carlo standard error."""

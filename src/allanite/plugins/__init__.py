@@ -98,10 +98,8 @@ def package_of(entry: "EntryPoint") -> str:
 
 def broken(entry: "EntryPoint", why: str) -> str:
     """What is wrong with a plug-in, as a sentence that names its package."""
-    what = entry.group.rpartition(".")[2].removesuffix("s")
-    return (
-        f"the {what} plugin {entry.name!r} of the package {package_of(entry)!r} is broken ({why}); update or remove it"
-    )
+    what = f"the {entry.group.rpartition('.')[2].removesuffix('s')} plugin {entry.name!r}"
+    return f"{what} of the package {package_of(entry)!r} is broken ({why}); update or remove it"
 
 
 def raised_in(error: BaseException) -> str:

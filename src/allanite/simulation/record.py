@@ -12,11 +12,11 @@ from allanite.core.arrays import FloatArray
 from allanite.core.errors import UnitError, UsageError
 from allanite.core.model import Model, ModelLike, N, Q, Term, usable_model
 from allanite.core.plain import Header, Value
-from allanite.core.ranges import POSITIVE, REAL, SAMPLES, SIZE, TIME
+from allanite.core.ranges import POSITIVE, REAL, SAMPLES, SIZE, TIME, Range
 from allanite.core.record import Record, Recording
 from allanite.phrases.phrase import say
 
-MAX_SAMPLES = 10_000_000_000  # most samples of a simulated record, which would take 80 GB
+SIMULATED = Range(2, 10_000_000_000, what="the number of samples of a simulated record")  # 80 GB
 LONGER = (1, 2, 4, 8, 16)  # lengths of embeddings that are tried, over that of the record
 
 
@@ -74,10 +74,7 @@ def simulate(model: ModelLike, size: int | None = None, rate: float | None = Non
     """
     model, rng = usable_model(model), generator(rng)
     size, rate = size_and_rate(size, rate, duration)
-    if size < 2:
-        raise UsageError(f"a record needs at least 2 samples, not {size}")
-    if size > MAX_SAMPLES:
-        raise UsageError(f"a simulated record has at most {MAX_SAMPLES:.0e} samples, not {size}: simulate a part of it")
+    SIMULATED.demand(size)
     rounded = None
     if rounding:
         rounded = next((t for t in model if t.row.alpha == 2 and t.value), None)
@@ -285,8 +282,7 @@ def simulate_ring_laser(gyro: RingLaser, turning: float, size: int | None = None
     """
     size, rate = size_and_rate(size, rate, duration)
     rng = generator(rng)
-    if size < 2:
-        raise UsageError(f"a record needs at least 2 samples, not {size}")
+    SIMULATED.demand(size)
     if not rate > 2 * gyro.residual_band[1]:
         raise UsageError(f"residual dither up to {gyro.residual_band[1]:g} Hz needs more than {rate:g} Hz")
     steps = gyro.random_walk * 60 / math.sqrt(rate) * rng.standard_normal(size)  # deg/sqrt(h) is 60 arcsec/sqrt(s)

@@ -190,5 +190,5 @@ def test_a_bias_that_is_driven_by_rand_is_found():
 
 def test_what_is_not_there_is_refused(recording):
     refused(DataError, "claims nothing of the channels", lambda: al.check(recording["ax"], "N 1 deg/sqrt(h)"))
-    refused(UsageError, "the tolerance must be", lambda: al.check(recording["ax"], "100 ug/sqrt(Hz)", tolerance=2.0))
+    refused(UsageError, "tolerance must be", lambda: al.check(recording["ax"], "100 ug/sqrt(Hz)", tolerance=2.0))
     refused(UsageError, "no data sheet", lambda: al.check(recording["ax"], "nothing"))

@@ -134,7 +134,7 @@ USUAL = ("--sensor", "rlg", "--rate", "100")
     (("out.npz", *USUAL, "--model", "N 1 deg/sqrt(h)", "--samples", "99"), "given twice"),
     (("out.txt", *USUAL, "--samples", "99"), "no format can be written to files with suffix '.txt'"),
     (("there.csv", *USUAL, "--samples", "99"), "already exists"),
-    (("out.npz", *USUAL, "--samples", "1"), "at least 2 samples"),
+    (("out.npz", *USUAL, "--samples", "1"), "between 2 and 1e+10, not 1"),
     (("out.npz", *USUAL, "--samples", "99", "--channels", "0"), "at least 1"),
     (("out.npz", *USUAL, "--samples", "99", "--dither", "random"), "give --quantize too"),
     (("out.npz", *USUAL, "--samples", "99", "--quantize", "0.1 arcsec"), "'rate 0.01 deg/s' or 'angle 0.2 arcsec'"),

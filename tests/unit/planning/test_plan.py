@@ -101,7 +101,7 @@ def test_what_cannot_be_seen_is_infinite():
     assert al.bound(model, 1000, 10.0)["Sine"] == math.inf
     refused(al.UsageError, "no noise", lambda: al.bound(al.Sine(1.0, "deg/h", frequency=1.0), 1000, 10.0))
     refused(al.UsageError, "at least 8", lambda: al.bound(al.N(1.0, "deg/sqrt(h)"), 7, 10.0))
-    refused(al.UsageError, "no bound of 'K'", lambda: al.bound(al.N(1.0, "deg/sqrt(h)"), 70, 10.0)["K"])
+    refused(al.UsageError, "unknown parameter 'K'", lambda: al.bound(al.N(1.0, "deg/sqrt(h)"), 70, 10.0)["K"])
 
 
 def test_the_length_that_is_needed_gives_the_accuracy():

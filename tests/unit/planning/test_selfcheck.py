@@ -74,7 +74,7 @@ def test_terms_that_cannot_be_compared_are_named():
     pair = al.Model("N 1 deg/sqrt(h), GM 1 deg/h 3 s, GM 1 deg/h 30 s")
     check = al.selfcheck(pair, 400, 10.0, records=2, rng=np.random.default_rng(1), terms="NB")
     assert check.notes == ("Gauss-Markov noise (GM) is in the model, but was not identified in any record",)
-    with pytest.raises(al.UsageError, match="'GM' was not looked for"):
+    with pytest.raises(al.UsageError, match="unknown term 'GM' of this check"):
         _ = check["GM"]
     with pytest.raises(al.UsageError, match="the number of records must be between 2"):
         al.selfcheck(pair, 400, 10.0, records=1, rng=np.random.default_rng(1))

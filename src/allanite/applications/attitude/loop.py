@@ -105,7 +105,8 @@ def density(t: Term, f: FloatArray, interval: float | None) -> FloatArray:
     for which in np.unique(decade):
         at = decade == which
         fine = FINE / float(f[at].max())
-        power[at] = t.value**2 * t.sampled(1 / fine).spectrum(f[at], fine)
+        row = t.row.shaped(t.shape, 1 / fine) if t.row.shaped else t.row  # of its functions only one without rounding
+        power[at] = t.value**2 * row.spectrum(f[at], fine)
     return power
 
 
