@@ -190,11 +190,9 @@ def claim_of(given: "str | os.PathLike[str] | Model | ClaimedNoise", origin: str
         return ClaimedNoise(text, "data sheet", claimed(text), bound=True)
     except UsageError as error:
         _, meant = error.cure
-        raise UsageError(
-            f"{shown(text)} is no file, no data sheet, and no model such as 'N 0.3 deg/sqrt(h), K 3 deg/h/sqrt(h)'; "
-            + (f"did you mean the data sheet {meant}?" if meant else "'allanite explain' lists the data sheets"),
-            cure=error.cure,
-        ) from None
+        why = f"{shown(text)} is no file, no data sheet, and no model such as 'N 0.3 deg/sqrt(h), K 3 deg/h/sqrt(h)'"
+        lists = f"did you mean the data sheet {meant}?" if meant else "'allanite explain' lists the data sheets"
+        raise UsageError(f"{why}; {lists}", cure=error.cure) from None
 
 
 def _of_file(path: str, origin: str | None, rate: float | None) -> ClaimedNoise:

@@ -104,10 +104,8 @@ class DriftSettings(DriftChoices, Value):
             raise UsageError("give at least one time without aid, in s")
         object.__setattr__(self, "times", tuple(sorted(set(self.times))))
         if bool(self.scale_factor) != bool(self.maneuver):
-            raise UsageError(
-                "an error of the scale factor acts on a maneuver: give both, e.g. "
-                + spelled("--scale-error 0.1% --maneuver '90 deg'", "scale_factor=0.001, maneuver=['90 deg']")
-            )
+            both = spelled("--scale-error 0.1% --maneuver '90 deg'", "scale_factor=0.001, maneuver=['90 deg']")
+            raise UsageError(f"an error of the scale factor acts on a maneuver: give both, e.g. {both}")
         assert self.requirements is not None  # noqa: S101 - texts are read now
         for text in self.turn_on:
             self._size(text, "a turn-on bias", "3 deg/h", (0,))

@@ -89,12 +89,10 @@ def drift_of(sources: Sequence[Any], settings: DriftSettings) -> Drift:
     """The drift from sources that have been read."""
     if not sources:
         if not settings.require:
-            raise UsageError(
-                "give the noise: a recording, a result of analyze in JSON, or "
-                + spelled("--model, --sensor or --datasheet", "a model")
-                + "; without it, what it may be: "
-                + spelled("--require '1 deg in 10 min'", "require=['1 deg in 10 min']")
-            )
+            model = spelled("--model, --sensor or --datasheet", "a model")
+            required = spelled("--require '1 deg in 10 min'", "require=['1 deg in 10 min']")
+            raise UsageError(f"give the noise: a recording, a result of analyze in JSON, or {model}; without it, what it "
+                             f"may be: {required}")  # fmt: skip
         return Drift((), settings, provenance=provenance_of())
     drift_axes = list(axes_of([getattr(source, "models", source) for source in sources]))
     inertial = [bounded(axis, asked=settings.from_curve) for axis in drift_axes if axis.fit.signal.inertial]

@@ -70,9 +70,7 @@ def convert(values: tuple[str, ...], target: str | None, origin: str | None, **c
     how = settings_of(How, {**choices, "rate": rate or stated, "partial": "output" not in out.paths})
     row, suffix = prepared(target or USUAL, how, _suffix(out.paths))
     models = [model for noise in read for model in noise.models] if origin else models_of(values)
-    extra = (
-        replace(_EXTRA, first=lambda: first_of_models(models, () if origin else values)) if target is None else _EXTRA
-    )
+    extra = _EXTRA if target else replace(_EXTRA, first=lambda: first_of_models(models, () if origin else values))
     carry_out(lambda _: exported(row, models, how, suffix), out, extra)
 
 

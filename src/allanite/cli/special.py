@@ -223,11 +223,9 @@ def rate(file: str, second: str | None, **choices: Any) -> None:
 
     def closeups(study: "RateStudy") -> str | bytes:
         """The figure of the first interval of every channel."""
-        first = [
-            first_of(channel.record, channel.experiment, study.settings)
-            for channel in study
-            if channel.experiment is not None and isinstance(channel.record, Record)
-        ]
+        pairs = ((channel.record, channel.experiment) for channel in study)
+        first = [first_of(record, experiment, study.settings) for record, experiment in pairs
+                 if experiment is not None and isinstance(record, Record)]  # fmt: skip
         return rendered(first, "plot", out.paths["closeup"], out.lang)
 
     extra = Extra({"readings": lambda study: to_csv(study, coefficients=True), "closeup": closeups})

@@ -184,9 +184,8 @@ PERCENT = ChoiceKind("float", lambda v: float(v) / (100 if isinstance(v, str) el
 """A share: of text, as it is typed, in percent; of plain data, as in Python, from 0 to 1."""
 SHARE = ChoiceKind("share", _share, _demand_number, form="a share such as 0.1%, 1000ppm or 0.001")
 WORD = ChoiceKind("text", str, _demand_word, form="a word")
-SYMBOLS = ChoiceKind(
-    "text", str, lambda name, v: _demand_word(name, ",".join(v) if isinstance(v, (list, tuple)) else v), form="a word"
-)
+SYMBOLS = ChoiceKind("text", str, form="a word", demand=lambda name, value: _demand_word(
+    name, ",".join(value) if isinstance(value, (list, tuple)) else value))  # fmt: skip
 FLAG = ChoiceKind("boolean", lambda value: value not in (False, 0, "false", "no", "off", ""), control="flag",
                   takes=(str, int, bool), form="true or false")  # fmt: skip
 NAMES = separated(str, "names", example="gx,gy")

@@ -135,10 +135,8 @@ def _sequence(value: Any, args: tuple[Any, ...]) -> bool:
     if isinstance(value, np.ndarray):
         differing = MAX_ITEMS if value.dtype.hasobject else 1
         return value.ndim > 0 and (not args or (value.ndim == 1 and _items(value.flat, args[:1] * differing)))
-    ordered = args[:1] in ((float,), (int,))
-    many = isinstance(value, Sequence if ordered else (Sequence, set, frozenset)) or (
-        hasattr(value, "__len__") and hasattr(value, "iloc")
-    )
+    kinds = Sequence if args[:1] in ((float,), (int,)) else (Sequence, set, frozenset)
+    many = isinstance(value, kinds) or (hasattr(value, "__len__") and hasattr(value, "iloc"))
     return many and not isinstance(value, (str, bytes)) and (not args or _items(value, (args[0],) * MAX_ITEMS))
 
 

@@ -61,9 +61,10 @@ def digits(value: float, low: float = math.nan, high: float = math.nan, *, signe
     if known and low < 0 < high:
         size = max(size, half)  # of a number near zero the size of its interval counts
     exponent = _order(size) if size and not SMALL <= size < LARGE else 0
-    decimals = exponent + (
+    wanted = (
         _decimals(size, half) if half > 0 else figures - 1 - _order(float(f"{size:.{figures - 1}e}")) if size else 0
     )
+    decimals = exponent + wanted
     places = f".{min(max(decimals, 0), 12)}f"
     scaled = [v / 10.0**exponent for v in ((value, low, high) if known else (value,))]
     sign = "+" if signed else ""

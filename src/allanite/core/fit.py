@@ -329,9 +329,8 @@ class Fit(Value):
         for estimate in self.estimates:
             if estimate.symbol == symbol:
                 return estimate
-        raise UsageError(
-            f"{symbol!r} is not a term of this fit; its terms: {', '.join(e.symbol for e in self.estimates)}"
-        )
+        terms = ", ".join(estimate.symbol for estimate in self.estimates)
+        raise UsageError(f"{symbol!r} is not a term of this fit; its terms: {terms}")
 
     def __iter__(self) -> Iterator[Estimate]:
         return iter(self.estimates)

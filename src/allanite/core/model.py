@@ -95,10 +95,8 @@ class Term(Value):
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> "Term":
         symbol = read_key(data, "symbol", str)
-        value, *shape = (
-            float(read_key(data, name, float))
-            for name in ("value", *(p.name for p in row_of("term", symbol, TERMS).parameters))
-        )
+        names = ("value", *(p.name for p in row_of("term", symbol, TERMS).parameters))
+        value, *shape = (float(read_key(data, name, float)) for name in names)
         demand_stored_size(value)
         return cls(symbol, value, read_key(data, "signal", Signal), tuple(shape))
 

@@ -49,9 +49,8 @@ class Range(NamedTuple):
         refusal = f"{self.what or name} must be {words or self.words()}, not {shown}"
         percent = self.high <= 1 and isinstance(value, (int, float)) and self.high < value <= 100 * self.high
         meant = f"{value / 100:g}" if percent and not words and self.holds(value / 100) else ""
-        raise UsageError(
-            f"{refusal}; did you mean {meant}?" if meant else refusal, cure=(meant and f"{value:g}", meant)
-        )
+        refusal += f"; did you mean {meant}?" * bool(meant)
+        raise UsageError(refusal, cure=(meant and f"{value:g}", meant))
 
 
 RATE = Range(1e-9, 1e15, "Hz", what="the sampling rate")

@@ -24,12 +24,16 @@ from .theo import cut
 
 
 @swift_part
-def _less_parabola(out, S, start, line, m):  # type: ignore[no-untyped-def]
-    """out[i] = S[i] - first - j (level + slope (j - 3m) / 2) with j = start + i, line = first, level, slope."""
+def _less_parabola(out, S, place, line, m):  # type: ignore[no-untyped-def]
+    """out[i] = S[i] - first - j (level + slope (j - 3m) / 2) with j = start + i, line = first, level, slope.
+
+    `place` is start and the step of j: 1, or -1 for what is continued oddly, with S given backward.
+    """
     first, level, slope = line
+    start, step = float(place[0]), float(place[1])
     for i in range(out.size):
-        j = float(start + i)
-        out[i] = (S[i] - first) - j * (level + 0.5 * slope * (j - 3.0 * m))
+        j = start + step * i
+        out[i] = step * ((S[i] - first) - j * (level + 0.5 * slope * (j - 3.0 * m)))
 
 
 @part
@@ -57,12 +61,12 @@ def one_by_one(x, m):  # type: ignore[no-untyped-def]
             slope = ((full - S[n + 3 * m - half]) - (S[n + half] - zero)) / half / (3 * m - half)
             line = zero, (full - zero) / (3 * m), slope
             # V itself, then odd about both of its ends
-            _less_parabola(w[reach : reach + 3 * m + 1], S[n : n + 3 * m + 1], 0, line, m)
+            _less_parabola(w[reach : reach + 3 * m + 1], S[n : n + 3 * m + 1], (0, 1), line, m)
             at = top - n - reach
-            _fold(w[:reach], backward[at : at + reach], reach, line, m)
+            _less_parabola(w[:reach], backward[at : at + reach], (reach, -1), line, m)
             rest = w.size - (reach + 3 * m + 1)
             at = top - (n + 3 * m - 1)
-            _fold(w[reach + 3 * m + 1 :], backward[at : at + rest], 3 * m - 1, line, m)
+            _less_parabola(w[reach + 3 * m + 1 :], backward[at : at + rest], (3 * m - 1, -1), line, m)
             half_round = squares(w, m, 3, 0, places)
             if odd:
                 total += 2.0 * half_round
@@ -72,15 +76,6 @@ def one_by_one(x, m):  # type: ignore[no-untyped-def]
                 far = (w[last + 3 * m] - w[last]) - 3.0 * (w[last + 2 * m] - w[last + m])
                 total += 2.0 * half_round - ends * ends - far * far
     return total / (6.0 * m) / (float(m) * m)
-
-
-@swift_part
-def _fold(out, S, start, line, m):  # type: ignore[no-untyped-def]
-    """out[i] = -(S[i] - first - j (level + slope (j - 3m) / 2)) with j = start - i, S given backward."""
-    first, level, slope = line
-    for i in range(out.size):
-        j = float(start - i)
-        out[i] = j * (level + 0.5 * slope * (j - 3.0 * m)) - (S[i] - first)
 
 
 SHORT = 10

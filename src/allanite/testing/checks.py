@@ -52,6 +52,5 @@ def checking(about: str, expected: Mapping[str, str]) -> Iterator[Callable[[str]
 
     yield check
     for name, reason in expected.items():
-        assert name in failed, (
-            f"{about}: the check {name!r} passes, but is expected to fail ({reason}): do not expect it"
-        )
+        words = f"the check {name!r} passes, but is expected to fail ({reason}): do not expect it"
+        assert name in failed, f"{about}: {words}"

@@ -124,10 +124,9 @@ def check_statistic(row: Statistic, *, expected_failed_checks: Mapping[str, str]
         with check("windows"):
             x = np.concatenate(([0.0], np.cumsum(np.random.default_rng(1).standard_normal(SIZE))))
             for factor, total in zip(m.tolist(), row.sums(x, m), strict=True) if whole else ():
-                of_windows = _by_windows(row, x, factor)
-                assert np.isclose(total, of_windows, rtol=1e-8), (
-                    f"sums at m = {factor} are {total:.12g}, but those of its windows {of_windows:.12g}"
-                )
+                own = _by_windows(row, x, factor)
+                words = f"sums at m = {factor} are {total:.12g}, but those of its windows {own:.12g}"
+                assert np.isclose(total, own, rtol=1e-8), words
         with check("mean"):
             if whole and row.order > 1:  # others have no intervals
                 _check_mean(row, m)

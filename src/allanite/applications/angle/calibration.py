@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from allanite.extending import (  # isort: skip
-    POSITIVE, DataError, Finding, FloatArray, UsageError, Value, demand_name, join, public, say, say_count)  # fmt: skip
+    POSITIVE, DataError, Finding, FloatArray, Value, demand_name, join, public, say, say_count)  # fmt: skip
 
 from .geometry import Gimbals, column
 from .harmonics import USUAL, Harmonics, Orders, amplitude_names, design, harmonic_set
@@ -241,12 +241,7 @@ def prior_of(prior: Prior | None, harmonics: Mapping[str, tuple[int, ...]], size
     """Standard deviations of `size` constants, of which the first are amplitudes of the harmonics."""
     if prior is None:
         return None
-    try:
-        amplitudes, rest = (float(v) for v in prior)
-    except (TypeError, ValueError):
-        raise UsageError("prior must be two standard deviations, of the amplitudes and the other parameters, not "
-                         f"{prior!r}") from None  # fmt: skip
-    POSITIVE.demand(prior, "prior standard deviations")
+    amplitudes, rest = POSITIVE.demand(prior, "prior standard deviations")
     count = len(amplitude_names(harmonics))
     return np.array([amplitudes] * count + [rest] * (size - count))
 

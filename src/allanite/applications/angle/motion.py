@@ -73,8 +73,6 @@ def sway_of(sway: "Sway | tuple[float, float] | None") -> Sway | None:
     """Sway given as (amplitude, period) is roll and pitch of that amplitude."""
     if sway is None or isinstance(sway, Sway):
         return sway
-    if not isinstance(sway, (tuple, list)) or len(sway) != 2:
-        raise UsageError(f"sway must be (amplitude in rad, period in s) or a Sway, not {sway!r}")
     return Sway(float(sway[0]), float(sway[0]), float(sway[1]))
 
 

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated
 
-from allanite.extending import LATITUDE, DataError, UsageError, Value, public, say, say_count
+from allanite.extending import LATITUDE, DataError, UsageError, Value, demand_name, public, say, say_count
 
 from .estimates import RateEstimate
 
@@ -29,8 +29,7 @@ def earth_rate(latitude: Annotated[float, LATITUDE], axis: str = "vertical") -> 
     """
     angle = math.radians(latitude)
     parts = {"vertical": math.sin(angle), "north": math.cos(angle)}
-    if axis not in parts:
-        raise UsageError(f"the axis must be 'vertical' or 'north', not {axis!r}")
+    demand_name("direction", axis, parts)
     return EARTH * parts[axis]
 
 
