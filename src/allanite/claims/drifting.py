@@ -91,8 +91,8 @@ def drift_of(sources: Sequence[Any], settings: DriftSettings) -> Drift:
         if not settings.require:
             model = spelled("--model, --sensor or --datasheet", "a model")
             required = spelled("--require '1 deg in 10 min'", "require=['1 deg in 10 min']")
-            raise UsageError(f"give the noise: a recording, a result of analyze in JSON, or {model}; without it, what it "
-                             f"may be: {required}")  # fmt: skip
+            raise UsageError(f"give the noise: a recording, a result of analyze in JSON, or {model}; without it, what "
+                             f"it may be: {required}")  # fmt: skip
         return Drift((), settings, provenance=provenance_of())
     drift_axes = list(axes_of([getattr(source, "models", source) for source in sources]))
     inertial = [bounded(axis, asked=settings.from_curve) for axis in drift_axes if axis.fit.signal.inertial]

@@ -61,9 +61,10 @@ def digits(value: float, low: float = math.nan, high: float = math.nan, *, signe
     if known and low < 0 < high:
         size = max(size, half)  # of a number near zero the size of its interval counts
     exponent = _order(size) if size and not SMALL <= size < LARGE else 0
-    wanted = (
-        _decimals(size, half) if half > 0 else figures - 1 - _order(float(f"{size:.{figures - 1}e}")) if size else 0
-    )
+    wanted = figures - 1 - _order(float(f"{size:.{figures - 1}e}")) if size else 0
+    if half > 0:  # two digits of it, rounded first: those of 0.0996 are 0.10; and never fewer than two of the value
+        wanted = 1 - _order(float(f"{half:.1e}"))
+        wanted = max(wanted, 1 - _order(size)) if size else wanted
     decimals = exponent + wanted
     places = f".{min(max(decimals, 0), 12)}f"
     scaled = [v / 10.0**exponent for v in ((value, low, high) if known else (value,))]
@@ -80,10 +81,3 @@ def rounded(value: float) -> str:
 
 def _order(size: float) -> int:
     return math.floor(math.log10(size))
-
-
-def _decimals(size: float, half: float) -> int:
-    """Decimals that show two digits of the half width, and never fewer than two of the value itself."""
-    # rounded first: a half width of 0.0996 is 0.10, and its two digits are hundredths
-    wanted = 1 - _order(float(f"{half:.1e}"))
-    return max(wanted, 1 - _order(size)) if size else wanted

@@ -123,9 +123,7 @@ def test_earth_rate():
     for wrong in (91.0, -100.0, math.nan):
         with pytest.raises(al.UsageError, match="between -90 and 90"):
             earth_rate(wrong)
-    refused(
-        al.UsageError, "unknown direction 'east'; known directions: vertical, north", lambda: earth_rate(0.0, "east")
-    )
+    refused(al.UsageError, "known directions: vertical, north", lambda: earth_rate(0.0, "east"))
 
 
 def position(heading, latitude, bias=0.0, error=1e-3):
