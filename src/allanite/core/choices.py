@@ -24,12 +24,12 @@ class ChoiceKind:
     """What the value of a choice is."""
 
     # The help calls it `name` where there is no metavar. `read` makes it from text, or from the plain data of a file or
-    # a request, which are of the types that it `takes`; what it raises is said to be no `form`. `demand` checks a value
-    # of Python by the name of the choice. It is entered as a `control` of the page: "text",
-    # "number", "list", "band" or "flag". The option is repeated for each of `many` parts; `write` makes the text that
-    # is read, if `written` does not. `alone` is the value of an option that is given without one, `measure` what the
-    # documentation says of its unit in Python. Numbers are `within` a range, unless their choice has another; `unit` is
-    # that of text.
+    # a request, which are of the types that it `takes`; where it raises an error, the message has the `form` that is
+    # expected. `demand` checks a value of Python by the name of the choice. It is entered as a `control` of the page:
+    # "text", "number", "list", "band" or "flag". The option is repeated for each of `many` parts; `write` makes the
+    # text that is read, if `written` does not. `alone` is the value of an option that is given without one, `measure`
+    # what the documentation says of its unit in Python. Numbers are `within` a range, unless their choice has another;
+    # `unit` is that of text.
     name: str
     read: Callable[[Any], Any]
     demand: Callable[[str, Any], Any] = lambda name, value: value
