@@ -11,7 +11,7 @@ from allanite.phrases.phrase import spelled
 
 from .errors import UsageError, WrongTypeError, given
 from .habits import demand_own, renamed
-from .ranges import RATE, SAMPLES, SEED, TIME
+from .ranges import RATE, SAMPLES, SEED, TIME, Range
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,17 +28,19 @@ def public(function: F) -> F:
     """
 
     @cache
-    def declared() -> tuple[bool, list[str], dict[str, Any], Callable[..., str], Callable[..., None]]:
-        """Names and types, which may not be defined before the first call."""
+    def declared() -> tuple[bool, list[str], dict[str, Any], dict[str, Range], Callable[..., str], Callable[..., None]]:
+        """Names and types, which may not be defined before the first call, and ranges: ``Annotated[float, TIME]``."""
         from .declared import demand_size, misfit, parameters  # with numpy, which help does without
 
+        ranges = {name: within for name, hint in function.__annotations__.items()
+                  for within in getattr(hint, "__metadata__", ())}  # fmt: skip
         known = signature(function).parameters
         open_ = any(parameter.kind is Parameter.VAR_KEYWORD for parameter in known.values())
-        return open_, list(known), parameters(function), misfit, demand_size
+        return open_, list(known), parameters(function), ranges, misfit, demand_size
 
     @wraps(function)
     def entered(*args: Any, **options: Any) -> Any:
-        open_, names, types, misfit, demand_size = declared()
+        open_, names, types, ranges, misfit, demand_size = declared()
         called = function.__qualname__.removesuffix(".__init__")
         options = renamed(options, names)
         demand_own(called, () if open_ else options.keys() - names)
@@ -53,7 +55,10 @@ def public(function: F) -> F:
                     f"{called}: {name} must be {expected}, not {given(value)} ({type(value).__name__})"
                     + f"; a sampling rate has its name: type al.{called}(x, rate={value})" * rated
                 )
-            demand_size(name, value, hint)
+            if name in ranges:
+                ranges[name].demand(value, name)
+            else:
+                demand_size(name, value, hint)
         try:
             return function(*args, **options)
         except OverflowError as error:

@@ -21,7 +21,7 @@ from .ranges import RATE, Range
 MAX_ITEMS = 1000  # items of a sequence that are looked at
 
 SIZES: dict[str, Range] = {"rate": RATE}
-"""The numbers of a name, whose type has no range: ``Annotated[float, TIME]`` has one."""
+"""The numbers of a name whose type states none; of other names, what is beyond any computation is refused."""
 
 CONVERTED = ("__array__", "to_numpy", "magnitude", "to_value")
 """What arrays, columns and quantities of other libraries have, of which `samples` makes arrays."""
@@ -50,9 +50,7 @@ def misfit(value: Any, hint: Any) -> str:
 
 
 def demand_size(name: str, value: Any, hint: Any) -> None:
-    """Refuse numbers that are not within the range of their type, or of a size that none of their name can have."""
-    for within in getattr(hint, "__metadata__", ()):
-        within.demand(value, name)
+    """Refuse a number of a size that none of its name and type can have."""
     members = get_args(hint) or (hint,)
     if not isinstance(value, Real) or np.random.Generator in members or not {int, float} & set(members):
         return
@@ -71,7 +69,7 @@ def parameters(function: Callable[..., Any]) -> dict[str, Any]:
     """The declared type of each parameter of a function."""
     declared = {name: hint for name, hint in function.__annotations__.items() if name != "return"}
     named = types.SimpleNamespace(__annotations__=declared)
-    return get_type_hints(named, getattr(function, "__globals__", {}), _Public(), include_extras=True)
+    return get_type_hints(named, getattr(function, "__globals__", {}), _Public())
 
 
 def fields_of(cls: type) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import sys
 import types
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
+from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
 
 import numpy as np
 
@@ -64,8 +64,6 @@ def read_key(data: Mapping[str, Any], key: str, hint: Any) -> Any:
 def derived(hint: Any) -> tuple[Any, tuple[Any, ...]]:
     """What a type is derived from, and its arguments; the name of a type, such as NDArray of numpy 2.5, is resolved."""
     origin, args = get_origin(hint) or hint, get_args(hint)
-    if origin is Annotated:
-        return derived(args[0])
     if hasattr(origin, "__value__"):
         return derived(origin.__value__[args] if args else origin.__value__)
     return origin, args
