@@ -4,9 +4,10 @@ import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
+from functools import cache
 from inspect import cleandoc
 from types import UnionType
-from typing import Any, Literal, TypeVar, Union, get_args, get_origin
+from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin
 
 from . import ranges
 from .errors import AllaniteError, UsageError, given
@@ -313,7 +314,12 @@ def choice(metavar: str = "", help: str = "", *, default: Any = None, **columns:
 
 
 def choices_of(kind: type[Any]) -> dict[str, ChoiceRow]:
-    """The choices of a class by the name of their field."""
+    """The choices of a class by the name of their field; they are looked for once, and not to be changed."""
+    return _choices_of(cast(Any, kind))
+
+
+@cache
+def _choices_of(kind: Any) -> dict[str, ChoiceRow]:
     rows = ((f, f.metadata.get("choice")) for f in fields(kind))
     return {f.name: replace(row, name=f.name, default=None if f.default is MISSING else f.default,
                             kind=kind_of(f.type) if row.kind is TYPED else row.kind)
