@@ -12,6 +12,7 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.kinds import KINDS
 from allanite.core.model import ModelLike
 from allanite.core.record import Record, Samples, Sampling, as_record
+from allanite.kernels import allan
 from allanite.parallel.processes import spread
 from allanite.phrases.phrase import say
 from allanite.statistics import deviation
@@ -92,10 +93,8 @@ def dynamic(
     first = deviation(window_of_all, row.name, taus=taus, m=m, noise=noise)
     starts = np.arange(0, record.size - samples + 1, stride)
     if row.sliding and complete(record.values):
-        from allanite.kernels.allan import windowed
-
         angle = integrated(record, row.order)
-        sums = windowed(angle.pieces[0].x, first.m, first.count, row.order, stride)
+        sums = allan.windowed(angle.pieces[0].x, first.m, first.count, row.order, stride)
         variance = sums * (angle.scale**2 / (row.norm(first.m) * first.count * first.tau**2))
         shape = variance.shape
         means = WindowMeans(variance, np.broadcast_to(first.count, shape), np.broadcast_to(first.factor, shape))

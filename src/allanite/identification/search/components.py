@@ -13,6 +13,7 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.identification.likelihood.filters import FILTERS
 from allanite.identification.likelihood.whittle import column
+from allanite.kernels import whittle
 from allanite.terms import TERMS
 
 from .frame import LOWEST_CUTOFF, Frame
@@ -180,13 +181,11 @@ def _resonance(frame: Frame, part: Part) -> FloatArray:
     """Its power and derivatives, shape (3, bins)."""
 
     def computed() -> FloatArray:
-        from allanite.kernels.whittle import resonance as summed
-
         omega, quality = part.shape
         slow = omega / (2 * quality)  # -ln r
         r = math.exp(-slow)
         a, b = -2 * r * math.cos(omega), r * r  # coefficients of the poles
-        power, by_a, by_b = summed(*frame.cosines(quality), a, b, part.label == "high-pass")
+        power, by_a, by_b = whittle.resonance(*frame.cosines(quality), a, b, part.label == "high-pass")
         level, change = power.max(), 2 * slow * b
         by_omega = by_a * (2 * r * omega * math.sin(omega) - slow * a) - by_b * change
         return np.asarray(np.array((power, by_omega, by_a * (slow * a) + by_b * change)) / level)
