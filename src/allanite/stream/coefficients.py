@@ -183,7 +183,8 @@ def spectrum_of(stream: "Accumulator", *, detrend: bool) -> BinnedSpectrum:
                           peak_at=np.append(peak_at, above).astype(np.int64), even=np.append(even, none),
                           odd=np.append(odd, none), ramp=ramp * wide, slope=slope / wide, gaps=whole,
                           unit_factor=stream.like.rate_factor, times=(places + 0.5) * width,
-                          pieces=Ladder(low, width, gaps, np.append(at, level), np.append(at, index), segments))  # fmt: skip
+                          pieces=Ladder(low, width, gaps, np.append(at, level), np.append(at, index),
+                                        segments))  # fmt: skip
 
 
 def _upper(stream: "Accumulator", n: int, slope: float) -> FloatArray:
