@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from weakref import WeakKeyDictionary
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
@@ -120,8 +121,6 @@ def demand_choice(choice: str) -> str:
 
 def _off(y: FloatArray, limit: float, part: int) -> tuple[IntArray, FloatArray, bool]:
     """Indices beyond the limit, their deviations in standard deviations, and whether the noise has heavy tails."""
-    from scipy.special import ndtr
-
     # standard deviation of the residuals in each part, from some of them
     scales = []
     for start in range(0, y.size, part):
@@ -137,7 +136,7 @@ def _off(y: FloatArray, limit: float, part: int) -> tuple[IntArray, FloatArray, 
     near = passing.off(y, TAIL * limit * scale, part)
     size = np.abs(_residuals(y, near)) / scale[near // part]
     at = near[size > limit]
-    expected = 2 * y.size * float(ndtr(-TAIL * limit))
+    expected = 2 * y.size * float(scipy.special.ndtr(-TAIL * limit))
     below = near.size - at.size - expected - 3 * math.sqrt(expected)
     # only the ends of a run of outliers stand out: those between are found from there
     run = at

@@ -12,6 +12,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Curve, DerivedLaw, Law
@@ -128,15 +129,13 @@ class Ladder:
 
     def upper(self, term: NoiseTerm, mean: FloatArray) -> FloatArray:
         """Variance of the coefficients of the segments, shape (bins,)."""
-        from scipy.linalg import toeplitz
-
         upper = mean.copy()
         for k in np.unique(self.level[self.low :]):
             own, factor = coarser(term, 1 << int(k))
             here = self.level == k
             here[: self.low] = False
             rows = _rows(int(k))
-            C = toeplitz(second_difference(own, rows.shape[1]) / 2)
+            C = scipy.linalg.toeplitz(second_difference(own, rows.shape[1]) / 2)
             upper[here] = factor * ((rows @ C) * rows).sum(axis=1)[self.index[here]]
         return upper
 
@@ -154,8 +153,6 @@ def coarser(term: NoiseTerm, width: int) -> tuple[NoiseTerm, float]:
 
 def spectrum_of(stream: "Accumulator", *, detrend: bool) -> BinnedSpectrum:
     """Binned powers of a stream."""
-    from scipy.fft import dct
-
     cells = stream.sums.cells
     width, full = cells.size, np.flatnonzero(cells.count >= FULL * cells.size)
     y = cells.total[full] / cells.count[full] * width**0.5
@@ -169,7 +166,7 @@ def spectrum_of(stream: "Accumulator", *, detrend: bool) -> BinnedSpectrum:
     if above.size:
         edges = np.append(edges[edges < above[0]], above[0])
     low = edges.size - 1
-    power, peak, peak_at, even, odd = cosine.binned(dct(y, norm="ortho"), edges)
+    power, peak, peak_at, even, odd = cosine.binned(scipy.fft.dct(y, norm="ortho"), edges)
     none = np.zeros(above.size)
     power = np.concatenate((power, upper[2]))
     if not power.max() > 0:

@@ -8,6 +8,7 @@ from typing import Any, Protocol
 from weakref import WeakKeyDictionary
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
@@ -44,17 +45,15 @@ UNEVEN = 16  # longest row over the shortest column, or the other way round, for
 
 def cosine_transform(y: FloatArray, slope: float = 0.0) -> FloatArray:
     """The orthonormal DCT-II of y less a ramp that is zero in its middle, shape of y, which is overwritten."""
-    from scipy.fft import dct, fft
-
     rows = _rows(y.size)
     if not rows:
         cosine.less_ramp(y, slope)
-        return np.asarray(dct(y, norm="ortho", overwrite_x=True))
+        return np.asarray(scipy.fft.dct(y, norm="ortho", overwrite_x=True))
     v = np.empty(y.size)
     cosine.even_then_odd(y, slope, v)
-    z = fft(v.view(np.complex128).reshape(rows, -1), axis=0, overwrite_x=True)
+    z = scipy.fft.fft(v.view(np.complex128).reshape(rows, -1), axis=0, overwrite_x=True)
     cosine.twiddle(z.view(np.float64))
-    z = fft(z, axis=1, overwrite_x=True)
+    z = scipy.fft.fft(z, axis=1, overwrite_x=True)
     cosine.coefficients(z.view(np.float64), y)
     return y
 

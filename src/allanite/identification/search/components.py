@@ -9,6 +9,7 @@ from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray
 from allanite.identification.likelihood.filters import FILTERS
@@ -104,9 +105,7 @@ class Component:
 
 @lru_cache(4096)
 def _price(places: float, alpha: float, freedom: float, signed: bool) -> float:
-    from scipy.special import chdtri
-
-    return float(chdtri(freedom, min((1 if signed else 2) * alpha / places, 1.0)))
+    return float(scipy.special.chdtri(freedom, min((1 if signed else 2) * alpha / places, 1.0)))
 
 
 AT_BOUND = 0.01  # distance from a bound, in the logarithm of a shape, within which it is at that bound
@@ -155,10 +154,8 @@ def power_law(frame: Frame, part: Part) -> FloatArray:
 def _power_law(k: FloatArray, n: int, a: float) -> FloatArray:
     """Variance of the DCT coefficients of the mean rates over each sample of noise of density f^-a, f in 1/sample."""
     # The last factor is what is lost to other coefficients, for exponents from 0.6 to 1.6 within 1 %, and 3 % at k = 1.
-    from scipy.special import zeta
-
     x = k / (2.0 * n)
-    aliases = zeta(2 + a, x) + zeta(2 + a, 1 - x)
+    aliases = scipy.special.zeta(2 + a, x) + scipy.special.zeta(2 + a, 1 - x)
     return np.asarray(np.sin(math.pi * x) ** 2 / math.pi**2 * aliases * (1 - 0.2 / k))
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray
 from allanite.core.limits import quantile
@@ -124,13 +125,11 @@ def errors_of(f: Fitted, part: Part) -> FloatArray:
 
 def quantile_of(w: FloatArray, centre: FloatArray, spread: FloatArray, p: float) -> float:
     """The point below which a mixture of normal laws has the weight p; infinity where it has less in all."""
-    from scipy.special import ndtr
-
     if w.sum() <= p:
         return math.inf
     spread = np.maximum(spread, 1e-9)
     x = np.linspace(float((centre - 5 * spread).min()), float((centre + 5 * spread).max()), 2001)
-    return float(np.interp(p, w @ ndtr((x - centre[:, None]) / spread[:, None]), x))
+    return float(np.interp(p, w @ scipy.special.ndtr((x - centre[:, None]) / spread[:, None]), x))
 
 
 def lowest_cutoff(bare: Fitted, level: float) -> float:

@@ -6,6 +6,7 @@ from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.errors import UsageError
@@ -263,8 +264,6 @@ class PublishedLaw(Portable):
 
     def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Degrees of freedom and limits over the variance; see `Curve`."""
-        from scipy.special import chdtri
-
         row, size = self.points.row, self.points.size
         edf = np.ones(self.points.m.size)
         for i, (alpha, m) in enumerate(zip(self.alpha.tolist(), self.points.m.tolist(), strict=True)):
@@ -278,7 +277,7 @@ class PublishedLaw(Portable):
                     f"no degrees of freedom of {row.name} are published for noise of alpha = {alpha}, found at "
                     f"averaging factor {m}; use the exact ones (edf='exact')"
                 ) from None
-        return edf, edf / chdtri(edf, (1 - level) / 2), edf / chdtri(edf, (1 + level) / 2)
+        return edf, edf / scipy.special.chdtri(edf, (1 - level) / 2), edf / scipy.special.chdtri(edf, (1 + level) / 2)
 
 
 def power_laws(points: CurvePoints, angle: AngleRecord) -> tuple[PowerLaw, ...]:

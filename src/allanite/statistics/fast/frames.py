@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray
 from allanite.kernels import theo
@@ -28,10 +29,8 @@ def framed(
     """The products R(l) of a record at lags l = 0 .. `reach`, and its edges; in one frame if `whole`."""
     # The record is the angle x or, with `summed`, its running sum, of one point more. The longest window covers reach +
     # 1 points; the form does not see polynomials of `degree` 1 or 2.
-    from scipy.fft import next_fast_len
-
     points = x.size + summed
-    block = min(next_fast_len(reach, real=True), MAX_BLOCK)
+    block = min(scipy.fft.next_fast_len(reach, real=True), MAX_BLOCK)
     right = -(-reach // block)
     step = STARTS_PER_FRAME * right * block
     count = 0 if whole else max(0, (points - reach) // step)
@@ -58,9 +57,7 @@ def framed(
 
 def autocorrelation(z: FloatArray) -> FloatArray:
     """Sum over i < z.size - l of z[i] z[i + l], shape of z."""
-    from scipy.fft import next_fast_len
-
-    block = min(next_fast_len(z.size, real=True), MAX_BLOCK)
+    block = min(scipy.fft.next_fast_len(z.size, real=True), MAX_BLOCK)
     total = np.zeros((-(-z.size // block), 2 * block + 2))
     _add_one(total, z, block)
     return _lags(total, block)[: z.size]
