@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import Any
 
 
-class _Module:
+class Later:
     """A module that is imported when one of its names is used."""
 
     def __init__(self, path: str) -> None:
@@ -23,4 +23,4 @@ class _Module:
 
 _MODULES = ("allan", "cosine", "ladder", "leastsquares", "passing", "squared", "streamed", "summed", "theo", "total",
             "whittle")  # fmt: skip
-globals().update({name: _Module(f"{__name__}.{name}") for name in _MODULES})
+globals().update({name: Later(f"{__name__}.{name}") for name in _MODULES})
