@@ -10,12 +10,7 @@ from allanite.phrases.phrase import say
 from allanite.statistics.fast.everytau import dense, split
 
 from .published import greenhall_riley
-from .row import Statistic, Window, binomial_window, constant, interleaved
-
-
-def _window(m: int) -> Window:
-    return np.ones(1), np.repeat([1.0, -2.0, 1.0], m)[None, :]
-
+from .row import Statistic, binomial_window, constant, interleaved
 
 OADEV = Statistic(
     name="oadev", synonyms=("avar", "oavar", "allan", "allan_deviation", "allan_variance"),
@@ -94,7 +89,8 @@ MDEV = Statistic(
     cost="About 0.4 ns per sample and tau; one copy of the record and segments of 64 tau. All tau together by FFT: "
     "1.5 us per sample.", order=2, norm=lambda m: 2.0 * np.asarray(m, dtype=np.float64) ** 2,
     span=(3, -1), sums=partial(dense, order=3, summed=True),
-    split=partial(split, order=3, summed=True), window=_window, differences=3, summed=True,
+    split=partial(split, order=3, summed=True), differences=3, summed=True,
+    window=lambda m: (np.ones(1), np.repeat([1.0, -2.0, 1.0], m)[None, :]),
     published_edf=partial(greenhall_riley, d=2, modified=True),
 )  # fmt: skip
 

@@ -11,6 +11,7 @@ from allanite.core.curve import Curve, Surface
 from allanite.core.errors import DataError, UsageError
 from allanite.core.kinds import KINDS
 from allanite.core.model import ModelLike
+from allanite.core.ranges import TIME
 from allanite.core.record import Record, Samples, Sampling, as_record
 from allanite.kernels import allan
 from allanite.parallel.processes import spread
@@ -127,8 +128,7 @@ def dynamic(
 def _samples(record: Record, window: float | None, step: float | None) -> tuple[int, int]:
     """Length of a window and of a step in samples."""
     for name, value in (("window", window), ("step", step)):
-        if value is not None and not (np.isfinite(value) and value > 0):
-            raise UsageError(f"the {name} must be a positive number of seconds, not {value!r}")
+        TIME.demand(value, f"the {name}")
     samples = record.size // 10 if window is None else round(window * record.rate)
     if not MIN_SAMPLES <= samples <= record.size:
         raise UsageError(

@@ -120,11 +120,6 @@ def at_bound(part: Part, frame: Frame) -> bool:
     return any(min(abs(math.log(x / low)), abs(math.log(x / high))) < AT_BOUND for x, (low, high) in ends)
 
 
-def markov_places(n: int) -> float:
-    """Effective number of time constants."""
-    return 1.8 * math.log10(max(n / 300, 10.0))
-
-
 STEP = 1e-5
 """Step in the logarithm of a shape for a derivative: what sizes cannot make up for is often a hundredth of it."""
 
@@ -169,13 +164,8 @@ def resonance(frame: Frame, part: Part) -> FloatArray:
     return np.asarray(_resonance(frame, part)[0])
 
 
-def resonance_slope(frame: Frame, part: Part) -> FloatArray:
-    """Its derivatives by the logarithms of frequency and quality, up to a share of itself."""
-    return _resonance(frame, part)[1:]
-
-
 def _resonance(frame: Frame, part: Part) -> FloatArray:
-    """Its power and derivatives, shape (3, bins)."""
+    """Its power, and the derivatives by the logarithms of frequency and quality up to a share of itself: (3, bins)."""
 
     def computed() -> FloatArray:
         omega, quality = part.shape
@@ -206,7 +196,7 @@ COMPONENTS: dict[str, Component] = {
     for row in (
         Component("term", TERM, lambda n: 1),
         Component(
-            "noise", 0.005, markov_places, most=2, refined=1, grain=(0.25, 0.25),
+            "noise", 0.005, lambda n: 1.8 * math.log10(max(n / 300, 10.0)), most=2, refined=1, grain=(0.25, 0.25),
             bounds=_noise_bounds, ending=True, power=lambda frame, part: frame.column(part.label, part.shape),
             slope=_noise_slope, inside=True,
         ),
@@ -225,7 +215,7 @@ COMPONENTS: dict[str, Component] = {
         ),
         Component(
             "resonance", 0.003, lambda n: 60 * math.log2(max(n / 1024, 2.0)), most=12, refined=2, grain=(0.05, 0.7),
-            bounds=_resonance_bounds, power=resonance, slope=resonance_slope,
+            bounds=_resonance_bounds, power=resonance, slope=lambda frame, part: _resonance(frame, part)[1:],
         ),
         Component("factor", 0.05, lambda n: 1, signed=True, most=3, grain=(0.5, 0.5, 0.5)),
         Component("step", 0.003, lambda n: 400, signed=True, most=10, grain=(0.01,)),

@@ -93,18 +93,16 @@ def halved(f: Fitted, lowest: float) -> float:
     apart = np.zeros(f.theta.size, dtype=bool)
     apart[: len(frame.powers)] = frame.slow
     inside = [p for p in f.state if COMPONENTS[p.name].inside]
-    apart[len(frame.powers) : sizes_inside(frame, f.state)] = [_slower(p, lowest) for p in inside]
+    apart[len(frame.powers) : sizes_inside(frame, f.state)] = [
+        # whether it is drift; quick Gauss-Markov noise beside white noise is a filter's shape, too
+        p.label != "GM" or 2 * math.pi * p.shape[0] * lowest > 1 for p in inside
+    ]  # fmt: skip
     loud = [p.shape[1] > BROAD_SHAPE for p in f.state.of("resonance")]
     apart[apart.size - len(loud) :] = loud
     power = f.m - f.likelihood.S[:, apart] @ f.theta[apart]
     x = frame.centre / (2 * frame.size)
     near = x >= lowest
     return _halved(x[near], power[near] / max(power[near].max(initial=0.0), 1e-300)) if near.any() else math.inf
-
-
-def _slower(part: Part, lowest: float) -> bool:
-    """Whether noise with a shape is drift; quick Gauss-Markov noise beside white noise is a filter's shape, too."""
-    return part.label != "GM" or 2 * math.pi * part.shape[0] * lowest > 1
 
 
 def _halved(x: FloatArray, gain: FloatArray) -> float:
