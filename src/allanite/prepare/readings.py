@@ -59,11 +59,9 @@ class Clipping(NamedTuple):
     @property
     def factor(self) -> float:
         """What is left of N if the noise is white: the standard deviation of a normal one within the limits."""
-        a, b = (
-            max(float(scipy.special.ndtri(self.low / self.size)), -40.0),
-            min(-float(scipy.special.ndtri(self.high / self.size)), 40.0),
-        )
-        below, above = float(scipy.special.ndtr(a)), float(scipy.special.ndtr(-b))
+        ndtr, ndtri = scipy.special.ndtr, scipy.special.ndtri
+        a, b = max(float(ndtri(self.low / self.size)), -40.0), min(-float(ndtri(self.high / self.size)), 40.0)
+        below, above = float(ndtr(a)), float(ndtr(-b))
         lower, upper = (math.exp(-0.5 * z * z) / math.sqrt(2 * math.pi) for z in (a, b))
         mean = lower - upper + a * below + b * above
         square = 1 - below - above + a * lower - b * upper + a * a * below + b * b * above

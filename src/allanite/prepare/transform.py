@@ -180,9 +180,8 @@ def decimate(record: Record, factor: int) -> Record:
         raise UsageError(f"the factor must be between 2 and {record.size // 64}, not {given(factor)}")
     taps = scipy.signal.firwin(30 * int(factor) + 1, 0.8 / factor, window=("kaiser", 8.0))
     offset = record.constant
-    filtered = (
-        scipy.signal.oaconvolve(np.asarray(record.values, dtype=np.float64) - offset, taps, mode="valid") + offset
-    )
+    less = np.asarray(record.values, dtype=np.float64) - offset
+    filtered = scipy.signal.oaconvolve(less, taps, mode="valid") + offset
     start = (record.start or 0.0) + (taps.size // 2) / record.rate
     what = say("low-pass filtered at {frequency:.6g} Hz and every {factor}th sample kept",
                frequency=0.4 * record.rate / factor, factor=factor)  # fmt: skip

@@ -27,6 +27,7 @@ from allanite.phrases.phrase import command_line
 from allanite.reporting.figures.panels import panels_of
 from allanite.reporting.json import to_json
 from allanite.reporting.language import speaking
+from allanite.reporting.style import DARK
 from allanite.statistics import deviation as deviation_of
 from allanite.study.analysis import refitted
 from allanite.study.channels import whole_recording
@@ -239,8 +240,6 @@ def save(held: Held, job: str, form: str, lang: str, dark: bool = False) -> Answ
     name, path, _ = FORMS[form]
     data = rendered(value, name, path, lang, shown)
     if dark and isinstance(data, bytes):
-        from allanite.reporting.style import DARK
-
         colors = {light.encode(): other.encode() for light, other in DARK.items()}
         data = _HEX.sub(lambda found: colors.get(found[0].lower(), found[0]), data)
     return {"data": data.encode("utf-8", "backslashreplace") if isinstance(data, str) else data}

@@ -300,9 +300,7 @@ def _stationarity(power: FloatArray, spread: FloatArray, count: IntArray) -> tup
     p = _two_sided(math.log(second / first) / math.sqrt(scatter * 4 / float(count.sum())))
     logs = np.log(power)
     largest = math.sqrt(float(power.max() / power.min()))
-    chance = float(
-        scipy.special.chdtrc(PARTS - 1, float((np.square(logs - logs.mean()) * count).sum() / np.mean(spread)))
-    )
+    chance = float(scipy.special.chdtrc(PARTS - 1, float((np.square(logs - logs.mean()) * count).sum() / scatter)))
     return (
         Check(
             "halves", say("RMS of the halves"), math.sqrt(second / first), p, say("second over first (stationarity)")

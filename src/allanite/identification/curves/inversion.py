@@ -82,9 +82,8 @@ class RatioLimits(Portable):
             value, slopes = self.cost(theta)
             return value, slopes[free] * unit
 
-        least = scipy.optimize.minimize(
-            cost, theta[free] / unit, jac=True, method="L-BFGS-B", bounds=[(0, None)] * unit.size
-        )
+        bounds = [(0, None)] * unit.size
+        least = scipy.optimize.minimize(cost, theta[free] / unit, jac=True, method="L-BFGS-B", bounds=bounds)
         theta[free] = least.x * unit
         return theta, float(least.fun)
 

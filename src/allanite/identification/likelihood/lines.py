@@ -110,9 +110,8 @@ class Periodogram:
         def height(x: float) -> float:
             return -float(abs(blocks @ np.exp(-2j * np.pi * x / n * centre)))
 
-        best = float(
-            scipy.optimize.minimize_scalar(height, bounds=(-1.0, 1.0), method="bounded", options={"xatol": 1e-5}).x
-        )
+        least = scipy.optimize.minimize_scalar(height, bounds=(-1.0, 1.0), method="bounded", options={"xatol": 1e-5})
+        best = float(least.x)
         turned = complex(blocks @ np.exp(-2j * np.pi * best / n * centre)) * 2j / self.total
         error = math.sqrt(2 * float(self.level[k]) * self.square) / self.total
         return Wave((k + best) / n, abs(turned), float(np.angle(turned)), error)

@@ -74,9 +74,8 @@ def sine_variances(c: FloatArray) -> FloatArray:
 
 def toeplitz(c: FloatArray, v: FloatArray) -> FloatArray:
     """Product of the symmetric Toeplitz matrix with first row c with v."""
-    size = scipy.fft.next_fast_len(
-        2 * v.size, real=True
-    )  # a circle of more than twice the lags: none is met from both sides
+    size = scipy.fft.next_fast_len(2 * v.size, real=True)
+    # a circle of more than twice the lags: none is met from both sides
     circle = np.concatenate((c, np.zeros(size - 2 * c.size + 1), c[:0:-1]))
     return np.asarray(scipy.fft.irfft(scipy.fft.rfft(circle) * scipy.fft.rfft(v, size), size)[: v.size])
 

@@ -54,10 +54,8 @@ def warm_up_direction(spectrum: BinnedSpectrum, tau: float) -> Pair:
     if spectrum.times.size:  # with gaps, of the lowest bins only
         # the lowest coefficients of what is smooth, from its values in the middles of equal blocks of n samples
         values = np.exp(-spectrum.times / tau)
-        lowest = np.asarray(scipy.fft.dct(values, norm="ortho")[1 : SINGLE + 1]) * math.sqrt(
-            spectrum.size / values.size
-        )
-        return in_bins(spectrum, lowest)
+        lowest = np.asarray(scipy.fft.dct(values, norm="ortho")[1 : SINGLE + 1])
+        return in_bins(spectrum, lowest * math.sqrt(spectrum.size / values.size))
     remaining = math.exp(-spectrum.size / tau)
     smooth = decay_coefficients(spectrum.first + (spectrum.count - 1) / 2, spectrum.size, tau)
     return smooth * (1 - remaining), smooth * (1 + remaining)

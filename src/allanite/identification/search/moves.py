@@ -78,9 +78,8 @@ def _tuned_warm_up(f: Fitted, rest: State, part: Part) -> State:
     def value(x: float) -> float:
         return fitted(f.frame, rest.having(Part("warm-up", "", (math.exp(x),))), f.free).value
 
-    best = scipy.optimize.minimize_scalar(
-        value, bounds=(math.log(low), math.log(high)), method="bounded", options={"xatol": 2e-3}
-    )
+    bounds = math.log(low), math.log(high)
+    best = scipy.optimize.minimize_scalar(value, bounds=bounds, method="bounded", options={"xatol": 2e-3})
     return rest.having(Part("warm-up", "", (math.exp(float(best.x)),)))
 
 

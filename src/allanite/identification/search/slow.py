@@ -182,19 +182,11 @@ def steps_finding(answer: Answer, f: Fitted) -> Finding:
     )  # fmt: skip
 
 
-def hidden_finding() -> Finding:
-    """The finding that vibration, or what nothing describes, leaves no frequency to the noise of the sensor."""
-    return _vibration(say("vibration has more power than the white noise of the sensor at all frequencies"))
-
-
-def crowded_finding() -> Finding:
-    """The finding that a record has as many vibrations as are looked for, so that more may stand in the terms."""
-    return _vibration(
-        say("vibration at {count} or more frequencies, or one that changes its frequency", count=RESONANCES)
-    )
-
-
-def _vibration(what: str) -> Finding:
+def vibration_finding(hidden: bool) -> Finding:
+    """The finding that vibration leaves no frequency to the noise, or has as many as are looked for."""
+    what = say("vibration at {count} or more frequencies, or one that changes its frequency", count=RESONANCES)
+    if hidden:
+        what = say("vibration has more power than the white noise of the sensor at all frequencies")
     harm = say("what it leaves of the noise cannot be checked")
     return Finding("vibration", what, harm, say("record at rest, on a quiet base"), fatal=True)
 

@@ -105,9 +105,8 @@ MAX_MARKED = 40  # intervals up to which each is marked
 
 
 @style.plotted
-def plot_rates(
-    new_figure: style.NewFigure, channels: Sequence[tuple[Experiment, tuple[Experiment, ...]]]
-) -> style.Figure:
+def plot_rates(new_figure: style.NewFigure,
+               channels: Sequence[tuple[Experiment, tuple[Experiment, ...]]]) -> style.Figure:  # fmt: skip
     """A column a channel: its experiment, and below it the experiments of several measuring times, if any."""
     # a scatter of nothing has no place on a logarithmic axis
     channels = [(experiment, tuple(e for e in series if any(e.scatter(m).deviation > 0 for m in e.methods)))

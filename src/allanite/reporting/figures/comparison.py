@@ -22,13 +22,15 @@ from allanite.terms import TERMS
 from .drawing import TIME, draw_legend, ratio_axis, stacked, with_unit
 from .panels import CurvePanel, positive, span, thinned
 
+Panels = tuple[style.Axes, style.Axes]
+
 COLORS = (0, 3)  # colors of the series before and after; neither is the red that marks a change
 
 
 @style.plotted
 def plot_comparison(new_figure: style.NewFigure, values: Sequence[Comparison | Pool], level: float) -> style.Figure:
     """Two panels a channel: the curves with their bands, and the ratio of their variances."""
-    drawn: list[Callable[[tuple[style.Axes, style.Axes]], None]] = []  # what draws each channel that has curves
+    drawn: list[Callable[[Panels], None]] = []  # what draws each channel that has curves
     for value in values:
         if isinstance(value, Comparison):
             drawn += [partial(_draw_pair, pair, value.names, level) for pair in value if pair.ratios is not None]
@@ -49,7 +51,7 @@ def plot_comparison(new_figure: style.NewFigure, values: Sequence[Comparison | P
     return figure
 
 
-def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: tuple[style.Axes, style.Axes]) -> None:
+def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: Panels) -> None:
     above, below = axes
     ratios = pair.ratios
     assert ratios is not None  # noqa: S101 - the caller has looked
@@ -96,9 +98,7 @@ def _ratio_frame(ax: style.Axes, tau: FloatArray, ratio: FloatArray, apart: Bool
     style.plain_ticks(ax.xaxis)
 
 
-def _draw_pooled(
-    channel: PooledChannel, names: tuple[str, ...], level: float, axes: tuple[style.Axes, style.Axes]
-) -> None:
+def _draw_pooled(channel: PooledChannel, names: tuple[str, ...], level: float, axes: Panels) -> None:
     above, below = axes
     whole = channel.curve
     assert whole is not None  # noqa: S101 - the caller has looked

@@ -189,9 +189,8 @@ def _draw(figure: style.Figure, axes: tuple[style.Axes, style.Axes], surface: Su
     bar.set_label(say("deviation / its median over time"))
 
 
-def _draw_curves(
-    ax: style.Axes, tau: FloatArray, deviation: FloatArray, time: FloatArray, norm: style.Normalize
-) -> None:
+def _draw_curves(ax: style.Axes, tau: FloatArray, deviation: FloatArray, time: FloatArray,
+                 norm: style.Normalize) -> None:  # fmt: skip
     from matplotlib.collections import LineCollection
 
     ax.set(xscale="log", yscale="log", xlim=(tau[0] / 1.3, tau[-1] * 1.3))

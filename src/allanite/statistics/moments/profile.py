@@ -293,9 +293,8 @@ def _times(b: Ends, places: tuple[int, int], term: NoiseTerm, table: FloatArray)
     lags = start - H.size + 1, stop
     kernel = _covariances_at(term, table, *lags) - _covariances_at(term, table, lags[0] - L, lags[1] - L)
     length = scipy.fft.next_fast_len(kernel.size, real=True)
-    return np.asarray(
-        scipy.fft.irfft(scipy.fft.rfft(kernel, length) * scipy.fft.rfft(H, length), length)[H.size - 1 : kernel.size]
-    )
+    product = scipy.fft.rfft(kernel, length) * scipy.fft.rfft(H, length)
+    return np.asarray(scipy.fft.irfft(product, length)[H.size - 1 : kernel.size])
 
 
 def _covariances_at(term: NoiseTerm, table: FloatArray, start: int, stop: int) -> FloatArray:
