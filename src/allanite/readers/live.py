@@ -124,9 +124,7 @@ class Feed:
         return rest + self._rest()
 
     def _rest(self) -> list[bytes | BreakError]:
-        pieces = []
-        while not self.pieces.empty():
-            pieces.append(self.pieces.get_nowait())
+        pieces = [self.pieces.get_nowait() for _ in range(self.pieces.qsize())]
         return [piece for piece in pieces if isinstance(piece, (bytes, BreakError))]
 
     def _run(self) -> None:

@@ -1,5 +1,6 @@
 """The result of a job over the channels of a recording, and where its numbers come from."""
 
+import platform
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, ClassVar, Generic, Self, TypeVar, get_args
@@ -16,8 +17,6 @@ from .recipe import IDENTIFYING, READING, SELECTING, Recipe
 
 def provenance_of(*recordings: Recording) -> dict[str, str]:
     """Version and input files, for reproducing the result."""
-    import platform
-
     made = {"allanite": __version__, "python": platform.python_version()}
     return made | joined([{"source": recording.source, "sha256": recording.digest} for recording in recordings])
 

@@ -6,20 +6,17 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.plain import Portable
+from allanite.prepare.gaps import Gaps
 from allanite.statistics.moments.lagsums import second_difference
 from allanite.terms import WHITE, NoiseTerm
 
 from .likelihood import Likelihood
-
-if TYPE_CHECKING:
-    from allanite.prepare.gaps import Gaps
 
 
 def rate_weights(L: int, ratio: float) -> tuple[FloatArray, float]:
@@ -156,7 +153,7 @@ class PieceReading(Portable):
         """Coefficients of the sine transforms in the bins, less what the rates of the pieces take, shape (bins,)."""
         return self.pooled(self.shares)
 
-    def row(self, term: NoiseTerm, gaps: "Gaps", k: FloatArray) -> FloatArray:
+    def row(self, term: NoiseTerm, gaps: Gaps, k: FloatArray) -> FloatArray:
         """Variance of the k-th coefficients of the lower part under a term, on average over where the joints lie."""
         omega, white, angle = self._lower
         at = np.pi / self.size * k
@@ -234,7 +231,7 @@ FARTHEST_RATIO = 2.0
 """Root of Q^2 / N^2, over the length of the piece in which a reading lies on average, beyond which N is not seen."""
 
 
-def pieces(y: FloatArray, gaps: "Gaps", edges_of: Callable[[int], IntArray]) -> PieceReading | None:
+def pieces(y: FloatArray, gaps: Gaps, edges_of: Callable[[int], IntArray]) -> PieceReading | None:
     """How to read a joined rate; None where the joints do not matter beside white rate noise."""
     if not gaps.at.size or gaps.shut.any():
         return None
@@ -256,7 +253,7 @@ def pieces(y: FloatArray, gaps: "Gaps", edges_of: Callable[[int], IntArray]) -> 
     return replace(how, edges=np.concatenate((edges[: low + 1], edges[filled[1:]], edges[-1:])))
 
 
-def apart(y: FloatArray, gaps: "Gaps", how: PieceReading) -> tuple[FloatArray, BoolArray, FloatArray, FloatArray]:
+def apart(y: FloatArray, gaps: Gaps, how: PieceReading) -> tuple[FloatArray, BoolArray, FloatArray, FloatArray]:
     """The joined record below the split; which samples it has; power of the bins above, and their peaks."""
     # A peak stands out over what the coefficient has under the ratio.
     starts, lengths = _each(gaps)
@@ -278,7 +275,7 @@ def apart(y: FloatArray, gaps: "Gaps", how: PieceReading) -> tuple[FloatArray, B
     return low[kept], kept, how.mean(squares, nothing), peak[1:] * level
 
 
-def _each(gaps: "Gaps") -> tuple[IntArray, IntArray]:
+def _each(gaps: Gaps) -> tuple[IntArray, IntArray]:
     """Starts and lengths of the pieces; an angle between two gaps leaves no rate, and is none."""
     bounds = np.unique(np.concatenate(([0], gaps.at, [gaps.size])))
     return bounds[:-1], np.diff(bounds)

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -170,8 +171,6 @@ def starts_for(frame: Frame, symbols: Sequence[str]) -> list[State]:
 
 def shapes_of(frame: Frame, symbol: str) -> list[Part]:
     """Shapes of a term on a grid of its parameters."""
-    from itertools import product
-
     fast = next((s for s in TERMS if TERMS[s].second == symbol), symbol)
     axes = [
         np.geomspace(low, high, max(2, round(p.steps * np.log10(high / low)))).tolist()
