@@ -53,13 +53,15 @@ def test_what_is_compiled_with_its_caller_has_one():
 
 
 def imported():
-    """(file, name) of what is imported from the kernels by the rest of the package."""
+    """(file, name) of what the rest of the package takes of the kernels."""
     for file in Path(allanite.__file__).parent.rglob("*.py"):
         if file.parent.name == "kernels":
             continue
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom) and "kernels." in (node.module or ""):
                 yield from ((file.name, f"{node.module.rpartition('.')[2]}.{one.name}") for one in node.names)
+            if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+                yield file.name, f"{node.value.id}.{node.attr}"
 
 
 @pytest.mark.slow("takes more than half a second")

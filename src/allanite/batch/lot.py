@@ -11,6 +11,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
+import scipy
 
 from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray
@@ -83,27 +84,21 @@ class Outlying(Coefficient):
 
 def slope_of(at: FloatArray, value: FloatArray) -> tuple[float, float, float]:
     """Slope of a straight line, with the interval in which it is by the scatter about the line."""
-    from scipy import stats
-
     scale = float(np.std(at))
-    fit = stats.linregress((at - at.mean()) / scale, value)
-    half = float(stats.t.ppf(1 - FALSE_ALARM / 2, at.size - 2)) * fit.stderr
+    fit = scipy.stats.linregress((at - at.mean()) / scale, value)
+    half = float(scipy.stats.t.ppf(1 - FALSE_ALARM / 2, at.size - 2)) * fit.stderr
     return fit.slope / scale, (fit.slope - half) / scale, (fit.slope + half) / scale
 
 
 def detectable(count: int) -> float:
     """Distance of one of several values from the mean of the others, in their standard deviations, of an outlier."""
-    from scipy import stats
-
-    return float(stats.t.isf(FALSE_ALARM / (2 * count), count - 2)) * math.sqrt(count / (count - 1))
+    return float(scipy.stats.t.isf(FALSE_ALARM / (2 * count), count - 2)) * math.sqrt(count / (count - 1))
 
 
 def outliers(values: FloatArray) -> list[int]:
     """Places of the outliers of a normal sample, by Rosner's generalized extreme studentized deviate."""
     # One is looked for in fewer than 15 values, for which the test is exact, and at most a fifth of them in more. With
     # a probability of `FALSE_ALARM` one is found where there is none.
-    from scipy import stats
-
     n, kept, last, removed = values.size, np.arange(values.size), 0, list[int]()
     for i in range(1, (1 if n < 15 else n // 5) + 1):
         rest = values[kept]
@@ -112,7 +107,7 @@ def outliers(values: FloatArray) -> list[int]:
             break
         at = int(np.argmax(np.abs(rest - rest.mean())))
         size = abs(float(rest[at] - rest.mean())) / spread
-        t = float(stats.t.isf(FALSE_ALARM / (2 * (n - i + 1)), n - i - 1))
+        t = float(scipy.stats.t.isf(FALSE_ALARM / (2 * (n - i + 1)), n - i - 1))
         removed.append(int(kept[at]))
         kept = np.delete(kept, at)
         if size > t * (n - i) / math.sqrt((n - i - 1 + t * t) * (n - i + 1)):

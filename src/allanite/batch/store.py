@@ -13,6 +13,7 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.files import DRAFTS, draft, encoded, in_utf8, locked, reason
 from allanite.core.version import __version__
 from allanite.phrases.phrase import Phrase, spelled
+from allanite.readers.arrow import pa, parquet
 from allanite.readers.sandbox.source import STDIN, checked, digest_of
 from allanite.study.recipe import Recipe
 
@@ -79,8 +80,6 @@ class Store:
 
     def put(self, key: str, result: Plain) -> None:
         """Store a result at once."""
-        import pyarrow as pa
-
         row = {name: dumps(value) for name, value in sorted(result.items())}
         table = pa.table({name: [text] for name, text in row.items()})
         self.write(f"{PARTS}/{key}.parquet", table.replace_schema_metadata({DIGEST: _digest(row)}))
@@ -91,8 +90,6 @@ class Store:
 
     def _texts(self, key: str) -> dict[str, str]:
         """The columns of a part, which have to be those that `put` has written."""
-        from pyarrow import ArrowInvalid, parquet
-
         try:
             with in_utf8(self.part(key)) as part:
                 table = parquet.read_table(part, memory_map=False)
@@ -100,7 +97,7 @@ class Store:
             (row,) = table.to_pylist()
             if (table.schema.metadata or {}).get(DIGEST) != _digest(row):
                 raise ValueError("its content is not what was stored")
-        except (OSError, ArrowInvalid, ValueError) as error:
+        except (OSError, pa.ArrowInvalid, ValueError) as error:
             raise DataError(f"the part {str(self.part(key))!r} cannot be read ({reason(error)}); run the batch "
                             "again") from None  # fmt: skip
         return row
@@ -108,8 +105,6 @@ class Store:
     @contextmanager
     def writer(self, name: str, schema: Any) -> Iterator[Any]:
         """A table that is written row group by row group, and is there once all of them are."""
-        from pyarrow import parquet
-
         with (
             draft(self.folder / name, force=True) as part,
             in_utf8(part, "wb") as file,
@@ -140,16 +135,12 @@ class Store:
 
     def put_files(self, rows: list[Plain], choices: Plain) -> None:
         """Write the table of files, with the recipe and the version in its metadata."""
-        import pyarrow as pa
-
         names = dict.fromkeys(name for row in rows for name in row)
         about = {"allanite": __version__, "recipe": json.dumps(choices, sort_keys=True)}
         self.write(FILES, pa.Table.from_pylist(shown(rows), schema=_schema(names).with_metadata(about)))
 
     def files(self) -> tuple[list[Plain], Plain, str]:
         """The rows of the table of files, the recipe, and the version."""
-        from pyarrow import ArrowInvalid, parquet
-
         try:
             with in_utf8(self.folder / FILES) as file:
                 table = parquet.read_table(file)
@@ -160,7 +151,7 @@ class Store:
             about = table.schema.metadata
             choices = Recipe.from_dict(json.loads(about[b"recipe"])).to_dict()
             return table.to_pylist(), choices, about[b"allanite"].decode()
-        except (OSError, ArrowInvalid) as error:
+        except (OSError, pa.ArrowInvalid) as error:
             why = reason(error)
         except (KeyError, TypeError, ValueError, RecursionError, UsageError):
             why = "it is not the table of a batch"
@@ -174,8 +165,6 @@ def shown(rows: Iterable[Plain]) -> list[Plain]:
 
 def _schema(names: Iterable[str]) -> Any:
     """Names and types of the table of files."""
-    import pyarrow as pa
-
     special = {TEMPERATURE: pa.float64(), DATE: pa.timestamp("us")}
     return pa.schema([(name, special.get(name, pa.string())) for name in names])
 

@@ -11,6 +11,7 @@ import numpy as np
 from allanite.core.plain import Value
 from allanite.core.readings import MINIMUM
 from allanite.core.units import Signal, convert
+from allanite.readers.arrow import pa
 from allanite.study.results import Channel
 from allanite.terms import TERMS
 
@@ -251,16 +252,12 @@ TABLES: dict[str, tuple[dict[str, type], Callable[[str, Plain], Rows]]] = {
 
 def schema_of(columns: dict[str, type]) -> Any:
     """The columns of a table as Arrow has them."""
-    import pyarrow as pa
-
     kinds = {str: pa.string(), float: pa.float64(), int: pa.int64(), bool: pa.bool_(), list: pa.list_(pa.float64())}
     return pa.schema([(name, kinds[kind]) for name, kind in columns.items()])
 
 
 def as_table(rows: list[dict[str, Any]], schema: Any) -> Any:
     """Rows as a table; plain data write numbers that are not finite as words."""
-    import pyarrow as pa
-
     numbers = {field.name for field in schema if pa.types.is_floating(field.type)}
     clean = [{k: float(v) if k in numbers and isinstance(v, str) else v for k, v in row.items()} for row in rows]
     return pa.Table.from_pylist(shown(clean), schema=schema)

@@ -12,10 +12,9 @@ from allanite.applications.angle.service import Service
 from allanite.applications.angle.solve import quantile
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
-from allanite.core.files import reason
 from allanite.core.record import Recording
 from allanite.phrases.phrase import join, say, say_count
-from allanite.readers.live import WAIT, BreakError, Feed, opened
+from allanite.readers.live import BreakError, Feed, arrivals, opened
 from allanite.readers.sandbox.source import NamedPath, digest_of
 from allanite.readers.spool import TAIL, Spool
 from allanite.reporting.words import ARCSEC
@@ -33,7 +32,7 @@ def follow(target: str, choices: dict[str, Any], settings: WatchChoices,
     """The estimate when the source ends, or is ended; and how its rows were read."""
     data, reported = None, -math.inf
     feed = Feed(tap := opened(target, settings.baud))
-    with closing(feed), closing(Spool(target, sent=tap.live)) as spool:
+    with closing(Spool(target, sent=tap.live)) as spool:
         for rows in _rows_of(target, feed, spool, settings):
             try:
                 data, z, gimbals = read(rows, choices)
@@ -53,37 +52,20 @@ def follow(target: str, choices: dict[str, Any], settings: WatchChoices,
 
 def _rows_of(target: str, feed: Feed, spool: Spool, settings: WatchChoices) -> Iterator[NamedPath]:
     """Files of the rows that came, one after the other, the last row of each in the next, too."""
-    taken, begun = 0, time.monotonic()
-    looked = last = begun
-    with stopping() as stopped:
-        over = False
-        while not over:
-            pieces = list[bytes | BreakError]()
-            try:
-                pieces.append(feed.take(WAIT))
-            except BreakError as what:  # the source is gone or back, or a file became shorter
-                pieces.append(what)
-                if words := what.words(target):
-                    complain(words)
-            now = time.monotonic()
-            last = now if any(isinstance(piece, bytes) and piece for piece in pieces) else last
-            over |= stopped() or now - begun >= settings.duration or now - last >= settings.idle
-            try:
-                for piece in [*pieces, *(feed.close() if over else ())]:
-                    if isinstance(piece, BreakError):
-                        spool.torn()
-                    else:
-                        spool.add(piece)
-                if over:
-                    spool.finish()
-            except OSError as error:
-                over = True
-                complain(say("{path!r} takes no more lines ({reason}); the stream ends here", path=spool.path,
-                             reason=reason(error)))  # fmt: skip
-            if spool.rows > taken and (over or now >= looked + EVERY or spool.rows - taken >= TAIL // 4):
-                with spool.beside(spool.tail(max(2, spool.rows - taken + 1))[0]) as path:
+    taken, looked = 0, time.monotonic()
+    with stopping() as stopped, closing(arrivals(feed, settings.duration, settings.idle, stopped)) as stream:
+        for pieces, last in stream:
+            broken = [piece.words(target) for piece in pieces if isinstance(piece, BreakError)]
+            full = spool.keep(pieces, last=last)
+            for words in filter(None, (*broken, full)):
+                complain(words)
+            over, rows = last or bool(full), spool.rows - taken
+            if rows and (over or time.monotonic() >= looked + EVERY or rows >= TAIL // 4):
+                with spool.recent(max(2, rows + 1)) as (path, _):
                     yield path
                 taken, looked = spool.rows, time.monotonic()
+            if over:
+                return
 
 
 def _report(service: Service, level: float) -> str:

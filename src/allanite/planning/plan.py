@@ -16,7 +16,7 @@ from allanite.core.plain import Value
 from allanite.core.ranges import PART, TIME
 from allanite.core.record import SHORTEST
 from allanite.core.units import SIGNALS
-from allanite.statistics.confidence.limits import mixtures, unit_term
+from allanite.statistics.confidence.limits import mixtures, models_of
 from allanite.statistics.grids import checked, factors_of, times
 from allanite.statistics.moments.moments import expected_at
 from allanite.statistics.table import CurvePoints, statistic_named
@@ -226,7 +226,7 @@ def properties(
     factors = checked(wanted, row, size)
     points = CurvePoints(row, factors, [(size, 1)], size, 1.0)
     symbols = tuple(symbol for symbol, term in TERMS.items() if term.alpha is not None)
-    models = [Model((unit_term(symbol, SIGNALS[0]),)) for symbol in symbols]
+    models = models_of(symbols, SIGNALS[0])
     tau = times(row, points.m, size)
     ratio = []
     for model in models:

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import BoolArray, FloatArray, stretches
 from allanite.core.validity import Finding
@@ -82,10 +83,8 @@ def _loud(power: FloatArray, span: int) -> tuple[BoolArray, float, int] | None:
 def _law(ratio: float) -> tuple[float, float]:
     """Mean of the power of blocks of one level, and the limit of loud ones, over the median."""
     # a Gamma law, whose shape the ratio of the median and the lower quartile tells: bursts change neither much
-    from scipy.special import gammaincinv
-
     shapes = np.geomspace(0.2, 2000, 300)
-    ratios = gammaincinv(shapes, 0.5) / gammaincinv(shapes, 0.25)
+    ratios = scipy.special.gammaincinv(shapes, 0.5) / scipy.special.gammaincinv(shapes, 0.25)
     shape = float(np.exp(np.interp(-math.log(ratio), -np.log(ratios), np.log(shapes))))
-    median = float(gammaincinv(shape, 0.5))
-    return shape / median, float(gammaincinv(shape, 1 - TAIL)) / median
+    median = float(scipy.special.gammaincinv(shape, 0.5))
+    return shape / median, float(scipy.special.gammaincinv(shape, 1 - TAIL)) / median

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray
 from allanite.core.record import Record
@@ -67,10 +68,8 @@ def _means(values: FloatArray, blocks: int) -> FloatArray | None:
 
 def _likelihood(y: FloatArray, columns: list[FloatArray]) -> tuple[float, FloatArray]:
     """The smallest -2 log-likelihood over the grid of noises, and the regression coefficients there."""
-    from scipy.fft import dct
-
     size = y.size
-    data, *others = (dct(values, norm="ortho")[1:] for values in (y, *columns))
+    data, *others = (scipy.fft.dct(values, norm="ortho")[1:] for values in (y, *columns))
     design = np.stack(others)
     angle = 2 * np.sin(np.pi * np.arange(1, size) / (2 * size))
     flicker, walk = (shares.ravel()[:, None] for shares in np.meshgrid(SHARES, SHARES))

@@ -12,6 +12,7 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.record import SHORTEST, Record
+from allanite.kernels import cosine
 from allanite.phrases.phrase import join, say, spelled, windowing
 from allanite.terms import NoiseTerm
 
@@ -70,11 +71,9 @@ def whole(size: int) -> Gaps:
 
 def joined(record: Record) -> tuple[FloatArray, Gaps, IntArray | None]:
     """Rates in the record's unit, joined over the gaps; the gaps; indices of the remaining samples (None: all)."""
-    from allanite.kernels.cosine import less_constant
-
     values = record.values
     if record.kind != "angle":
-        y, total = less_constant(values, record.constant)
+        y, total = cosine.less_constant(values, record.constant)
         if np.isfinite(total):
             return y, whole(y.size), None
     elif record.complete:

@@ -11,6 +11,7 @@ from itertools import groupby
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray, complete
@@ -123,10 +124,8 @@ def _dispersion(moved: BoolArray) -> float:
 
 def _line(moved: BoolArray) -> tuple[float, float]:
     """Frequency of the strongest line of the changes, in cycles a sample, and its power over the median."""
-    from scipy.fft import rfft
-
     x = moved[:LONGEST] - float(moved[:LONGEST].mean())
-    power = np.abs(rfft(x * np.hanning(x.size), 2 * x.size)) ** 2
+    power = np.abs(scipy.fft.rfft(x * np.hanning(x.size), 2 * x.size)) ** 2
     power[:64] = 0
     top = int(power.argmax())
     strength = float(power[top] / max(float(np.median(power[64:])), 1e-300))

@@ -116,11 +116,6 @@ OWN = {"short", "gaps", "outliers", "heavy tails", "stuck", "clipped", "too litt
 NONE = np.empty(0, np.int64)
 
 
-def all_checks(number: int) -> bool:
-    """Whether all checks are made of a block: the first eight, then four of every octave."""
-    return number < 8 or number % (1 << (number.bit_length() - 3)) == 0
-
-
 class Inspector:
     """Looks at a channel block by block; a record that is one block is inspected as it is in memory."""
 
@@ -207,7 +202,8 @@ class Inspector:
         self.extent = (min(self.extent[0], float(low)), max(self.extent[1], float(high)))
         self._keep(stuck(view), every=True)
         self._keep(clipped(view) if low < high else None, every=True)
-        if all_checks(number) and low < high:
+        # all checks are made of the first eight blocks, then of four of every octave
+        if (number < 8 or number % (1 << (number.bit_length() - 3)) == 0) and low < high:
             # all checks of a block, and what blocks are compared by
             self.checked += 1
             self.levels.append((view.record.cut, view.fast, view.steps.size))

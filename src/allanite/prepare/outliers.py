@@ -5,11 +5,13 @@ from dataclasses import dataclass, replace
 from weakref import WeakKeyDictionary
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
 from allanite.core.limits import quantile
 from allanite.core.record import Record
+from allanite.kernels import passing
 from allanite.phrases.phrase import say, say_count
 
 CHOICES = {"mark": "excluded, like missing samples", "keep": "kept"}  # what can be done with outliers
@@ -119,10 +121,6 @@ def demand_choice(choice: str) -> str:
 
 def _off(y: FloatArray, limit: float, part: int) -> tuple[IntArray, FloatArray, bool]:
     """Indices beyond the limit, their deviations in standard deviations, and whether the noise has heavy tails."""
-    from scipy.special import ndtr
-
-    from allanite.kernels.passing import off
-
     # standard deviation of the residuals in each part, from some of them
     scales = []
     for start in range(0, y.size, part):
@@ -135,10 +133,10 @@ def _off(y: FloatArray, limit: float, part: int) -> tuple[IntArray, FloatArray, 
         spread = 1.4826 * float(np.median(np.abs(_residuals(y, at))))
         scales.append(max(spread, float(np.median(steps)) if steps.size else math.inf))
     scale = np.array(scales)
-    near = off(y, TAIL * limit * scale, part)
+    near = passing.off(y, TAIL * limit * scale, part)
     size = np.abs(_residuals(y, near)) / scale[near // part]
     at = near[size > limit]
-    expected = 2 * y.size * float(ndtr(-TAIL * limit))
+    expected = 2 * y.size * float(scipy.special.ndtr(-TAIL * limit))
     below = near.size - at.size - expected - 3 * math.sqrt(expected)
     # only the ends of a run of outliers stand out: those between are found from there
     run = at
@@ -152,11 +150,9 @@ def _off(y: FloatArray, limit: float, part: int) -> tuple[IntArray, FloatArray, 
 
 def _residuals(y: FloatArray, at: IntArray) -> FloatArray:
     """Deviation of y from the median of the 31 samples around each index, or of the first or last 31 near an end."""
-    from allanite.kernels.passing import HALF
-
-    width = min(2 * HALF + 1, y.size)
+    width = min(2 * passing.HALF + 1, y.size)
     windows = np.lib.stride_tricks.sliding_window_view(y, width)
-    start, middle = np.clip(at - HALF, 0, y.size - width), ((width - 1) // 2, width // 2)
+    start, middle = np.clip(at - passing.HALF, 0, y.size - width), ((width - 1) // 2, width // 2)
     off = np.empty(at.size)
     for i in range(0, at.size, SAMPLE):
         some = slice(i, i + SAMPLE)

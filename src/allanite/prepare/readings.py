@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import stretches
 from allanite.core.record import Record
@@ -58,8 +59,7 @@ class Clipping(NamedTuple):
     @property
     def factor(self) -> float:
         """What is left of N if the noise is white: the standard deviation of a normal one within the limits."""
-        from scipy.special import ndtr, ndtri
-
+        ndtr, ndtri = scipy.special.ndtr, scipy.special.ndtri
         a, b = max(float(ndtri(self.low / self.size)), -40.0), min(-float(ndtri(self.high / self.size)), 40.0)
         below, above = float(ndtr(a)), float(ndtr(-b))
         lower, upper = (math.exp(-0.5 * z * z) / math.sqrt(2 * math.pi) for z in (a, b))

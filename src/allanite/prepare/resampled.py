@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray
 from allanite.core.plain import Header
@@ -170,8 +171,6 @@ def filled(view: View) -> tuple[float, float]:
 
 def _lines(values: FloatArray) -> FloatArray:
     """Periodogram with a Hann window, normalized to 1 for white noise of variance 1."""
-    from scipy.fft import rfft
-
     window = np.hanning(values.size)
-    line = rfft(values * window)
+    line = scipy.fft.rfft(values * window)
     return np.asarray((np.square(line.real) + np.square(line.imag)) / float(window @ window))

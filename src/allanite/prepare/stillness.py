@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import BoolArray, FloatArray, stretches
 from allanite.core.plain import Header
@@ -218,14 +219,12 @@ def lines(view: View) -> Finding | None:
     frequency, power, segments = _periodogram(view)
     if frequency.size < 64 or not segments:
         return None
-    from scipy.special import gammaincinv
-
     # median of the octave around each bin, interpolated log-linearly between half-octave centres
     centres = 2 ** np.arange(2.5, math.log2(power.size), 0.5)
     levels = [np.median(power[int(c / 1.42) : max(int(c * 1.42), int(c / 1.42) + 5)]) for c in centres]
     floor = np.maximum(np.array(levels), 1e-300)
     around = np.exp(np.interp(np.log(np.arange(1, power.size + 1)), np.log(centres), np.log(floor)))
-    threshold = 1.25 * float(gammaincinv(segments, 1 - 1e-4 / power.size)) / segments
+    threshold = 1.25 * float(scipy.special.gammaincinv(segments, 1 - 1e-4 / power.size)) / segments
     peaks = stretches(power > threshold * around)
     peaks = peaks[peaks[:, 0] >= 6]
     if not len(peaks):
@@ -259,8 +258,6 @@ def _strongest(tops: FloatArray, excess: FloatArray, most: int = 5) -> list[floa
 
 def _periodogram(view: View) -> tuple[FloatArray, FloatArray, int]:
     """Frequencies (Hz), mean periodogram of Hann-windowed segments where the level is constant, and their number."""
-    from scipy.fft import rfft
-
     y, uneven = view.steps, _unequal(view)[0]
     length = 1 << int(np.clip(math.log2(max(y.size // 8, 2)), 1, 14))
     starts = np.linspace(0, y.size - length, min(y.size // length, 64)).astype(int)
@@ -271,7 +268,7 @@ def _periodogram(view: View) -> tuple[FloatArray, FloatArray, int]:
         pieces = np.stack([y[start : start + length] for start in starts[i : i + TOGETHER]]).astype(np.float64)
         pieces -= pieces.mean(axis=1, keepdims=True)
         pieces *= window
-        parts = rfft(pieces, overwrite_x=True).view(np.float64)  # real and imaginary
+        parts = scipy.fft.rfft(pieces, overwrite_x=True).view(np.float64)  # real and imaginary
         total += np.square(parts, out=parts).sum(axis=0).reshape(-1, 2).sum(axis=1)
     return np.arange(1, length // 2) * view.rate / length, total[1 : length // 2] / max(starts.size, 1), starts.size
 

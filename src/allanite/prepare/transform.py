@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy
 
 from allanite.core.aliases import public
 from allanite.core.arrays import BoolArray, stretches
@@ -177,11 +178,10 @@ def decimate(record: Record, factor: int) -> Record:
         raise UsageError(f"decimation needs a rate; for {record.kind}s use block_means, which preserves the angle")
     if not isinstance(factor, (int, np.integer)) or factor < 2 or record.size < 64 * factor:
         raise UsageError(f"the factor must be between 2 and {record.size // 64}, not {given(factor)}")
-    from scipy.signal import firwin, oaconvolve
-
-    taps = firwin(30 * int(factor) + 1, 0.8 / factor, window=("kaiser", 8.0))
+    taps = scipy.signal.firwin(30 * int(factor) + 1, 0.8 / factor, window=("kaiser", 8.0))
     offset = record.constant
-    filtered = oaconvolve(np.asarray(record.values, dtype=np.float64) - offset, taps, mode="valid") + offset
+    less = np.asarray(record.values, dtype=np.float64) - offset
+    filtered = scipy.signal.oaconvolve(less, taps, mode="valid") + offset
     start = (record.start or 0.0) + (taps.size // 2) / record.rate
     what = say("low-pass filtered at {frequency:.6g} Hz and every {factor}th sample kept",
                frequency=0.4 * record.rate / factor, factor=factor)  # fmt: skip

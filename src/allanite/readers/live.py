@@ -8,7 +8,7 @@ import socket
 import stat
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from contextlib import suppress
 from dataclasses import dataclass
 from urllib.parse import urlsplit
@@ -49,8 +49,8 @@ class BreakError(OSError):
         if self.kind == "gone":
             return say("{target!r} is gone ({reason}); waiting for it", target=target, reason=str(self))
         if self.kind == "rotated":
-            return say("{target!r} became shorter or was replaced; it is read from its beginning, and its rows follow "
-                       "those before", target=target)  # fmt: skip
+            return say("{target!r} became shorter or was replaced; it is read from its beginning, and rows without "
+                       "time stamps are joined without a gap", target=target)  # fmt: skip
         if self.kind == "back" and self.lost:
             return say("{target!r} is back; {lost} samples are missing", target=target, lost=self.lost)
         return say("{target!r} is back", target=target) if self.kind == "back" else ""
@@ -124,9 +124,7 @@ class Feed:
         return rest + self._rest()
 
     def _rest(self) -> list[bytes | BreakError]:
-        pieces = []
-        while not self.pieces.empty():
-            pieces.append(self.pieces.get_nowait())
+        pieces = [self.pieces.get_nowait() for _ in range(self.pieces.qsize())]
         return [piece for piece in pieces if isinstance(piece, (bytes, BreakError))]
 
     def _run(self) -> None:
@@ -141,6 +139,27 @@ class Feed:
                 return
             if data:
                 self.pieces.put(data)
+
+
+def arrivals(feed: Feed, duration: float, idle: float,
+             stopped: Callable[[], bool]) -> Generator[tuple[list[bytes | BreakError], bool], None, None]:  # fmt: skip
+    """What comes of a source, and whether this is the end: it is stopped, or `duration` or `idle`, s, are over."""
+    begun = last = time.monotonic()
+    over = False
+    try:
+        while not over:
+            pieces = list[bytes | BreakError]()
+            try:
+                pieces.append(feed.take(WAIT))
+            except BreakError as what:
+                pieces.append(what)
+            now = time.monotonic()
+            last = now if any(piece if isinstance(piece, bytes) else piece.kind == "back" for piece in pieces) else last
+            over = stopped() or now - begun >= duration or now - last >= idle
+            yield pieces + (feed.close() if over else []), over
+    finally:
+        if not over:
+            feed.close()
 
 
 def opened(target: str, baud: int) -> Tap:
@@ -266,20 +285,20 @@ class Followed:
     def __init__(self, target: str) -> None:
         self.target, self.file = target, -1
         self.key: tuple[int, int] | None = None
-        self.place, self.trace, self.paused = 0, b"", False
+        self.place, self.trace = 0, b""
 
     def tap(self) -> Tap:
         """Open it, where it was read to if it is the same."""
         self._open()
-        return Tap(self.take, lambda: os.close(self.file), live=False)
+        return Tap(self.take, lambda: os.close(self.file))
 
     def take(self, seconds: float) -> bytes:
         """The bytes that were added; a `BreakError` where they are those of another file."""
-        if self.paused and self._other():  # it became shorter, and may have grown again
+        if self._other():  # it became shorter, and may have grown again
             self._from_begin()
             raise BreakError("rotated")
         data = os.read(self.file, PIECE)
-        self.place, self.trace, self.paused = self.place + len(data), (self.trace + data)[-TRACE:], not data
+        self.place, self.trace = self.place + len(data), (self.trace + data)[-TRACE:]
         if data:
             return data
         time.sleep(seconds)
@@ -314,4 +333,4 @@ class Followed:
 
     def _from_begin(self) -> None:
         os.lseek(self.file, 0, os.SEEK_SET)
-        self.place, self.trace, self.paused = 0, b"", False
+        self.place, self.trace = 0, b""

@@ -6,15 +6,20 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
 
+from allanite.core.choices import INTEGER
 from allanite.core.errors import UsageError
 from allanite.core.kinds import KINDS
 from allanite.core.names import demand_name
+from allanite.core.ranges import Range
 from allanite.core.units import latin, signal_with, unit_of
 from allanite.phrases.phrase import spelled
 
 _WORTH = re.compile(r"\s*([-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
 """A number, optionally followed by a unit."""
 
+
+RAW = {"columns": Range(1, 1e6), "offset": Range(0, 2**63 - 1, "bytes")}
+"""Of raw binary: numbers per row, and bytes before the first one."""
 
 KINDS_OF_SENSORS = {
     "gyro": "gyro", "gyros": "gyro", "gyroscope": "gyro", "accel": "accelerometer", "acc": "accelerometer",
@@ -73,8 +78,9 @@ class Options:
             _demand_text(self.time, "time", "'stamp[us]', '1' or 'none'")
         if self.dtype is not None:
             object.__setattr__(self, "dtype", _demand_text(self.dtype, "dtype", "'i2', '>i2' or 'f4'").strip())
-        _demand_whole(self.columns, 1, spelled("--columns 6", "columns=6") + " for rows of six numbers")
-        _demand_whole(self.offset, 0, spelled("--offset 512", "offset=512") + " for a header of 512 bytes")
+        for name, within in RAW.items():
+            if (value := getattr(self, name)) is not None:
+                within.demand(INTEGER.demand(name, value), name)
         if self.dtype is None and (self.columns, self.offset) != (None, None):
             raise UsageError("columns and offset describe raw binary; give the type of its numbers with "
                              f"{spelled('--dtype i2', 'dtype=...')}")  # fmt: skip
@@ -175,11 +181,6 @@ def _demand_positive(value: Any, what: str, unit: str, example: str) -> None:
         fine = False
     if not fine:
         raise UsageError(f"{what} must be a positive number of {unit}, not {value!r}; for example {example}")
-
-
-def _demand_whole(value: Any, least: int, example: str) -> None:
-    if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < least):
-        raise UsageError(f"expected a whole number of at least {least}, not {value!r}; for example {example}")
 
 
 def _demand_text(value: Any, option: str, example: str) -> str:

@@ -22,7 +22,11 @@ from .columns import gravity, sensors
 from .columns.column import column
 from .columns.lines import Parts, chunks_of
 from .columns.table import Sense
+from .formats.registry import readable, reader_for, reader_of_type
 from .options import Options, channel_names
+from .sandbox.packing import PackedFile, packing_of
+from .sandbox.process import RATIO
+from .sandbox.source import STDIN, checked, head_of, named, size_of
 
 NEED = 9
 """Memory that the analysis of a channel takes, over that of its samples as float64: measured with 3.2e7 of them."""
@@ -212,9 +216,6 @@ def whole_findings(reader: PartsReader) -> tuple[Finding, ...]:
 
 def opened(path: Any, memory: str | None, choices: Mapping[str, Any], limit: int | None = None) -> PartsReader | None:
     """The reader in parts of a file of which no single channel fits into memory; None for anything else."""
-    from .sandbox.process import RATIO
-    from .sandbox.source import STDIN, checked, size_of
-
     if not isinstance(path, (str, os.PathLike)) or path == STDIN:
         return None
     file, member = checked(path)
@@ -229,9 +230,6 @@ def opened(path: Any, memory: str | None, choices: Mapping[str, Any], limit: int
 
 def growing(path: Any, choices: Mapping[str, Any], begin: Callable[[], int]) -> PartsReader | None:
     """The reader in parts of a text that grows, each time from the byte that `begin` tells; None for other files."""
-    from .formats.registry import reader_for
-    from .sandbox.source import head_of, named
-
     file = os.fspath(path)
     try:
         streamed = getattr(reader_for(head_of(file), os.path.splitext(file)[1].lower()), "streamed", None)
@@ -245,8 +243,6 @@ def demand_memory(path: Any, memory: str | None, choices: Mapping[str, Any]) -> 
     """Refuse a file whose record takes more memory than is there, or than is given."""
     # Parameters are those of `opened`. How many samples a file holds is known for formats that are read in parts, and
     # otherwise estimated by its size.
-    from .sandbox.source import STDIN, checked, named, size_of
-
     if not isinstance(path, (str, os.PathLike)) or path == STDIN:
         return
     file, member = checked(path)
@@ -280,8 +276,6 @@ def _options(choices: Mapping[str, Any]) -> Options:
 def _found(path: Any, file: str, member: str, how: tuple[Options, int]) -> tuple[PartsReader | None, int]:
     """The reader in parts of a file, and the memory it needs; none where it has none, or fits by its size."""
     # `how` are the options and the memory that may be used.
-    from .sandbox.source import named, size_of
-
     options, limit = how
     try:
         form = _format_of(file, member, options)
@@ -298,10 +292,6 @@ def _found(path: Any, file: str, member: str, how: tuple[Options, int]) -> tuple
 
 def _format_of(file: str, member: str, options: Options) -> Any:
     """The reader of a file; None for one that is packed."""
-    from .formats.registry import readable, reader_for, reader_of_type
-    from .sandbox.packing import packing_of
-    from .sandbox.source import head_of
-
     if member or packing_of(file, readable, options.dtype is not None) is not None:
         return None
     suffix = os.path.splitext(file)[1].lower()
@@ -310,8 +300,6 @@ def _format_of(file: str, member: str, options: Options) -> Any:
 
 def _fits(form: Any, file: str, limit: int) -> bool:
     """Whether a file fits by its size, and by about how many rows and columns it has, which are not counted."""
-    from .sandbox.source import size_of
-
     size = size_of(file)
     if hasattr(form, "DENSITY") and needed(ceil(size * form.DENSITY)) <= limit:
         return True
@@ -321,9 +309,6 @@ def _fits(form: Any, file: str, limit: int) -> bool:
 
 def _parts(form: Any, file: str, member: str, options: Options) -> Parts | None:
     """The parts of a file; None if its format is not read in parts, as most in a packing."""
-    from .formats.registry import readable, reader_for
-    from .sandbox.packing import PackedFile
-
     if form is None:
         packed = PackedFile(file, member, readable)
         streamed = getattr(reader_for(packed.head, packed.suffix), "streamed", None)
@@ -333,8 +318,6 @@ def _parts(form: Any, file: str, member: str, options: Options) -> Parts | None:
 
 
 def _reader(name: str, file: str, parts: Parts, limit: int) -> PartsReader:
-    from .sandbox.source import size_of
-
     options = parts.options
     if options.sincos:  # which need the whole record, whose size is all that is asked for
         options = replace(options, sincos=None, unit="1", kind="value")

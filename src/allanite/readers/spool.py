@@ -3,22 +3,20 @@
 import os
 import tempfile
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TypeVar
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.files import demand_writable, draft, reason
 from allanite.phrases.phrase import say, spelled
 
+from .live import BreakError
 from .sandbox.source import NamedPath
 
 LONGEST_ROW = 1 << 16  # bytes of a line, beyond which it is not one of text
 TAIL = 1 << 16  # rows at the end that can be read apart from the others
 HEADINGS = 1000  # lines, at most, that are kept of those that a port sends before its first rows
-
-T = TypeVar("T")
 
 
 class Spool:
@@ -63,6 +61,21 @@ class Spool:
         """Fields of a row."""
         return len(self._model)
 
+    def keep(self, pieces: Sequence[bytes | BreakError], *, last: bool = False) -> str:
+        """Add what came of a source; the words are empty unless the disk takes no more."""
+        try:
+            for piece in pieces:
+                if isinstance(piece, BreakError):
+                    self.torn(piece.lost)
+                else:
+                    self.add(piece)
+            if last:
+                self.finish()
+        except OSError as error:
+            return say("{path!r} takes no more lines ({reason}); the stream ends here", path=self.path,
+                       reason=reason(error))  # fmt: skip
+        return ""
+
     def add(self, data: bytes) -> None:
         """Add what came."""
         self.came += len(data)
@@ -75,22 +88,18 @@ class Spool:
 
     def torn(self, lost: int = 0) -> None:
         """The line that will not be completed is a row of missing samples, and so many more were lost."""
-        rest, self._rest = self._rest, b""
-        self.skip(lost + bool(rest.strip()))
+        rows, self._rest = lost + bool(self._rest.strip()), b""
+        for begin in range(0, rows if self._model else 0, TAIL):
+            self._write(self._counted([self._missing()] * min(TAIL, rows - begin)))
 
     def finish(self) -> None:
         """Take the last line of a file, which may end without a newline, if it is a whole row."""
         if self._rest and not self.sent and self._form(self._rest) == self._model:
             self.add(b"\n")
 
-    def skip(self, rows: int) -> None:
-        """Add rows of missing samples."""
-        if self._model:
-            for begin in range(0, rows, TAIL):
-                self._write([self._missing()] * min(TAIL, rows - begin))
-
-    def mend(self, error: DataError, check: Callable[[NamedPath], T]) -> T:
-        """Lines of another form than the first rows become rows of missing samples, if `check` can read it then."""
+    @contextmanager
+    def mended(self, error: DataError) -> Iterator[NamedPath]:
+        """The file with missing samples in place of lines of another form; it is kept if it can be read within."""
         # the error remains if there are no such lines, or if they are not what it is about
         rows, changed = 0, False
         try:
@@ -103,29 +112,19 @@ class Spool:
                         new.write(row)
                 if self._strict or not (self._model and changed):
                     raise error
-                value = check(NamedPath(str(part), self.source_name))
+                yield NamedPath(str(part), self.source_name)
         except AllaniteError:  # of no lines of this kind, of something else, or of a disk that is full
             raise error from None
         self._file.close()
         self._file = open(self.path, "ab", buffering=0)  # noqa: SIM115 - closed by close
         self._strict, self._size, self.rows = True, os.path.getsize(self.path), rows
         self._last = deque(map(self._judged, self._last), TAIL)
-        return value
-
-    def mended(self, text: bytes) -> bytes:
-        """What `tail` gives, as `mend` makes it."""
-        lines = text.split(b"\n")[len(self._head) : -1]
-        return b"\n".join((*self._head, *map(self._judged, lines), b""))
-
-    def tail(self, rows: int) -> tuple[bytes, int]:
-        """The headings and the last rows, and how many rows are before them; no bytes while there is no row."""
-        last = list(self._last)[-rows:] if rows < len(self._last) else list(self._last)
-        text = b"\n".join((*self._head, *last, b"")) if last else b""
-        return text, self.rows - len(last)
 
     @contextmanager
-    def beside(self, text: bytes) -> Iterator[NamedPath]:
-        """A file with this text, and the suffix of the spool."""
+    def recent(self, rows: int, *, mended: bool = False) -> Iterator[tuple[NamedPath, int]]:
+        """A file of the headings and the last rows, empty while there is no row, and how many rows are before them."""
+        last = list(self._last)[-rows:]
+        text = b"\n".join((*self._head, *(map(self._judged, last) if mended else last), b"")) if last else b""
         with ExitStack() as stack:
             try:
                 folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="allanite-"))
@@ -133,7 +132,7 @@ class Spool:
                 path.write_bytes(text)
             except OSError as error:
                 raise DataError(say("no temporary file can be written: {reason}", reason=reason(error))) from None
-            yield NamedPath(str(path), self.source_name)
+            yield NamedPath(str(path), self.source_name), self.rows - len(last)
 
     def close(self) -> None:
         """Remove the file, unless it is kept or the user has given its name."""
@@ -156,10 +155,7 @@ class Spool:
     def _kept(self, line: bytes) -> list[bytes]:
         """The lines to write when one more has come."""
         if self._model:
-            row = self._judged(line) if self._strict or len(line) > LONGEST_ROW else line
-            self.rows += self._counts(row)
-            self._last.append(row)
-            return [row]
+            return self._counted([self._judged(line) if self._strict or len(line) > LONGEST_ROW else line])
         form, before = self._form(line), self._head[-1:] and self._form(self._head[-1])
         self._head.append(line)
         if self.sent:
@@ -169,9 +165,14 @@ class Spool:
         # two rows of one form: what is above them are headings, without rows that were torn
         *head, first, second = self._head
         self._head = [line for line in head if not (self.sent and any(self._form(line)))]
-        self._model, self.rows = form, 2
-        self._last.extend((first, second))
-        return [*self._head, first, second]
+        self._model = form
+        return self._head + self._counted([first, second])
+
+    def _counted(self, lines: list[bytes]) -> list[bytes]:
+        """The lines after the headings, which are rows from now on."""
+        self.rows += sum(map(self._counts, lines))
+        self._last.extend(lines)
+        return lines
 
     def _judged(self, line: bytes) -> bytes:
         """The line, or a row of missing samples where it is none; a heading that comes again is no line at all."""

@@ -232,13 +232,12 @@ def kinds(remarks: Iterable[Remark]) -> list[list[Remark]]:
     for remark in remarks:
         words = getattr(remark.clauses[0], "templates", remark.clauses[0])  # of a stored result, the text
         kind = (remark.name or words, remark.command, remark.grave)
-        same = next(n for n in count() if all(not _differ(remark, other) for other in alike.get((*kind, n), ())))
+        # those of one channel that differ in their words stand apart
+        text = str(remark.clauses[0])
+        same = next(n for n in count() if not any(other.about == remark.about and str(other.clauses[0]) != text
+                                                  for other in alike.get((*kind, n), ())))  # fmt: skip
         alike.setdefault((*kind, same), []).append(remark)
     return list(alike.values())
-
-
-def _differ(a: Remark, b: Remark) -> bool:
-    return a.about == b.about and str(a.clauses[0]) != str(b.clauses[0])
 
 
 def merged(remarks: Iterable[Remark], every: int = 0) -> list[Remark]:

@@ -6,7 +6,7 @@ import re
 from functools import cache
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
@@ -19,10 +19,8 @@ from .digits import printable, printed, printed_heading, printed_unit
 from .language import spoken, tr
 from .matplotlib_svg import drawer, picture, variable, within
 from .sheet import Code, Column, Drawing, Face, Fold, Note, Table, on_page
+from .style import DARK, Figure
 from .words import capital
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 MADE = {"source": say("source"), "applied to": say("applied to"), "sha256 applied to": say("sha256 applied to")}
 """What keys of the provenance are called; the others are names."""
@@ -32,8 +30,6 @@ _NOTEBOOK = count()  # numbers of the figures of a notebook, whose cells are one
 
 def render(face: Face) -> str:
     """The page as text, in the language that is spoken."""
-    from .style import DARK
-
     grounds = [{variable(c): c for c in DARK}, {variable(c): dark for c, dark in DARK.items()}]
     template, mould = (_environment().get_template(f"{name}.html.j2") for name in ("page", "parts"))
 
@@ -53,7 +49,7 @@ def _script() -> tuple[Markup, str]:
     return Markup(text), base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()  # noqa: S704 - our own
 
 
-def fragment(face: Face, figure: "Figure | None" = None) -> str:
+def fragment(face: Face, figure: Figure | None = None) -> str:
     """The sheets alone, for a notebook, and one figure above them."""
     drawn = None if figure is None else within(picture(figure), f"n{next(_NOTEBOOK)}", tr(face.title))
     return _environment().get_template("fragment.html.j2").render(face=face, figure=drawn, draw=None)

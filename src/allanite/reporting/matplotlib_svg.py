@@ -6,7 +6,6 @@ from collections.abc import Callable
 from functools import cache
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
@@ -14,9 +13,8 @@ from .digits import printable
 from .fonts import ON_PAGE
 from .language import tr
 from .sheet import Drawing, Picture
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from .sketch.axis import Unsketched
+from .style import DARK, Figure
 
 
 def variable(color: str) -> str:
@@ -40,8 +38,6 @@ def within(shown: Picture, prefix: str, label: str) -> Markup:
 
 def drawn(drawing: Drawing) -> Picture:
     """The figure of a page, by `sketch` or else by matplotlib."""
-    from .sketch.axis import Unsketched
-
     plot = drawing.draw()
     if isinstance(plot, Picture):
         return plot
@@ -54,7 +50,7 @@ def drawn(drawing: Drawing) -> Picture:
         return picture(printed(plot))
 
 
-def picture(figure: "Figure") -> Picture:
+def picture(figure: Figure) -> Picture:
     """A figure with its letters as text and without what nobody sees."""
     from .printing import encode
 
@@ -88,8 +84,6 @@ _SCROLLED = ' tabindex="0"'  # a figure without a narrow form is scrolled on a n
 
 def drawer(place: str = "") -> Callable[[Drawing], Markup]:
     """Gives the figures of a place of a page: each with a prefix of its own, the styles of all as common classes."""
-    from .style import DARK
-
     numbers, classes = count(), dict[str, str]()
 
     @cache

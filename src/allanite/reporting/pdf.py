@@ -3,22 +3,22 @@
 import io
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from matplotlib.backends.backend_pdf import PdfPages
+from matplotlib.figure import Figure
 
 from allanite.core.errors import UsageError
 from allanite.phrases.phrase import join, say
 
 from .digits import printable
+from .first import First
 from .language import tr
+from .printing import look, new_figure, printed
 from .sheet import Drawing, Face, Fold, Part, Picture, Table, on_page
+from .style import FORMATS
 from .text import text_of, wrapped
 from .words import capital
-
-if TYPE_CHECKING:
-    from matplotlib.backends.backend_pdf import PdfPages
-    from matplotlib.figure import Figure
-
-    from .first import First
 
 PAPER = (8.27, 11.69)  # a4, in inches
 PAGE_COLUMNS, PAGE_LINES = 128, 94  # characters of a line and lines of a page
@@ -35,11 +35,6 @@ Line = tuple[str, bool]  # a line of text, and whether it is a heading
 
 def render(face: Face) -> bytes:
     """The document, which depends on the result alone: it has no date."""
-    from matplotlib.backends.backend_pdf import PdfPages
-
-    from .printing import look
-    from .style import FORMATS
-
     out = io.BytesIO()
     with look(), PdfPages(out, metadata={**FORMATS["pdf"], "Title": printable(tr(face.title))}) as pages:
         paper = _Paper(pages, printable(tr(face.title)))
@@ -52,7 +47,7 @@ def render(face: Face) -> bytes:
 class _Paper:
     """Pages that are filled from the top down; a figure that has no room on one begins the next."""
 
-    def __init__(self, pages: "PdfPages", title: str) -> None:
+    def __init__(self, pages: PdfPages, title: str) -> None:
         self.pages, self.title, self.count, self.left = pages, title, 0, 0.0
         self.page: Any = None
         self.headings: list[str] = []  # that stand on the page of what follows them
@@ -83,7 +78,7 @@ class _Paper:
         headings = [line for heading in self.headings for line in ("", heading)]
         if self.page is None or self.left - _LINE * len(headings) - height < _BOTTOM:
             self.end()
-            self.count, self.left, self.page = self.count + 1, _TOP, _page()
+            self.count, self.left, self.page = self.count + 1, _TOP, _Page(figsize=PAPER, facecolor="white")
             self._text(_MARGIN, 11.28, self.title, size=12, weight="bold")
             self._text(PAPER[0] - _MARGIN, 11.28, f"{self.count}", size=8, ha="right")
         self.headings = []
@@ -99,33 +94,26 @@ class _Paper:
         self.page.text(x / PAPER[0], y / PAPER[1], text, va="top", parse_math=False, **look)
 
 
-def _page() -> "Figure":
-    """An empty page, on which figures are placed."""
-    from matplotlib.figure import Figure
+class _Page(Figure):
+    """Draws the figures that stand on it, too."""
 
-    class Page(Figure):
-        """Draws the figures that stand on it, too."""
+    def place(self, figure: Figure, bottom: float) -> None:
+        """Put a figure whose layout is done in the middle, so many inches above the edge of the paper."""
+        figure.bbox_inches.bounds = (
+            (PAPER[0] - figure.get_figwidth()) / 2, bottom, figure.get_figwidth(), figure.get_figheight()
+        )  # fmt: skip
+        self.placed = [*getattr(self, "placed", ()), figure]
 
-        def place(self, figure: Figure, bottom: float) -> None:
-            """Put a figure whose layout is done in the middle, so many inches above the edge of the paper."""
-            figure.bbox_inches.bounds = (
-                (PAPER[0] - figure.get_figwidth()) / 2, bottom, figure.get_figwidth(), figure.get_figheight()
-            )  # fmt: skip
-            self.placed = [*getattr(self, "placed", ()), figure]
-
-        def draw(self, renderer: Any) -> None:
-            super().draw(renderer)
-            for figure in getattr(self, "placed", ()):
-                figure.draw(renderer)
-
-    return Page(figsize=PAPER, facecolor="white")
+    def draw(self, renderer: Any) -> None:
+        super().draw(renderer)
+        for figure in getattr(self, "placed", ()):
+            figure.draw(renderer)
 
 
-def _figure(drawing: Drawing) -> "Figure":
+def _figure(drawing: Drawing) -> Figure:
     """The figure of a drawing with its layout done, in the width of the text, and not higher than a page."""
-    from .printing import new_figure, printed
 
-    def make(width: float, height: float) -> "Figure":
+    def make(width: float, height: float) -> Figure:
         return new_figure(width, min(_FLAT * height, _TOP - _BOTTOM - 4 * _LINE))
 
     plot = drawing.draw()
@@ -176,7 +164,7 @@ def _made(face: Face) -> Iterator[Line]:
                 yield from _plain(line)
 
 
-def _summary(first: "First") -> Iterator[Line]:
+def _summary(first: First) -> Iterator[Line]:
     """The tables of the first screen."""
     yield from _heading(join(": ", filter(None, (say("Summary"), first.verdict))))
     for table in first.tables:

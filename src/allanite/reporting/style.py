@@ -20,10 +20,15 @@ from .sketch.chart import Chart
 from .sketch.marks import line_of
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from matplotlib.artist import Artist as Artist  # noqa: PLC0414
+    from matplotlib.axes import Axes as Axes  # noqa: PLC0414
     from matplotlib.axis import Axis
-    from matplotlib.figure import Figure
+    from matplotlib.collections import QuadMesh as QuadMesh  # noqa: PLC0414
+    from matplotlib.colors import Normalize as Normalize  # noqa: PLC0414
+    from matplotlib.figure import Figure as Figure  # noqa: PLC0414
     from matplotlib.lines import Line2D
+else:
+    Artist = Axes = Figure = Normalize = QuadMesh = Any  # imported where a figure is made
 
 SERIES = ("#2E5C94", "#C1272D", "#008F6B", "#B97700", "#AA4499", "#444B54")
 """Colors of curves in one panel, in this order; their order of brightness differs too."""

@@ -18,7 +18,7 @@ from allanite.core.threads import one_thread
 from allanite.core.units import Signal
 from allanite.phrases.phrase import join, say, spelled
 from allanite.statistics.confidence.bias import BIASES, MEANS, Bias, chosen_bias, corrections
-from allanite.statistics.confidence.limits import ModelLaw, PublishedLaw, automatic_law, power_laws, unit_term
+from allanite.statistics.confidence.limits import ModelLaw, PublishedLaw, models_of, power_laws
 from allanite.statistics.confidence.sparse import sparse, sparse_law
 from allanite.statistics.confidence.supposed import Assumption, AveragedLaw, LaterLaw, SupposedNoise, Supposing
 
@@ -154,7 +154,8 @@ def _law(curve: CurveEstimate, noise: Averaged | Literal["auto"], *, corrected: 
     """The confidence law; of a hybrid that is `corrected` by what the models expect, not by its own bias ratio."""
     points, each = curve.points, curve.each
     if not isinstance(noise, Averaged):
-        return sparse_law(points, lambda few: automatic_law(few, curve.angle(), curve.signal))
+        return sparse_law(points, lambda few: ModelLaw(few, models_of(
+            (law.symbol for law in power_laws(few, curve.angle())), curve.signal)))  # fmt: skip
     if each is None and corrected:
         points, each = points._replace(scattered=False), _corrections(curve, BIASES["model"], noise)
     bias = np.ones((len(noise), points.m.size)) if each is None else each / curve.factor
@@ -205,7 +206,7 @@ def _corrections(curve: CurveEstimate, bias: Bias, noise: Averaged | Literal["au
 
     def automatically(few: CurvePoints) -> FloatArray:
         laws = power_laws(few, curve.angle())
-        models = [Model((unit_term(law.symbol, curve.signal),)) for law in laws]
+        models = models_of((law.symbol for law in laws), curve.signal)
         return corrections(few, bias, models, np.ones((1, 1)), [law.alpha for law in laws])
 
     return sparse(curve.points, automatically)

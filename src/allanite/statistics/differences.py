@@ -5,23 +5,12 @@ from functools import partial
 
 import numpy as np
 
-from allanite.core.arrays import FloatArray, IntArray
+from allanite.kernels import allan
 from allanite.phrases.phrase import say
 from allanite.statistics.fast.everytau import dense, split
 
 from .published import greenhall_riley
-from .row import Statistic, Window, binomial_window, constant, interleaved
-
-
-def _strided(x: FloatArray, m: IntArray, order: int) -> FloatArray:
-    from allanite.kernels.allan import strided
-
-    return strided(x, m, order)  # type: ignore[no-any-return]
-
-
-def _window(m: int) -> Window:
-    return np.ones(1), np.repeat([1.0, -2.0, 1.0], m)[None, :]
-
+from .row import Statistic, binomial_window, constant, interleaved
 
 OADEV = Statistic(
     name="oadev", synonyms=("avar", "oavar", "allan", "allan_deviation", "allan_variance"),
@@ -46,7 +35,7 @@ ADEV = replace(
     use="To reproduce a data sheet or an older paper; otherwise the overlapping form is better at the same cost.",
     limits="Uses every window only once: at long tau its intervals are up to twice as wide as those of oadev.",
     cost="Less than oadev: n/m terms per tau; one copy of the record.",
-    overlapped=False, sums=partial(_strided, order=2), split=interleaved,
+    overlapped=False, sums=lambda x, m: allan.strided(x, m, 2), split=interleaved,
     published_edf=partial(greenhall_riley, d=2, overlapped=False),
 )  # fmt: skip
 
@@ -84,7 +73,7 @@ HDEV = replace(
     use="To reproduce older results; otherwise the overlapping form is better at the same cost.",
     limits="Uses every window only once; otherwise as ohdev.",
     cost="Less than ohdev: n/m terms per tau; one copy of the record.",
-    overlapped=False, sums=partial(_strided, order=3), split=interleaved,
+    overlapped=False, sums=lambda x, m: allan.strided(x, m, 3), split=interleaved,
     published_edf=partial(greenhall_riley, d=3, overlapped=False),
 )  # fmt: skip
 
@@ -100,7 +89,8 @@ MDEV = Statistic(
     cost="About 0.4 ns per sample and tau; one copy of the record and segments of 64 tau. All tau together by FFT: "
     "1.5 us per sample.", order=2, norm=lambda m: 2.0 * np.asarray(m, dtype=np.float64) ** 2,
     span=(3, -1), sums=partial(dense, order=3, summed=True),
-    split=partial(split, order=3, summed=True), window=_window, differences=3, summed=True,
+    split=partial(split, order=3, summed=True), differences=3, summed=True,
+    window=lambda m: (np.ones(1), np.repeat([1.0, -2.0, 1.0], m)[None, :]),
     published_edf=partial(greenhall_riley, d=2, modified=True),
 )  # fmt: skip
 

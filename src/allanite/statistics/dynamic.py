@@ -11,7 +11,9 @@ from allanite.core.curve import Curve, Surface
 from allanite.core.errors import DataError, UsageError
 from allanite.core.kinds import KINDS
 from allanite.core.model import ModelLike
+from allanite.core.ranges import TIME
 from allanite.core.record import Record, Samples, Sampling, as_record
+from allanite.kernels import allan
 from allanite.parallel.processes import spread
 from allanite.phrases.phrase import say
 from allanite.statistics import deviation
@@ -92,10 +94,8 @@ def dynamic(
     first = deviation(window_of_all, row.name, taus=taus, m=m, noise=noise)
     starts = np.arange(0, record.size - samples + 1, stride)
     if row.sliding and complete(record.values):
-        from allanite.kernels.allan import windowed
-
         angle = integrated(record, row.order)
-        sums = windowed(angle.pieces[0].x, first.m, first.count, row.order, stride)
+        sums = allan.windowed(angle.pieces[0].x, first.m, first.count, row.order, stride)
         variance = sums * (angle.scale**2 / (row.norm(first.m) * first.count * first.tau**2))
         shape = variance.shape
         means = WindowMeans(variance, np.broadcast_to(first.count, shape), np.broadcast_to(first.factor, shape))
@@ -128,8 +128,7 @@ def dynamic(
 def _samples(record: Record, window: float | None, step: float | None) -> tuple[int, int]:
     """Length of a window and of a step in samples."""
     for name, value in (("window", window), ("step", step)):
-        if value is not None and not (np.isfinite(value) and value > 0):
-            raise UsageError(f"the {name} must be a positive number of seconds, not {value!r}")
+        TIME.demand(value, f"the {name}")
     samples = record.size // 10 if window is None else round(window * record.rate)
     if not MIN_SAMPLES <= samples <= record.size:
         raise UsageError(

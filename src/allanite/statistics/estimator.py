@@ -10,6 +10,7 @@ from allanite.core.arrays import FloatArray, IntArray, stretches
 from allanite.core.errors import DataError, UsageError
 from allanite.core.kinds import KINDS
 from allanite.core.record import Record
+from allanite.kernels import allan
 from allanite.parallel.processes import spread
 from allanite.phrases.phrase import say, windowing
 
@@ -55,10 +56,8 @@ def integrated(record: Record, order: int) -> AngleRecord:
     if record.kind == "angle":
         pieces = [Piece(a, (values[a : a + n + 1] - values[a]).astype(np.float64)) for a, n in places]
     else:
-        from allanite.kernels.allan import integrate
-
         constant = record.constant if order > 1 else 0
-        pieces = [Piece(a, integrate(values[a : a + n], constant)) for a, n in places]
+        pieces = [Piece(a, allan.integrate(values[a : a + n], constant)) for a, n in places]
     return AngleRecord(tuple(pieces), record.size, angle_scale(record))
 
 
@@ -205,9 +204,9 @@ def bias_ratio(theo1: Statistic, angle: AngleRecord, divisor: int, threads: int 
                 least=3 * divisor - 1, size=angle.size)
         )  # fmt: skip
     i = np.arange(last + 1)
-    allan, theo = (windows(row, angle, m, threads) for row, m in ((OADEV, 9 + 3 * i), (theo1, 12 + 4 * i)))
-    both = (allan.number > 0) & (theo.number > 0)
+    known, wanted = (windows(row, angle, m, threads) for row, m in ((OADEV, 9 + 3 * i), (theo1, 12 + 4 * i)))
+    both = (known.number > 0) & (wanted.number > 0)
     if not both.any():
         raise DataError(say("the gaps leave no window of 12 samples for the bias ratio of TheoBR; use oadev"))
-    both &= theo.variance > 0
-    return float(np.mean(allan.variance[both] / theo.variance[both])) if both.any() else 1.0
+    both &= wanted.variance > 0
+    return float(np.mean(known.variance[both] / wanted.variance[both])) if both.any() else 1.0

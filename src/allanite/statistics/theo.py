@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from allanite.core.arrays import FloatArray, IntArray
+from allanite.core.arrays import FloatArray
+from allanite.kernels import allan, squared, summed
 from allanite.phrases.phrase import say
 from allanite.statistics.fast.theofft import split, theo1_sums
 from allanite.statistics.moments.windowed import harmonic, theo_response, white_ratio
@@ -106,13 +107,6 @@ THEOH = replace(
 )
 
 
-def _parabolic(x: FloatArray, m: IntArray) -> FloatArray:
-    from allanite.kernels.squared import overlapped
-    from allanite.kernels.summed import parabolic
-
-    return np.asarray(np.where(m == 1, overlapped(x, m, 2), parabolic(x, m)))
-
-
 def _parabolic_window(m: int) -> Window:
     if m == 1:
         return binomial_window(2)(1)
@@ -130,20 +124,9 @@ PDEV = Statistic(
     limits="White rate noise gives 6/5 of its Allan variance, other noise other ratios.",
     cost="About 4 ns per sample and tau; a copy of the record and segments of 16 tau.", order=2,
     norm=lambda m: np.where(m == 1, 2.0, np.asarray(m, dtype=np.float64) ** 4 / 72),
-    span=(2, 0), sums=_parabolic, pace=4.0, window=_parabolic_window, scheme=Scheme(leading=12),
+    span=(2, 0), sums=lambda x, m: np.where(m == 1, squared.overlapped(x, m, 2), summed.parabolic(x, m)),
+    pace=4.0, window=_parabolic_window, scheme=Scheme(leading=12),
 )  # fmt: skip
-
-
-def _first(x: FloatArray, m: IntArray) -> FloatArray:
-    from allanite.kernels.squared import overlapped
-
-    return overlapped(x, m, 1)
-
-
-def _largest(x: FloatArray, m: IntArray) -> FloatArray:
-    from allanite.kernels.allan import largest_range
-
-    return largest_range(x, m)  # type: ignore[no-any-return]
 
 
 TIERMS = Statistic(
@@ -154,7 +137,8 @@ TIERMS = Statistic(
     use="The heading error that an uncorrected gyro accumulates within tau.",
     limits="A constant rate contributes fully: remove a known bias from the record first.",
     cost="About 0.2 ns per sample and tau; one copy of the record.", order=1, norm=lambda m: np.ones(np.shape(m)),
-    span=(1, 0), sums=_first, pace=0.2, window=binomial_window(1), differences=1, power=1,
+    span=(1, 0), sums=lambda x, m: squared.overlapped(x, m, 1), pace=0.2, window=binomial_window(1), differences=1,
+    power=1,
 )  # fmt: skip
 
 MTIE = Statistic(
@@ -165,5 +149,6 @@ MTIE = Statistic(
     use="A bound for this record: the angle error over tau never exceeded it.",
     limits="A maximum: it grows with the length of the record and has no degrees of freedom; a single outlier "
     "determines it.", cost="15 ns per sample and tau; three copies of the record.", order=1,
-    norm=lambda m: np.ones(np.shape(m)), span=(1, 0), sums=_largest, pace=15.0, window=None, power=1, extreme=True,
+    norm=lambda m: np.ones(np.shape(m)), span=(1, 0), sums=lambda x, m: np.asarray(allan.largest_range(x, m)),
+    pace=15.0, window=None, power=1, extreme=True,
 )  # fmt: skip

@@ -5,30 +5,17 @@ from dataclasses import replace
 import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray
+from allanite.kernels import allan, squared, total
 from allanite.phrases.phrase import say
 
 from . import published
 from .row import PublishedBias, Scheme, Sharp, Statistic, Window, constant
 
 
-def _folded(x: FloatArray, m: IntArray) -> FloatArray:
-    from allanite.kernels.allan import folded
-
-    return folded(x, m)  # type: ignore[no-any-return]
-
-
-def _modified_total(x: FloatArray, m: IntArray) -> FloatArray:
-    from allanite.kernels.total import modified_total
-
-    return modified_total(x, m)  # type: ignore[no-any-return]
-
-
 def _hadamard_total(x: FloatArray, m: IntArray) -> FloatArray:
-    from allanite.kernels.squared import overlapped
-
-    sums = _modified_total(np.diff(x), m)
+    sums = total.modified_total(np.diff(x), m)
     # SP 1065: at m = 1 the overlapping Hadamard form, which has as many windows
-    return np.where(m == 1, overlapped(x, m, 3), sums)
+    return np.where(m == 1, squared.overlapped(x, m, 3), sums)
 
 
 def folding(m: int) -> FloatArray:
@@ -81,7 +68,8 @@ TOTDEV = Statistic(
     limits="Biased at long tau: low by up to a quarter (flicker) or 3/8 (random walk) of the variance at half the "
     "record, high by two thirds for quantization, which published tables omit. Not defined for a record with "
     "gaps.", cost="About 0.3 ns per sample and tau; two copies of the record.",
-    order=2, norm=constant(2.0), span=(0, 2), sums=_folded, pace=0.4, window=None, target="oadev", gaps=False,
+    order=2, norm=constant(2.0), span=(0, 2), sums=lambda x, m: np.asarray(allan.folded(x, m)), pace=0.4,
+    window=None, target="oadev", gaps=False,
     published=PublishedBias(
         reference="C. A. Greenhall, D. A. Howe & D. B. Percival, IEEE UFFC 46, 1999; NIST SP 1065 section 5.2.11",
         limits="tau up to half the record; not for angle noise, whose variance is high by 1.34 tau/T",
@@ -100,8 +88,8 @@ MTOTDEV = Statistic(
     limits="Biased low: by 0 to 32 % of the variance, depending on the noise (the factor is known exactly); by half at "
     "m = 1.",
     cost="30 ns per sample and tau, independent of m: running sums replace the 6m terms of a window; a copy of the "
-    "record.", order=2, norm=constant(2.0), span=(3, -1), sums=_modified_total, pace=40.0,
-    window=lambda m: (np.full(6 * m, 1 / (6 * m)), folding(m)), target="mdev",
+    "record.", order=2, norm=constant(2.0), span=(3, -1), sums=lambda x, m: np.asarray(total.modified_total(x, m)),
+    pace=40.0, window=lambda m: (np.full(6 * m, 1 / (6 * m)), folding(m)), target="mdev",
     published=PublishedBias(
         reference="D. A. Howe & F. Vernotte, PTTI 1999; NIST SP 1065 section 5.2.12",
         limits="one number for every m: at m = 1 the statistic is half its target for any noise, and beyond m = 8 the "

@@ -12,6 +12,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Curve, DerivedLaw, Law
@@ -23,6 +24,7 @@ from allanite.core.model import ModelLike, model_of
 from allanite.core.ranges import demand_band
 from allanite.core.record import SHORTEST
 from allanite.core.validity import Band
+from allanite.kernels import cosine, ladder
 
 from allanite.identification.likelihood.spectrum import (  # isort: skip
     ROUNDING_SHARE, SINGLE, BinnedSpectrum, edges_of, less_slope, transformed
@@ -45,10 +47,9 @@ if TYPE_CHECKING:
 
 def grid() -> tuple[IntArray, IntArray]:
     """Averaging factors over the stride of their windows, and the levels: strides are 2^level."""
-    from allanite.kernels.ladder import FIRST, LEVELS, OCTAVE
-
-    q = np.concatenate((np.arange(1, FIRST + 1), np.tile(np.arange(OCTAVE, FIRST + 1), LEVELS - 1)))
-    level = np.concatenate((np.zeros(FIRST, np.int64), np.repeat(np.arange(1, LEVELS), OCTAVE)))
+    first, levels, octave = ladder.FIRST, ladder.LEVELS, ladder.OCTAVE
+    q = np.concatenate((np.arange(1, first + 1), np.tile(np.arange(octave, first + 1), levels - 1)))
+    level = np.concatenate((np.zeros(first, np.int64), np.repeat(np.arange(1, levels), octave)))
     return q, level
 
 
@@ -128,23 +129,19 @@ class Ladder:
 
     def upper(self, term: NoiseTerm, mean: FloatArray) -> FloatArray:
         """Variance of the coefficients of the segments, shape (bins,)."""
-        from scipy.linalg import toeplitz
-
         upper = mean.copy()
         for k in np.unique(self.level[self.low :]):
             own, factor = coarser(term, 1 << int(k))
             here = self.level == k
             here[: self.low] = False
             rows = _rows(int(k))
-            C = toeplitz(second_difference(own, rows.shape[1]) / 2)
+            C = scipy.linalg.toeplitz(second_difference(own, rows.shape[1]) / 2)
             upper[here] = factor * ((rows @ C) * rows).sum(axis=1)[self.index[here]]
         return upper
 
 
 def _rows(level: int) -> FloatArray:
-    from allanite.kernels.ladder import BAND, HOP
-
-    return basis(HOP)[: BAND if level else None]
+    return basis(ladder.HOP)[: ladder.BAND if level else None]
 
 
 def coarser(term: NoiseTerm, width: int) -> tuple[NoiseTerm, float]:
@@ -156,10 +153,6 @@ def coarser(term: NoiseTerm, width: int) -> tuple[NoiseTerm, float]:
 
 def spectrum_of(stream: "Accumulator", *, detrend: bool) -> BinnedSpectrum:
     """Binned powers of a stream."""
-    from scipy.fft import dct
-
-    from allanite.kernels.cosine import binned
-
     cells = stream.sums.cells
     width, full = cells.size, np.flatnonzero(cells.count >= FULL * cells.size)
     y = cells.total[full] / cells.count[full] * width**0.5
@@ -173,32 +166,31 @@ def spectrum_of(stream: "Accumulator", *, detrend: bool) -> BinnedSpectrum:
     if above.size:
         edges = np.append(edges[edges < above[0]], above[0])
     low = edges.size - 1
-    power, peak, peak_at, even, odd = binned(dct(y, norm="ortho"), edges)
+    power, peak, peak_at, even, odd = cosine.binned(scipy.fft.dct(y, norm="ortho"), edges)
     none = np.zeros(above.size)
     power = np.concatenate((power, upper[2]))
     if not power.max() > 0:
         raise DataError(say("{channel!r} never changes: there is no noise to identify", channel=stream.like.name))
     first, count = (np.concatenate(each) for each in ((edges[:-1], above), (np.diff(edges), number)))
     at = np.zeros(low, np.int64)
-    ladder = Ladder(low, width, gaps, np.append(at, level), np.append(at, index),
-                    np.append(np.diff(edges).astype(np.float64), upper[5]))  # fmt: skip
+    segments = np.append(np.diff(edges).astype(np.float64), upper[5])
     whole = Gaps(n * width, gaps.at * width, gaps.lost * width, gaps.shut)
     return BinnedSpectrum(size=n * width, rate=stream.like.rate, first=first, count=count,
                           power=np.maximum(power, ROUNDING_SHARE * float(power.mean())), peak=np.append(peak, none),
                           peak_at=np.append(peak_at, above).astype(np.int64), even=np.append(even, none),
                           odd=np.append(odd, none), ramp=ramp * wide, slope=slope / wide, gaps=whole,
-                          unit_factor=stream.like.rate_factor, times=(places + 0.5) * width, pieces=ladder)  # fmt: skip
+                          unit_factor=stream.like.rate_factor, times=(places + 0.5) * width,
+                          pieces=Ladder(low, width, gaps, np.append(at, level), np.append(at, index),
+                                        segments))  # fmt: skip
 
 
 def _upper(stream: "Accumulator", n: int, slope: float) -> FloatArray:
     """The bins of the segments of a stream of n samples, ascending, without a ramp of `slope` per sample."""
     # rows: place in coefficients of the whole stream, their number, power, level, index there, segments
-    from allanite.kernels.ladder import BAND, UPPER
-
     state, bins = stream.sums.state, []
     for k in reversed(range(int(stream.sums.cells.size).bit_length() - 2)):
         rows, many = _rows(k), int(state.segments[k])
-        hop, base = rows.shape[1] // 2, UPPER + BAND * (k - 1) if k else 0
+        hop, base = rows.shape[1] // 2, ladder.UPPER + ladder.BAND * (k - 1) if k else 0
         edges = np.rint((hop // 8 + np.arange(len(rows) + 1)) * (n / (hop << k))).astype(np.int64)
         drift = (slope * 2.0 ** (1.5 * k) * (rows @ np.arange(2.0 * hop))) ** 2
         for j in range(len(rows) if many else 0):

@@ -3,16 +3,13 @@
 import math
 from dataclasses import dataclass, field
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray, stretches
+from allanite.kernels import ladder, streamed
 from allanite.statistics.row import Statistic
-
-if TYPE_CHECKING:
-    from allanite.kernels.ladder import State
 
 MOST = 512  # number of cells, an even one
 
@@ -34,13 +31,11 @@ class Cells:
 
     def add(self, values: FloatArray, constant: float, place: int) -> None:
         """Add finite samples, less a constant, the first of which is sample `place` of the stream."""
-        from allanite.kernels.streamed import gathered
-
         if not self.count.any():
             self.first = place // self.size
         while (place + values.size - 1) // self.size - self.first >= MOST:
             self.halve()
-        gathered(self.total, self.count, values, constant, (self.size, place - self.first * self.size))
+        streamed.gathered(self.total, self.count, values, constant, (self.size, place - self.first * self.size))
 
     def halve(self) -> None:
         """Make the cells twice as long."""
@@ -111,11 +106,9 @@ class Sums:
     """The sums of the differences of a statistic over samples `begins` .. `stop` of a stream."""
 
     def __init__(self, row: Statistic, start: int) -> None:
-        from allanite.kernels.ladder import HOP
-
         self.row = row
         self.state = self._empty()
-        self.shape = row.differences, folded(HOP)
+        self.shape = row.differences, folded(ladder.HOP)
         self.cells = Cells()  # sums over longer times that the coefficients need
         self.start = self.begins = self.stop = start
         self.size = 0  # number of samples without missing ones
@@ -140,8 +133,6 @@ class Sums:
 
     def merge(self, other: "Sums") -> None:
         """Add those of a later part of the stream, which are changed."""
-        from allanite.kernels.streamed import apart, join
-
         if other.size:
             end = int(self.state.at[0]) - self.row.summed  # after the last sample that is not missing
             joined = other.begins == (end if self.size else self.start)
@@ -153,17 +144,15 @@ class Sums:
             else:
                 other._less(self.constant)
                 if joined:
-                    join(self.state, other.state, self.shape)
+                    streamed.join(self.state, other.state, self.shape)
                 else:
-                    apart(self.state, other.state)
+                    streamed.apart(self.state, other.state)
                 self.cells.merge(other.cells)
             self.size += other.size
         self.stop = other.stop
 
     def _add(self, values: FloatArray) -> bool:
         """Add samples, if all of them are finite."""
-        from allanite.kernels.streamed import broken, push
-
         place, first = self.stop + self.row.summed, float(values[0])
         if not self.size:
             if not math.isfinite(first):
@@ -174,39 +163,33 @@ class Sums:
             if self.led:
                 self._lead(self.state, first)
         elif self.state.at[0] != place:
-            broken(self.state, place)
+            streamed.broken(self.state, place)
             self._lead(self.state, first)
-        if not push(self.state, values, self.constant, self.shape):
+        if not streamed.push(self.state, values, self.constant, self.shape):
             return False
         self.cells.add(values, self.constant, self.stop)
         self.size += values.size
         self.stop += values.size
         return True
 
-    def _lead(self, state: "State", value: float) -> None:
+    def _lead(self, state: "ladder.State", value: float) -> None:
         """Put a value before the next sample: the sum of the angle has one point more than the angle."""
         # That sample is missing, or before the record. No difference depends on the value.
-        from allanite.kernels.streamed import push
-
         if self.row.summed:
             state.at[0] -= 1
-            push(state, np.array([value]), self.constant, self.shape)
+            streamed.push(state, np.array([value]), self.constant, self.shape)
 
     def _led(self) -> None:
         """Put a value before the first sample, where what came before it is known to be missing."""
-        from allanite.kernels.streamed import join
-
         if self.row.summed:
             state = self._empty()
             state.at[0] = self.begins + 1
             self._lead(state, float(self.state.head[0, 0, 0]) + self.constant)
-            join(state, self.state, self.shape)
+            streamed.join(state, self.state, self.shape)
             self.state, self.led = state, True
 
-    def _empty(self) -> "State":
-        from allanite.kernels.ladder import empty
-
-        return empty(2 if self.row.summed else 1, TAIL[self.row.differences])
+    def _empty(self) -> "ladder.State":
+        return ladder.empty(2 if self.row.summed else 1, TAIL[self.row.differences])
 
     def _less(self, constant: float) -> None:
         """Count from another constant."""

@@ -1,5 +1,6 @@
 """The result of a job over the channels of a recording, and where its numbers come from."""
 
+import platform
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, ClassVar, Generic, Self, TypeVar, get_args
@@ -16,8 +17,6 @@ from .recipe import IDENTIFYING, READING, SELECTING, Recipe
 
 def provenance_of(*recordings: Recording) -> dict[str, str]:
     """Version and input files, for reproducing the result."""
-    import platform
-
     made = {"allanite": __version__, "python": platform.python_version()}
     return made | joined([{"source": recording.source, "sha256": recording.digest} for recording in recordings])
 
@@ -89,11 +88,8 @@ class Job(Value, Generic[Result]):
     def rejected(self) -> tuple[str, ...]:
         """Names of the channels without a result, or whose noise no model explains."""
         pairs = zip(self._names, self.channels, strict=True)
-        return tuple(name for name, channel in pairs if channel.refusal or not self._explained(channel))  # type: ignore[attr-defined]
-
-    def _explained(self, channel: Any) -> bool:
-        """Whether no model is known to be inadequate for the noise of a channel, if it was identified."""
-        return channel.noise is None or bool(channel.noise.explained)
+        rejected = (name for name, c in pairs if c.refusal or (c.noise is not None and not c.noise.explained))  # type: ignore[attr-defined]
+        return tuple(rejected)
 
     def choices(self) -> dict[str, Any]:
         """The recipe that was actually used, as plain data."""

@@ -1,7 +1,6 @@
 """The noise of a channel, identified in the same way for every job, and whether the model explains the record."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -116,7 +115,9 @@ def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
         shaped = [e for e in fit or () if e.claimed and e.shape]
         if fit is None or fit.goodness is None or not fit.goodness.explained or len(shaped) < len(more):
             continue
-        if any(_broadens(e.shape, line.frequency) for e in shaped for line in noise.fit.lines):
+        # a sinusoid that was removed already, broadened: vibration, no noise of the sensor
+        oscillations = [e.shape for e in shaped if len(e.shape) == 2]
+        if any(abs(f - line.frequency) < 3 * damping * f for f, damping in oscillations for line in noise.fit.lines):
             continue
         named = ",".join([*(e.symbol for e in fit if e.claimed and not e.shape), *more])
         better = noise_of(record, recipe, terms=named)
@@ -144,11 +145,6 @@ def without_lines(record: Record, fit: Fit) -> Record:
         assert wave is not None  # noqa: S101 - a sinusoid has one
         rates = rates - line.amplitude * wave(record.size)
     return Record(rates, record.rate, record.signal.unit, record.signal.kind, name=record.name)
-
-
-def _broadens(shape: Sequence[float], line: float) -> bool:
-    """Whether an oscillation is a sinusoid that was removed already, broadened: vibration, no noise of the sensor."""
-    return len(shape) == 2 and abs(shape[0] - line) < 3 * shape[1] * shape[0]  # natural frequency, damping ratio
 
 
 def noise_in(seen: Inspected, recipe: Recipe) -> Noise:

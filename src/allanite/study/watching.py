@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 
 from allanite.core.choices import choices_of, described
@@ -18,7 +18,7 @@ from allanite.prepare.quality import checked
 from allanite.prepare.readings import clipped, outliers, stuck
 from allanite.prepare.transform import mark_motion, motion, motion_found
 from allanite.readers import read
-from allanite.readers.live import WAIT, BreakError, Feed, opened
+from allanite.readers.live import BreakError, Feed, arrivals, opened
 from allanite.readers.parts import allowed, needed, size_in_words
 from allanite.readers.sandbox.source import digest_of
 from allanite.readers.spool import TAIL, Spool
@@ -88,7 +88,6 @@ class Watch:
     findings: dict[str, Finding] = field(default_factory=dict)
     spool: Spool | None = None
     passing: Passing | None = None
-    full: bool = False
     _said: dict[tuple[str, str], float] = field(default_factory=dict)
     _rate: float = 0.0
     _stamped: bool = False
@@ -97,7 +96,6 @@ class Watch:
     _many: dict[str, int] = field(default_factory=dict)  # times that something happened to the source
     _unread: bool = False
     _in_memory: bool = False  # whatever it takes, since it cannot be read in parts
-    _begun: float = field(default_factory=time.monotonic)
 
     def __post_init__(self) -> None:
         recipe = self.recipe = replace(self.recipe, motion=self.recipe.motion or "mark")
@@ -120,59 +118,27 @@ class Watch:
         except UsageError:
             tap.close()
             raise
-        feed, every = Feed(tap), self.settings.every
+        feed, every, now = Feed(tap), self.settings.every, time.monotonic()
+        tasks = (Task(self._look, *LOOKS, now),
+                 Task(self._news, *(REPORTS if every is None else (every, every)), now))  # fmt: skip
         yield say("watching {target!r}", target=self.target)
-        self._begun = last = time.monotonic()
-        tasks = (Task(self._look, *LOOKS, last),
-                 Task(self._news, *(REPORTS if every is None else (every, every)), last))  # fmt: skip
-        try:
-            while not self.stopped():
-                data, what = b"", None
-                try:
-                    data = feed.take(WAIT)
-                except BreakError as error:
-                    what = error
-                now = time.monotonic()
-                last = now if data or (what and what.kind == "back") else last
-                yield from self._keep([data]) if what is None else self._broken(what)
-                if self._over(last):
+        with closing(arrivals(feed, self.settings.duration, self.settings.idle, self.stopped)) as stream:
+            for pieces, over in stream:
+                for piece in pieces:
+                    yield from self._broken(piece) if isinstance(piece, BreakError) else ()
+                if full := spool.keep(pieces, last=over):
+                    remedy = say("free some space, or keep the lines on another disk ({option})",
+                                 option=spelled("--record PATH", "record="))  # fmt: skip
+                    self.findings["disk"] = Finding("disk", full, remedy=remedy)
+                    yield str(self.findings["disk"])
                     break
-                for task in tasks:
+                now = time.monotonic()
+                for task in () if over else tasks:
                     if task.due(now, spool.rows):
                         yield from task.work()
                         task.done(now, time.monotonic(), spool.rows)
-        finally:
-            rest = feed.close()
-        yield from self._keep(rest, last=True)
         self._unread = True  # the analysis of all rows says it, if it is so
         yield from self._look()
-
-    def _over(self, last: float) -> bool:
-        """Whether it is ended: by hand, by the time that was asked for, or by nothing that has come since `last`."""
-        now = time.monotonic()
-        late = now - self._begun >= self.settings.duration or now - last >= self.settings.idle
-        return late or self.full or self.stopped()
-
-    def _keep(self, parts: Sequence[bytes | BreakError], *, lost: int = 0, last: bool = False) -> Iterator[str]:
-        """Keep what came; where the disk is full, the stream ends."""
-        if self.spool is None or self.full:
-            return
-        try:
-            for data in parts:
-                if isinstance(data, BreakError):
-                    self.spool.torn(lost)
-                else:
-                    self.spool.add(data)
-            if last:
-                self.spool.finish()
-        except OSError as error:
-            self.full = True
-            what = say("{path!r} takes no more lines ({reason}); the stream ends here", path=self.spool.path,
-                       reason=error.strerror or str(error))  # fmt: skip
-            remedy = say("free some space, or keep the lines on another disk ({option})",
-                         option=spelled("--record PATH", "record="))  # fmt: skip
-            self.findings["disk"] = Finding("disk", what, remedy=remedy)
-            yield str(self.findings["disk"])
 
     def _news(self) -> Iterator[str]:
         """A report, and before the first one of sums what they are."""
@@ -280,7 +246,8 @@ class Watch:
             return analyze(spool, self.recipe)
         except DataError as error:
             self.passing = None
-            return spool.mend(error, lambda path: analyze(path, self.recipe))
+            with spool.mended(error) as path:
+                return analyze(path, self.recipe)
 
     def _look(self) -> Iterator[str]:
         """Look at the last minute as at a record of its own, and say what is new."""
@@ -304,23 +271,22 @@ class Watch:
 
     def _recent(self) -> Recording:
         assert self.spool is not None  # noqa: S101 - it is made before anything is looked at
-        text, before = self.spool.tail(round(RECENT * self._rate) or TAIL)
         try:
-            recording = self._read(text)
+            recording, before = self._read(self.spool)
         except DataError as error:
-            if (mended := self.spool.mended(text)) == text:
-                raise
-            recording, self.passing = self.spool.mend(error, lambda _: self._read(mended)), None
+            with self.spool.mended(error):
+                recording, before = self._read(self.spool, mended=True)
+            self.passing = None
         if not self._rate:
             demand_shown(self.recipe, (record.signal for record in recording))
         self._rate, self._stamped = recording[0].rate, recording[0].start is not None
         placed = tuple(replace(record, cut=before / record.rate) for record in recording)
         return replace(recording, records=placed)
 
-    def _read(self, text: bytes) -> Recording:
-        assert self.spool is not None  # noqa: S101 - it is made before anything is looked at
-        with self.spool.beside(text) as path:
-            return read(path, **self.recipe.to_dict(READING))
+    def _read(self, spool: Spool, *, mended: bool = False) -> tuple[Recording, int]:
+        """The last minute, and how many rows are before it."""
+        with spool.recent(round(RECENT * self._rate) or TAIL, mended=mended) as (path, before):
+            return read(path, **self.recipe.to_dict(READING)), before
 
     def _new(self, channel: str, findings: Sequence[Finding]) -> Iterator[str]:
         """Sentences about findings that begin after those that were said."""
@@ -338,20 +304,21 @@ class Watch:
         """What happened to the source; the time without one that is gone is a gap, unless it is a file."""
         assert self.spool is not None  # noqa: S101 - it is made before
         times = self._many[what.kind] = self._many.get(what.kind, 0) + 1
-        now, target, lost = time.monotonic(), self.target, 0
+        now, target = time.monotonic(), self.target
         if what.kind == "gone":
             self._gone_at = now
         if what.kind == "back" and self.spool.sent:
             with suppress(AllaniteError):
                 self._rate or self._recent()
             what.lost = round((now - self._gone_at) * self._rate)
-            lost = 0 if self._stamped else what.lost  # time stamps tell it themselves
         if words := what.words(target):
             yield words
+        if self._stamped:
+            what.lost = 0  # time stamps tell it themselves
         many = {"gone": ("unplugged", say("{target!r} was gone {times} times", target=target, times=times)),
-                "rotated": ("rotated", say("{target!r} became shorter or was replaced {times} times; the rows were "
-                                           "joined", target=target, times=times))}  # fmt: skip
+                "rotated": ("rotated", say("{target!r} became shorter or was replaced {times} times; rows without "
+                                           "time stamps were joined without a gap", target=target, times=times)),
+                }  # fmt: skip
         if what.kind in many:
             name, again = many[what.kind]
             self.findings[name] = Finding(name, words if times == 1 else again)
-        yield from self._keep([what], lost=lost)

@@ -12,6 +12,7 @@ from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.kinds import KIND_WORDS, KINDS
 from allanite.core.model import Model, Term, coefficient_factor
+from allanite.core.record import Record
 from allanite.core.units import SIGNALS
 from allanite.exporting.choice import POLICIES
 from allanite.exporting.exports import EXPORTS
@@ -25,7 +26,7 @@ from allanite.reporting.figures.panels import CurvePanel, points
 from allanite.reporting.html import pieces
 from allanite.reporting.language import LANGUAGES, speaking, tr
 from allanite.reporting.views import level_of, view_of
-from allanite.statistics import STATISTICS
+from allanite.statistics import STATISTICS, deviation
 from allanite.study.recipe import Recipe
 from allanite.terms import TERMS
 
@@ -115,9 +116,6 @@ def curve_of(value: Any, channel: str, statistic: str) -> tuple[Curve, Any]:
     for curve in curves:
         if curve.statistic == statistic:
             return curve, fit
-    from allanite.core.record import Record
-    from allanite.statistics import deviation
-
     if not isinstance(result.record, Record):
         raise UsageError(f"the samples of {channel!r} are not in memory: compute {statistic!r} as a job of its own")
     return deviation(result.record, statistic, taus="log", noise=fit or "auto"), fit

@@ -22,6 +22,7 @@ from allanite.core.names import demand_name
 from allanite.core.syntax import toml
 
 from . import trace
+from .faces import EXAMPLES, simulation, tables
 from .jobs import Jobs
 from .requests import problem_of
 from .schema import ExampleBody, ExportBody, JobBody, Lang, PathBody, RefitBody, faults, fitting
@@ -140,8 +141,6 @@ def answered(request: Request, error: Exception) -> JSONResponse:
 
 def menus(request: Request, lang: Lang = "") -> dict[str, Any]:
     """The menus, and what the page opens with."""
-    from .faces import tables
-
     first, store = request.app.state.first, request.app.state.store
     return tables(lang or first["lang"]) | {"first": first | {"notes": store.notes, "aside": store.aside()}}
 
@@ -229,8 +228,6 @@ def open_file(store: Store, workspace: str, path: str) -> dict[str, Any]:
 
 async def example(request: Request, name: str) -> dict[str, Any]:
     """Simulate a recording to play with."""
-    from .faces import EXAMPLES, simulation
-
     which = (await body_of(request, ExampleBody)).name or next(iter(EXAMPLES))
     demand_name("example", which, EXAMPLES)
     store, jobs = request.app.state.store, request.app.state.jobs

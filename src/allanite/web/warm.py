@@ -6,12 +6,9 @@ It starts no thread and compiles nothing, so that the process can be forked safe
 from importlib import import_module
 
 import allanite.cli
-import allanite.exporting.export
 import allanite.kernels.ahead
 import allanite.reporting.html
-import allanite.reporting.json
 import allanite.reporting.views.analysis
-import allanite.study.analysis
 import allanite.web.worker
 from allanite.cli import VERBS, main
 from allanite.parallel.processors import IDENTIFICATION

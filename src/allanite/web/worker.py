@@ -18,15 +18,22 @@ from allanite.core.choices import choices_of, read_given
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.files import reason
 from allanite.core.record import Recording
+from allanite.exporting.export import exported, prepared
+from allanite.exporting.fields import How
+from allanite.exporting.imported import models_of
 from allanite.parallel.processes import ANSWER
 from allanite.parallel.processors import IDENTIFICATION, PREPARING, imported, importing, processes
 from allanite.phrases.phrase import command_line
 from allanite.reporting.figures.panels import panels_of
+from allanite.reporting.json import to_json
 from allanite.reporting.language import speaking
+from allanite.reporting.style import DARK
 from allanite.statistics import deviation as deviation_of
+from allanite.study.analysis import refitted
 from allanite.study.channels import whole_recording
 from allanite.study.parts import in_parts
 from allanite.study.recipe import READING, Recipe
+from allanite.study.results import Study
 
 from . import faces, trace
 from .requests import PROBLEM, Request, problem_of
@@ -148,8 +155,6 @@ def run(
     kept: tuple[dict[str, tuple[str, str, str]], float, int],  # id, folder and name of each path; bytes left; quota
 ) -> Answer:  # fmt: skip
     """Do a job; its result as JSON, and as it is shown."""
-    from allanite.reporting.json import to_json
-
     (held.files, held.room, held.quota), held.lang = kept, lang
     request = Request.of(verb, choices)
     with processes(None), importing(IDENTIFICATION, kernels=True):
@@ -191,9 +196,6 @@ def deviation(held: Held, job: str, channel: str, statistic: str, lang: str) -> 
 
 def refit(held: Held, job: str, *, channel: str, choices: dict[str, Any], statistics: list[str], lang: str) -> Answer:
     """A channel with other terms or another band, and its curves."""
-    from allanite.study.analysis import refitted
-    from allanite.study.results import Study
-
     value, _ = held.values[job]
     if not isinstance(value, Study):
         raise UsageError("only the result of analyze has a fit that can be changed: run analyze first")
@@ -211,10 +213,6 @@ def refit(held: Held, job: str, *, channel: str, choices: dict[str, Any], statis
 def export(held: Held, job: str, *, channels: list[str], target: str, choices: dict[str, Any], form: str,
            models: list[str], lang: str) -> Answer:  # fmt: skip
     """The file of a target, for the channels of a study and the noise of other sensors."""
-    from allanite.exporting.export import exported, prepared
-    from allanite.exporting.fields import How
-    from allanite.exporting.imported import models_of
-
     value, _ = held.values[job]
     how = How(**read_given(choices_of(How), choices))
     row, suffix = prepared(target, how, form)
@@ -242,8 +240,6 @@ def save(held: Held, job: str, form: str, lang: str, dark: bool = False) -> Answ
     name, path, _ = FORMS[form]
     data = rendered(value, name, path, lang, shown)
     if dark and isinstance(data, bytes):
-        from allanite.reporting.style import DARK
-
         colors = {light.encode(): other.encode() for light, other in DARK.items()}
         data = _HEX.sub(lambda found: colors.get(found[0].lower(), found[0]), data)
     return {"data": data.encode("utf-8", "backslashreplace") if isinstance(data, str) else data}

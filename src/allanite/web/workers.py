@@ -12,6 +12,7 @@ from allanite.parallel.processes import EndedError, Process, Tell, ready_context
 from allanite.phrases.phrase import spelled
 
 from .requests import PROBLEM
+from .worker import main
 
 MAX_PROCESSES = 4  # processes at once, unless more are busy
 
@@ -48,9 +49,7 @@ class Worker:
             if self.closed or ended():
                 raise DataError("cancelled")
             if self.process is None or not self.process.alive:
-                from . import worker
-
-                self.process = Process(ready_context("allanite.web.warm"), worker.main)
+                self.process = Process(ready_context("allanite.web.warm"), main)
             process = self.process
         try:
             return dict(process.request((task, arguments), report))

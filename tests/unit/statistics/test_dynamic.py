@@ -129,8 +129,8 @@ def test_what_is_refused_and_that_threads_give_the_same_numbers():
     for options, words in [
         ({"window": 51.0}, "50 s long"),
         ({"window": 0.5}, "8 samples is 0.8 s"),
-        ({"window": -1.0}, "positive number of seconds"),
-        ({"step": 0.0}, "positive number of seconds"),
+        ({"window": -1.0}, "the window must be between"),
+        ({"step": 0.0}, "the step must be between"),
         ({"window": 10.0, "taus": [6.0]}, "up to 5 s for a record of 10 s"),
         ({"window": 10.0, "statistic": "nadev"}, "did you mean adev"),
     ]:

@@ -4,8 +4,7 @@ import numpy as np
 from numba import njit
 from tests.rows import paired, rows
 
-from allanite.kernels import total
-from allanite.kernels.total import SHORT, modified_total
+from allanite.kernels.total import SHORT, modified_total, one_by_one as part
 
 N = 3000
 
@@ -13,7 +12,7 @@ N = 3000
 @njit
 def one_by_one(x, m):
     """The part of that name, which has no wrapper for Python."""
-    return total.one_by_one(x, m)
+    return part(x, m)
 
 
 def angle(kind, seed=1):

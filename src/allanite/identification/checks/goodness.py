@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray, stretches
 from allanite.core.fit import MIN_P, Fit, Goodness, Line
@@ -109,14 +110,12 @@ def goodness(
     # take of them, `lost`, and a half. `power`, `m` and `count` are observed and expected power and the count of the
     # bins `used`, given the loose directions. In bins that are `loud` with the peaks of vibration no narrow peaks are
     # looked for; `taken` are sinusoids removed before.
-    from scipy.special import chdtrc
-
     cell, bounds = cells_of(spectrum, used)
     edges = spectrum.frequency(bounds)
     nu, total = (np.bincount(cell, w, edges.size - 1).astype(np.float64) for w in (count, count * power / m))
     filled = nu > 0
     z = _normal(total[filled], nu[filled])
-    p = float(chdtrc(max(float(filled.sum()) - lost - 0.5, 1.0), (z**2).sum()))
+    p = float(scipy.special.chdtrc(max(float(filled.sum()) - lost - 0.5, 1.0), (z**2).sum()))
     ratio = total[filled] / nu[filled]
     bounds = np.append(edges[:-1][filled], edges[-1])
     reasons = [*_lines(spectrum, used, np.where(loud, np.inf, m), power)]
@@ -136,11 +135,9 @@ def goodness(
 
 def _normal(total: FloatArray, nu: FloatArray) -> FloatArray:
     """Chi-square values as standard normal deviates; by Wilson and Hilferty if the tail underflows."""
-    from scipy.special import gammainc, gammaincc, ndtri
-
-    low, high = gammainc(nu / 2, total / 2), gammaincc(nu / 2, total / 2)
+    low, high = scipy.special.gammainc(nu / 2, total / 2), scipy.special.gammaincc(nu / 2, total / 2)
     with np.errstate(divide="ignore"):
-        z = np.where(low < high, ndtri(low), -ndtri(high))
+        z = np.where(low < high, scipy.special.ndtri(low), -scipy.special.ndtri(high))
     # under a model far from the record a total can come out negative: its cube root says so
     cube = (np.cbrt(total / nu) - (1 - 2 / (9 * nu))) / np.sqrt(2 / (9 * nu))
     return np.where(np.isfinite(z), z, cube)
@@ -148,12 +145,10 @@ def _normal(total: FloatArray, nu: FloatArray) -> FloatArray:
 
 def _lines(spectrum: BinnedSpectrum, used: BoolArray, m: FloatArray, rest: FloatArray) -> list[str]:
     """Coefficients that exceed their neighbourhood, in a sentence; `rest` is the power without loose directions."""
-    from scipy.special import ndtri
-
     power, count = spectrum.power[used], spectrum.count[used]
     peak = np.where(count == 1, rest, spectrum.peak[used])
     around = np.median(surroundings(power), axis=1)
-    threshold = float(ndtri(0.5 * FALSE_PEAK / count.sum())) ** 2
+    threshold = float(scipy.special.ndtri(0.5 * FALSE_PEAK / count.sum())) ** 2
     standing_out = peak > threshold * np.maximum(around, m)
     if not standing_out.any():
         return []

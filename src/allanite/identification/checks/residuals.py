@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from allanite.core.aliases import public
@@ -66,8 +67,6 @@ class Jumps:
 def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
     """The windows that detect jumps best in a whitened series; None if it is too short, or the shortest are best."""
     # The shortest windows detect outliers and heavy tails of single samples best, not lasting jumps.
-    from scipy.fft import dct, idct
-
     block = max(FINEST_BLOCK, -(-u.size // MAX_BLOCKS))
     blocks = easy_size(u.size // block)
     if blocks < FEWEST_BLOCKS:
@@ -77,10 +76,10 @@ def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
         np.float64
     )
     k, deviation = deviations(model, whole(u.size), rate)
-    c = dct(means, norm="ortho", overwrite_x=True)
+    c = scipy.fft.dct(means, norm="ortho", overwrite_x=True)
     c[0] = 0.0
     c[1:] *= np.interp(np.arange(1, blocks), k, 1 / deviation)
-    total = np.concatenate(([0.0], np.cumsum(block * idct(c, norm="ortho", overwrite_x=True))))
+    total = np.concatenate(([0.0], np.cumsum(block * scipy.fft.idct(c, norm="ortho", overwrite_x=True))))
     count = int(math.log(blocks * LONGEST_WINDOW / SHORTEST_WINDOW, WINDOW_GROWTH)) + 1
     lengths = [round(SHORTEST_WINDOW * WINDOW_GROWTH**i) for i in range(count)]
     chances = 2 * sum(blocks / length for length in lengths)
@@ -240,8 +239,6 @@ def checked(u: NDArray[np.float32], record: Record, fit: Fit, outliers: str) -> 
 
 def _checks(u: NDArray[np.float32], parts: IntArray) -> tuple[tuple[Check, ...], FloatArray, FloatArray, FloatArray]:
     """The checks, the autocorrelation, and the power of each part with the standard error of its RMS."""
-    from scipy.special import chdtrc
-
     count = np.diff(parts)
     sums = np.array([_sums(u, a, b) for a, b in pairwise(parts.tolist())])
     power, fourth = sums[:, 0] / count, sums[:, 1] / count
@@ -250,7 +247,7 @@ def _checks(u: NDArray[np.float32], parts: IntArray) -> tuple[tuple[Check, ...],
     spread = (fourth / power**2 - 1) * (1 + 2 * float(correlation @ correlation))
     # sum of squared autocorrelations: chi-square, as the terms are fitted to far more frequencies than 20 lags
     h, size = np.arange(1, LAGS + 1), u.size
-    box = float(chdtrc(LAGS, float(size * (size + 2.0) * (correlation**2 / (size - h)).sum())))
+    box = float(scipy.special.chdtrc(LAGS, float(size * (size + 2.0) * (correlation**2 / (size - h)).sum())))
     largest = float(correlation[np.abs(correlation).argmax()])
     # mean fourth power over squared power, part by part, so that a changing level makes no tails
     n = int(count.sum())
@@ -293,21 +290,17 @@ def _sums(u: NDArray[np.float32], first: int, last: int) -> list[float]:
 
 def _two_sided(z: float) -> float:
     """Two-sided p-value of a standard normal deviate."""
-    from scipy.special import erfc
-
-    return float(erfc(abs(z) / math.sqrt(2)))
+    return float(scipy.special.erfc(abs(z) / math.sqrt(2)))
 
 
 def _stationarity(power: FloatArray, spread: FloatArray, count: IntArray) -> tuple[Check, Check]:
     """The power of the halves, and of the eighths."""
-    from scipy.special import chdtrc
-
     half, scatter = PARTS // 2, float(np.mean(spread))
     first, second = (float(np.average(power[p], weights=count[p])) for p in (slice(half), slice(half, None)))
     p = _two_sided(math.log(second / first) / math.sqrt(scatter * 4 / float(count.sum())))
     logs = np.log(power)
     largest = math.sqrt(float(power.max() / power.min()))
-    chance = float(chdtrc(PARTS - 1, float((np.square(logs - logs.mean()) * count).sum() / np.mean(spread))))
+    chance = float(scipy.special.chdtrc(PARTS - 1, float((np.square(logs - logs.mean()) * count).sum() / scatter)))
     return (
         Check(
             "halves", say("RMS of the halves"), math.sqrt(second / first), p, say("second over first (stationarity)")
@@ -318,12 +311,10 @@ def _stationarity(power: FloatArray, spread: FloatArray, count: IntArray) -> tup
 
 def _quantiles(u: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
     """Normal quantiles and those of a sample of the residuals, denser in the tails."""
-    from scipy.special import ndtr
-
     part = np.sort(u[:: max(1, u.size // QUANTILES)]).astype(np.float64)
     reach = 4.2
     expected = np.linspace(-reach, reach, 201)
-    share = ndtr(expected)
+    share = scipy.special.ndtr(expected)
     held = (share * part.size > 0.5) & ((1 - share) * part.size > 0.5)
     at = np.clip((share[held] * part.size - 0.5).round().astype(np.int64), 0, part.size - 1)
     return expected[held], part[at]

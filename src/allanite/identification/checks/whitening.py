@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from allanite.core.aliases import public
@@ -66,8 +67,6 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
     >>> bool(abs(u.std() - 1) < 0.02)
     True
     """
-    from scipy.fft import dct, idct, next_fast_len
-
     model = model_of(model)
     if model.signal is not record.signal:
         raise UsageError(f"a model of a {model.signal.name} does not apply to a {record.signal.name}")
@@ -84,11 +83,11 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
     # slow noise exceeds fast noise by a few thousand at most: single precision halves time and memory
     size, n = float(max(y.max(), -y.min())) or 1.0, y.size
     # reflected at the end, as the transform supposes it to go on, up to a size whose transform is fast
-    c = np.empty(n if n < SHORT_TRANSFORM else next_fast_len(n), np.float32)
+    c = np.empty(n if n < SHORT_TRANSFORM else scipy.fft.next_fast_len(n), np.float32)
     np.divide(y, size, out=c[:n], casting="same_kind")
     c[n:] = c[:n][::-1][: c.size - n]
     del y
-    c = dct(c, norm="ortho", overwrite_x=True)
+    c = scipy.fft.dct(c, norm="ortho", overwrite_x=True)
     at, deviation = deviations(model, replace(gaps, size=c.size), record.rate)
     if scope is None or scope.whole:
         _divide(c, at, deviation, unit * size)
@@ -104,9 +103,9 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
                 count = np.diff(np.append(starts, b))
                 power = np.add.reduceat(np.square(c[a:b], dtype=np.float64), starts - a) / count
                 c[a:b] /= np.repeat(np.sqrt(np.maximum(power, np.finfo(np.float32).tiny)), count).astype(np.float32)
-    u = idct(c, norm="ortho", overwrite_x=True)[:n]
+    u = scipy.fft.idct(c, norm="ortho", overwrite_x=True)[:n]
     for few in range(1, 17):  # the plans that scipy keeps: that of a long record is as large as the record
-        dct(np.zeros(few, np.float32))
+        scipy.fft.dct(np.zeros(few, np.float32))
     if kept is None:
         return np.asarray(u)
     everywhere = np.full(record.size, np.nan, dtype=np.float32)

@@ -5,6 +5,7 @@ from functools import cached_property
 from math import inf, isfinite, sqrt
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray
 from allanite.core.limits import quantile
@@ -41,8 +42,6 @@ class RatioLimits(Portable):
 
     def cost(self, theta: FloatArray) -> tuple[float, FloatArray]:
         """-2 log likelihood and its derivatives, shape (t,)."""
-        from scipy.linalg.lapack import dpotrf, dpotri
-
         k, t = self.columns.shape
         products = self.products.reshape(k * k, t * t)
         covariance = (products @ np.outer(theta, theta).ravel()).reshape(k, k)
@@ -51,10 +50,10 @@ class RatioLimits(Portable):
             return IMPOSSIBLE, np.zeros(t)
         root, expected = np.sqrt(scatter), self.columns @ theta
         units = np.outer(root, root)
-        triangle, failed = dpotrf(covariance / units, lower=1)
+        triangle, failed = scipy.linalg.lapack.dpotrf(covariance / units, lower=1)
         if failed:
             return IMPOSSIBLE, np.zeros(t)
-        inverse = np.tril(dpotri(triangle, lower=1)[0])
+        inverse = np.tril(scipy.linalg.lapack.dpotri(triangle, lower=1)[0])
         inverse += np.tril(inverse, -1).T
         spread, cube = root / (3 * expected), np.cbrt(self.variance / expected)
         z = (cube - 1) / spread + spread
@@ -70,8 +69,6 @@ class RatioLimits(Portable):
 
     def least(self, theta: FloatArray, fixed: int | None = None) -> tuple[FloatArray, float]:
         """Squares that minimize the cost, from where to begin, and the minimum; one of them may be fixed."""
-        from scipy.optimize import minimize
-
         free = np.isfinite(self.error)
         if fixed is not None:
             free[fixed] = False
@@ -85,7 +82,8 @@ class RatioLimits(Portable):
             value, slopes = self.cost(theta)
             return value, slopes[free] * unit
 
-        least = minimize(cost, theta[free] / unit, jac=True, method="L-BFGS-B", bounds=[(0, None)] * unit.size)
+        bounds = [(0, None)] * unit.size
+        least = scipy.optimize.minimize(cost, theta[free] / unit, jac=True, method="L-BFGS-B", bounds=bounds)
         theta[free] = least.x * unit
         return theta, float(least.fun)
 
@@ -103,8 +101,6 @@ class RatioLimits(Portable):
 
     def crossing(self, which: int, deviate: float) -> float:
         """Where the signed root of the ratio of a coefficient, the others profiled, is a deviate."""
-        from scipy.optimize import brentq
-
         sign, error = 1 if deviate > 0 else -1, float(self.error[which])
         if not isfinite(error):
             return inf if sign > 0 else 0.0
@@ -117,7 +113,7 @@ class RatioLimits(Portable):
         for reach in step * 2.0 ** np.arange(DOUBLINGS):
             end = max(best + sign * float(reach), 0.0)
             if over(end) > 0:
-                return float(brentq(over, best, end, xtol=PRECISE * step))
+                return float(scipy.optimize.brentq(over, best, end, xtol=PRECISE * step))
             if not end:
                 return 0.0
         return inf

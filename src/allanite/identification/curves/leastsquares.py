@@ -9,6 +9,7 @@ from functools import lru_cache
 from math import inf, isfinite, sqrt
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Curve
@@ -36,21 +37,17 @@ MAX_REWEIGHTINGS = 8  # iterations of the fit and the covariance under it; three
 
 def solve(X: FloatArray, variance: FloatArray, covariance: FloatArray) -> FloatArray:
     """Squares theta >= 0 that minimize the quadratic form of the residuals, shape (t,)."""
-    from scipy.optimize import nnls as solver
-
     A, b = whitened(X, variance, covariance)
     size = np.sqrt((A**2).sum(axis=0))
     size[size == 0] = 1.0
-    return np.asarray(solver(A / size, b)[0] / size)
+    return np.asarray(scipy.optimize.nnls(A / size, b)[0] / size)
 
 
 def whitened(X: FloatArray, variance: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Columns and values in units of independent standard errors."""
-    from scipy.linalg import cholesky, solve_triangular
-
-    L = cholesky(covariance / np.outer(variance, variance), lower=True)
-    A = solve_triangular(L, X / variance[:, None], lower=True)
-    return A, solve_triangular(L, np.ones_like(variance), lower=True)
+    L = scipy.linalg.cholesky(covariance / np.outer(variance, variance), lower=True)
+    A = scipy.linalg.solve_triangular(L, X / variance[:, None], lower=True)
+    return A, scipy.linalg.solve_triangular(L, np.ones_like(variance), lower=True)
 
 
 def unbounded(X: FloatArray, variance: FloatArray) -> FloatArray:
@@ -286,12 +283,10 @@ def _read_from(curve: Curve, which: IntArray) -> str:
 
 
 def _goodness(X: FloatArray, variance: FloatArray, theta: FloatArray, covariance: FloatArray) -> str:
-    from scipy.special import chdtrc
-
     freedom = variance.size - np.count_nonzero(theta)
     A, b = whitened(X, variance, covariance)
     square = float(((b - A @ theta) ** 2).sum())
-    p = f"p = {chdtrc(freedom, square):.2g}" if freedom else say("no degrees of freedom left for a test")
+    p = f"p = {scipy.special.chdtrc(freedom, square):.2g}" if freedom else say("no degrees of freedom left for a test")
     return say("goodness of fit: chi-square {square:.1f} with {count} degrees of freedom, {p}",
                square=square, count=freedom, p=p)  # fmt: skip
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
@@ -234,12 +235,10 @@ def _weights(fitted: Sequence[Subset], penalty: FloatArray) -> FloatArray:
 
 def law(along: Sequence[Trace], penalty: FloatArray) -> Law:
     """The law of a coefficient under the penalties of the terms, shape (p,)."""
-    from scipy.special import ndtr
-
     weight = _weights([trace.subset for trace in along], penalty)
     low, high = min(trace.root[0] for trace in along), max(trace.root[-1] for trace in along)
     root = np.linspace(low, high, LAW_POINTS)
     density = weight @ [np.exp(-0.5 * trace.at(root) ** 2) for trace in along]
     below = np.concatenate(([0.0], np.cumsum(density[1:] + density[:-1])))
-    zero = weight @ [float(ndtr(trace.at(np.zeros(1))[0])) for trace in along]
+    zero = weight @ [float(scipy.special.ndtr(trace.at(np.zeros(1))[0])) for trace in along]
     return Law(root, below / below[-1], float(zero))

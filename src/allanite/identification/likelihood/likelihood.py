@@ -10,6 +10,7 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.plain import Portable
+from allanite.kernels import leastsquares, whittle
 
 NO_ERRORS = np.zeros(0)
 
@@ -169,10 +170,8 @@ class Likelihood(Portable):
         return power, m, rest, count
 
     def _evaluated(self, theta: FloatArray) -> Minimum:
-        from allanite.kernels.whittle import LAST
-
         theta = np.asarray(theta, dtype=np.float64)
-        return self.minimum(theta, np.zeros(theta.size, dtype=bool), first=LAST)
+        return self.minimum(theta, np.zeros(theta.size, dtype=bool), first=whittle.LAST)
 
     def gradient(self, theta: FloatArray) -> FloatArray:
         """dL/dtheta, shape (p,)."""
@@ -228,19 +227,15 @@ class Likelihood(Portable):
         self, theta: FloatArray, moving: BoolArray, loud: int = 0, errors: FloatArray = NO_ERRORS, first: int = 0
     ) -> Minimum:
         """The minimum from a first theta on; what is not `moving` is held."""
-        from allanite.kernels.whittle import minimise
-
-        return Minimum(*minimise(theta, moving, self._held, self.columns, self.data, loud, errors, first))
+        return Minimum(*whittle.minimise(theta, moving, self._held, self.columns, self.data, loud, errors, first))
 
     def _start(self, free: BoolArray) -> FloatArray:
         """Least squares relative to the smoothed power; no column is left at zero, so that m > 0 everywhere."""
         # A term that is in the directions alone starts at 1.
-        from allanite.kernels.leastsquares import weighted_nnls
-
         columns, smooth = self.columns[:, : self.power.size], self._prepared.smooth
         share = (columns / smooth).max(axis=1)
         theta, shown = np.where(free, 1.0, 0.0), free & (share > 0)
         weight, start = self.count / smooth**2, np.zeros(np.count_nonzero(shown))
-        least = weighted_nnls(columns[shown], smooth, weight, start)
+        least = leastsquares.weighted_nnls(columns[shown], smooth, weight, start)
         theta[shown] = np.maximum(least, 1e-3 / share[shown])
         return theta

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
@@ -66,9 +67,7 @@ def levels(bins: BinnedSpectrum, m: FloatArray) -> FloatArray:
 
 def suspected(bins: BinnedSpectrum, level: FloatArray, used: BoolArray) -> bool:
     """Whether a coefficient of the cosine transform stands out."""
-    from scipy.special import ndtri
-
-    threshold = float(ndtri(0.5 * SCREEN / bins.count.sum())) ** 2
+    threshold = float(scipy.special.ndtri(0.5 * SCREEN / bins.count.sum())) ** 2
     return bool((used & (bins.first >= 2 * LOWEST_LINE) & (bins.peak > threshold * level)).any())
 
 
@@ -101,8 +100,6 @@ class Periodogram:
 
     def wave(self, k: int) -> Wave:
         """The sinusoid at the peak k: where the periodogram is highest between its frequencies."""
-        from scipy.optimize import minimize_scalar
-
         n = self.weighted.size
         inner, outer = _turns(k / n, n)
         padded = np.zeros(inner.size * outer.size)
@@ -113,7 +110,8 @@ class Periodogram:
         def height(x: float) -> float:
             return -float(abs(blocks @ np.exp(-2j * np.pi * x / n * centre)))
 
-        best = float(minimize_scalar(height, bounds=(-1.0, 1.0), method="bounded", options={"xatol": 1e-5}).x)
+        least = scipy.optimize.minimize_scalar(height, bounds=(-1.0, 1.0), method="bounded", options={"xatol": 1e-5})
+        best = float(least.x)
         turned = complex(blocks @ np.exp(-2j * np.pi * best / n * centre)) * 2j / self.total
         error = math.sqrt(2 * float(self.level[k]) * self.square) / self.total
         return Wave((k + best) / n, abs(turned), float(np.angle(turned)), error)
@@ -121,8 +119,6 @@ class Periodogram:
 
 def periodogram(y: FloatArray, bins: BinnedSpectrum, level: FloatArray) -> Periodogram:
     """Periodogram of samples without their mean, NaN if missing, and the noise level in the bins of their spectrum."""
-    from scipy.fft import rfft
-
     n = y.size
     window = np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2
     window[~np.isfinite(y)] = 0.0
@@ -131,7 +127,7 @@ def periodogram(y: FloatArray, bins: BinnedSpectrum, level: FloatArray) -> Perio
     # coefficient k of the cosine transform of `seen.size` samples is at k / (2 size) periods a sample
     at = np.arange(n // 2 + 1) * (2.0 * bins.size / n)
     everywhere = level[np.clip(np.searchsorted(bins.first, at, side="right") - 1, 0, level.size - 1)]
-    power = np.abs(rfft(weighted)) ** 2 / (square * everywhere)
+    power = np.abs(scipy.fft.rfft(weighted)) ** 2 / (square * everywhere)
     return Periodogram(power, weighted, float(window.sum()), square, everywhere)
 
 

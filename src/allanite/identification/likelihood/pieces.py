@@ -6,19 +6,17 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.plain import Portable
+from allanite.prepare.gaps import Gaps
 from allanite.statistics.moments.lagsums import second_difference
 from allanite.terms import WHITE, NoiseTerm
 
 from .likelihood import Likelihood
-
-if TYPE_CHECKING:
-    from allanite.prepare.gaps import Gaps
 
 
 def rate_weights(L: int, ratio: float) -> tuple[FloatArray, float]:
@@ -49,9 +47,7 @@ def low_powers(L: int, ratio: float, split: float, omega: FloatArray) -> tuple[F
 
 def sine(x: FloatArray) -> FloatArray:
     """The orthonormal DST-I of the last axis, its own inverse."""
-    from scipy.fft import dst
-
-    return np.asarray(dst(x, type=1, norm="ortho"))
+    return np.asarray(scipy.fft.dst(x, type=1, norm="ortho"))
 
 
 SHORT_TRANSFORM = 1 << 16  # points up to which a transform of any size is fast enough
@@ -67,21 +63,18 @@ def smooth(size: int) -> bool:
 def sine_variances(c: FloatArray) -> FloatArray:
     """Diagonal of S'CS of the Toeplitz matrix with the first row c."""
     # Sum over lags h of both signs of c(h) ((L - h) cos(omega h) + sin(omega (h + 1)) / sin(omega)) / (L + 1).
-    from scipy.fft import dct, dst
-
     L = c.size
-    cosines = dct(np.append(c * (L - np.arange(L)), [0.0, 0.0]), type=1)[1:-1]
-    sines = dst(c, type=1) / np.sin(np.pi / (L + 1) * np.arange(1, L + 1))
+    cosines = scipy.fft.dct(np.append(c * (L - np.arange(L)), [0.0, 0.0]), type=1)[1:-1]
+    sines = scipy.fft.dst(c, type=1) / np.sin(np.pi / (L + 1) * np.arange(1, L + 1))
     return np.asarray((cosines + sines - c[0]) / (L + 1))
 
 
 def toeplitz(c: FloatArray, v: FloatArray) -> FloatArray:
     """Product of the symmetric Toeplitz matrix with first row c with v."""
-    from scipy.fft import irfft, next_fast_len, rfft
-
-    size = next_fast_len(2 * v.size, real=True)  # a circle of more than twice the lags: none is met from both sides
+    size = scipy.fft.next_fast_len(2 * v.size, real=True)
+    # a circle of more than twice the lags: none is met from both sides
     circle = np.concatenate((c, np.zeros(size - 2 * c.size + 1), c[:0:-1]))
-    return np.asarray(irfft(rfft(circle) * rfft(v, size), size)[: v.size])
+    return np.asarray(scipy.fft.irfft(scipy.fft.rfft(circle) * scipy.fft.rfft(v, size), size)[: v.size])
 
 
 WEIGHT = 0.1
@@ -160,7 +153,7 @@ class PieceReading(Portable):
         """Coefficients of the sine transforms in the bins, less what the rates of the pieces take, shape (bins,)."""
         return self.pooled(self.shares)
 
-    def row(self, term: NoiseTerm, gaps: "Gaps", k: FloatArray) -> FloatArray:
+    def row(self, term: NoiseTerm, gaps: Gaps, k: FloatArray) -> FloatArray:
         """Variance of the k-th coefficients of the lower part under a term, on average over where the joints lie."""
         omega, white, angle = self._lower
         at = np.pi / self.size * k
@@ -238,7 +231,7 @@ FARTHEST_RATIO = 2.0
 """Root of Q^2 / N^2, over the length of the piece in which a reading lies on average, beyond which N is not seen."""
 
 
-def pieces(y: FloatArray, gaps: "Gaps", edges_of: Callable[[int], IntArray]) -> PieceReading | None:
+def pieces(y: FloatArray, gaps: Gaps, edges_of: Callable[[int], IntArray]) -> PieceReading | None:
     """How to read a joined rate; None where the joints do not matter beside white rate noise."""
     if not gaps.at.size or gaps.shut.any():
         return None
@@ -260,11 +253,9 @@ def pieces(y: FloatArray, gaps: "Gaps", edges_of: Callable[[int], IntArray]) -> 
     return replace(how, edges=np.concatenate((edges[: low + 1], edges[filled[1:]], edges[-1:])))
 
 
-def apart(y: FloatArray, gaps: "Gaps", how: PieceReading) -> tuple[FloatArray, BoolArray, FloatArray, FloatArray]:
+def apart(y: FloatArray, gaps: Gaps, how: PieceReading) -> tuple[FloatArray, BoolArray, FloatArray, FloatArray]:
     """The joined record below the split; which samples it has; power of the bins above, and their peaks."""
     # A peak stands out over what the coefficient has under the ratio.
-    from scipy.fft import dst
-
     starts, lengths = _each(gaps)
     low, kept = np.empty_like(y), np.repeat(lengths >= how.least, lengths)
     squares, peak = [], np.zeros(how.edges.size)
@@ -272,19 +263,19 @@ def apart(y: FloatArray, gaps: "Gaps", how: PieceReading) -> tuple[FloatArray, B
         where = starts[lengths == L][:, None] + np.arange(L)
         each = y[where]
         each = each - (each @ rate_weights(L, how.ratio)[0])[:, None]
-        d = dst(each, type=1, norm="ortho")
+        d = scipy.fft.dst(each, type=1, norm="ortho")
         squares.append((d**2).mean(axis=0))
         np.maximum.at(
             peak, bins + 1, np.where(share > CLEAR, weight / np.maximum(share, CLEAR), 0.0) * (d**2).max(axis=0)
         )
         d[:, bins < 0] = 0.0
-        low[where] = y[where] - dst(d, type=1, norm="ortho")
+        low[where] = y[where] - scipy.fft.dst(d, type=1, norm="ortho")
     nothing = np.zeros(how.edges.size - 1)
     level = how.mean([share / weight for share, weight in zip(how.shares, how.weight, strict=True)], nothing)
     return low[kept], kept, how.mean(squares, nothing), peak[1:] * level
 
 
-def _each(gaps: "Gaps") -> tuple[IntArray, IntArray]:
+def _each(gaps: Gaps) -> tuple[IntArray, IntArray]:
     """Starts and lengths of the pieces; an angle between two gaps leaves no rate, and is none."""
     bounds = np.unique(np.concatenate(([0], gaps.at, [gaps.size])))
     return bounds[:-1], np.diff(bounds)

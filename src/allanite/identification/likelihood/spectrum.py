@@ -8,12 +8,14 @@ from typing import Any, Protocol
 from weakref import WeakKeyDictionary
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.plain import Portable
 from allanite.core.record import Record
+from allanite.kernels import cosine
 from allanite.phrases.phrase import say, say_count
 from allanite.prepare.gaps import Gaps, gaps_between, joined
 from allanite.prepare.rounding import step_of
@@ -43,20 +45,16 @@ UNEVEN = 16  # longest row over the shortest column, or the other way round, for
 
 def cosine_transform(y: FloatArray, slope: float = 0.0) -> FloatArray:
     """The orthonormal DCT-II of y less a ramp that is zero in its middle, shape of y, which is overwritten."""
-    from scipy.fft import dct, fft
-
-    from allanite.kernels.cosine import coefficients, even_then_odd, less_ramp, twiddle
-
     rows = _rows(y.size)
     if not rows:
-        less_ramp(y, slope)
-        return np.asarray(dct(y, norm="ortho", overwrite_x=True))
+        cosine.less_ramp(y, slope)
+        return np.asarray(scipy.fft.dct(y, norm="ortho", overwrite_x=True))
     v = np.empty(y.size)
-    even_then_odd(y, slope, v)
-    z = fft(v.view(np.complex128).reshape(rows, -1), axis=0, overwrite_x=True)
-    twiddle(z.view(np.float64))
-    z = fft(z, axis=1, overwrite_x=True)
-    coefficients(z.view(np.float64), y)
+    cosine.even_then_odd(y, slope, v)
+    z = scipy.fft.fft(v.view(np.complex128).reshape(rows, -1), axis=0, overwrite_x=True)
+    cosine.twiddle(z.view(np.float64))
+    z = scipy.fft.fft(z, axis=1, overwrite_x=True)
+    cosine.coefficients(z.view(np.float64), y)
     return y
 
 
@@ -235,8 +233,6 @@ def spectrum(record: Record, *, detrend: bool) -> BinnedSpectrum:
 
 
 def _spectrum(record: Record, detrend: bool) -> BinnedSpectrum:
-    from allanite.kernels.cosine import binned
-
     y, gaps, places = joined(record)
     y, gaps = y[: (fast := easy_size(y.size))], gaps.first(fast)
     places = None if places is None else places[:fast]
@@ -257,7 +253,7 @@ def _spectrum(record: Record, detrend: bool) -> BinnedSpectrum:
     c = cosine_transform(y, 0.0 if places is not None else slope)
     del places, y
     edges = edges_of(n) if how is None else how.edges
-    power, peak, peak_at, even, odd = binned(c, edges)
+    power, peak, peak_at, even, odd = cosine.binned(c, edges)
     if not power.max() > 0:
         raise DataError(say("{channel!r} never changes: there is no noise to identify", channel=record.name))
     if slope and power.mean() < ROUNDING_SHARE * most**2:

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.terms import TERMS, NoiseTerm
@@ -52,11 +53,9 @@ def warm_up_direction(spectrum: BinnedSpectrum, tau: float) -> Pair:
     """The coefficients of exp(-t / tau), t and tau in samples."""
     if spectrum.times.size:  # with gaps, of the lowest bins only
         # the lowest coefficients of what is smooth, from its values in the middles of equal blocks of n samples
-        from scipy.fft import dct
-
         values = np.exp(-spectrum.times / tau)
-        lowest = np.asarray(dct(values, norm="ortho")[1 : SINGLE + 1]) * math.sqrt(spectrum.size / values.size)
-        return in_bins(spectrum, lowest)
+        lowest = np.asarray(scipy.fft.dct(values, norm="ortho")[1 : SINGLE + 1])
+        return in_bins(spectrum, lowest * math.sqrt(spectrum.size / values.size))
     remaining = math.exp(-spectrum.size / tau)
     smooth = decay_coefficients(spectrum.first + (spectrum.count - 1) / 2, spectrum.size, tau)
     return smooth * (1 - remaining), smooth * (1 + remaining)

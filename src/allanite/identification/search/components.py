@@ -9,10 +9,12 @@ from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray
 from allanite.identification.likelihood.filters import FILTERS
 from allanite.identification.likelihood.whittle import column
+from allanite.kernels import whittle
 from allanite.terms import TERMS
 
 from .frame import LOWEST_CUTOFF, Frame
@@ -103,9 +105,7 @@ class Component:
 
 @lru_cache(4096)
 def _price(places: float, alpha: float, freedom: float, signed: bool) -> float:
-    from scipy.special import chdtri
-
-    return float(chdtri(freedom, min((1 if signed else 2) * alpha / places, 1.0)))
+    return float(scipy.special.chdtri(freedom, min((1 if signed else 2) * alpha / places, 1.0)))
 
 
 AT_BOUND = 0.01  # distance from a bound, in the logarithm of a shape, within which it is at that bound
@@ -118,11 +118,6 @@ def at_bound(part: Part, frame: Frame) -> bool:
         return False
     ends = zip(part.shape, row.bounds(frame, part), strict=False)
     return any(min(abs(math.log(x / low)), abs(math.log(x / high))) < AT_BOUND for x, (low, high) in ends)
-
-
-def markov_places(n: int) -> float:
-    """Effective number of time constants."""
-    return 1.8 * math.log10(max(n / 300, 10.0))
 
 
 STEP = 1e-5
@@ -154,10 +149,8 @@ def power_law(frame: Frame, part: Part) -> FloatArray:
 def _power_law(k: FloatArray, n: int, a: float) -> FloatArray:
     """Variance of the DCT coefficients of the mean rates over each sample of noise of density f^-a, f in 1/sample."""
     # The last factor is what is lost to other coefficients, for exponents from 0.6 to 1.6 within 1 %, and 3 % at k = 1.
-    from scipy.special import zeta
-
     x = k / (2.0 * n)
-    aliases = zeta(2 + a, x) + zeta(2 + a, 1 - x)
+    aliases = scipy.special.zeta(2 + a, x) + scipy.special.zeta(2 + a, 1 - x)
     return np.asarray(np.sin(math.pi * x) ** 2 / math.pi**2 * aliases * (1 - 0.2 / k))
 
 
@@ -171,22 +164,15 @@ def resonance(frame: Frame, part: Part) -> FloatArray:
     return np.asarray(_resonance(frame, part)[0])
 
 
-def resonance_slope(frame: Frame, part: Part) -> FloatArray:
-    """Its derivatives by the logarithms of frequency and quality, up to a share of itself."""
-    return _resonance(frame, part)[1:]
-
-
 def _resonance(frame: Frame, part: Part) -> FloatArray:
-    """Its power and derivatives, shape (3, bins)."""
+    """Its power, and the derivatives by the logarithms of frequency and quality up to a share of itself: (3, bins)."""
 
     def computed() -> FloatArray:
-        from allanite.kernels.whittle import resonance as summed
-
         omega, quality = part.shape
         slow = omega / (2 * quality)  # -ln r
         r = math.exp(-slow)
         a, b = -2 * r * math.cos(omega), r * r  # coefficients of the poles
-        power, by_a, by_b = summed(*frame.cosines(quality), a, b, part.label == "high-pass")
+        power, by_a, by_b = whittle.resonance(*frame.cosines(quality), a, b, part.label == "high-pass")
         level, change = power.max(), 2 * slow * b
         by_omega = by_a * (2 * r * omega * math.sin(omega) - slow * a) - by_b * change
         return np.asarray(np.array((power, by_omega, by_a * (slow * a) + by_b * change)) / level)
@@ -210,7 +196,7 @@ COMPONENTS: dict[str, Component] = {
     for row in (
         Component("term", TERM, lambda n: 1),
         Component(
-            "noise", 0.005, markov_places, most=2, refined=1, grain=(0.25, 0.25),
+            "noise", 0.005, lambda n: 1.8 * math.log10(max(n / 300, 10.0)), most=2, refined=1, grain=(0.25, 0.25),
             bounds=_noise_bounds, ending=True, power=lambda frame, part: frame.column(part.label, part.shape),
             slope=_noise_slope, inside=True,
         ),
@@ -229,7 +215,7 @@ COMPONENTS: dict[str, Component] = {
         ),
         Component(
             "resonance", 0.003, lambda n: 60 * math.log2(max(n / 1024, 2.0)), most=12, refined=2, grain=(0.05, 0.7),
-            bounds=_resonance_bounds, power=resonance, slope=resonance_slope,
+            bounds=_resonance_bounds, power=resonance, slope=lambda frame, part: _resonance(frame, part)[1:],
         ),
         Component("factor", 0.05, lambda n: 1, signed=True, most=3, grain=(0.5, 0.5, 0.5)),
         Component("step", 0.003, lambda n: 400, signed=True, most=10, grain=(0.01,)),

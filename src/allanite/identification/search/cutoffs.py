@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray
 from allanite.core.limits import quantile
@@ -92,18 +93,16 @@ def halved(f: Fitted, lowest: float) -> float:
     apart = np.zeros(f.theta.size, dtype=bool)
     apart[: len(frame.powers)] = frame.slow
     inside = [p for p in f.state if COMPONENTS[p.name].inside]
-    apart[len(frame.powers) : sizes_inside(frame, f.state)] = [_slower(p, lowest) for p in inside]
+    apart[len(frame.powers) : sizes_inside(frame, f.state)] = [
+        # whether it is drift; quick Gauss-Markov noise beside white noise is a filter's shape, too
+        p.label != "GM" or 2 * math.pi * p.shape[0] * lowest > 1 for p in inside
+    ]  # fmt: skip
     loud = [p.shape[1] > BROAD_SHAPE for p in f.state.of("resonance")]
     apart[apart.size - len(loud) :] = loud
     power = f.m - f.likelihood.S[:, apart] @ f.theta[apart]
     x = frame.centre / (2 * frame.size)
     near = x >= lowest
     return _halved(x[near], power[near] / max(power[near].max(initial=0.0), 1e-300)) if near.any() else math.inf
-
-
-def _slower(part: Part, lowest: float) -> bool:
-    """Whether noise with a shape is drift; quick Gauss-Markov noise beside white noise is a filter's shape, too."""
-    return part.label != "GM" or 2 * math.pi * part.shape[0] * lowest > 1
 
 
 def _halved(x: FloatArray, gain: FloatArray) -> float:
@@ -124,13 +123,11 @@ def errors_of(f: Fitted, part: Part) -> FloatArray:
 
 def quantile_of(w: FloatArray, centre: FloatArray, spread: FloatArray, p: float) -> float:
     """The point below which a mixture of normal laws has the weight p; infinity where it has less in all."""
-    from scipy.special import ndtr
-
     if w.sum() <= p:
         return math.inf
     spread = np.maximum(spread, 1e-9)
     x = np.linspace(float((centre - 5 * spread).min()), float((centre + 5 * spread).max()), 2001)
-    return float(np.interp(p, w @ ndtr((x - centre[:, None]) / spread[:, None]), x))
+    return float(np.interp(p, w @ scipy.special.ndtr((x - centre[:, None]) / spread[:, None]), x))
 
 
 def lowest_cutoff(bare: Fitted, level: float) -> float:

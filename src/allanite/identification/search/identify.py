@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -36,7 +37,7 @@ from .moves import MOVES, filters, floors, less, markov, resonances, warm_ups_of
 from .pooling import Together, behind
 from .refining import Move, pruned
 from .search import Searched, search, shows_white
-from .slow import RESONANCES, WarmUp, crowded_finding, exponent_finding, hidden_finding, steps_finding, warm_up_estimate
+from .slow import RESONANCES, WarmUp, exponent_finding, steps_finding, vibration_finding, warm_up_estimate
 from .state import State
 
 SMOOTH: tuple[Move, ...] = (less, floors, markov, filters)
@@ -170,8 +171,6 @@ def starts_for(frame: Frame, symbols: Sequence[str]) -> list[State]:
 
 def shapes_of(frame: Frame, symbol: str) -> list[Part]:
     """Shapes of a term on a grid of its parameters."""
-    from itertools import product
-
     fast = next((s for s in TERMS if TERMS[s].second == symbol), symbol)
     axes = [
         np.geomspace(low, high, max(2, round(p.steps * np.log10(high / low)))).tolist()
@@ -249,10 +248,9 @@ def _concluded(
         findings.append(exponent_finding(answer, best))
         a = best.state.of("exponent")[0].shape[0]
         estimates = {s: under(a, e) for s, e in estimates.items()}
-    if not shows_white(best):
-        findings.append(hidden_finding())
-    elif len(best.state.of("resonance")) >= RESONANCES:
-        findings.append(crowded_finding())
+    hidden = not shows_white(best)
+    if hidden or len(best.state.of("resonance")) >= RESONANCES:
+        findings.append(vibration_finding(hidden=hidden))
     model = _model(estimates, answer)
     deterministic_terms = tuple(t for t in model if t.row.waveform is not None and t.row.scatters)
     return Fit(estimates=tuple(estimates.values()), method="whittle", signal=answer.scale.signal, name=name,

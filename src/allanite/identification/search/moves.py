@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray
 from allanite.identification.likelihood.filters import FILTERS
@@ -71,15 +72,14 @@ def warm_ups_of(frame: Frame) -> list[Part]:
 
 def _tuned_warm_up(f: Fitted, rest: State, part: Part) -> State:
     """The state with the best time constant near that of a warm-up."""
-    from scipy.optimize import minimize_scalar
-
     n = f.frame.size
     low, high = max(part.shape[0] / 2, SHORTEST_WARM_UP * n), min(part.shape[0] * 2, LONGEST_WARM_UP * n)
 
     def value(x: float) -> float:
         return fitted(f.frame, rest.having(Part("warm-up", "", (math.exp(x),))), f.free).value
 
-    best = minimize_scalar(value, bounds=(math.log(low), math.log(high)), method="bounded", options={"xatol": 2e-3})
+    bounds = math.log(low), math.log(high)
+    best = scipy.optimize.minimize_scalar(value, bounds=bounds, method="bounded", options={"xatol": 2e-3})
     return rest.having(Part("warm-up", "", (math.exp(float(best.x)),)))
 
 

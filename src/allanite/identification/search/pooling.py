@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray
 from allanite.core.splines import cubic, valued
@@ -238,8 +239,6 @@ def _total(fits: Sequence[Fitted], alone: Sequence[float]) -> float:
 
 def _best_cutoff(b: Behind, alone: Sequence[float]) -> Behind:
     """The same at the cut-off of the least total, other shapes being kept."""
-    from scipy.optimize import minimize_scalar
-
     known: dict[float, Behind] = {math.log(b.cutoff): b}
 
     def total(x: float) -> float:
@@ -252,7 +251,7 @@ def _best_cutoff(b: Behind, alone: Sequence[float]) -> Behind:
     members = [j for j, f in enumerate(b.fits) if f.score < alone[j] + APART] or range(len(b.fits))
     ends = b.ends(members)
     fine = FINE_ERRORS * (ends[1] - ends[0]) / (2 * NEAR_ERRORS)
-    minimize_scalar(total, bounds=ends, method="bounded", options={"xatol": fine, "maxiter": 20})
+    scipy.optimize.minimize_scalar(total, bounds=ends, method="bounded", options={"xatol": fine, "maxiter": 20})
     return min(known.values(), key=lambda each: each.total)
 
 

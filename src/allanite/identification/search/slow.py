@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray
 from allanite.core.estimate import WEAK, Estimate
@@ -121,8 +122,6 @@ class WarmUpProfile(Portable):
 
     def ends(self, drop: float) -> tuple[float, float]:
         """Time constants, s, at which the value has risen by `drop`; at most from a thousandth to all of the record."""
-        from scipy.optimize import brentq
-
         middle, least = math.log(self.warm.tau), self.warm.at(self.warm.tau)[0]
         ends = []
         for end in (math.log(self.warm.duration / 1000), math.log(self.warm.duration)):
@@ -131,7 +130,7 @@ class WarmUpProfile(Portable):
                 return self.warm.at(math.exp(x))[0] - least - drop
 
             near = next((x for x in middle + (end - middle) * 2.0 ** np.arange(-9.0, 1.0) if excess(x) > 0), None)
-            ends.append(math.exp(end if near is None else brentq(excess, middle, near, xtol=1e-4)))
+            ends.append(math.exp(end if near is None else scipy.optimize.brentq(excess, middle, near, xtol=1e-4)))
         return ends[0], ends[1]
 
     def __call__(self, level: float) -> tuple[tuple[float, float], ...]:
@@ -183,19 +182,11 @@ def steps_finding(answer: Answer, f: Fitted) -> Finding:
     )  # fmt: skip
 
 
-def hidden_finding() -> Finding:
-    """The finding that vibration, or what nothing describes, leaves no frequency to the noise of the sensor."""
-    return _vibration(say("vibration has more power than the white noise of the sensor at all frequencies"))
-
-
-def crowded_finding() -> Finding:
-    """The finding that a record has as many vibrations as are looked for, so that more may stand in the terms."""
-    return _vibration(
-        say("vibration at {count} or more frequencies, or one that changes its frequency", count=RESONANCES)
-    )
-
-
-def _vibration(what: str) -> Finding:
+def vibration_finding(hidden: bool) -> Finding:
+    """The finding that vibration leaves no frequency to the noise, or has as many as are looked for."""
+    what = say("vibration at {count} or more frequencies, or one that changes its frequency", count=RESONANCES)
+    if hidden:
+        what = say("vibration has more power than the white noise of the sensor at all frequencies")
     harm = say("what it leaves of the noise cannot be checked")
     return Finding("vibration", what, harm, say("record at rest, on a quiet base"), fatal=True)
 

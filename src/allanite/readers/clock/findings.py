@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray
 from allanite.core.validity import Finding
+from allanite.kernels import passing
 from allanite.phrases.phrase import join, percent, say, say_count, spelled
 
 Places = NDArray[np.int64]
@@ -114,16 +115,14 @@ def _length(found: Pace, rows: Places, floor: float) -> float:
 
 def _refined(elapsed: FloatArray, rows: Places, interval: float, slack: float) -> Pace:
     """Refine an estimate of the interval with the number of intervals."""
-    from allanite.kernels.passing import followed
-
     span, count = float(elapsed[-1] - elapsed[0]), int(rows[-1] - rows[0])
     for ahead in STAMPS_AHEAD:
-        shift, _ = followed(elapsed / interval, rows, ahead, slack)
+        shift, _ = passing.followed(elapsed / interval, rows, ahead, slack)
         counted = count + int(shift[-1])
         if counted < 1 or interval == span / counted:
             break
         interval = span / counted
-    return Pace(interval, *followed(elapsed / interval, rows, STAMPS_AHEAD[-1], slack))
+    return Pace(interval, *passing.followed(elapsed / interval, rows, STAMPS_AHEAD[-1], slack))
 
 
 def _without_stamps(_: str) -> str:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.names import nearest
 from allanite.phrases.phrase import Phrase, join, say
+from allanite.readers.arrow import pa
 
 from . import headers
 
@@ -151,8 +152,6 @@ def numbers(values: NDArray[Any], header: str) -> NDArray[Any]:
 
 def of_arrow(chunks: Any) -> NDArray[Any]:
     """Numbers or time stamps of a column of pyarrow, NaN or NaT where one is missing."""
-    import pyarrow as pa
-
     kind = chunks.type
     if pa.types.is_decimal(kind) or pa.types.is_null(kind):
         chunks = chunks.cast(pa.float64())
@@ -178,7 +177,6 @@ def of_arrow(chunks: Any) -> NDArray[Any]:
 
 def is_number(kind: Any) -> bool:
     """Whether a type of pyarrow holds numbers or times."""
-    import pyarrow.types as t
-
+    t = pa.types
     tests = (t.is_integer, t.is_floating, t.is_decimal, t.is_null, t.is_temporal)
     return any(test(kind) for test in tests) and not t.is_interval(kind)

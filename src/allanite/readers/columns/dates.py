@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
 from allanite.phrases.phrase import say
+from allanite.readers.arrow import pa, pc
 
 DATES = (
     r"(?P<y>\d{4})[-/.](?P<m>\d{1,2})[-/.](?P<d>\d{1,2})",
@@ -37,9 +38,6 @@ def parsed(words: Any, pattern: str, label: str, first: int = 0, american: bool 
     """A column of words that match one pattern, from row `first` of the data on; NaT where a cell is empty."""
     # ``datetime64[ns]`` for dates with time, ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day. Whether
     # the month and the day are in the other order than in the pattern is seen in the words, unless it is given.
-    import pyarrow as pa
-    import pyarrow.compute as pc
-
     text = pc.utf8_trim_whitespace(words)
     fields = pc.extract_regex(pc.if_else(pc.equal(text, ""), None, text), rf"^(?:{pattern})$")
     wrong = pc.and_(pc.and_(pc.is_valid(text), pc.not_equal(text, "")), pc.is_null(fields))
@@ -78,9 +76,6 @@ def is_american(words: Any, pattern: str) -> bool:
     """Whether words show that the month and the day are in the other order than in their pattern."""
     # The month is never above 12, and within a record it changes only together with the day: if the date does not
     # change, the order does not matter.
-    import pyarrow as pa
-    import pyarrow.compute as pc
-
     fields = pc.extract_regex(pc.utf8_trim_whitespace(words), rf"^(?:{pattern})$")
     days, months = (pc.min_max(pc.struct_field(fields, name).cast(pa.int64())).as_py() for name in "dm")
     largest = months["max"] or 0

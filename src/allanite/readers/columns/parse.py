@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError
 from allanite.parallel.processors import spare
 from allanite.phrases.phrase import say, say_count
+from allanite.readers.arrow import csv, pa, pc
 
 from . import dates
 from .column import of_arrow
@@ -83,8 +84,6 @@ PIECE = 1 << 26  # bytes of a large text that are parsed at a time, which take t
 
 def _of_pieces(body: bytes | memoryview, layout: Layout) -> tuple[list[Any], int]:
     """The columns of a large text, parsed a piece at a time, and the number of rows; none where not all are numbers."""
-    import pyarrow as pa
-
     pieces, at, rows = list[list[Any]](), 0, 0
     while at < len(body) and not layout.text:
         end = len(body)
@@ -108,8 +107,6 @@ def _of_pieces(body: bytes | memoryview, layout: Layout) -> tuple[list[Any], int
 
 def forms_of(data: bytes, layout: Layout, *, last: bool) -> Forms:
     """What rows show of the columns of words; see `Forms`."""
-    import pyarrow as pa
-
     forms = Forms()
     body = clean_rows(data, layout, signs(data, layout.offset), last=last)[0] if layout.text else b""
     table: Any = _table(body, layout, None) if layout.text else None
@@ -216,9 +213,6 @@ def _of_many_words(body: bytes | memoryview, layout: Layout) -> dict[int, str]:
 
 
 def _table(body: bytes | memoryview, layout: Layout, forms: Forms | None, without: Collection[int] = ()) -> Any:
-    import pyarrow as pa
-    from pyarrow import csv
-
     read = csv.ReadOptions(use_threads=spare(), column_names=[str(i) for i in range(layout.width)])
     parse = csv.ParseOptions(delimiter=layout.delimiter)
     types = {str(place): kind for place, kind in forms.types.items()} if forms else {}
@@ -233,8 +227,6 @@ def _table(body: bytes | memoryview, layout: Layout, forms: Forms | None, withou
 
 def _values(column: Any, layout: Layout, place: int, forms: Forms | None) -> Any:
     """One column as numbers or as its first word; NotImplemented if words occur among its numbers."""
-    import pyarrow as pa
-
     kind = column.type
     if pa.types.is_null(kind):
         return np.full(len(column), np.nan) if layout.names[place] or forms else None
@@ -247,8 +239,6 @@ def _values(column: Any, layout: Layout, place: int, forms: Forms | None) -> Any
             pass  # a year outside the range of 64-bit nanoseconds: words
     if place in layout.text:
         return _words(column, layout, place, forms)
-    import pyarrow.compute as pc  # which takes as long as the rest of pyarrow
-
     # numbers that pyarrow does not accept as they are: with a plus sign, or blanks for an empty cell
     try:
         text = pc.utf8_trim_whitespace(column.cast(pa.string()))
@@ -261,8 +251,6 @@ def _values(column: Any, layout: Layout, place: int, forms: Forms | None) -> Any
 
 
 def _words(column: Any, layout: Layout, place: int, forms: Forms | None) -> Parsed:
-    import pyarrow as pa
-
     try:
         words = column.cast(pa.string())
     except pa.ArrowInvalid:
@@ -290,8 +278,6 @@ def words_of(column: Any, label: str) -> Parsed:
 
 def _has_many(column: Any) -> bool:
     """Whether a column of words has too many to distinguish rows, and they are no dates."""
-    import pyarrow.compute as pc
-
     return not dates.pattern_of(_first_word(column)) and len(pc.unique(column[: FEW_WORDS * 100])) > FEW_WORDS
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.record import Recording
+from allanite.kernels import passing
 from allanite.phrases.phrase import Phrase, say
 from allanite.readers.columns.column import FileColumn, column, some
 from allanite.readers.columns.containers import Stream, mean_rate, stream_recording
@@ -94,11 +95,9 @@ class BinaryLog:
     @cached_property
     def _walked(self) -> tuple[NDArray[np.int64], NDArray[np.int64], int]:
         """Lengths and numbers of messages of all kinds, and the bytes of none."""
-        from allanite.kernels.passing import counted
-
         lengths = np.zeros(256, np.int64)
         lengths[DEFINITION] = 3 + _DEFINED.itemsize
-        counts, lost = counted(self.data, lengths)
+        counts, lost = passing.counted(self.data, lengths)
         return lengths, counts, int(lost)
 
     @cached_property
@@ -121,10 +120,8 @@ class BinaryLog:
 
     def rows(self, kind: Kind) -> Rows:
         """The contents of all messages of a kind."""
-        from allanite.kernels.passing import taken
-
         rows = np.zeros((kind.count, kind.dtype.itemsize), np.uint8)
-        taken(self.data, self._walked[0].copy(), kind.number, rows)
+        passing.taken(self.data, self._walked[0].copy(), kind.number, rows)
         return rows.view(kind.dtype)[:, 0]
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
+from allanite.readers.arrow import pa
 from allanite.readers.columns import parse
 from allanite.readers.columns.column import is_number, numbers, of_arrow
 from allanite.readers.options import FrameLike, Options
@@ -37,8 +38,6 @@ def read(frame: FrameLike, options: Options) -> Recording:
 
 def _parsed(name: str, values: Any) -> parse.Parsed:
     """A column, parsed like that of a text file."""
-    import pyarrow as pa
-
     if values.dtype.kind in "Mm":
         return np.asarray(values.astype(f"{values.dtype.kind}8[ns]"))
     if values.dtype.kind in "iuf":

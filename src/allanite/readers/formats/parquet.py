@@ -11,6 +11,7 @@ from allanite.core.errors import DataError
 from allanite.core.files import in_utf8
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
+from allanite.readers.arrow import pa, parquet
 from allanite.readers.columns.column import RATE_NAMES, FileColumn, column, headed, is_number, of_arrow
 from allanite.readers.columns.containers import WIDEST
 from allanite.readers.columns.lines import HEAD_ROWS, Parts
@@ -27,8 +28,6 @@ _UNIT_NAMES = (b"unit", b"units", b"Unit", b"Units")
 
 def read(path: str, options: Options) -> Recording:
     """The channels of a Parquet table; a missing value is NaN."""
-    from pyarrow import parquet
-
     with worded(), in_utf8(path) as source, parquet.ParquetFile(source, memory_map=True) as file:
         table = _table(file, path, lambda field, before: file.read([field.name], use_threads=False).column(before))
     return table.recording(options)
@@ -36,9 +35,6 @@ def read(path: str, options: Options) -> Recording:
 
 def parts(path: str, options: Options) -> Parts:
     """The rows of a Parquet table, which are decoded one batch after the other."""
-    import pyarrow as pa
-    from pyarrow import parquet
-
     with worded(), in_utf8(path) as source, parquet.ParquetFile(source, **BUFFERED) as file:
 
         def first_rows(field: Any, before: int) -> Any:
@@ -63,8 +59,6 @@ def parts(path: str, options: Options) -> Parts:
 
 def _table(file: Any, path: str, load: Callable[[Any, int], Any]) -> FileTable:
     """The columns of a file; `load` reads that of a field which so many of the same name precede."""
-    import pyarrow as pa
-
     schema, rows = file.schema_arrow, file.metadata.num_rows
     if len(schema) > WIDEST:
         raise DataError(f"the table has {len(schema)} columns; expected one per channel")
@@ -94,9 +88,6 @@ def _table(file: Any, path: str, load: Callable[[Any, int], Any]) -> FileTable:
 
 def write(recording: Recording, path: str) -> None:
     """A column for each channel, with its unit in the metadata of the column and the rate in that of the file."""
-    import pyarrow as pa
-    from pyarrow import parquet
-
     fields = [
         pa.field(r.name, pa.int64() if r.values.dtype.kind == "i" else pa.float64(), metadata={"unit": r.unit})
         for r in recording

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
+from allanite.readers.arrow import csv, pa
 from allanite.readers.columns import dates, encoding, layout, lines, parse, sensors, shapes
 from allanite.readers.columns.column import FileColumn, headed
 from allanite.readers.columns.lines import Parts
@@ -129,9 +130,6 @@ def arranged(found: Parsed, options: Options) -> FileTable:
 
 def write(recording: Recording, path: str) -> None:
     """A CSV file with a column for each channel; other programs skip the first line as a comment."""
-    import pyarrow as pa
-    from pyarrow import csv
-
     table = pa.table([pa.array(r.values) for r in recording], names=[str(i) for i in range(len(recording))])
     headers = with_units([(re.sub(r"[^\w.+-]+", "_", r.name) or "column") for r in recording], recording)
     with Path(path).open("wb") as file:

@@ -19,7 +19,7 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
     # The fields of an array of several structures are name/1/field, name/2/field. Cells, texts, truth values, complex
     # and sparse arrays, functions and objects of classes are omitted.
     contents: dict[str, Any] = {"datasets": [], "numbers": {}, "texts": {}, "left": [], "description": ""}
-    with warnings.catch_warnings(record=True) as doubts:
+    with warnings.catch_warnings(record=True, action="always") as doubts:  # whatever is asked of the process
         arrays = dict(_variables(path, mat_dtype=True))
     if any(issubclass(doubt.category, np.exceptions.ComplexWarning) for doubt in doubts):
         # distinguished by the types in which they are stored, since loadmat drops imaginary parts

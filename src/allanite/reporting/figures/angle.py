@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator
@@ -24,10 +24,6 @@ from allanite.reporting.words import ARCSEC, percent
 
 from .drawing import color_of
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 PALETTE = ("#0072B2", "#C1272D", "#008F6B", "#AA4499", "#B97700", "#555B63", "#56B4E9", "#7F5539")
 
 MAX_INNOVATIONS = 3000  # innovations that are drawn
@@ -36,7 +32,7 @@ LAGS = 40
 
 
 @style.plotted
-def plot_errors(new_figure: style.NewFigure, result: Result, level: float = 0.95) -> "Figure":
+def plot_errors(new_figure: style.NewFigure, result: Result, level: float = 0.95) -> style.Figure:
     """The error of each sensor over one period of its harmonics together, with its confidence band."""
     sensors = parts_of(result)
     figure = new_figure(3.9 * len(sensors) if len(sensors) > 1 else 6.4, 3.4)
@@ -56,7 +52,7 @@ def plot_errors(new_figure: style.NewFigure, result: Result, level: float = 0.95
 @style.plotted
 def plot_error_in_time(
     new_figure: style.NewFigure, gimbals: Gimbals, harmonics: Sequence[Harmonics], level: float = 0.95
-) -> "Figure":
+) -> style.Figure:
     """The error of each sensor while its angle moves; of many periods the first and the last ones, too."""
     panels = [(sensor, part) for sensor in harmonics for part in _parts(gimbals, sensor)]
     figure = new_figure(7.2, 1.1 + 2.0 * len(panels))
@@ -79,7 +75,7 @@ def plot_error_in_time(
     return figure
 
 
-def _draw_error(ax: "Axes", x: FloatArray, error: FloatArray, half: FloatArray, level: float, **look: Any) -> None:
+def _draw_error(ax: style.Axes, x: FloatArray, error: FloatArray, half: FloatArray, level: float, **look: Any) -> None:
     style.grid(ax)
     if half.any():
         band = say("{share} band", share=percent(level))
@@ -108,7 +104,7 @@ def _parts(gimbals: Gimbals, sensor: Harmonics) -> list[NDArray[np.int64]]:
 
 
 @style.plotted
-def plot_history(new_figure: style.NewFigure, result: Result, solution: Solution, level: float = 0.95) -> "Figure":
+def plot_history(new_figure: style.NewFigure, result: Result, solution: Solution, level: float = 0.95) -> style.Figure:
     """Convergence of every amplitude, with its confidence band."""
     sensors = parts_of(result)
     half, numbered = quantile(level, math.inf) * solution.complete, "offset" in solution.names
@@ -139,7 +135,7 @@ def plot_history(new_figure: style.NewFigure, result: Result, solution: Solution
 
 
 @style.plotted
-def plot_innovations(new_figure: style.NewFigure, solution: Solution) -> "Figure":
+def plot_innovations(new_figure: style.NewFigure, solution: Solution) -> style.Figure:
     """Innovations in standard deviations, and their autocorrelation."""
     innovations = solution.innovations
     keep = np.linspace(0, innovations.size - 1, min(innovations.size, MAX_INNOVATIONS)).astype(np.int64)
@@ -165,7 +161,7 @@ def plot_innovations(new_figure: style.NewFigure, solution: Solution) -> "Figure
 
 
 @style.plotted
-def plot_scan(new_figure: style.NewFigure, scan: Scan) -> "Figure":
+def plot_scan(new_figure: style.NewFigure, scan: Scan) -> style.Figure:
     """Expected accuracy and condition by the start of the interval."""
     hours = scan.starts / 3600
     figure = new_figure(7.2, 4.6)
@@ -199,7 +195,7 @@ MAX_LINE_POINTS = 4000  # points of a line over time
 
 
 @style.plotted
-def plot_optima(new_figure: style.NewFigure, optima: Sequence[tuple[str, Optimum]]) -> "Figure":
+def plot_optima(new_figure: style.NewFigure, optima: Sequence[tuple[str, Optimum]]) -> style.Figure:
     """A column for each angle: both paths of the filter, the error by source, and the cost of detuning."""
     figure = new_figure(6.8 if len(optima) == 1 else 5.6 * len(optima), 9.0)
     grid = figure.subplots(3, len(optima), squeeze=False)
@@ -238,7 +234,7 @@ def _frequencies(optimum: Optimum) -> np.ndarray:
     return np.geomspace(min(low, corner / 100), max(top, corner * 10) if optimum.first.rate is None else top, 400)
 
 
-def _draw_sources(ax: "Axes", optimum: Optimum) -> None:
+def _draw_sources(ax: style.Axes, optimum: Optimum) -> None:
     f = _frequencies(optimum)
     lines = error_density(optimum.best, f)
     dash: Any
@@ -257,14 +253,14 @@ def _draw_sources(ax: "Axes", optimum: Optimum) -> None:
     _finish(ax)
 
 
-def _finish(ax: "Axes") -> None:
+def _finish(ax: style.Axes) -> None:
     style.grid(ax)
     style.plain_ticks(ax.xaxis, ax.yaxis)
     ax.legend(loc="best")
 
 
 @style.plotted
-def plot_angles(new_figure: style.NewFigure, angles: Sequence[Angle]) -> "Figure":
+def plot_angles(new_figure: style.NewFigure, angles: Sequence[Angle]) -> style.Figure:
     """Roll and pitch over time, one below the other, with the predicted limits about their means."""
     figure = new_figure(7.2, 2.6 * len(angles) + 0.4)
     for ax, angle in zip(figure.subplots(len(angles), 1, squeeze=False)[:, 0], angles, strict=True):
@@ -288,7 +284,7 @@ def plot_angles(new_figure: style.NewFigure, angles: Sequence[Angle]) -> "Figure
 
 
 @style.plotted
-def plot_scenarios(new_figure: style.NewFigure, errors: ScenarioErrors) -> "Figure":
+def plot_scenarios(new_figure: style.NewFigure, errors: ScenarioErrors) -> style.Figure:
     """RMS error of every filter in every scenario."""
     figure = new_figure(7.2, 0.32 * len(errors.filters) + 1.4)
     ax = figure.subplots()

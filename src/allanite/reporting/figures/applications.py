@@ -1,7 +1,6 @@
 """Figures of measured rates, budgets and compensations."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator
@@ -21,13 +20,9 @@ from allanite.statistics import expected
 
 from .drawing import with_unit
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 @style.plotted
-def plot_budgets(new_figure: style.NewFigure, budgets: Sequence[Budget]) -> "Figure":
+def plot_budgets(new_figure: style.NewFigure, budgets: Sequence[Budget]) -> style.Figure:
     """A panel for each channel, one below the other."""
     figure = new_figure(6.4, 0.4 + 3.4 * len(budgets))
     for ax, budget in zip(figure.subplots(len(budgets), 1, squeeze=False)[:, 0], budgets, strict=True):
@@ -62,7 +57,7 @@ MAX_MEANS = 400  # means over time that are drawn
 
 
 @style.plotted
-def plot_compensated(new_figure: style.NewFigure, channels: Sequence[Compensated], level: float) -> "Figure":
+def plot_compensated(new_figure: style.NewFigure, channels: Sequence[Compensated], level: float) -> style.Figure:
     """Deviation by averaging time, and below it rate by time, of each channel that was corrected."""
     width = 7.2 if len(channels) == 1 else 5.2 * len(channels)
     figure = new_figure(width, 6.6)
@@ -110,7 +105,8 @@ MAX_MARKED = 40  # intervals up to which each is marked
 
 
 @style.plotted
-def plot_rates(new_figure: style.NewFigure, channels: Sequence[tuple[Experiment, tuple[Experiment, ...]]]) -> "Figure":
+def plot_rates(new_figure: style.NewFigure,
+               channels: Sequence[tuple[Experiment, tuple[Experiment, ...]]]) -> style.Figure:  # fmt: skip
     """A column a channel: its experiment, and below it the experiments of several measuring times, if any."""
     # a scatter of nothing has no place on a logarithmic axis
     channels = [(experiment, tuple(e for e in series if any(e.scatter(m).deviation > 0 for m in e.methods)))
@@ -137,7 +133,7 @@ def plot_rates(new_figure: style.NewFigure, channels: Sequence[tuple[Experiment,
     return figure
 
 
-def _draw_accuracy(ax: "Axes", series: tuple[Experiment, ...]) -> None:
+def _draw_accuracy(ax: style.Axes, series: tuple[Experiment, ...]) -> None:
     unit, factor = sheet_unit(series[0].signal)
     style.grid(ax)
     for method in series[0].methods:
@@ -167,7 +163,7 @@ MAX_COUNTS = 6000  # counts whose residuals are drawn
 
 
 @style.plotted
-def plot_closeups(new_figure: style.NewFigure, closeups: Sequence[Closeup]) -> "Figure":
+def plot_closeups(new_figure: style.NewFigure, closeups: Sequence[Closeup]) -> style.Figure:
     """A column for each interval: slopes, or a descent; below, of counts, their first steps and what is left over."""
     rows = 3 if any(closeup.counts.size for closeup in closeups) else 1
     width = 7.2 if len(closeups) == 1 else 5.4 * len(closeups)
@@ -190,7 +186,7 @@ def plot_closeups(new_figure: style.NewFigure, closeups: Sequence[Closeup]) -> "
     return figure
 
 
-def _draw_slopes(ax: "Axes", found: Closeup) -> None:
+def _draw_slopes(ax: style.Axes, found: Closeup) -> None:
     unit, factor = sheet_unit(found.signal)
     start, rates = np.arange(found.slopes.size) / found.rate, found.slopes / factor
     middle = float(rates[found.kept].mean())
@@ -209,7 +205,7 @@ def _draw_slopes(ax: "Axes", found: Closeup) -> None:
     ax.legend(ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
 
 
-def _draw_descent(ax: "Axes", found: Closeup) -> None:
+def _draw_descent(ax: style.Axes, found: Closeup) -> None:
     (unit, factor), color = sheet_unit(found.signal), RATE_ESTIMATORS["staircase"].color
     ax.plot(found.descent / factor, "o-", ms=3.5, lw=1.1, color=color)
     ax.set(xlabel=say("step of the descent"), ylabel=with_unit(say("rate"), unit))
@@ -218,7 +214,7 @@ def _draw_descent(ax: "Axes", found: Closeup) -> None:
     style.title(ax, found.name)
 
 
-def _draw_stairs(ax: "Axes", found: Closeup) -> None:
+def _draw_stairs(ax: style.Axes, found: Closeup) -> None:
     time = np.arange(found.counts.size) / found.rate
     steep = abs(found.line[-1] - found.line[0]) / found.line.size
     last = min(found.line.size, max(20, int(MAX_STAIRS / steep) if steep > 0 else found.line.size))

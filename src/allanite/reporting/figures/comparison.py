@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,17 +22,15 @@ from allanite.terms import TERMS
 from .drawing import TIME, draw_legend, ratio_axis, stacked, with_unit
 from .panels import CurvePanel, positive, span, thinned
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+Panels = tuple[style.Axes, style.Axes]
 
 COLORS = (0, 3)  # colors of the series before and after; neither is the red that marks a change
 
 
 @style.plotted
-def plot_comparison(new_figure: style.NewFigure, values: Sequence[Comparison | Pool], level: float) -> "Figure":
+def plot_comparison(new_figure: style.NewFigure, values: Sequence[Comparison | Pool], level: float) -> style.Figure:
     """Two panels a channel: the curves with their bands, and the ratio of their variances."""
-    drawn: list[Callable[[tuple[Axes, Axes]], None]] = []  # what draws each channel that has curves
+    drawn: list[Callable[[Panels], None]] = []  # what draws each channel that has curves
     for value in values:
         if isinstance(value, Comparison):
             drawn += [partial(_draw_pair, pair, value.names, level) for pair in value if pair.ratios is not None]
@@ -53,7 +51,7 @@ def plot_comparison(new_figure: style.NewFigure, values: Sequence[Comparison | P
     return figure
 
 
-def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: "tuple[Axes, Axes]") -> None:
+def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: Panels) -> None:
     above, below = axes
     ratios = pair.ratios
     assert ratios is not None  # noqa: S101 - the caller has looked
@@ -72,7 +70,7 @@ def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: "tuple[Ax
     below.set_ylabel(say("variance of {after}\nover {before}", after=after, before=before), parse_math=False)
 
 
-def draw_curve(ax: "Axes", curve: Curve, called: tuple[int, str], level: float) -> None:
+def draw_curve(ax: style.Axes, curve: Curve, called: tuple[int, str], level: float) -> None:
     """A curve with its band; it is called by the place of its color and marker, and its name."""
     i, name = called
     shown = curve.to(readable_unit(curve.unit))
@@ -83,7 +81,7 @@ def draw_curve(ax: "Axes", curve: Curve, called: tuple[int, str], level: float) 
     ax.plot(shown.tau, shown.deviation, color=color, lw=1.1, marker=marker, ms=3.4, mew=0, zorder=3, label=name)
 
 
-def frame_curves(ax: "Axes", curve: Curve, name: str, curves: Sequence[Curve]) -> None:
+def frame_curves(ax: style.Axes, curve: Curve, name: str, curves: Sequence[Curve]) -> None:
     """Axes, title and grid; the upper limits of the last points are far off, and not worth the room."""
     unit = readable_unit(curve.unit)
     values = positive(np.concatenate([c.to(unit).deviation for c in curves]), name)
@@ -94,13 +92,13 @@ def frame_curves(ax: "Axes", curve: Curve, name: str, curves: Sequence[Curve]) -
     ax.set_ylabel(with_unit(statistic_named(curve.statistic).title, unit))
 
 
-def _ratio_frame(ax: "Axes", tau: FloatArray, ratio: FloatArray, apart: BoolArray | None = None) -> None:
+def _ratio_frame(ax: style.Axes, tau: FloatArray, ratio: FloatArray, apart: BoolArray | None = None) -> None:
     ax.set(xscale="log")
     ratio_axis(ax, tau, ratio, apart)
     style.plain_ticks(ax.xaxis)
 
 
-def _draw_pooled(channel: PooledChannel, names: tuple[str, ...], level: float, axes: "tuple[Axes, Axes]") -> None:
+def _draw_pooled(channel: PooledChannel, names: tuple[str, ...], level: float, axes: Panels) -> None:
     above, below = axes
     whole = channel.curve
     assert whole is not None  # noqa: S101 - the caller has looked
@@ -144,7 +142,7 @@ class LotRow(NamedTuple):
 
 
 @style.plotted
-def plot_lot(new_figure: style.NewFigure, rows: Sequence[LotRow]) -> "Figure":
+def plot_lot(new_figure: style.NewFigure, rows: Sequence[LotRow]) -> style.Figure:
     """A row of panels for each coefficient."""
     shown = sorted(rows, key=lambda row: -row.values.size)[:MAX_FIGURE_ROWS]
     labels = list(dict.fromkeys(label for row in shown for label in row.courses))
@@ -200,7 +198,7 @@ class LimitLine(NamedTuple):
 @style.plotted
 def plot_units(
     new_figure: style.NewFigure, curves: Sequence[UnitCurve], limits: dict[str, Sequence[LimitLine]] | None = None
-) -> "Figure":
+) -> style.Figure:
     """One panel for each channel; sensors of different units of measurement stand side by side."""
     columns: dict[str, dict[str, list[UnitCurve]]] = {}
     for curve in curves:
@@ -214,7 +212,7 @@ def plot_units(
     return figure
 
 
-def _draw(ax: "Axes", group: Sequence[UnitCurve], limits: Iterable[LimitLine]) -> None:
+def _draw(ax: style.Axes, group: Sequence[UnitCurve], limits: Iterable[LimitLine]) -> None:
     spans = [span(curve.panel._replace(fit=None)) for curve in group]
     tau, deviation = ((min(s[i][0] for s in spans), max(s[i][1] for s in spans)) for i in (0, 1))
     ax.set(xscale="log", yscale="log", xlim=tau, ylim=deviation)
@@ -236,13 +234,13 @@ def _draw(ax: "Axes", group: Sequence[UnitCurve], limits: Iterable[LimitLine]) -
         _draw_limit(ax, first, line)
 
 
-def _plot(ax: "Axes", panel: CurvePanel, color: str, label: str, alpha: float) -> None:
+def _plot(ax: style.Axes, panel: CurvePanel, color: str, label: str, alpha: float) -> None:
     keep = thinned(panel.curve.tau.size)
     shown = panel.shown(panel.curve.deviation[keep])
     ax.plot(panel.curve.tau[keep], shown, color=color, lw=0.6 + 0.8 * (alpha == 1.0), alpha=alpha, label=label)
 
 
-def _draw_limit(ax: "Axes", panel: CurvePanel, line: LimitLine) -> None:
+def _draw_limit(ax: style.Axes, panel: CurvePanel, line: LimitLine) -> None:
     """The asymptote of a term that is as large as it may be, or a level."""
     tau = np.geomspace(*ax.get_xlim(), 50)
     if line.symbol not in TERMS:

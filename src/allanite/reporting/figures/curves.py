@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -23,10 +23,6 @@ from . import drawing
 from .panels import CurvePanel, columns_of, points, printed_model, samples, span
 from .terms import draw_model
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 MIN_FILLED_EDF = 2.0  # equivalent degrees of freedom below which a point is drawn open
 WEIGHS = 0.37  # frequency times averaging time where the Allan deviation is most sensitive
 
@@ -44,7 +40,7 @@ Span = tuple[tuple[float, float], tuple[float, float]]
 @style.plotted
 def plot_panels(
     new_figure: style.NewFigure, panels: Sequence[CurvePanel], *, level: float = 0.95, titled: bool = True
-) -> "Figure":
+) -> style.Figure:
     """A panel for each curve, with its name if `titled`: sensors side by side, their channels below each other."""
     columns = columns_of(panels)
     rows = max(map(len, columns))
@@ -89,7 +85,7 @@ def _scaled(spans: Sequence[Span], wide: float) -> tuple[Span, float, float, boo
     return ((shortest, longest), (low, high)), width, up * inches, width == across * inches
 
 
-def _draw_panel(ax: "Axes", panel: CurvePanel, level: float) -> None:
+def _draw_panel(ax: style.Axes, panel: CurvePanel, level: float) -> None:
     style.grid(ax)
     placed = _draw_landmarks(ax, 8.0 if panel.brief else 7.5)
     drawn, title = points(panel, level), statistic_named(panel.curve.statistic).title
@@ -120,7 +116,7 @@ def _draw_panel(ax: "Axes", panel: CurvePanel, level: float) -> None:
     ax.set_ylabel(drawing.with_unit(title, panel.unit))
 
 
-def _hint(ax: "Axes", panels: dict[str, CurvePanel], level: float) -> None:
+def _hint(ax: style.Axes, panels: dict[str, CurvePanel], level: float) -> None:
     """Show the values of curves under the cursor, by what each is called."""
     texts: dict[float, list[str]] = {}
     for name, panel in panels.items():
@@ -132,7 +128,7 @@ def _hint(ax: "Axes", panels: dict[str, CurvePanel], level: float) -> None:
         ax.hint(sorted(texts), hints)
 
 
-def _draw_landmarks(ax: "Axes", size: float) -> list[drawing.LabelBox]:
+def _draw_landmarks(ax: style.Axes, size: float) -> list[drawing.LabelBox]:
     """Rules at a minute, an hour and a day; where their labels are."""
     (low, high), taken = ax.get_xlim(), []
     for tau, label in LANDMARKS:
@@ -148,7 +144,7 @@ MAX_BANDS = 3  # curves of a panel whose confidence bands can still be told apar
 
 
 @style.plotted
-def plot_overlay(new_figure: style.NewFigure, panels: Sequence[CurvePanel], *, level: float = 0.95) -> "Figure":
+def plot_overlay(new_figure: style.NewFigure, panels: Sequence[CurvePanel], *, level: float = 0.95) -> style.Figure:
     """A panel for each channel with all its statistics, or one for all of a single statistic; models are dashed."""
     # columns by unit, of panels by channel, of curves
     single = len({panel.curve.statistic for panel in panels}) == 1
@@ -170,7 +166,7 @@ def plot_overlay(new_figure: style.NewFigure, panels: Sequence[CurvePanel], *, l
     return figure
 
 
-def _draw_group(ax: "Axes", group: Sequence[CurvePanel], level: float) -> dict[str, CurvePanel]:
+def _draw_group(ax: style.Axes, group: Sequence[CurvePanel], level: float) -> dict[str, CurvePanel]:
     """Draw curves in one panel, and say what they are called."""
     spans = [span(panel)[1] for panel in group]
     ax.set(yscale="log", ylim=(min(low for low, _ in spans), max(high for _, high in spans)))
@@ -195,7 +191,7 @@ def _called(panel: CurvePanel) -> tuple[str, str]:
     return printable(panel.name), statistic_named(panel.curve.statistic).title
 
 
-def _draw_curve(ax: "Axes", panel: CurvePanel, label: tuple[int, str], level: float | None) -> None:
+def _draw_curve(ax: style.Axes, panel: CurvePanel, label: tuple[int, str], level: float | None) -> None:
     i, text = label
     drawn = points(panel, level or 0.95)
     color, marker = style.SERIES[i % len(style.SERIES)], style.MARKERS[i % len(style.MARKERS)]
@@ -216,7 +212,7 @@ SIDED = {"one": say("one-sided"), "two": say("two-sided")}  # words for the side
 @style.plotted
 def plot_spectra(
     new_figure: style.NewFigure, spectra: Sequence[Spectrum], fits: Mapping[str, Fit], *, level: float = 0.95
-) -> "Figure":
+) -> style.Figure:
     """One panel for each channel; sensors of different units side by side."""
     columns: dict[str, list[Spectrum]] = {}
     for spectrum in spectra:
@@ -252,7 +248,7 @@ def plot_spectra(
     return figure
 
 
-def _draw_model(ax: "Axes", spectrum: Spectrum, fitted: tuple[Fit, Model], level: float) -> None:
+def _draw_model(ax: style.Axes, spectrum: Spectrum, fitted: tuple[Fit, Model], level: float) -> None:
     fit, model = fitted
     f = np.geomspace(ax.get_xlim()[0], spectrum.rate / 2, 300)
     behind = fit.scope.filter if fit.scope else None

@@ -3,7 +3,7 @@
 import math
 import textwrap
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.ticker import LogLocator, NullFormatter
@@ -18,11 +18,6 @@ from allanite.reporting.digits import printable
 from allanite.reporting.language import tr
 from allanite.reporting.sketch.svg import wide
 from allanite.terms import TERMS
-
-if TYPE_CHECKING:
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 MARGIN = 0.015
 
@@ -148,7 +143,7 @@ def with_unit(quantity: str, unit: str) -> Phrase:
 COLUMN_INCHES = 5.4  # width of a column of panels, inches
 
 
-def stacked(new_figure: style.NewFigure, lengths: Sequence[int]) -> "tuple[Figure, list[list[Axes]]]":
+def stacked(new_figure: style.NewFigure, lengths: Sequence[int]) -> tuple[style.Figure, list[list[style.Axes]]]:
     """A figure of columns with so many panels, which share the abscissa; below each other where there is no room."""
     count, rows = len(lengths), max(lengths)
     if count > 1 and COLUMN_INCHES * count > new_figure.room:
@@ -181,7 +176,7 @@ GRADES = {"": style.OTHER, EXPLAINED: style.OTHER, APPROXIMATE: style.FAIR, UNEX
 NAME_POINTS, GRADE_POINTS = 9.5, 8.5  # sizes of letters above a panel: what it shows, and its grade
 
 
-def draw_titles(ax: "Axes", parts: Iterable[str], fit: Fit | None, *, before: str = "", room: float = 0.0) -> None:
+def draw_titles(ax: style.Axes, parts: Iterable[str], fit: Fit | None, *, before: str = "", room: float = 0.0) -> None:
     """Above a panel what it shows, in a line or in several, and how well the model explains it; `room` is in points."""
     grade = join("; ", filter(None, (before, words.grade(fit) if fit is not None else "")))
     known = [printable(part) for part in parts if part]
@@ -203,7 +198,7 @@ def _long(text: str) -> float:
     return NAME_POINTS * wide(text, bold=True)
 
 
-def shade(ax: "Axes", spans: Iterable[tuple[float, float]], why: str) -> None:
+def shade(ax: style.Axes, spans: Iterable[tuple[float, float]], why: str) -> None:
     """Shade parts of the abscissa where the terms alone do not make the curve, and say `why`."""
     start, end = ax.get_xlim()
     for low, high in spans:
@@ -216,7 +211,7 @@ RATIO_ENDS = 3.0, 1000.0  # ratios at the ends of an axis: at least, and at most
 RATIO_SHARE = 0.95  # part of the points that are within it
 
 
-def ratio_axis(ax: "Axes", x: FloatArray, ratio: FloatArray, odd: BoolArray | None = None) -> FloatArray:
+def ratio_axis(ax: style.Axes, x: FloatArray, ratio: FloatArray, odd: BoolArray | None = None) -> FloatArray:
     """A logarithmic ordinate about 1 for ratios, which come back: those beyond it at its edge, marked by arrows."""
     least, most = RATIO_ENDS
     size = np.abs(np.log(np.clip(ratio, 1 / most, most)))
@@ -246,7 +241,7 @@ def by_share(line: FloatArray, whole: FloatArray) -> IntArray:
 LABEL_POINTS = 8.5  # size of letters beside lines
 
 
-def label_size(ax: "Axes", text: str, points: float) -> tuple[float, float]:
+def label_size(ax: style.Axes, text: str, points: float) -> tuple[float, float]:
     """Width and height of a text in letters of a size, as fractions of the panel."""
     width, height = _inside(ax)
     lines = tr(text).splitlines()
@@ -254,7 +249,7 @@ def label_size(ax: "Axes", text: str, points: float) -> tuple[float, float]:
 
 
 def draw_label(
-    ax: "Axes", label: tuple[str, str], anchors: FloatArray, avoid: FloatArray, placed: Sequence[LabelBox]
+    ax: style.Axes, label: tuple[str, str], anchors: FloatArray, avoid: FloatArray, placed: Sequence[LabelBox]
 ) -> LabelBox:
     """Write (symbol, text) where it is free, with a line to its anchor if that is farther off, and say where it is."""
     symbol, text = label
@@ -275,7 +270,7 @@ def label_of(estimate: Estimate, level: float, *, brief: bool = False) -> str:
     return join(" = ", (words.symbol(estimate), size))
 
 
-def _inside(ax: "Axes") -> tuple[float, float]:
+def _inside(ax: style.Axes) -> tuple[float, float]:
     """About the width and height of a panel within its axes, in points, before anything is laid out."""
     figure = ax.get_figure(root=True)
     spec = ax.get_subplotspec()
@@ -290,13 +285,13 @@ def pairs(x: FloatArray, y: FloatArray) -> FloatArray:
     return np.column_stack([x, y])[np.isfinite(y) & (y > 0)]
 
 
-def fractions(ax: "Axes", points: FloatArray) -> FloatArray:
+def fractions(ax: style.Axes, points: FloatArray) -> FloatArray:
     """Points as fractions of the panel."""
     low, high = np.log(np.array([ax.get_xlim(), ax.get_ylim()]).T)
     return np.asarray((np.log(points) - low) / (high - low))
 
 
-def draw_legend(figure: "Figure", *, marks: bool = True, columns: int = 3, apart: bool = False) -> None:
+def draw_legend(figure: style.Figure, *, marks: bool = True, columns: int = 3, apart: bool = False) -> None:
     """One legend for all panels, above them, or `apart` one above each; with `marks`, the one of read coefficients."""
     for ax in figure.axes if apart else figure.axes[:1]:
         width = _inside(ax)[0] if apart else 72 * figure.get_figwidth()
@@ -314,9 +309,9 @@ def draw_legend(figure: "Figure", *, marks: bool = True, columns: int = 3, apart
             text.set_parse_math(False)
 
 
-def _entries(figure: "Figure", axes: "Sequence[Axes]", marks: bool) -> "dict[str, Artist]":
+def _entries(figure: style.Figure, axes: Sequence[style.Axes], marks: bool) -> dict[str, style.Artist]:
     """Handles by labels in the order of the panels; keys that several lines share are last."""
-    entries: dict[str, Artist] = {}
+    entries: dict[str, style.Artist] = {}
     for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)

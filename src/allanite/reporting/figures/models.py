@@ -1,7 +1,6 @@
 """Figures of what is made of a noise model: stated and claimed curves, state spaces, drift, plans."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,15 +24,11 @@ from allanite.terms import TERMS
 from .comparison import draw_curve, frame_curves
 from .drawing import TIME, color_of, dashes, draw_legend, stacked, with_unit
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 FILE, IDENTIFIED, UPPER = say("the file"), say("identified noise"), say("its upper limit")
 
 
 @style.plotted
-def plot_stated(new_figure: style.NewFigure, values: Sequence[StatedNoise]) -> "Figure":
+def plot_stated(new_figure: style.NewFigure, values: Sequence[StatedNoise]) -> style.Figure:
     """A column for each sensor: deviations by averaging time, and errors of a filter by the time without aid."""
     figure, columns = stacked(new_figure, [2] * len(values))
     for (above, below), value in zip(columns, values, strict=True):
@@ -42,7 +37,7 @@ def plot_stated(new_figure: style.NewFigure, values: Sequence[StatedNoise]) -> "
     return figure
 
 
-def _draw_deviations(ax: "Axes", value: StatedNoise) -> None:
+def _draw_deviations(ax: style.Axes, value: StatedNoise) -> None:
     signal = value.noise.signal
     unit = readable_unit(signal.unit)
     size = unit_of(unit).factor
@@ -58,7 +53,7 @@ def _draw_deviations(ax: "Axes", value: StatedNoise) -> None:
     _draw_lines(ax, value.tau, lines, value.label, (TIME, with_unit(say("Allan deviation"), printed_unit(unit))))
 
 
-def _draw_errors(ax: "Axes", value: StatedNoise) -> None:
+def _draw_errors(ax: style.Axes, value: StatedNoise) -> None:
     unit = readable_unit(value.noise.signal.si[1])
     size = unit_of(unit).factor
     lines = (
@@ -71,7 +66,7 @@ def _draw_errors(ax: "Axes", value: StatedNoise) -> None:
 
 
 def _draw_lines(
-    ax: "Axes", x: FloatArray, lines: Sequence[tuple[FloatArray, str, str, str]], title: str, names: tuple[str, str]
+    ax: style.Axes, x: FloatArray, lines: Sequence[tuple[FloatArray, str, str, str]], title: str, names: tuple[str, str]
 ) -> None:
     """Lines (values, label, color, style) over a common abscissa, with the names of both axes."""
     for values, label, color, line in lines:
@@ -88,7 +83,7 @@ TIMES_PER_OCTAVE = 4  # averaging times of the lines
 @style.plotted
 def plot_state_spaces(
     new_figure: style.NewFigure, spaces: Sequence[tuple[str, StateSpace, Sequence[Curve]]], *, level: float = 0.95
-) -> "Figure":
+) -> style.Figure:
     """A column for each (name, state space, measured curves): Allan deviations, and below how far they are apart."""
     figure = new_figure(7.2 if len(spaces) == 1 else 6.4 * len(spaces), 6.0)
     grid = figure.subplots(2, len(spaces), sharex="col", height_ratios=(3, 1.2), squeeze=False)
@@ -128,7 +123,7 @@ MIN_ERROR, MAX_ERROR = 1e-4, 1.5  # errors that are drawn
 
 
 @style.plotted
-def plot_plans(new_figure: style.NewFigure, plans: Sequence[tuple[str, RecordingPlan]]) -> "Figure":
+def plot_plans(new_figure: style.NewFigure, plans: Sequence[tuple[str, RecordingPlan]]) -> style.Figure:
     """Relative standard errors by length, a panel for each (name, plan) and a line for each parameter."""
     figure, (axes,) = stacked(new_figure, [len(plans)])
     for ax, (name, plan) in zip(axes, plans, strict=True):
@@ -157,7 +152,7 @@ TIMES_PER_DECADE = 12  # times of a decade that are drawn
 
 
 @style.plotted
-def plot_drifts(new_figure: style.NewFigure, value: Drift) -> "Figure":
+def plot_drifts(new_figure: style.NewFigure, value: Drift) -> style.Figure:
     """A panel for each quantity, but attitude where it is as the heading."""
     if not value.axes:
         raise UndrawnError("a requirement alone is not drawn: give the noise, too")
@@ -197,7 +192,7 @@ def plot_drifts(new_figure: style.NewFigure, value: Drift) -> "Figure":
 
 
 @style.plotted
-def plot_claims(new_figure: style.NewFigure, values: Sequence[ClaimCheck], level: float) -> "Figure":
+def plot_claims(new_figure: style.NewFigure, values: Sequence[ClaimCheck], level: float) -> style.Figure:
     """A panel for each channel of which something is claimed, those of a sensor below each other."""
     columns: dict[str, list[tuple[ClaimCheck, Channel]]] = {}
     for value in values:
@@ -215,7 +210,7 @@ def plot_claims(new_figure: style.NewFigure, values: Sequence[ClaimCheck], level
     return figure
 
 
-def _draw(ax: "Axes", value: ClaimCheck, channel: Channel, level: float) -> None:
+def _draw(ax: style.Axes, value: ClaimCheck, channel: Channel, level: float) -> None:
     curve = channel.curve
     assert curve is not None  # noqa: S101 - the caller has looked
     draw_curve(ax, curve, (0, say("measured")), level)

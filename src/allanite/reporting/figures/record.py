@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
@@ -23,12 +23,6 @@ from allanite.statistics import statistic_named
 
 from .drawing import TIME, draw_legend, ratio_axis, with_unit
 from .panels import CurvePanel, points
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.collections import QuadMesh
-    from matplotlib.colors import Normalize
-    from matplotlib.figure import Figure
 
 STRETCHES = 480  # stretches of a record whose least and largest sample are drawn: more are not seen
 
@@ -71,7 +65,7 @@ def envelope(record: Record, count: int) -> Envelope:
 
 
 @style.plotted
-def plot_records(new_figure: style.NewFigure, records: Sequence[Record]) -> "Figure":
+def plot_records(new_figure: style.NewFigure, records: Sequence[Record]) -> style.Figure:
     """Records over the time of the whole recording, a panel each: the range of short stretches, and their means."""
     figure = new_figure(7.2, 0.7 + 1.5 * len(records))
     panels = figure.subplots(len(records), 1, squeeze=False, sharex="col")[:, 0]
@@ -85,7 +79,7 @@ def plot_records(new_figure: style.NewFigure, records: Sequence[Record]) -> "Fig
     return figure
 
 
-def _draw_record(ax: "Axes", record: Record, size: float) -> None:
+def _draw_record(ax: style.Axes, record: Record, size: float) -> None:
     """A record over time in units of so many seconds."""
     style.grid(ax, fine=False)
     ranges, length = envelope(record, STRETCHES), len(record.values)
@@ -114,7 +108,7 @@ def _draw_record(ax: "Axes", record: Record, size: float) -> None:
 
 
 @style.plotted
-def plot_strip(new_figure: style.NewFigure, panel: CurvePanel, *, level: float = 0.95) -> "Figure":
+def plot_strip(new_figure: style.NewFigure, panel: CurvePanel, *, level: float = 0.95) -> style.Figure:
     """The deviation over that expected under the model, with its band, by averaging time."""
     drawn = points(panel, level)
     expected = panel.whole(drawn.tau)
@@ -140,7 +134,7 @@ FEW_WINDOWS = 8
 
 
 @style.plotted
-def plot_surfaces(new_figure: style.NewFigure, surfaces: Sequence[Surface]) -> "Figure":
+def plot_surfaces(new_figure: style.NewFigure, surfaces: Sequence[Surface]) -> style.Figure:
     """For each channel, every window's curve, and the ratio of each value to the median of its averaging time."""
     figure = new_figure(9.6, 0.4 + 3.7 * len(surfaces))
     grid = figure.subplots(len(surfaces), 2, squeeze=False, width_ratios=[1, 1.5])
@@ -149,7 +143,7 @@ def plot_surfaces(new_figure: style.NewFigure, surfaces: Sequence[Surface]) -> "
     return figure
 
 
-def _draw(figure: "Figure", axes: "tuple[Axes, Axes]", surface: Surface) -> None:
+def _draw(figure: style.Figure, axes: tuple[style.Axes, style.Axes], surface: Surface) -> None:
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
@@ -195,7 +189,8 @@ def _draw(figure: "Figure", axes: "tuple[Axes, Axes]", surface: Surface) -> None
     bar.set_label(say("deviation / its median over time"))
 
 
-def _draw_curves(ax: "Axes", tau: FloatArray, deviation: FloatArray, time: FloatArray, norm: "Normalize") -> None:
+def _draw_curves(ax: style.Axes, tau: FloatArray, deviation: FloatArray, time: FloatArray,
+                 norm: style.Normalize) -> None:  # fmt: skip
     from matplotlib.collections import LineCollection
 
     ax.set(xscale="log", yscale="log", xlim=(tau[0] / 1.3, tau[-1] * 1.3))
@@ -210,7 +205,7 @@ def _draw_curves(ax: "Axes", tau: FloatArray, deviation: FloatArray, time: Float
     ax.plot(tau, np.nanmedian(deviation, axis=0), color=style.ALARM, lw=1.8, zorder=3, label=say("median over time"))
 
 
-def _draw_ratios(ax: "Axes", tau: FloatArray, deviation: FloatArray, time: FloatArray) -> "QuadMesh":
+def _draw_ratios(ax: style.Axes, tau: FloatArray, deviation: FloatArray, time: FloatArray) -> style.QuadMesh:
     from matplotlib.colors import LogNorm
 
     ratio = deviation / np.nanmedian(deviation, axis=0)
@@ -236,7 +231,7 @@ MIN_MARKED_SIGMAS = 3.0  # standard deviations beyond which a cell is marked: on
 
 
 @style.plotted
-def plot_goodness(new_figure: style.NewFigure, goodness: Goodness, name: str = "") -> "Figure":
+def plot_goodness(new_figure: style.NewFigure, goodness: Goodness, name: str = "") -> style.Figure:
     """Two strips over frequency: the ratio of powers, and how surprising it is."""
     figure = new_figure(7.2, 3.6)
     color = style.ALARM if goodness.grade == UNEXPLAINED else style.INK
@@ -270,7 +265,7 @@ MAX_QUANTILES = 70  # quantiles that are drawn, about
 
 
 @style.plotted
-def plot_series(new_figure: style.NewFigure, residuals: Residuals) -> "Figure":
+def plot_series(new_figure: style.NewFigure, residuals: Residuals) -> style.Figure:
     """The whitened series with its RMS, the autocorrelation, and the quantiles, side by side."""
     if new_figure.room < 7:
         figure = new_figure(7.2, 6.6)
@@ -283,7 +278,7 @@ def plot_series(new_figure: style.NewFigure, residuals: Residuals) -> "Figure":
 
 
 @style.plotted
-def plot_residuals(new_figure: style.NewFigure, residuals: Residuals) -> "Figure":
+def plot_residuals(new_figure: style.NewFigure, residuals: Residuals) -> style.Figure:
     """All of it: the ratio of powers by cells of frequency and how surprising it is, and below it the series."""
     if not residuals.checks:
         raise UsageError(f"{residuals.name!r} has too few samples, without ends and gaps, to draw residuals")
@@ -327,7 +322,7 @@ def _color(residuals: Residuals, *names: str) -> str:
     return style.DATA if all(residuals[name].passed for name in names) else style.ALARM
 
 
-def _draw_series(ax: "Axes", residuals: Residuals) -> None:
+def _draw_series(ax: style.Axes, residuals: Residuals) -> None:
     style.grid(ax, fine=False)
     length = residuals.size / residuals.rate
     unit, size = time_scale(length)

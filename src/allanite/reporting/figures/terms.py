@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,9 +20,6 @@ from .drawing import (  # isort: skip
     place, together,
 )  # fmt: skip
 from .panels import CurvePanel, DrawnPoints
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 MIN_RUN = 8  # points of a term's line, of 300, below which a part of it between masked times is not drawn
 SLOPE_POINTS, MAX_SLOPE_DISTANCE = 8.0, 0.12  # letters of slopes, and how far from their line, of the panel
@@ -47,7 +44,7 @@ class Named(NamedTuple):
     term: Term | None
 
 
-def draw_model(ax: "Axes", panel: CurvePanel, drawn: DrawnPoints, placed: list[LabelBox], level: float) -> None:
+def draw_model(ax: style.Axes, panel: CurvePanel, drawn: DrawnPoints, placed: list[LabelBox], level: float) -> None:
     """The whole model, each of its terms, a label on each term that was found, and the slopes where there is room."""
     fit, model = panel.fit, panel.drawn
     if model is None:
@@ -80,7 +77,7 @@ def draw_model(ax: "Axes", panel: CurvePanel, drawn: DrawnPoints, placed: list[L
             _draw_slope(ax, (symbol, slope), path, obstacles, placed)
 
 
-def _lines(ax: "Axes", panel: CurvePanel, model: Model) -> ModelLines:
+def _lines(ax: style.Axes, panel: CurvePanel, model: Model) -> ModelLines:
     tau = np.geomspace(*ax.get_xlim(), 300)
     terms = {s: Model(tuple(t for t in model if t.symbol == s)) for s in dict.fromkeys(t.symbol for t in model)}
     parts = {symbol: panel.expected(part, tau) for symbol, part in terms.items()}
@@ -111,8 +108,8 @@ def _labels(panel: CurvePanel, model: Model, level: float) -> list[Named]:
 
 
 def _draw_labels(
-    ax: "Axes", panel: CurvePanel, named: Sequence[Named], drawn: tuple[ModelLines, FloatArray, dict[str, FloatArray]],
-    placed: list[LabelBox],
+    ax: style.Axes, panel: CurvePanel, named: Sequence[Named],
+    drawn: tuple[ModelLines, FloatArray, dict[str, FloatArray]], placed: list[LabelBox],
 ) -> None:  # fmt: skip
     lines, obstacles, paths = drawn
     for symbol in (symbol for symbol in paths if TERMS[symbol].periodic and panel.fit is not None):
@@ -136,7 +133,7 @@ def _draw_labels(
 
 
 def _draw_slope(
-    ax: "Axes", named: tuple[str, str], path: FloatArray, lines: FloatArray, placed: list[LabelBox]
+    ax: style.Axes, named: tuple[str, str], path: FloatArray, lines: FloatArray, placed: list[LabelBox]
 ) -> None:
     """The slope beside the line of a term, where it hides nothing; nowhere if there is no room."""
     text = say("slope {slope}", slope=named[1])
@@ -151,7 +148,7 @@ def _draw_slope(
         color=color_of(named[0]), zorder=5)  # fmt: skip
 
 
-def draw_minimum(ax: "Axes", panel: CurvePanel, lines: FloatArray, placed: list[LabelBox], level: float) -> None:
+def draw_minimum(ax: style.Axes, panel: CurvePanel, lines: FloatArray, placed: list[LabelBox], level: float) -> None:
     """The minimum of the Allan deviation with its averaging time, as data sheets quote it."""
     readings = panel.readings
     if readings is None or readings.minimum is None or panel.curve.statistic != "oadev":
@@ -187,7 +184,7 @@ def _label(panel: CurvePanel, label: Named, line: FloatArray, mark: tuple[float,
     return say("{coefficient}\nat τ = {tau}: {deviation}", coefficient=text, tau=at, deviation=size)
 
 
-def _mark(ax: "Axes", panel: CurvePanel, term: Term, unit: str) -> tuple[float, float] | None:
+def _mark(ax: style.Axes, panel: CurvePanel, term: Term, unit: str) -> tuple[float, float] | None:
     """Where the coefficient is read off the term's line, if that is in sight: at so many seconds, or else hours."""
     if not math.isfinite(term.row.read_at):
         return None

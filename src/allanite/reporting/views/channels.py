@@ -14,6 +14,7 @@ from allanite.core.readings import FALLING_SIGN, IN_RUN
 from allanite.core.record import Record
 from allanite.core.units import SIGNALS
 from allanite.core.validity import APPROXIMATE, ROUGHLY, UNEXPLAINED
+from allanite.interpretation.devices import DEVICES
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import words
 from allanite.reporting.digits import digits, rounded
@@ -53,8 +54,6 @@ def first_of(study: Study, level: float) -> First:
         answer += filter_line(study)
     device, meaning = study.recipe.device, MEANING[1]
     if device is not None:
-        from allanite.interpretation.devices import DEVICES
-
         meaning = say("intervals, densities, meaning, causes in a {device}", device=DEVICES[device].title)
     return First(
         title_of(study), _verdict(channels), answer,

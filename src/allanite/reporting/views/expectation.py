@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
+from allanite.core.curve import Curve
 from allanite.core.display_units import readable_unit
 from allanite.core.fit import Fit
 from allanite.core.model import model_of
@@ -26,9 +26,6 @@ from . import view
 from .fit import model_table
 from .values import MAX_ROWS, tables_of
 
-if TYPE_CHECKING:
-    from allanite.core.curve import Curve
-
 BRAND = say("a noise model")
 CAPTION = say(
     "What is expected of the model, without data: the whole in black, each term alone in its color, with its slope and "
@@ -36,7 +33,7 @@ CAPTION = say(
 )
 
 
-def _numbers(expectation: Expectation, curve: "Curve") -> Iterator[list[float]]:
+def _numbers(expectation: Expectation, curve: Curve) -> Iterator[list[float]]:
     columns = (curve.tau, curve.deviation, *expectation.terms(curve))
     yield from (list(row) for row in zip(*(column.tolist() for column in columns), strict=True))
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray
 from allanite.statistics.moments import lagsums
@@ -150,8 +151,6 @@ def quantiles(mixture: ChiSquareSum, p: float) -> FloatArray:
 def table(mixture: ChiSquareSum, deviates: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Values of V near normal deviates, which rise, and their exact deviates, shape (deviates, k) each."""
     # The saddlepoint is taken where its root r is the deviate, by Newton's steps from one to the next.
-    from scipy.special import ndtri
-
     top, points = _pole(mixture), []
     middle = int(np.abs(deviates).argmin())
     for way in (range(middle, -1, -1), range(middle + 1, deviates.size)):
@@ -165,7 +164,7 @@ def table(mixture: ChiSquareSum, deviates: FloatArray) -> tuple[FloatArray, Floa
                 y = y + np.clip((deviates[i] - r) / np.maximum(slope, 1e-12), -STRIDE, STRIDE)
                 y = np.where(np.abs(y) < START, START, y)
             r, v, skewness, x = _saddle(mixture, -top * np.expm1(-y))
-            points.append((i, x, ndtri(_probability(r, v, skewness))))
+            points.append((i, x, scipy.special.ndtri(_probability(r, v, skewness))))
     points.sort(key=lambda one: one[0])
     return np.array([x for _, x, _ in points]), np.array([z for _, _, z in points])
 
@@ -176,10 +175,8 @@ def _pole(mixture: ChiSquareSum) -> FloatArray:
 
 def _probability(r: FloatArray, v: FloatArray, skewness: FloatArray) -> FloatArray:
     """P(V < x) at a saddlepoint."""
-    from scipy.special import ndtr
-
     with np.errstate(divide="ignore", invalid="ignore"):
-        probability = ndtr(r) + np.exp(-r * r / 2) / math.sqrt(2 * math.pi) * (1 / r - 1 / v)
+        probability = scipy.special.ndtr(r) + np.exp(-r * r / 2) / math.sqrt(2 * math.pi) * (1 / r - 1 / v)
     return np.where(np.abs(v) < MIN_DEVIATE, 0.5 + skewness / (6 * math.sqrt(2 * math.pi)), probability)
 
 

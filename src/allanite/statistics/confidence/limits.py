@@ -1,11 +1,12 @@
 """The confidence intervals of a curve: degrees of freedom and limits, computed on first use (docs/derivations.md)."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.errors import UsageError
@@ -19,7 +20,7 @@ from allanite.statistics.moments.means import Places, TermMoments, mean_moments,
 from allanite.statistics.moments.moments import grouped, moments, noise_of
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import CurvePoints
-from allanite.terms import TERMS, NoiseTerm
+from allanite.terms import NoiseTerm
 
 from .chisquares import ChiSquareSum, Eigenvalues, ReducedForms, is_sharp, matrices, quantiles, reduced, spectra
 from .powerlaw import PowerLaw, identify_power_law
@@ -248,11 +249,6 @@ def _mixtures(
     return fit, ChiSquareSum(weight, dof, ramp[fit], np.maximum(beside, 0.0))
 
 
-def automatic_law(points: CurvePoints, angle: AngleRecord, signal: Signal) -> ModelLaw:
-    """The law under the power law that is found at each averaging time."""
-    return ModelLaw(points, tuple(Model((unit_term(law.symbol, signal),)) for law in power_laws(points, angle)))
-
-
 @dataclass(frozen=True, eq=False)
 class PublishedLaw(Portable):
     """A chi-square with the published degrees of freedom, at least 1, of the power law `alpha` at each point."""
@@ -263,8 +259,6 @@ class PublishedLaw(Portable):
 
     def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Degrees of freedom and limits over the variance; see `Curve`."""
-        from scipy.special import chdtri
-
         row, size = self.points.row, self.points.size
         edf = np.ones(self.points.m.size)
         for i, (alpha, m) in enumerate(zip(self.alpha.tolist(), self.points.m.tolist(), strict=True)):
@@ -278,7 +272,7 @@ class PublishedLaw(Portable):
                     f"no degrees of freedom of {row.name} are published for noise of alpha = {alpha}, found at "
                     f"averaging factor {m}; use the exact ones (edf='exact')"
                 ) from None
-        return edf, edf / chdtri(edf, (1 - level) / 2), edf / chdtri(edf, (1 + level) / 2)
+        return edf, edf / scipy.special.chdtri(edf, (1 - level) / 2), edf / scipy.special.chdtri(edf, (1 + level) / 2)
 
 
 def power_laws(points: CurvePoints, angle: AngleRecord) -> tuple[PowerLaw, ...]:
@@ -287,7 +281,6 @@ def power_laws(points: CurvePoints, angle: AngleRecord) -> tuple[PowerLaw, ...]:
     return identify_power_law(angle, row, times(points.row, points.m, points.size))
 
 
-def unit_term(symbol: str, signal: Signal) -> Term:
-    """A term with the coefficient 1, SI: of a single term no more is needed."""
-    assert symbol in TERMS  # noqa: S101 - the identification knows no other
-    return Term(symbol, 1.0, signal)
+def models_of(symbols: Iterable[str], signal: Signal) -> tuple[Model, ...]:
+    """Models of one term with the coefficient 1, SI: of a single term no more is needed."""
+    return tuple(Model((Term(symbol, 1.0, signal),)) for symbol in symbols)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from allanite.core.arrays import FloatArray
+from allanite.kernels import theo
 from allanite.statistics.differences import MDEV, OADEV
 from allanite.statistics.estimator import AngleRecord, Piece, windows
 from allanite.statistics.row import Statistic
@@ -116,11 +117,9 @@ Flat = Callable[..., FloatArray]
 
 def _flat(pieces: tuple[Piece, ...]) -> Flat:
     """Every m-th point of one of the pieces, less one parabola whose constant is each piece's own."""
-    from allanite.kernels.theo import parabola_sums
-
     step = 2 / max(pieces[-1].start + pieces[-1].x.size - 1, 1)
     begins = [step * piece.start - 1 for piece in pieces]
-    sums = [parabola_sums(piece.x, begin, step) for piece, begin in zip(pieces, begins, strict=True)]
+    sums = [theo.parabola_sums(piece.x, begin, step) for piece, begin in zip(pieces, begins, strict=True)]
     means = [total[:3] / piece.x.size for total, piece in zip(sums, pieces, strict=True)]
     # normal equations of u and u^2 less their means; all but orthogonal, they lose no digits that matter
     gram, right = np.zeros((2, 2)), np.zeros(2)

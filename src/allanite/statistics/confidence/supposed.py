@@ -8,6 +8,7 @@ from functools import cached_property, partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray
 from allanite.core.curve import Law
@@ -67,8 +68,6 @@ class AveragedLaw(Portable):
 
     def quantiles(self, p: FloatArray) -> FloatArray:
         """T / V at probabilities, shape (probabilities, points)."""
-        from scipy.special import ndtr
-
         biased = not (self.bias == 1).all()
         p = (np.append(p, 0.5) if biased else p)[:, None]
         # -ln X at probabilities, by bisection
@@ -77,7 +76,7 @@ class AveragedLaw(Portable):
         low, high = (np.broadcast_to(x, shape) for x in (logs[0].min(axis=0), logs[-1].max(axis=0)))
         for _ in range(MIXTURE_BISECTIONS):
             middle = (low + high) / 2
-            below = self.weight @ ndtr(_between(logs, deviates, middle)) < p
+            below = self.weight @ scipy.special.ndtr(_between(logs, deviates, middle)) < p
             low, high = np.where(below, middle, low), np.where(below, high, middle)
         scatter = np.asarray((low + high) / 2)
         if not biased:

@@ -5,6 +5,7 @@ from itertools import combinations
 import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray
+from allanite.kernels import squared, summed, theo
 from allanite.statistics.row import binomials, interleaved
 
 from .frames import Edges, framed, triangles
@@ -48,12 +49,9 @@ def dense(x: FloatArray, m: IntArray, order: int, *, summed: bool = False) -> Fl
     return result
 
 
-def _direct(x: FloatArray, m: IntArray, order: int, summed: bool) -> FloatArray:
+def _direct(x: FloatArray, m: IntArray, order: int, modified: bool) -> FloatArray:
     """By the definition: for small m, for those with few windows, and where they are few."""
-    from allanite.kernels.squared import overlapped
-    from allanite.kernels.summed import modified
-
-    return np.asarray(modified(x, m) if summed else overlapped(x, m, order))
+    return np.asarray(summed.modified(x, m) if modified else squared.overlapped(x, m, order))
 
 
 def groups(points: int, order: int, *, summed: bool = False) -> list[tuple[int, int]]:
@@ -89,6 +87,4 @@ def _less_edges(total: FloatArray, edges: Edges, m: IntArray, order: int) -> Non
 
 def prefix(e: FloatArray) -> FloatArray:
     """Running sums of e^2, one more than e has."""
-    from allanite.kernels.theo import running_squares
-
-    return running_squares(np.ascontiguousarray(e))  # type: ignore[no-any-return]
+    return theo.running_squares(np.ascontiguousarray(e))  # type: ignore[no-any-return]

@@ -3,8 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray
+from allanite.kernels import theo
 
 STARTS_PER_FRAME = 3  # windows' starts in a frame, over the length of the longest window
 MAX_BLOCK = 1 << 16  # longest block that is transformed at once: with its zeros it stays in the cache's neighbourhood
@@ -27,12 +29,8 @@ def framed(
     """The products R(l) of a record at lags l = 0 .. `reach`, and its edges; in one frame if `whole`."""
     # The record is the angle x or, with `summed`, its running sum, of one point more. The longest window covers reach +
     # 1 points; the form does not see polynomials of `degree` 1 or 2.
-    from scipy.fft import next_fast_len
-
-    from allanite.kernels.theo import cut
-
     points = x.size + summed
-    block = min(next_fast_len(reach, real=True), MAX_BLOCK)
+    block = min(scipy.fft.next_fast_len(reach, real=True), MAX_BLOCK)
     right = -(-reach // block)
     step = STARTS_PER_FRAME * right * block
     count = 0 if whole else max(0, (points - reach) // step)
@@ -43,16 +41,14 @@ def framed(
     for k in range(0, count, batch):
         part = rows[: min(batch, count - k)]
         for i, row in enumerate(part):
-            cut(x, (k + i) * step, degree, summed, row[: step + reach])
+            theo.cut(x, (k + i) * step, degree, summed, row[: step + reach])
             seams.begin(row[:reach].copy())
             seams.end(row[step : step + reach].copy())
         # add the rows' cross spectra between each of the first `left` blocks and those behind it
-        from allanite.kernels.theo import add_products
-
         spectra = np.fft.rfft(part.reshape(part.shape[0], -1, block), 2 * block)
-        add_products(total, spectra.view(np.float64), STARTS_PER_FRAME * right)
+        theo.add_products(total, spectra.view(np.float64), STARTS_PER_FRAME * right)
     tail = np.empty(points - count * step)
-    cut(x, count * step, degree, summed, tail)
+    theo.cut(x, count * step, degree, summed, tail)
     seams.begin(tail[:reach])
     _add_one(total, tail, block)
     edges, signs = seams.edges()
@@ -61,9 +57,7 @@ def framed(
 
 def autocorrelation(z: FloatArray) -> FloatArray:
     """Sum over i < z.size - l of z[i] z[i + l], shape of z."""
-    from scipy.fft import next_fast_len
-
-    block = min(next_fast_len(z.size, real=True), MAX_BLOCK)
+    block = min(scipy.fft.next_fast_len(z.size, real=True), MAX_BLOCK)
     total = np.zeros((-(-z.size // block), 2 * block + 2))
     _add_one(total, z, block)
     return _lags(total, block)[: z.size]
@@ -71,15 +65,13 @@ def autocorrelation(z: FloatArray) -> FloatArray:
 
 def _add_one(total: FloatArray, z: FloatArray, block: int) -> None:
     """Add the cross spectra of a frame that is followed by nothing, of any length."""
-    from allanite.kernels.theo import add_products
-
     whole, rest = divmod(z.size, block)
     spectra = np.empty((1, whole + (rest > 0), block + 1), dtype=np.complex128)
     if whole:
         np.fft.rfft(z[: whole * block].reshape(whole, block), 2 * block, out=spectra[0, :whole])
     if rest:
         np.fft.rfft(z[whole * block :], 2 * block, out=spectra[0, whole])
-    add_products(total, spectra.view(np.float64), spectra.shape[1])
+    theo.add_products(total, spectra.view(np.float64), spectra.shape[1])
 
 
 def _lags(total: FloatArray, block: int) -> FloatArray:
@@ -145,8 +137,6 @@ def triangles(edges: Edges, steps: tuple[int, int, int], count: int) -> FloatArr
     Cut into blocks of h averaging factors: a block of m and a block of i that lies wholly below make a rectangle, which
     is a correlation; the blocks of i beside the block of m itself are triangles again, until they are small.
     """
-    from allanite.kernels.theo import add_leaves
-
     heights = [LEAF]
     while heights[-1] * RADIX < count and heights[-1] < MAX_BLOCK:
         heights.append(heights[-1] * RADIX)
@@ -158,14 +148,12 @@ def triangles(edges: Edges, steps: tuple[int, int, int], count: int) -> FloatArr
             part = out[begin : begin + parents * blocks * h].reshape(-1, blocks, h)
             part += _rectangles(edges, steps, begin, part.shape)
     for e, sign in zip(edges.edges, edges.signs, strict=True):
-        add_leaves(out[:count], np.ascontiguousarray(e), sign, steps, LEAF)
+        theo.add_leaves(out[:count], np.ascontiguousarray(e), sign, steps, LEAF)
     return out[:count]
 
 
 def _rectangles(edges: Edges, steps: tuple[int, int, int], begin: int, shape: tuple[int, int, int]) -> FloatArray:
     """What the blocks of i below give to each block of m, shape (parents, blocks, h)."""
-    from allanite.kernels.theo import add_rectangles
-
     a, d, offset = steps
     parents, blocks, h = shape
     starts = begin + blocks * h * np.arange(parents)
@@ -179,7 +167,7 @@ def _rectangles(edges: Edges, steps: tuple[int, int, int], begin: int, shape: tu
         for place in places:
             first = (a + d) * starts + place * h + offset + min(d, 0) * (h - 1)
             far = np.fft.rfft(np.array([_stretch(e, k, size) for k in first.tolist()])).view(np.float64)
-            add_rectangles(total, near, far, place, (a, d))
+            theo.add_rectangles(total, near, far, place, (a, d))
         del rows, near  # each is as long as the edge
     lags = np.fft.irfft(total.view(np.complex128), size)[:, :, : abs(d) * h : abs(d)]
     return lags if d > 0 else lags[:, :, ::-1]

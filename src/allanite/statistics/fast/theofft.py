@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray
+from allanite.kernels import theo
 
 from .everytau import LEFT_OVER, groups, prefix
 from .frames import Edges, autocorrelation, framed, triangles
@@ -19,8 +20,6 @@ ONE, EVERY = (1e6, 250.0), 0.2
 
 def theo1_sums(x: FloatArray, m: IntArray) -> FloatArray:
     """Sum over i < x.size - m and v = 1 .. m/2 of (x[i] - x[i+v] + x[i+m] - x[i+m-v])^2 / v for ascending even m."""
-    from allanite.kernels.theo import theo1
-
     result, todo = np.zeros(m.shape), np.ones(m.shape, dtype=bool)
     cost = DIRECT * (m // 2) * np.maximum(x.size - m, 0)
     for low, high in groups(x.size, 1):
@@ -30,7 +29,7 @@ def theo1_sums(x: FloatArray, m: IntArray) -> FloatArray:
             products, edges = framed(x, most, 1, whole=high > x.size - 1)
             result[here] = _of_frames(products, edges, m[here])
             todo[here] = result[here] < LEFT_OVER * products[0]
-    result[todo] = theo1(x, m[todo])
+    result[todo] = theo.theo1(x, m[todo])
     return result
 
 
@@ -45,10 +44,8 @@ def _of_frames(R: FloatArray, edges: Edges, m: IntArray) -> FloatArray:
     squares = np.sum([sign * prefix(e) for e, sign in zip(edges.edges, edges.signs, strict=True)], axis=0)
     A, D = -2 * R - 0.5 * squares, -R[: most + 1 : 2]
     if m.size * (ONE[0] + ONE[1] * most) > EVERY * most**2:
-        from allanite.kernels.theo import every_theo1
-
         rows = np.array([e[:most] for e in edges.edges])
-        first, second = (sums[m // 2] for sums in every_theo1(A.copy(), D.copy(), rows, np.array(edges.signs)))
+        first, second = (sums[m // 2] for sums in theo.every_theo1(A.copy(), D.copy(), rows, np.array(edges.signs)))
     else:
         first, second = np.empty(m.size), np.empty(m.size)
         for i, n in enumerate(m.tolist()):

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 
 from allanite.core.errors import UsageError
 from allanite.core.model import Term
@@ -63,18 +64,14 @@ class Covariance:
     @cached_property
     def _ring(self) -> FloatArray:
         """Transform of the circulant matrix in which C is embedded: real, because it is symmetric."""
-        from scipy.fft import next_fast_len, rfft
-
         c = self.first_row
-        length = next_fast_len(2 * self.size - 1, real=True)
-        return np.asarray(rfft(np.concatenate((c, np.zeros(length - 2 * self.size + 1), c[:0:-1]))).real)
+        length = scipy.fft.next_fast_len(2 * self.size - 1, real=True)
+        return np.asarray(scipy.fft.rfft(np.concatenate((c, np.zeros(length - 2 * self.size + 1), c[:0:-1]))).real)
 
     def times(self, v: FloatArray) -> FloatArray:
         """C v, shape (size,); for a contrast defined up to a constant."""
-        from scipy.fft import irfft, next_fast_len, rfft
-
-        length = next_fast_len(2 * self.size - 1, real=True)
-        return np.asarray(irfft(rfft(v, length) * self._ring, length)[: self.size])
+        length = scipy.fft.next_fast_len(2 * self.size - 1, real=True)
+        return np.asarray(scipy.fft.irfft(scipy.fft.rfft(v, length) * self._ring, length)[: self.size])
 
     def variance(self, v: FloatArray) -> float:
         """v'Cv: the variance of v'y, for a contrast v or, where all terms are stationary, any v."""
@@ -84,12 +81,10 @@ class Covariance:
         return float(v @ self.times(v))
 
     def _precondition(self, r: FloatArray) -> FloatArray:
-        from scipy.fft import dct, idct
-
-        c = dct(r, norm="ortho")
+        c = scipy.fft.dct(r, norm="ortho")
         c[0] = 0.0
         c[1:] /= self.spectrum
-        return np.asarray(idct(c, norm="ortho", overwrite_x=True))
+        return np.asarray(scipy.fft.idct(c, norm="ortho", overwrite_x=True))
 
     def solve(self, b: FloatArray) -> FloatArray:
         """The contrast v with C v = b up to a constant, by preconditioned conjugate gradients; shape (size,).

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
+from allanite.kernels import allan
 from allanite.statistics.row import Statistic, binomials
 from allanite.terms import WHITE, NoiseTerm
 
@@ -175,10 +176,8 @@ def windows_of(row: Statistic, m: int, readings: There, stride: int) -> JoinedWi
 
 def variance_of(row: Statistic, m: int, readings: There, x: FloatArray) -> tuple[float, int]:
     """V and the number of windows, from sums x of the readings before each sample, shape (size + 1,)."""
-    from allanite.kernels.allan import of_means
-
     bounds = np.cumsum(readings.stretches[:, 1:], axis=0).T.ravel()
-    h, squares, number = of_means(x, bounds, m, row.differences, 1 if row.overlapped else m)
+    h, squares, number = allan.of_means(x, bounds, m, row.differences, 1 if row.overlapped else m)
     return (squares / (m * h * norm_of(row, m)), number) if number else (np.nan, 0)
 
 

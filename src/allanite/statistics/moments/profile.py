@@ -9,6 +9,7 @@ from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.statistics.row import Statistic, Window
@@ -79,12 +80,10 @@ def profile_of(
         c = np.einsum("is,js->ijs", *[np.array(C) @ np.correlate(second.single, first.single, "full")] * 2)
     else:
         # m, shape (len(A) + len(B) - 1,) * 2, by FFT
-        from scipy.fft import fft, irfft2, next_fast_len, rfft
-
         A, B = first.A, second.A
-        length = next_fast_len(len(A) + len(B) - 1, real=True)
-        a, b = (fft(rfft(form, length), length, axis=0, overwrite_x=True) for form in (A, B))
-        M = irfft2(np.conj(a) * b, (length, length))
+        length = scipy.fft.next_fast_len(len(A) + len(B) - 1, real=True)
+        a, b = (scipy.fft.fft(scipy.fft.rfft(form, length), length, axis=0, overwrite_x=True) for form in (A, B))
+        M = scipy.fft.irfft2(np.conj(a) * b, (length, length))
         h = np.arange(1 - len(A), len(B))
         c = _of_many(C, np.asarray(M[np.ix_(h, h)]), None if between else start, terms)
     E = np.array(
@@ -293,10 +292,9 @@ def _times(b: Ends, places: tuple[int, int], term: NoiseTerm, table: FloatArray)
     H, L = b.first, b.windows
     lags = start - H.size + 1, stop
     kernel = _covariances_at(term, table, *lags) - _covariances_at(term, table, lags[0] - L, lags[1] - L)
-    from scipy.fft import irfft, next_fast_len, rfft
-
-    length = next_fast_len(kernel.size, real=True)
-    return np.asarray(irfft(rfft(kernel, length) * rfft(H, length), length)[H.size - 1 : kernel.size])
+    length = scipy.fft.next_fast_len(kernel.size, real=True)
+    product = scipy.fft.rfft(kernel, length) * scipy.fft.rfft(H, length)
+    return np.asarray(scipy.fft.irfft(product, length)[H.size - 1 : kernel.size])
 
 
 def _covariances_at(term: NoiseTerm, table: FloatArray, start: int, stop: int) -> FloatArray:

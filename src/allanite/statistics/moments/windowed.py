@@ -9,6 +9,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 
 from allanite.core.arrays import FloatArray
 from allanite.statistics.row import Sharp, Statistic
@@ -46,9 +47,7 @@ def harmonic(m: int) -> float:
 
 def _sum_of_inverses(k: FloatArray) -> FloatArray:
     """1 + 1/2 + ... + 1/k."""
-    from scipy.special import digamma
-
-    return np.asarray(digamma(k + 1) + np.euler_gamma)
+    return np.asarray(scipy.special.digamma(k + 1) + np.euler_gamma)
 
 
 def white_ratio(m: int, count: int) -> float:

@@ -6,6 +6,7 @@ from functools import lru_cache
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
+import scipy
 
 from allanite.core.aliases import constructed
 from allanite.core.arrays import FloatArray, stretches
@@ -193,15 +194,13 @@ class Periodograms:
             return
         run = part if len(self._rest) == 1 else np.concatenate(self._rest)
         w = self.w
-        from scipy.fft import rfft
-
         segments = np.lib.stride_tricks.sliding_window_view(run, w.size)[:: self.hop]
         power = np.zeros(w.size // 2 + 1)
         group = max(1, BATCH_SAMPLES // w.size)
         for start in range(0, len(segments), group):
             part = segments[start : start + group]
             part = (part - part.mean(axis=1, keepdims=True)) * w
-            power += (np.abs(rfft(part, axis=1)) ** 2).sum(axis=0)
+            power += (np.abs(scipy.fft.rfft(part, axis=1)) ** 2).sum(axis=0)
         self.power += power
         count = (size - self.length) // self.hop + 1
         self._now += count
@@ -275,8 +274,6 @@ class Multitaper:
 
     def estimate(self, record: Record) -> Raw:
         """Densities at evenly spaced frequencies; see `allanite.spectrum`."""
-        from scipy.fft import rfft
-
         y = record.rate_values
         lost = int((~np.isfinite(y)).sum())
         if lost:
@@ -292,7 +289,7 @@ class Multitaper:
         y = y - y.mean()
         density = np.zeros((y.size + 1) // 2 - first)
         for weight, taper in zip(weights, tapers, strict=True):
-            density += weight * np.abs(rfft(y * taper)[first : (y.size + 1) // 2]) ** 2
+            density += weight * np.abs(scipy.fft.rfft(y * taper)[first : (y.size + 1) // 2]) ** 2
         df = record.rate / y.size
         overlap, bandwidth = _shape(self.bandwidth, tuple(weights.tolist()), min(y.size, SHAPE_LENGTH))
         return Raw(first, df, y.size, density / record.rate, overlap, bandwidth * df)
@@ -313,9 +310,7 @@ def slepian(size: int, bandwidth: float, count: int) -> tuple[FloatArray, FloatA
 @lru_cache(maxsize=4)
 def _dpss(size: int, bandwidth: float, count: int) -> tuple[FloatArray, FloatArray]:
     """Tapers and shares, kept: the channels of a file, or simulated records, have one length."""
-    from scipy.signal.windows import dpss
-
-    tapers, shares = dpss(size, bandwidth, count, return_ratios=True)
+    tapers, shares = scipy.signal.windows.dpss(size, bandwidth, count, return_ratios=True)
     tapers.flags.writeable = shares.flags.writeable = False
     return tapers, shares
 

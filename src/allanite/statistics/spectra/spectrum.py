@@ -120,11 +120,9 @@ def _starts(first: int, size: int, bins: int | None) -> IntArray:
     """Where each bin starts, counted from the first frequency; a bin holds at least one."""
     if bins is None:
         return np.arange(size)
-    if isinstance(bins, bool) or not isinstance(bins, (int, np.integer)) or bins < 1:
-        raise UsageError(f"bins must be the number of values per decade, at least 1, not {bins!r}")
-    if bins > MAX_PER_DECADE:
-        raise UsageError(f"a spectrum has at most {MAX_PER_DECADE} values per decade, not {bins}: omit bins to have "
-                         "all")  # fmt: skip
+    if isinstance(bins, bool) or not isinstance(bins, (int, np.integer)) or not 1 <= bins <= MAX_PER_DECADE:
+        raise UsageError(f"bins is the number of values per decade, from 1 to {MAX_PER_DECADE}, not {given(bins)}: "
+                         "omit it to have all")  # fmt: skip
     decades = math.log10((first + size) / first)
     # edges lie half way between frequencies
     edges = (first - 0.5) * 10 ** (np.arange(math.ceil(decades * bins) + 1) / bins)
