@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Callable, Iterator
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -27,13 +27,14 @@ EVERY = 1.0  # seconds after which the rows that came are taken in
 REPORTS = 10.0  # seconds between reports, unless others are given
 
 
+@contextmanager
 def follow(target: str, choices: dict[str, Any], settings: WatchChoices,
            service: Service, read: Callable[[Any, dict[str, Any]], tuple[Recording, FloatArray, Gimbals]], *,
-           quiet: bool) -> tuple[Calibration, Recording]:  # fmt: skip
-    """The estimate when the source ends, or is ended; and how its rows were read."""
+           quiet: bool) -> Iterator[tuple[Calibration, Recording]]:  # fmt: skip
+    """The estimate when the source ends, or is ended; and how its rows were read. After an error its lines stay."""
     data, reported = None, -math.inf
     feed = Feed(tap := opened(target, settings.baud))
-    with closing(feed), closing(Spool(target, sent=tap.live)) as spool:
+    with closing(feed), closing(Spool(target, sent=tap.live)) as spool, _kept(spool):
         for rows in _rows_of(target, feed, spool, settings):
             try:
                 data, z, gimbals = read(rows, choices)
@@ -48,7 +49,17 @@ def follow(target: str, choices: dict[str, Any], settings: WatchChoices,
                 complain(_report(service, choices["level"] or 0.95))
         if data is None:
             raise DataError(say("{target!r} sent no samples", target=target))
-        return service.result(), replace(data, digest=digest_of(spool.path))
+        yield service.result(), replace(data, digest=digest_of(spool.path))
+
+
+@contextmanager
+def _kept(spool: Spool) -> Iterator[None]:
+    try:
+        yield
+    except BaseException:
+        if path := spool.stays():
+            complain(say("the lines that came are kept in {path!r}", path=path))
+        raise
 
 
 def _rows_of(target: str, feed: Feed, spool: Spool, settings: WatchChoices) -> Iterator[NamedPath]:
@@ -63,6 +74,7 @@ def _rows_of(target: str, feed: Feed, spool: Spool, settings: WatchChoices) -> I
                 pieces.append(feed.take(WAIT))
             except BreakError as what:  # the source is gone or back, or a file became shorter
                 pieces.append(what)
+                spool.once |= what.kind == "rotated"
                 if words := what.words(target):
                     complain(words)
             now = time.monotonic()

@@ -6,6 +6,7 @@ import os
 import re
 import signal
 import sys
+import time
 import warnings
 from _thread import interrupt_main
 from collections.abc import Callable, Iterable, Iterator
@@ -112,6 +113,9 @@ ENDS = ("SIGINT", "SIGTERM", "SIGHUP")  # signals that end the program, where th
 RESEND_PERIOD_S, END_PERIOD_S = 0.01, 0.25
 """Seconds after which a signal that had to wait is sent again, and one that should have ended the program."""
 
+AGAIN_S = 0.5
+"""Seconds after which Ctrl-C comes once more; whoever ends a group of processes may send its signal twice."""
+
 IMPORTER = "<frozen importlib"
 """Where Python's importer is: an exception within it keeps a lock for which other threads wait."""
 
@@ -194,10 +198,20 @@ def ended_by(error: BaseException | None) -> BaseException | None:
 @contextmanager
 def stopping() -> Iterator[Callable[[], bool]]:
     """Within this context signals that end the program are noted: whether one came is the answer of the value."""
-    came = list[int]()
+    came = list[float]()
+
+    def note(number: int, frame: FrameType | None) -> None:
+        """Note it; Ctrl-C once more does what it did before."""
+        came.append(time.monotonic())
+        was = before[number]
+        if number == signal.SIGINT and came[-1] - came[0] > AGAIN_S and callable(was):
+            was(number, frame)
+
     hangup = [signal.SIGHUP] if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN else []
     numbers = [signal.SIGINT, signal.SIGTERM, *hangup]  # nohup ignores the last one
-    before = {which: signal.signal(which, lambda number, _: came.append(number)) for which in numbers}
+    before = {which: signal.getsignal(which) for which in numbers}
+    for which in numbers:
+        signal.signal(which, note)
     try:
         yield lambda: bool(came)
     finally:
