@@ -34,32 +34,27 @@ def follow(target: str, choices: dict[str, Any], settings: WatchChoices,
     """The estimate when the source ends, or is ended; and how its rows were read. After an error its lines stay."""
     data, reported = None, -math.inf
     feed = Feed(tap := opened(target, settings.baud))
-    with closing(feed), closing(Spool(target, sent=tap.live)) as spool, _kept(spool):
-        for rows in _rows_of(target, feed, spool, settings):
-            try:
-                data, z, gimbals = read(rows, choices)
-                service.add(z, gimbals)
-            except DataError as error:
-                complain(str(error))
-                continue
-            if choices["latitude"] is None and choices["h_polar"] is None:  # that of the first rows holds for all
-                choices["latitude"] = math.degrees(gimbals.h_polar[0])
-            if not quiet and time.monotonic() >= reported + (settings.every or REPORTS):
-                reported = time.monotonic()
-                complain(_report(service, choices["level"] or 0.95))
-        if data is None:
-            raise DataError(say("{target!r} sent no samples", target=target))
-        yield service.result(), replace(data, digest=digest_of(spool.path))
-
-
-@contextmanager
-def _kept(spool: Spool) -> Iterator[None]:
-    try:
-        yield
-    except BaseException:
-        if path := spool.stays():
-            complain(say("the lines that came are kept in {path!r}", path=path))
-        raise
+    with closing(feed), closing(Spool(target, sent=tap.live)) as spool:
+        try:
+            for rows in _rows_of(target, feed, spool, settings):
+                try:
+                    data, z, gimbals = read(rows, choices)
+                    service.add(z, gimbals)
+                except DataError as error:
+                    complain(str(error))
+                    continue
+                if choices["latitude"] is None and choices["h_polar"] is None:  # that of the first rows holds for all
+                    choices["latitude"] = math.degrees(gimbals.h_polar[0])
+                if not quiet and time.monotonic() >= reported + (settings.every or REPORTS):
+                    reported = time.monotonic()
+                    complain(_report(service, choices["level"] or 0.95))
+            if data is None:
+                raise DataError(say("{target!r} sent no samples", target=target))
+            yield service.result(), replace(data, digest=digest_of(spool.path))
+        except BaseException:
+            if path := spool.stays():
+                complain(say("the lines that came are kept in {path!r}", path=path))
+            raise
 
 
 def _rows_of(target: str, feed: Feed, spool: Spool, settings: WatchChoices) -> Iterator[NamedPath]:

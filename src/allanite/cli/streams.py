@@ -203,15 +203,12 @@ def stopping() -> Iterator[Callable[[], bool]]:
     def note(number: int, frame: FrameType | None) -> None:
         """Note it; Ctrl-C once more does what it did before."""
         came.append(time.monotonic())
-        was = before[number]
-        if number == signal.SIGINT and came[-1] - came[0] > AGAIN_S and callable(was):
+        if came[-1] - came[0] > AGAIN_S and number == signal.SIGINT and callable(was := before[signal.SIGINT]):
             was(number, frame)
 
     hangup = [signal.SIGHUP] if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN else []
     numbers = [signal.SIGINT, signal.SIGTERM, *hangup]  # nohup ignores the last one
-    before = {which: signal.getsignal(which) for which in numbers}
-    for which in numbers:
-        signal.signal(which, note)
+    before = {which: signal.signal(which, note) for which in numbers}
     try:
         yield lambda: bool(came)
     finally:

@@ -19,7 +19,7 @@ from allanite.phrases.phrase import say
 
 PIECE = 1 << 16  # bytes that are taken at a time
 WAIT = 0.2  # seconds to wait for data at a time
-PIECES_AHEAD = 16  # pieces of a file or a pipe that are read before they are needed
+PIECES_AHEAD = 512  # pieces of a file or a pipe that are read before they are needed: minutes of six axes at 1 kHz
 DATAGRAM_ROOM = 1 << 22  # bytes of datagrams that the system is asked to hold
 TRACE = 64  # bytes before a place in a file, by which it is recognized
 LATEST_END = 25  # times `WAIT` after which a source that does not answer is left to itself

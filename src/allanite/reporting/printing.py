@@ -73,8 +73,7 @@ class Settled(ConstrainedLayoutEngine):
         for _ in range(3):
             before = [ax.bbox.extents for ax in fig.axes]
             super().execute(fig)
-            after = [ax.bbox.extents for ax in fig.axes]
-            if np.allclose(before, after, 0.0, STAYS):
+            if np.allclose(before, [ax.bbox.extents for ax in fig.axes], 0.0, STAYS):
                 break
 
 

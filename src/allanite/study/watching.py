@@ -217,7 +217,7 @@ class Watch:
         try:
             study = self._study(last=True)
         except AllaniteError as error:
-            if not (path := self._left()):
+            if self.spool is None or not (path := self.spool.stays()):
                 raise
             raise error.within(say("the lines that came, kept in {path!r}, cannot be analyzed", path=path)) from None
         notes, provenance = (*study.notes, say("watched as a stream")), study.provenance
@@ -231,19 +231,13 @@ class Watch:
         try:
             yield
         except BaseException as error:
-            if (self._rate or not isinstance(error, UsageError)) and (path := self._left()):
+            told = not self._rate and isinstance(error, UsageError)
+            if not told and self.spool is not None and (path := self.spool.stays()):
                 tell(say("the lines that came are kept in {path!r}", path=path))
             raise
         finally:
-            self.close()
-
-    def close(self) -> None:
-        """Remove what was kept of the stream, unless the user has given its file, or it could not be analyzed."""
-        if self.spool is not None:
-            self.spool.close()
-
-    def _left(self) -> str:
-        return "" if self.spool is None else self.spool.stays()
+            if self.spool is not None:
+                self.spool.close()
 
     def _study(self, *, last: bool = False) -> Study:
         if self.spool is None or not self.spool.came:
