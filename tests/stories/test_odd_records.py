@@ -141,5 +141,6 @@ def test_channels(verb, tmp_path):
 
 
 def test_a_few_of_them(tmp_path):
-    cases = ("info all missing 1", "check alternating 1", "analyze every third missing 6", "vertical beyond 6")
+    cases = ("info all missing 1", "check alternating 1", "analyze every third missing 6", "vertical beyond 6",
+             "compare alternating 1")  # fmt: skip
     judge([(verb, " ".join(shape), int(channels)) for verb, *shape, channels in map(str.split, cases)], tmp_path)

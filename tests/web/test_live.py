@@ -10,7 +10,7 @@ from .browsing import SUITE
 
 pytestmark = SUITE
 
-JUMP = re.compile("the bias (jumps|steps)")
+JUMP = re.compile("the bias (jumps|steps)", re.IGNORECASE)
 
 RATE = 100  # samples a second of record
 

@@ -286,9 +286,9 @@ def watch(target: str, **choices: Any) -> None:
 
     settings = settings_of(WatchChoices, choices)
     service = Service(**model_of(choices))
-    result, data = follow(target, choices, settings, service, gimbals_of, quiet=out.quiet)
-    true = true_of(target) if Path(target).is_file() else ()
-    deliver_study(replace(result, true=true), out, choices, data)
+    with follow(target, choices, settings, service, gimbals_of, quiet=out.quiet) as (result, data):
+        true = true_of(target) if Path(target).is_file() else ()
+        deliver_study(replace(result, true=true), out, choices, data)
 
 
 def model_of(choices: Mapping[str, Any]) -> dict[str, Any]:

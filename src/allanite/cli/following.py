@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Callable, Iterator
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -26,39 +26,48 @@ EVERY = 1.0  # seconds after which the rows that came are taken in
 REPORTS = 10.0  # seconds between reports, unless others are given
 
 
+@contextmanager
 def follow(target: str, choices: dict[str, Any], settings: WatchChoices,
            service: Service, read: Callable[[Any, dict[str, Any]], tuple[Recording, FloatArray, Gimbals]], *,
-           quiet: bool) -> tuple[Calibration, Recording]:  # fmt: skip
-    """The estimate when the source ends, or is ended; and how its rows were read."""
+           quiet: bool) -> Iterator[tuple[Calibration, Recording]]:  # fmt: skip
+    """The estimate when the source ends, or is ended; and how its rows were read. After an error its lines stay."""
     data, reported = None, -math.inf
     feed = Feed(tap := opened(target, settings.baud))
-    with closing(Spool(target, sent=tap.live)) as spool:
-        for rows in _rows_of(target, feed, spool, settings):
-            try:
-                data, z, gimbals = read(rows, choices)
-                service.add(z, gimbals)
-            except DataError as error:
-                complain(str(error))
-                continue
-            if choices["latitude"] is None and choices["h_polar"] is None:  # that of the first rows holds for all
-                choices["latitude"] = math.degrees(gimbals.h_polar[0])
-            if not quiet and time.monotonic() >= reported + (settings.every or REPORTS):
-                reported = time.monotonic()
-                complain(_report(service, choices["level"] or 0.95))
-        if data is None:
-            raise DataError(say("{target!r} sent no samples", target=target))
-        return service.result(), replace(data, digest=digest_of(spool.path))
+    with closing(feed), closing(Spool(target, sent=tap.live)) as spool:
+        try:
+            for rows in _rows_of(target, feed, spool, settings):
+                try:
+                    data, z, gimbals = read(rows, choices)
+                    service.add(z, gimbals)
+                except DataError as error:
+                    complain(str(error))
+                    continue
+                if choices["latitude"] is None and choices["h_polar"] is None:  # that of the first rows holds for all
+                    choices["latitude"] = math.degrees(gimbals.h_polar[0])
+                if not quiet and time.monotonic() >= reported + (settings.every or REPORTS):
+                    reported = time.monotonic()
+                    complain(_report(service, choices["level"] or 0.95))
+            if data is None:
+                raise DataError(say("{target!r} sent no samples", target=target))
+            yield service.result(), replace(data, digest=digest_of(spool.path))
+        except BaseException:
+            if path := spool.stays():
+                complain(say("the lines that came are kept in {path!r}", path=path))
+            raise
 
 
 def _rows_of(target: str, feed: Feed, spool: Spool, settings: WatchChoices) -> Iterator[NamedPath]:
     """Files of the rows that came, one after the other, the last row of each in the next, too."""
     taken, looked = 0, time.monotonic()
-    with stopping() as stopped, closing(arrivals(feed, settings.duration, settings.idle, stopped)) as stream:
-        for pieces, last in stream:
-            broken = [piece.words(target) for piece in pieces if isinstance(piece, BreakError)]
-            full = spool.keep(pieces, last=last)
-            for words in filter(None, (*broken, full)):
-                complain(words)
+    with stopping() as stopped:
+        for pieces, last in arrivals(feed, settings.duration, settings.idle, stopped):
+            for piece in pieces:
+                if isinstance(piece, BreakError):
+                    spool.once |= piece.kind == "rotated"
+                    if words := piece.words(target):
+                        complain(words)
+            if full := spool.keep(pieces, last=last):
+                complain(full)
             over, rows = last or bool(full), spool.rows - taken
             if rows and (over or time.monotonic() >= looked + EVERY or rows >= TAIL // 4):
                 with spool.recent(max(2, rows + 1)) as (path, _):

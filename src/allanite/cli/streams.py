@@ -6,6 +6,7 @@ import os
 import re
 import signal
 import sys
+import time
 import warnings
 from _thread import interrupt_main
 from collections.abc import Callable, Iterable, Iterator
@@ -113,6 +114,9 @@ ENDS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if has
 RESEND_PERIOD_S, END_PERIOD_S = 0.01, 0.25
 """Seconds after which a signal that had to wait is sent again, and one that should have ended the program."""
 
+AGAIN_S = 0.5
+"""Seconds after which Ctrl-C comes once more; whoever ends a group of processes may send its signal twice."""
+
 IMPORTER = "<frozen importlib"
 """Where Python's importer is: an exception within it keeps a lock for which other threads wait."""
 
@@ -194,9 +198,16 @@ def ended_by(error: BaseException | None) -> BaseException | None:
 @contextmanager
 def stopping() -> Iterator[Callable[[], bool]]:
     """Within this context signals that end the program are noted: whether one came is the answer of the value."""
-    came = list[int]()
+    came = list[float]()
+
+    def note(number: int, frame: FrameType | None) -> None:
+        """Note it; Ctrl-C once more does what it did before."""
+        came.append(time.monotonic())
+        if came[-1] - came[0] > AGAIN_S and number == signal.SIGINT and callable(was := before[signal.SIGINT]):
+            was(number, frame)
+
     heard = [which for which in ENDS if signal.getsignal(which) != signal.SIG_IGN]  # nohup ignores hangups
-    before = {which: signal.signal(which, lambda number, _: came.append(number)) for which in heard}
+    before = {which: signal.signal(which, note) for which in heard}
     try:
         yield lambda: bool(came)
     finally:

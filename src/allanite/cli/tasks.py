@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
+from allanite.phrases.phrase import say
 
 from .deliver import carry_out, outputs, recipe_of, settings_of
 from .front import DATA, EXCEEDED, PARTLY
@@ -115,6 +116,8 @@ def _watch(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Repor
         with stopping() as watch.stopped:
             for words in watch.events():
                 reports.event(words, watch)
+            if watch.stopped():
+                reports.event(say("the results are computed; interrupt again to end without them"), watch)
             study = watch.study()
         reports.deliver(study)
     return study

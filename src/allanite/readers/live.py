@@ -8,7 +8,7 @@ import socket
 import stat
 import threading
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from urllib.parse import urlsplit
@@ -19,7 +19,7 @@ from allanite.phrases.phrase import say
 
 PIECE = 1 << 16  # bytes that are taken at a time
 WAIT = 0.2  # seconds to wait for data at a time
-PIECES_AHEAD = 16  # pieces of a file or a pipe that are read before they are needed
+PIECES_AHEAD = 512  # pieces of a file or a pipe that are read before they are needed: minutes of six axes at 1 kHz
 DATAGRAM_ROOM = 1 << 22  # bytes of datagrams that the system is asked to hold
 TRACE = 64  # bytes before a place in a file, by which it is recognized
 LATEST_END = 25  # times `WAIT` after which a source that does not answer is left to itself
@@ -142,24 +142,20 @@ class Feed:
 
 
 def arrivals(feed: Feed, duration: float, idle: float,
-             stopped: Callable[[], bool]) -> Generator[tuple[list[bytes | BreakError], bool], None, None]:  # fmt: skip
+             stopped: Callable[[], bool]) -> Iterator[tuple[list[bytes | BreakError], bool]]:  # fmt: skip
     """What comes of a source, and whether this is the end: it is stopped, or `duration` or `idle`, s, are over."""
     begun = last = time.monotonic()
     over = False
-    try:
-        while not over:
-            pieces = list[bytes | BreakError]()
-            try:
-                pieces.append(feed.take(WAIT))
-            except BreakError as what:
-                pieces.append(what)
-            now = time.monotonic()
-            last = now if any(piece if isinstance(piece, bytes) else piece.kind == "back" for piece in pieces) else last
-            over = stopped() or now - begun >= duration or now - last >= idle
-            yield pieces + (feed.close() if over else []), over
-    finally:
-        if not over:
-            feed.close()
+    while not over:
+        pieces = list[bytes | BreakError]()
+        try:
+            pieces.append(feed.take(WAIT))
+        except BreakError as what:
+            pieces.append(what)
+        now = time.monotonic()
+        last = now if any(piece if isinstance(piece, bytes) else piece.kind == "back" for piece in pieces) else last
+        over = stopped() or now - begun >= duration or now - last >= idle
+        yield pieces + (feed.close() if over else []), over
 
 
 def opened(target: str, baud: int) -> Tap:

@@ -16,6 +16,7 @@ from .sandbox.source import NamedPath
 
 LONGEST_ROW = 1 << 16  # bytes of a line, beyond which it is not one of text
 TAIL = 1 << 16  # rows at the end that can be read apart from the others
+ENOUGH = 64  # rows below which nothing is looked at, nor kept
 HEADINGS = 1000  # lines, at most, that are kept of those that a port sends before its first rows
 
 
@@ -29,7 +30,7 @@ class Spool:
     def __init__(self, source_name: str, path: str | None = None, *, sent: bool = True, force: bool = False) -> None:
         self.source_name, self.sent, self._strict = source_name, sent, sent
         suffix = os.path.splitext(source_name)[1].lower() if os.path.isfile(source_name) else ".txt"
-        self.own = path is None
+        self.own, self.once = path is None, sent  # whether it is removed by `close`, and its lines come only once
         if path is not None:
             demand_writable(path, force=force)
             if os.path.exists(path) and not os.path.isfile(path):
@@ -133,6 +134,13 @@ class Spool:
             except OSError as error:
                 raise DataError(say("no temporary file can be written: {reason}", reason=reason(error))) from None
             yield NamedPath(str(path), self.source_name), self.rows - len(last)
+
+    def stays(self) -> str:
+        """Where the lines are left, if they come only once and were to be removed; else empty."""
+        if not (self.own and self.once and self.rows >= ENOUGH):
+            return ""
+        self.own = False
+        return self.path
 
     def close(self) -> None:
         """Remove the file, unless it is kept or the user has given its name."""

@@ -8,6 +8,7 @@ from functools import cache
 from typing import Any, cast
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -61,13 +62,19 @@ class NotebookFigure(Figure):
         return encode(self, "svg").decode()
 
 
+STAYS = 0.5  # pixels that a layout moves an edge at most where it need not be repeated
+
+
 class Settled(ConstrainedLayoutEngine):
     """A layout that is repeated: where panels have equal decades, a single one leaves labels beyond the edge."""
 
     def execute(self, fig: Figure) -> None:
         """Place everything, each time nearer to where it stays."""
         for _ in range(3):
+            before = [ax.bbox.extents for ax in fig.axes]
             super().execute(fig)
+            if np.allclose(before, [ax.bbox.extents for ax in fig.axes], 0.0, STAYS):
+                break
 
 
 def new_figure(width: float, height: float) -> Figure:

@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 
 from allanite.core.choices import choices_of, described
@@ -21,7 +21,7 @@ from allanite.readers import read
 from allanite.readers.live import BreakError, Feed, arrivals, opened
 from allanite.readers.parts import allowed, needed, size_in_words
 from allanite.readers.sandbox.source import digest_of
-from allanite.readers.spool import TAIL, Spool
+from allanite.readers.spool import ENOUGH, TAIL, Spool
 
 from .analysis import analyze, demand_shown
 from .parts import Passing
@@ -35,7 +35,6 @@ REPORTS = 10.0, 3600.0  # seconds between reports, at least and at most
 LOOKS = 1.0, 60.0  # seconds between looks, at least and at most; less than `RECENT`, so that no row is missed
 BUDGET = 1_000_000_000  # bytes that the analysis of all samples may take for a report, unless others are given
 SHARE = 10.0  # the time without a report, or a look, is at least so many times that of the last one
-ENOUGH = 64  # rows below which nothing is looked at
 LONGEST = 366 * 86400.0  # seconds that a stream lasts at most, by which choices are judged before it begins
 
 AT_ONCE = ("moving", "outliers", "stuck", "clipped", "missing samples")
@@ -122,8 +121,8 @@ class Watch:
         tasks = (Task(self._look, *LOOKS, now),
                  Task(self._news, *(REPORTS if every is None else (every, every)), now))  # fmt: skip
         yield say("watching {target!r}", target=self.target)
-        with closing(arrivals(feed, self.settings.duration, self.settings.idle, self.stopped)) as stream:
-            for pieces, over in stream:
+        try:
+            for pieces, over in arrivals(feed, self.settings.duration, self.settings.idle, self.stopped):
                 for piece in pieces:
                     yield from self._broken(piece) if isinstance(piece, BreakError) else ()
                 if full := spool.keep(pieces, last=over):
@@ -137,6 +136,8 @@ class Watch:
                     if task.due(now, spool.rows):
                         yield from task.work()
                         task.done(now, time.monotonic(), spool.rows)
+        finally:
+            spool.keep(feed.close(), last=True)
         self._unread = True  # the analysis of all rows says it, if it is so
         yield from self._look()
 
@@ -184,7 +185,7 @@ class Watch:
         try:
             study = self._study(last=True)
         except AllaniteError as error:
-            if not (path := self._stays()):
+            if self.spool is None or not (path := self.spool.stays()):
                 raise
             raise error.within(say("the lines that came, kept in {path!r}, cannot be analyzed", path=path)) from None
         notes, provenance = (*study.notes, say("watched as a stream")), study.provenance
@@ -198,24 +199,13 @@ class Watch:
         try:
             yield
         except BaseException as error:
-            if (self._rate or not isinstance(error, UsageError)) and (path := self._stays()):
+            told = not self._rate and isinstance(error, UsageError)
+            if not told and self.spool is not None and (path := self.spool.stays()):
                 tell(say("the lines that came are kept in {path!r}", path=path))
             raise
         finally:
-            self.close()
-
-    def close(self) -> None:
-        """Remove what was kept of the stream, unless the user has given its file, or it could not be analyzed."""
-        if self.spool is not None:
-            self.spool.close()
-
-    def _stays(self) -> str:
-        """Where the lines that came are left, if they come only once and were to be removed; else empty."""
-        spool = self.spool
-        if spool is None or not spool.own or spool.rows < ENOUGH or not (spool.sent or "rotated" in self._many):
-            return ""
-        spool.own = False
-        return spool.path
+            if self.spool is not None:
+                self.spool.close()
 
     def _study(self, *, last: bool = False) -> Study:
         if self.spool is None or not self.spool.came:
@@ -303,6 +293,7 @@ class Watch:
     def _broken(self, what: BreakError) -> Iterator[str]:
         """What happened to the source; the time without one that is gone is a gap, unless it is a file."""
         assert self.spool is not None  # noqa: S101 - it is made before
+        self.spool.once |= what.kind == "rotated"
         times = self._many[what.kind] = self._many.get(what.kind, 0) + 1
         now, target = time.monotonic(), self.target
         if what.kind == "gone":

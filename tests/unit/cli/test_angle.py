@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import os
+import tempfile
 
 import numpy as np
 import pytest
@@ -12,8 +13,10 @@ from scipy.io import savemat
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
+from allanite.cli import angle, following, main
+from allanite.core.errors import UsageError
 from allanite.core.syntax import toml
+from allanite.readers import live
 from allanite.reporting import page, table
 from allanite.reporting.printing import printed
 
@@ -229,6 +232,20 @@ def test_a_growing_file_is_watched(gimbal, tmp_path):
     assert "359 samples; harmonic 128 of h: 3." in done.stderr
     path.write_text("nothing\n")
     assert "sent no samples" in run("watch", *choices, "--idle", "0.5 s").stderr
+
+
+def test_lines_of_a_pipe_stay_where_the_results_cannot_be_written(gimbal, tmp_path, monkeypatch):
+    def full(*_):
+        raise UsageError("cannot be written")
+
+    pieces = iter([gimbal.read_bytes()])
+    monkeypatch.setattr(following, "opened", lambda *_: live.Tap(lambda _: next(pieces, b""), list))
+    monkeypatch.setattr(angle, "deliver_study", full)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    done = run("watch", "port", "--difference", "difference", "--rho", "rho", "--idle", "0.5 s")
+    (kept,) = tmp_path.glob("allanite-*.txt")
+    assert f"kept in '{kept}'" in done.stderr
+    assert kept.read_text().splitlines() == gimbal.read_text().splitlines()[1:]  # without what is said of the columns
 
 
 def test_the_recipe_repeats_the_run(gimbal, tmp_path):

@@ -130,6 +130,7 @@ REFUSED = {
     "an averaging time": (lambda: al.expected(NOISE, "oadev", [1e-300]), "averaging times must be above 0 s"),
     "the same of a record": (lambda: al.deviation(RECORD, taus=[math.inf]), "averaging times must be between"),
     "a length": (lambda: al.simulate(NOISE, rate=10.0, duration=1e308), "duration must be between"),
+    "a cutoff": (lambda: al.faults.low_pass(RECORD, 1e-20), "a cutoff must be between 1e-05 and 50 Hz"),
     "a column": (lambda: al.deviation(TABLE, "gx"), "statistic is 'gx', a column: select it with channels='gx'"),
     "nothing": (lambda: al.whitened(al.Record(np.full(9, np.nan), 1.0, "rad/s"), NOISE), "has 0 samples"),
 }  # fmt: skip

@@ -21,7 +21,7 @@ from tests import thinned
 from tests.rows import paired, rows
 
 import allanite as al
-from allanite.cli import main
+from allanite.cli import main, streams
 
 COMMAND = [sys.executable, "-m", "allanite.cli"]
 linux = pytest.mark.skipif(sys.platform != "linux", reason="a shell with /dev/full")
@@ -168,6 +168,27 @@ def test_names_of_units_do_not_drive_the_terminal(verb, tmp_path, monkeypatch):
     assert done.exit_code in (3, 5)
     assert "evil" in done.stderr
     assert all(line.isprintable() for line in (done.stdout + done.stderr).splitlines())
+
+
+@linux
+def test_ctrl_c_once_more_ends_what_was_to_come_to_its_results(monkeypatch):
+    """At once, unless the signal only came twice; other signals do not."""
+    for period, number, again in (
+        (0.0, signal.SIGINT, True),
+        (9.0, signal.SIGINT, False),
+        (0.0, signal.SIGTERM, False),
+    ):
+        monkeypatch.setattr(streams, "AGAIN_S", period)
+        ended = False
+        with streams.stopping() as stopped:
+            assert not stopped()
+            signal.raise_signal(number)
+            try:
+                signal.raise_signal(number)
+            except KeyboardInterrupt:
+                ended = True
+            assert stopped()
+        assert ended == again
 
 
 DOORS = {"cli/streams.py", "readers/sandbox/worker.py", "readers/sandbox/xlsx_contents.py"}

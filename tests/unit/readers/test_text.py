@@ -1,8 +1,10 @@
 """Text and CSV in the shapes that loggers write."""
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
+from pyarrow import csv
 from tests import examples
 from tests.rows import paired, refused, rows
 
@@ -429,6 +431,16 @@ def test_a_large_text_is_parsed_in_pieces(cell, monkeypatch):
         return
     for mine, known in zip(parse.columns(data, form)[0], whole[0], strict=True):
         np.testing.assert_array_equal(mine, known, strict=True)
+
+
+def test_a_signal_that_ends_no_program_does_not_end_the_reading(write, monkeypatch):
+    def cancelled(*_, **__):
+        monkeypatch.undo()
+        raise pa.ArrowCancelled("received signal 2")
+
+    path = write("gx [deg/s]\n1\n2\n")
+    monkeypatch.setattr(csv, "read_csv", cancelled)
+    assert read(path, rate=1.0)[0].values.tolist() == [1, 2]
 
 
 def test_a_row_of_whole_numbers_is_no_heading():

@@ -221,6 +221,8 @@ def _table(body: bytes | memoryview, layout: Layout, forms: Forms | None, withou
     try:
         source = pa.BufferReader(pa.py_buffer(body))
         return csv.read_csv(source, read_options=read, parse_options=parse, convert_options=convert)
+    except pa.ArrowCancelled:  # by a signal that does not end the program, as in a watch
+        return _table(body, layout, forms, without)
     except pa.ArrowException as error:
         _blame(body, layout, str(error))
 

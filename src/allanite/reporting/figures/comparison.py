@@ -20,7 +20,7 @@ from allanite.statistics import statistic_named
 from allanite.terms import TERMS
 
 from .drawing import TIME, draw_legend, ratio_axis, stacked, with_unit
-from .panels import CurvePanel, positive, span, thinned
+from .panels import CurvePanel, around, positive, span, thinned
 
 Panels = tuple[style.Axes, style.Axes]
 
@@ -85,7 +85,8 @@ def frame_curves(ax: style.Axes, curve: Curve, name: str, curves: Sequence[Curve
     """Axes, title and grid; the upper limits of the last points are far off, and not worth the room."""
     unit = readable_unit(curve.unit)
     values = positive(np.concatenate([c.to(unit).deviation for c in curves]), name)
-    ax.set(xscale="log", yscale="log", ylim=(values.min() / 2.5, values.max() * 2.5))
+    tau = around(np.concatenate([c.tau for c in curves]))
+    ax.set(xscale="log", yscale="log", xlim=tau, ylim=(values.min() / 2.5, values.max() * 2.5))
     style.plain_ticks(ax.xaxis, ax.yaxis)
     style.grid(ax)
     style.title(ax, name)
@@ -93,7 +94,7 @@ def frame_curves(ax: style.Axes, curve: Curve, name: str, curves: Sequence[Curve
 
 
 def _ratio_frame(ax: style.Axes, tau: FloatArray, ratio: FloatArray, apart: BoolArray | None = None) -> None:
-    ax.set(xscale="log")
+    ax.set(xscale="log", xlim=around(tau))
     ratio_axis(ax, tau, ratio, apart)
     style.plain_ticks(ax.xaxis)
 

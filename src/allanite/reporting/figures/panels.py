@@ -151,7 +151,12 @@ def span(panel: CurvePanel) -> tuple[tuple[float, float], tuple[float, float]]:
     if panel.model is not None and any(t.row.periodic for t in panel.model):
         low = max(low, high / ZEROS_RANGE)
     # the upper limits of the last points are far off, and not worth the room
-    return (float(curve.tau[0]) / 1.8, float(curve.tau[-1]) * 1.8), (low, high * 2.5)
+    return around(curve.tau), (low, high * 2.5)
+
+
+def around(tau: FloatArray) -> tuple[float, float]:
+    """Ends of a logarithmic axis of these averaging times, of which there may be a single one."""
+    return float(tau.min()) / 1.8, float(tau.max()) * 1.8
 
 
 def panels_of(value: Any, fit: Fit | None = None, *, demand: bool = True) -> list[CurvePanel]:

@@ -18,6 +18,7 @@ from allanite.core.units import signal_with, unit_of
 
 LOST = Range(0, 1, below=True)  # shares of samples that are missing: some are left
 EXACT = 2.0**52  # steps beyond which a double cannot tell one from the next
+LEAST_CUTOFF = 1e-7  # of the rate: below it the coefficients of a section lose half of their digits
 
 
 @constructed
@@ -176,8 +177,10 @@ def low_pass(record: Record, cutoff: float, *, order: Annotated[int, Range(1, 10
     order : int
         1 rolls off as one time constant does.
     """
-    if not 0 < cutoff < record.rate / 2:
-        raise UsageError(f"a cutoff must be between 0 and {record.rate / 2:g} Hz (half of the rate), not {cutoff!r} Hz")
+    least = LEAST_CUTOFF * record.rate
+    if not least <= cutoff < record.rate / 2:
+        raise UsageError(f"a cutoff must be between {least:g} and {record.rate / 2:g} Hz (half of the rate), not "
+                         f"{cutoff!r} Hz")  # fmt: skip
     from scipy.signal import butter, sosfilt, sosfilt_zi
 
     values = _floats(record)
