@@ -124,7 +124,17 @@ def separated(kind: type, name: str, count: int | None = None, example: str = ""
             raise UsageError(f"expected {name}, e.g. {example}, not {given(value)}")
         return values
 
-    return ChoiceKind(name, read, control="list", takes=LISTS, form=f"{name}, e.g. {example}", within=within)
+    def demand(option: str, value: Any) -> tuple[Any, ...]:
+        parts = value.tolist() if hasattr(value, "tolist") else value
+        words = kind is str and not isinstance(parts, str)
+        if not isinstance(parts, (str, list, tuple)) or (words and not all(isinstance(part, str) for part in parts)):
+            raise UsageError(f"{option}: expected {name}, e.g. {example}, not {given(value)}")
+        try:
+            return read(parts) if parts not in ((), []) else ()
+        except UsageError as error:
+            raise error.within(option) from None
+
+    return ChoiceKind(name, read, demand, control="list", takes=LISTS, form=f"{name}, e.g. {example}", within=within)
 
 
 def pieces(unit: str) -> ChoiceKind:
@@ -371,8 +381,16 @@ def named(kind: type[Any], *groups: str) -> tuple[str, ...]:
 
 
 def demand_choices(settings: Any) -> None:
-    """Refuse a value that its choice does not allow, and keep the others as their kind and choice return them."""
-    for name, row in choices_of(type(settings)).items():
+    """Refuse a value that its choice or type does not allow, and keep the others as kind and choice return them."""
+    rows = choices_of(type(settings))
+    if len(rows) < len(fields(settings)):
+        from .declared import fields_of, misfit  # with numpy, which help does without
+
+        for name, hint in fields_of(type(settings)).items():
+            if name not in rows and (expected := misfit(getattr(settings, name), hint)):
+                raise UsageError(f"{type(settings).__name__}: {name} must be {expected}, not "
+                                 f"{given(getattr(settings, name))}")  # fmt: skip
+    for name, row in rows.items():
         value, within = getattr(settings, name), row.within or row.kind.within
         if (value is None and row.default is None) or value is row.default:
             continue

@@ -18,6 +18,7 @@ from .encoding import derived
 from .ranges import RATE, Range
 
 MAX_ITEMS = 1000  # items of a sequence that are looked at
+MAX_RANGE = 10_000_000  # items of a range, which become numbers of Python of some 40 bytes each
 
 SIZES: dict[str, Range] = {"rate": RATE}
 """The numbers of a name; of other names, functions refuse what is infinite or not a number."""
@@ -49,7 +50,9 @@ def misfit(value: Any, hint: Any) -> str:
 
 
 def excess(name: str, value: Any, hint: Any) -> str:
-    """A sentence if the number is of a size that none of its name and type can have; else empty."""
+    """A sentence if the number, or range, is of a size that none of its name and type can have; else empty."""
+    if isinstance(value, range) and value[MAX_RANGE:]:
+        return f"{name} must have at most {MAX_RANGE} items"
     members = get_args(hint) or (hint,)
     if not isinstance(value, Real) or np.random.Generator in members or not {int, float} & set(members):
         return ""
@@ -149,7 +152,7 @@ def _array(value: Any, args: tuple[Any, ...]) -> bool:
     (declared,) = get_args(args[1]) if len(args) > 1 else (Any,)
     kinds = {np.float64: "biuf", np.int64: "iu"}.get(declared)
     try:
-        return not kinds or np.asarray(value).dtype.kind in kinds
+        return not kinds or isinstance(value, range) or np.asarray(value).dtype.kind in kinds
     except (ValueError, TypeError, OverflowError):
         return False
 

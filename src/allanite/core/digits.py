@@ -78,7 +78,7 @@ def rounded(value: float) -> str:
 
 
 def _order(size: float) -> int:
-    return math.floor(math.log10(size))
+    return max(math.floor(math.log10(size)), -300)  # ten to this power is no zero
 
 
 def _decimals(size: float, half: float) -> int:

@@ -100,6 +100,8 @@ class StateSpace(Value):
         orders = {n: math.isqrt(matrix.size) for n, matrix in square.items()}
         if any(matrix.size != orders[n] ** 2 for n, matrix in square.items()):
             raise StoredError("a matrix is not square")
+        if len({orders["Phi"], orders["Qd"], orders["P0"], space.H.size}) > 1 or orders["F"] != orders["Qc"]:
+            raise StoredError("the matrices are not of one size: the data were changed")
         square = {n: matrix.reshape((orders[n], orders[n])) for n, matrix in square.items()}
         return replace(space, H=space.H.reshape(1, -1), **square)
 
@@ -168,7 +170,7 @@ def state_space(model: ModelLike, rate: float, *, tau: tuple[float, float] = (1.
     chosen = _chosen(measurement, blocks, white, (replaced, rate, high))
     built = MEASUREMENTS[chosen].build(blocks, white)
     m = _factors(low, high, rate)
-    off = np.sqrt(built.allan(m) / expected(model, "oadev", m / rate)) - 1
+    off = np.sqrt(_ratio(built, model, m, rate)) - 1
     names = [name for block in blocks for name in block.names]
     names += [(say("mean rate over the interval"), 0.0)] if len(built.Phi) > len(names) else []
     F, Qc = continuous(blocks)
@@ -187,8 +189,14 @@ def _chosen(measurement: str, blocks: list[Block], white: FloatArray, how: tuple
     if measurement != "auto":
         return measurement
     m = _factors(1 / rate, high, rate)
-    off = MEASUREMENTS["sample"].build(blocks, white).allan(m) / expected(model, "oadev", m / rate) - 1
+    off = _ratio(MEASUREMENTS["sample"].build(blocks, white), model, m, rate) - 1
     return "mean" if angle or np.abs(off).max() > NEGLIGIBLE else "sample"
+
+
+def _ratio(built: Matrices, model: Model, m: IntArray, rate: float) -> FloatArray:
+    """The Allan variance of a state model over that of the noise; 1 without noise."""
+    wanted = expected(model, "oadev", m / rate)
+    return np.divide(built.allan(m), wanted, out=np.ones(m.size), where=wanted > 0)
 
 
 def _factors(low: float, high: float, rate: float) -> IntArray:

@@ -299,7 +299,10 @@ class Harmonics(Correction):
         terms = read_key(data, "terms", tuple[dict[str, Any], ...])
         columns = {name: [term.get(key) for term in terms] for name, key in COLUMNS.items()}
         freedom = "inf" if data.get("freedom") is None else data["freedom"]
-        return super()._stored(data | columns | {"freedom": freedom, "solution": None})
+        read = super()._stored(data | columns | {"freedom": freedom, "solution": None})
+        if read.covariance.shape != (size := 2 * len(read.orders), size):
+            raise UsageError("covariance must have two rows and columns for each order: the data were changed")
+        return read
 
 
 @public

@@ -77,6 +77,7 @@ def sway_of(sway: "Sway | tuple[float, float] | None") -> Sway | None:
     return Sway(float(sway[0]), float(sway[0]), float(sway[1]))
 
 
+@constructed
 @dataclass(frozen=True, repr=False)
 class Ring(Value):
     """Motion of a gimbal's outer ring, which is turned to and fro between two angles to tell the harmonics apart.

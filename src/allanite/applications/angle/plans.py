@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from allanite.extending import Finding, FloatArray, UsageError, Value, provenance_of, public
+from allanite.extending import Finding, FloatArray, UsageError, Value, constructed, provenance_of, public
 
 from .calibration import Calibration, Prior, caveats, prior_of
 from .geometry import QUARTER, Gimbals, gimbals
@@ -21,6 +21,7 @@ MAX_COUNT = 100_000_000  # samples of an experiment, of which each takes some hu
 START_STEP = 300.0  # between the starts of a scan, s: finer than anybody schedules, and than the total changes
 
 
+@constructed
 @dataclass(frozen=True, repr=False)
 class AngleSettings(Value):
     """Every choice of an experiment but its start.
@@ -57,7 +58,7 @@ class AngleSettings(Value):
         object.__setattr__(self, "sway", sway_of(self.sway))
         for name in ("duration", "interval", "sigma"):
             value = getattr(self, name)
-            if not (isinstance(value, (int, float, np.number)) and math.isfinite(value) and value > 0):
+            if not (math.isfinite(value) and value > 0):
                 raise UsageError(f"{name} must be a positive number, not {value!r}")
         if self.count > MAX_COUNT:
             raise UsageError(f"{self.duration:g} s at an interval of {self.interval:g} s are {self.count:.3g} samples; "

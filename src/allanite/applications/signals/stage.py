@@ -6,8 +6,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from allanite.extending import (  # isort: skip
-    POSITIVE, DataError, FloatArray, Record, UnitError, UsageError, Value, convert, join, public, say, say_count,
-    signal_with, spelled, unit_of, windowing)  # fmt: skip
+    POSITIVE, DataError, FloatArray, Record, UnitError, UsageError, Value, constructed, convert, join, public, say,
+    say_count, signal_with, spelled, unit_of, windowing)  # fmt: skip
 
 MAX_CLIPPED = 1e-3  # share of clipped samples above which noise coefficients are meaningless
 MAX_OFF_GRID = 0.05  # distance from the grid, in steps, up to which a reading printed with rounding lies on it
@@ -18,6 +18,7 @@ MIN_OCCURRENCES = 20
 MAX_CODES = 1 << 24  # codes between the least and the largest up to which they are counted out
 
 
+@constructed
 @dataclass(frozen=True, repr=False)
 class Stage(Value):
     """A converter or register of so many bits over -full_scale to +full_scale.
@@ -64,7 +65,7 @@ class Stage(Value):
     gain: float = 1.0
 
     def __post_init__(self) -> None:
-        if isinstance(self.bits, bool) or not isinstance(self.bits, (int, np.integer)) or not 1 <= self.bits <= 64:
+        if not 1 <= self.bits <= 64:
             raise UsageError(f"the bits of {self.name!r} must be a whole number from 1 to 64, not {self.bits!r}")
         positive(self.full_scale, f"full scale of {self.name!r}")
         positive(self.gain, f"gain before {self.name!r}")
@@ -175,6 +176,7 @@ def codes(readings: FloatArray) -> Codes | None:
     return Codes(occurring.size, count.size, int(gaps[beside >= MIN_OCCURRENCES].sum()))
 
 
+@constructed
 @dataclass(frozen=True, repr=False)
 class TorqueScale(Value):
     r"""Scale factor of a Lorentz-force torquer: the rate that a current means.
@@ -359,7 +361,6 @@ def factor_of(scale: TorqueScale | float) -> float:
 
 def positive(value: float, what: str, unit: str = "") -> float:
     """`value`, once it is found to be a positive number."""
-    number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
-    if not (number and math.isfinite(value) and value > 0):
+    if not (math.isfinite(value) and value > 0):
         raise UsageError(f"the {what} must be a positive number{f' of {unit}' * bool(unit)}, not {value!r}")
     return float(POSITIVE.demand(value, f"the {what}"))
