@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from allanite.phrases.phrase import join, say
 
-from .aliases import constructed
+from .aliases import constructed, public
 from .arrays import LARGEST, FloatArray, samples, unmasked
 from .errors import DataError, UsageError, WrongTypeError, given
 from .habits import demand_own
@@ -126,6 +126,7 @@ class Record(Value):
         """Time of each sample, s."""
         return (self.start or 0.0) + np.arange(len(self.values)) / self.rate
 
+    @public
     def to(self, unit: str) -> "Record":
         """The same record in another unit."""
         factor = convert(1.0, self.unit, unit)

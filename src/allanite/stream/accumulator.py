@@ -82,7 +82,7 @@ class Accumulator:
         if self.row.name not in streamable():
             raise UsageError(f"a stream has no {statistic!r}: choose one of {', '.join(streamable())}, or make a "
                              "Record of it")  # fmt: skip
-        self.start = PLACES.demand(start, "start, the place of the first sample in the stream,")
+        self.start: int = PLACES.demand(start, "start, the place of the first sample in the stream,")
         self._sums = Sums(self.row, start)
         self._waiting, self._held = np.empty(WAITING), 0
         self.last = math.nan

@@ -163,7 +163,7 @@ def spectrum_of(stream: "Accumulator", *, detrend: bool) -> BinnedSpectrum:
     cells = stream.sums.cells
     width, full = cells.size, np.flatnonzero(cells.count >= FULL * cells.size)
     if full.size < 2:
-        raise DataError(say("{channel!r} has too few samples that are not missing", channel=stream.like.name))
+        raise DataError(say("{count} samples are {too_few}", count=int(cells.count[full].sum()), too_few=FEW))
     y = cells.total[full] / cells.count[full] * width**0.5
     places = full - full[0]
     slope = less_slope(y, places) if detrend else 0.0

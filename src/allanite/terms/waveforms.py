@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from allanite.core.errors import UsageError
 from allanite.phrases.phrase import say
 
 from .row import Block, FloatArray, NoiseTerm, Parameter, time_constant
@@ -81,7 +80,7 @@ SINE = sine(0.125)
 
 
 def _none(*_: Any) -> FloatArray:
-    raise UsageError("a warm-up (W) has no structure function, as it depends on the time since the record began: pass "
+    raise ValueError("a warm-up (W) has no structure function, as it depends on the time since the record began: pass "
                      "the length of the record, or omit W from the model")  # fmt: skip
 
 

@@ -97,6 +97,7 @@ class Ranking(Value):
     """
 
     _also: ClassVar[tuple[str, ...]] = ("unit", "verdict")
+    _checks: ClassVar = {"errors": lambda errors: read_key(errors, "optimal", float)}
 
     signal: Signal
     duration: float
