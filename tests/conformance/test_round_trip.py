@@ -533,8 +533,6 @@ def test_what_cannot_be_read_is_said(data, words):
 
 
 CHANGED = [
-    ("Harmonics", "covariance", [[1.0]], "two equal rows and columns"),
-    ("Harmonics", "covariance", [[-1.0, 0.0], [0.0, 1.0]], "covariance must"),
     ("StateSpace", "Phi", [[1.0] * 9] * 9, "not of one size"),
     ("StateSpace", "H", [["inf"]], "not finite|a list of numbers"),
     ("StateSpace", "tau", [1.0, "inf"], "number of steps"),

@@ -77,7 +77,6 @@ def sway_of(sway: "Sway | tuple[float, float] | None") -> Sway | None:
     return Sway(float(sway[0]), float(sway[0]), float(sway[1]))
 
 
-@constructed
 @dataclass(frozen=True, repr=False)
 class Ring(Value):
     """Motion of a gimbal's outer ring, which is turned to and fro between two angles to tell the harmonics apart.
@@ -118,7 +117,8 @@ class Ring(Value):
 
     def __post_init__(self) -> None:
         numbers = [self.rate, self.low, self.high, self.step, self.heading]
-        if not np.isfinite(numbers).all() or self.rate <= 0 or self.high <= self.low or self.step < 0:
+        typed = all(isinstance(number, (int, float, np.number)) for number in numbers)
+        if not typed or not np.isfinite(numbers).all() or self.rate <= 0 or self.high <= self.low or self.step < 0:
             raise UsageError("a ring needs a rate in rad/s above 0, an angle in rad below another, and no negative "
                              f"step, not {self}")  # fmt: skip
         if max(abs(self.low), abs(self.high)) >= math.pi / 2:
