@@ -6,6 +6,7 @@ import math
 import os
 import re
 import sys
+from fractions import Fraction
 from functools import cache
 from operator import attrgetter
 from pathlib import Path
@@ -97,6 +98,8 @@ def test_another_type_is_refused_by_name(name, parameter):
 
 HUGE = 10**400
 LOST = al.Record(np.full(100, np.nan), 10.0, "deg/s", name="gz")
+USUAL = al.Record(np.random.default_rng(1).normal(size=400), 10.0, "deg/s", name="gz")
+STILL = al.Record(np.zeros(400), 10.0, "deg/s", name="gz")
 GREAT = al.Record(1e300 * np.random.default_rng(1).normal(size=100), 10.0, "deg/s", name="gz")
 
 ODD = [
@@ -114,6 +117,24 @@ ODD = [
     (lambda: al.simulation.faults.Dither({"a": 1}), "Dither: amplitude must be a number"),
     (lambda: al.attitude.attitudes([[1.0, 2.0]], [1.0, 0.0, 0.0, 0.0]), r"have the shape \(n, 3\), not \(1, 2\)"),
     (lambda: al.attitude.attitudes(np.zeros((2, 3)), [1.0]), r"a quaternion of 4 numbers, not of the shape \(1,\)"),
+    (lambda: al.attitude.Inertial(np.zeros((9, 3)), np.ones((4, 3)), 1.0), r"one shape \(n, 3\), but force"),
+    (lambda: al.angle.Ring({"a": 1}, 0.0, 1.0), "a ring needs a rate in rad/s"),
+    (lambda: al.from_dict(al.angle.Harmonics.of({1: (1.0, 0.0)}).to_dict() | {"covariance": [[1.0]]}), "two equal"),
+    (lambda: al.signals.PathSettings(("ADC",)), "PathSettings: stages must be a tuple of Stages, not "),
+    (lambda: al.constant_rate.ExperimentSettings(methods=1j), "ExperimentSettings: methods must be a tuple of strings"),
+    (lambda: al.constant_rate.ExperimentSettings(dither=5.0), "dither: expected numbers, e.g. 1,10,100, not 5"),
+    (lambda: al.compensation.CompensationSettings(regressors=[5]), r"regressors: expected names, .*, not \[5\]"),
+    (lambda: al.GM2("x", "deg/h", frequency=Fraction(HUGE)), "GM2: the numbers given are too large or too small"),
+    *((lambda call=call: call(range(10**12)), "must have at most 10000000 items, not range")
+      for call in (lambda x: al.Record(x, 10.0, "deg/s"), lambda x: al.deviation(LOST, m=x), al.attitude.attitudes)),
+    (lambda: al.Accumulator(10.0, "deg/s").push(range(10**12)), "chunk must have at most 10000000 items"),
+    (lambda: al.Accumulator(10.0, "deg/s").skip(2**62), "the number of missing samples must be between 0 and 9"),
+    (lambda: al.Record(np.broadcast_to(1.0, 10**13), 1.0, "deg/s"), "Record: there is not enough memory"),
+    (lambda: al.analyze(al.N(1.0, "deg/sqrt(h)")), "records must be a tuple of Records, not "),
+    (lambda: al.residuals(STILL, al.identify(USUAL)), "'gz' never changes"),
+    (lambda: al.state_space(al.K(1.0, "deg/h/sqrt(h)"), 1e15, tau=(1, 1e6)), "number of steps in the longest"),
+    (lambda: al.Model("W 1 deg/h 10 s").structure(np.ones(2)), "a warm-up .* has no structure function"),
+    (lambda: al.deviation(USUAL).to([1]), "Curve.to: unit must be a string"),
     (lambda: al.K(np.timedelta64(1, "s")), "K: value must be a number or a string, not "),
 ]  # fmt: skip
 """Calls with values of another type or size, and what is said of them."""
@@ -130,6 +151,24 @@ def test_a_lock_that_is_no_file_is_refused_at_once(tmp_path):
     for path in (tmp_path, tmp_path / "pipe"):
         with pytest.raises(FileExistsError, match="not a file"):
             locked(path)
+
+
+def test_samples_that_a_mask_hides_are_missing():
+    x = np.ma.masked_array(np.random.default_rng(1).integers(0, 99, 600), mask=np.arange(600) > 500)
+    stream = al.Accumulator(10.0, "deg/s")
+    stream.push(x)
+    plain, masked = (al.identify(y, rate=10.0, unit="deg/s") for y in (np.c_[x.data, x.data], np.ma.stack([x, x], 1)))
+    assert np.isnan(al.Record(x, 10.0, "deg/s").values).sum() == stream.missing == 99
+    assert repr(plain["1"]) != repr(masked["1"])
+
+
+def test_a_stream_of_which_almost_all_is_missing_has_no_coefficients():
+    stream = al.Accumulator(10.0, "deg/s")
+    for _ in range(2):
+        stream.push(np.arange(500.0))
+        stream.skip(2**40)
+    with pytest.raises(al.DataError, match="samples are"):
+        stream.fit()
 
 
 def test_values_that_say_nothing_are_no_error():

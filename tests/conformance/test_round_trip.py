@@ -532,6 +532,30 @@ def test_what_cannot_be_read_is_said(data, words):
         al.Curve.from_dict(MODEL.to_dict())
 
 
+CHANGED = [
+    ("StateSpace", "Phi", [[1.0] * 9] * 9, "not of one size"),
+    ("StateSpace", "H", [["inf"]], "not finite|a list of numbers"),
+    ("StateSpace", "tau", [1.0, "inf"], "number of steps"),
+    ("Spectrum", "sides", "__class__", "sides: unknown side"),
+    ("Curve", "variance", [-1.0], "variance: a number of at least 0"),
+    ("Ranking", "errors", {}, "errors: the stored value has no 'optimal'"),
+    ("Residuals", "level", [1.0], "level, level_error must have as many items"),
+]
+
+
+@rows("kind, key, value, words", CHANGED)
+def test_parts_that_do_not_agree_are_refused_by_their_field(kind, key, value, words):
+    name = next(name for name in MAKERS if name.split()[0] == kind)
+    refused(al.UsageError, words, lambda: al.from_dict(json.loads(text_of(made(name))) | {key: value}))
+
+
+def test_a_stored_recording_is_shown_without_its_samples():
+    stored = al.from_dict(json.loads(json.dumps(al.Recording((record(),)).to_dict())))
+    assert "100 Hz" in stored.summary()
+    assert "Samples over time" in stored._repr_html_()
+    refused(al.UsageError, "has no samples: read its file once more", stored.to_dataframe)
+
+
 def test_nan_and_none_and_infinity_are_told_apart():
     estimate = dataclasses.replace(fit()["N"], value=np.nan, standard_error=None, upper=np.inf, shape=(-np.inf, np.nan))
     data = json.loads(json.dumps(estimate.to_dict(), allow_nan=False))

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tomllib
 from dataclasses import replace
+from importlib.metadata import PathDistribution
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -16,6 +17,7 @@ from tests.rows import refused, rows
 
 import allanite as al
 from allanite.cli import Verb
+from allanite.plugins import package_of
 from allanite.terms import TERMS
 from allanite.testing import (
     CHECKS,
@@ -327,6 +329,13 @@ def test_malformed_entry_points_of_any_package_stop_no_verb(sample, tmp_path, te
     assert out.endswith("True\n")
     named = "the entry points of the package 'theirs' cannot be read"
     assert (named in out + err) == (b"allanite" in text)
+
+
+def test_a_package_whose_metadata_are_no_text_is_named_by_its_module(tmp_path):
+    about = install(tmp_path, "theirs", {"allanite.verbs": {"x": "theirs:x"}}) / "theirs-1.0.dist-info"
+    (about / "METADATA").write_bytes(b"\xff\xfe")
+    (entry,) = PathDistribution(about).entry_points
+    assert package_of(entry) == "theirs:x"
 
 
 def test_a_check_that_is_expected_to_fail_has_a_reason_and_fails():

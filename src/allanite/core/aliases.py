@@ -45,24 +45,26 @@ def public(function: F) -> F:
         options = renamed(options, names)
         demand_own(called, () if open_ else options.keys() - names)
         columns = args[0].columns if args and hasattr(type(args[0]), "columns") else ()
-        for name, value in chain(zip(names, args, strict=False), options.items()):
-            hint = types.get(name, Any)
-            if isinstance(value, str) and name != "channels" and value in columns:
-                raise WrongTypeError(f"{called}: {name} is {value!r}, a column: select it with channels={value!r}")
-            if expected := misfit(value, hint):
-                rated = isinstance(value, Real) and "sampling" in names  # as the second argument of other libraries
-                raise WrongTypeError(
-                    f"{called}: {name} must be {expected}, not {given(value)} ({type(value).__name__})"
-                    + f"; a sampling rate has its name: type al.{called}(x, rate={value})" * rated
-                )
-            if name in ranges:
-                ranges[name].demand(value, name)
-            else:
-                demand_size(name, value, hint)
         try:
+            for name, value in chain(zip(names, args, strict=False), options.items()):
+                hint = types.get(name, Any)
+                if isinstance(value, str) and name != "channels" and value in columns:
+                    raise WrongTypeError(f"{called}: {name} is {value!r}, a column: select it with channels={value!r}")
+                if expected := misfit(value, hint):
+                    rated = isinstance(value, Real) and "sampling" in names  # as the second argument of other libraries
+                    raise WrongTypeError(
+                        f"{called}: {name} must be {expected}, not {given(value)} ({type(value).__name__})"
+                        + f"; a sampling rate has its name: type al.{called}(x, rate={value})" * rated
+                    )
+                if name in ranges:
+                    ranges[name].demand(value, name)
+                else:
+                    demand_size(name, value, hint)
             return function(*args, **options)
         except OverflowError as error:
             raise UsageError(f"{called}: the numbers given are too large or too small: {error}") from error
+        except MemoryError as error:
+            raise UsageError(f"{called}: there is not enough memory for so many numbers") from error
 
     return entered  # type: ignore[return-value]
 

@@ -45,6 +45,12 @@ def mean_and_deviation(values: FloatArray) -> tuple[float, float]:
     return scale * mean, scale * math.sqrt(finite @ finite / finite.size)
 
 
+def unmasked(values: Any) -> NDArray[Any]:
+    """The values as an array, in which what a masked array of NumPy hides is NaN."""
+    hidden = hasattr(values, "filled") and values.dtype.kind in "fiub" and np.any(values.mask)
+    return np.asarray(values.astype(np.float64).filled(np.nan) if hidden else values)
+
+
 def samples(values: Any, unit: str, kind: str, name: str) -> NDArray[Any]:
     """Contiguous float64, or int64 if the samples are integers or the kind is "count"."""
     # They are given as an array, a quantity of pint or astropy, which is converted to `unit`, or a column of pandas or
@@ -52,7 +58,7 @@ def samples(values: Any, unit: str, kind: str, name: str) -> NDArray[Any]:
     if hasattr(values, "to") and (hasattr(values, "magnitude") or hasattr(values, "to_value")):
         quantity = values.to(unit)
         values = quantity.magnitude if hasattr(quantity, "magnitude") else quantity.to_value()
-    array = np.asarray(values.to_numpy() if hasattr(values, "to_numpy") else values)
+    array = unmasked(values.to_numpy() if hasattr(values, "to_numpy") else values)
     if array.dtype.kind == "O" and hasattr(values, "isna"):  # numbers of pandas, some of which are missing
         array = np.where(values.isna(), np.nan, array)
         array = array.astype(np.float64) if all(isinstance(v, (int, float, np.number)) for v in array) else array

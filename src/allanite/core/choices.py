@@ -116,7 +116,17 @@ def separated(kind: type, name: str, count: int | None = None, example: str = ""
             raise ValueError(values)
         return values
 
-    return ChoiceKind(name, read, control="list", takes=LISTS, form=f"{name}, e.g. {example}", within=within)
+    def demand(option: str, value: Any) -> tuple[Any, ...]:
+        parts = value.tolist() if hasattr(value, "tolist") else value
+        try:
+            texts = isinstance(parts, str) or kind is not str or all(isinstance(part, str) for part in parts)
+            if not (texts and isinstance(parts, (str, list, tuple))):
+                raise TypeError
+            return read(parts) if parts not in ((), []) else ()
+        except (TypeError, ValueError, OverflowError):
+            raise UsageError(f"{option}: expected {name}, e.g. {example}, not {given(value)}") from None
+
+    return ChoiceKind(name, read, demand, control="list", takes=LISTS, form=f"{name}, e.g. {example}", within=within)
 
 
 def pieces(unit: str) -> ChoiceKind:
@@ -367,7 +377,15 @@ class Choices:
     """A class of choices: values that are not allowed are refused, others kept as their kind and choice return them."""
 
     def __post_init__(self) -> None:
-        for name, row in choices_of(type(self)).items():
+        rows = choices_of(type(self))
+        if len(rows) < len(fields(self)):  # type: ignore[arg-type]
+            from .declared import fields_of, misfit  # with numpy, which help does without
+
+            for name, hint in fields_of(type(self)).items():
+                if name not in rows and (expected := misfit(getattr(self, name), hint)):
+                    what = given(getattr(self, name))
+                    raise UsageError(f"{type(self).__name__}: {name} must be {expected}, not {what}")
+        for name, row in rows.items():
             value, within = getattr(self, name), row.within or row.kind.within
             if (value is None and row.default is None) or value is row.default:
                 continue

@@ -8,10 +8,11 @@ import numpy as np
 
 from allanite.phrases.phrase import say
 
+from .aliases import public
 from .arrays import FloatArray, IntArray
 from .encoding import plain
 from .errors import StoredError, UsageError
-from .limits import Stored, demand_level, demand_stored_rate
+from .limits import Stored, demand_level, demand_stored_rate, demand_stored_square
 from .model import Model
 from .names import demand_name
 from .plain import Portable, Value
@@ -66,7 +67,7 @@ class Curve(Value):
     _keys: ClassVar = {"supposes": "supposed"}
     _called: ClassVar = {"taus": "tau", "var": "variance", **dict.fromkeys(("dev", "devs", "adev", "ad"), "deviation")}
     _alike = ("m tau variance count factor alpha",)
-    _checks: ClassVar = {"rate": demand_stored_rate}
+    _checks: ClassVar = {"rate": demand_stored_rate, "variance": demand_stored_square, "law": demand_stored_square}
 
     statistic: str
     m: IntArray
@@ -140,6 +141,7 @@ class Curve(Value):
         """One-sided upper confidence limit of the deviation; level above 0.5."""
         return self.interval(2 * level - 1)[1]
 
+    @public
     def to(self, unit: str) -> "Curve":
         """The same curve in another unit."""
         factor = convert(1.0, self.unit, unit)
@@ -199,7 +201,7 @@ class Surface(Value):
 
     _keys: ClassVar = {"supposes": "supposed"}
     _alike = ("m tau", "time variance count factor")
-    _checks: ClassVar = {"rate": demand_stored_rate}
+    _checks: ClassVar = {"rate": demand_stored_rate, "variance": demand_stored_square, "law": demand_stored_square}
 
     statistic: str
     time: FloatArray
@@ -236,6 +238,7 @@ class Surface(Value):
             noise=self.noise, law=self.law if known.all() else None, supposes=self.supposes if known.all() else None,
         )  # fmt: skip
 
+    @public
     def to(self, unit: str) -> "Surface":
         """The same surface in another unit."""
         factor = convert(1.0, self.unit, unit)

@@ -19,6 +19,7 @@ from .errors import UsageError, given
 from .ranges import RATE, Range
 
 MAX_ITEMS = 1000  # items of a sequence that are looked at
+MAX_RANGE = 10_000_000  # items of a range, which become numbers of Python of some 40 bytes each
 
 SIZES: dict[str, Range] = {"rate": RATE}
 """The numbers of a name whose type states none; of other names, what is beyond any computation is refused."""
@@ -50,7 +51,9 @@ def misfit(value: Any, hint: Any) -> str:
 
 
 def demand_size(name: str, value: Any, hint: Any) -> None:
-    """Refuse a number of a size that none of its name and type can have."""
+    """Refuse a number, or a range, of a size that none of its name and type can have."""
+    if isinstance(value, range) and value[MAX_RANGE:]:
+        raise UsageError(f"{name} must have at most {MAX_RANGE} items, not {given(value)}")
     members = get_args(hint) or (hint,)
     if not isinstance(value, Real) or np.random.Generator in members or not {int, float} & set(members):
         return
@@ -147,7 +150,7 @@ def _array(value: Any, args: tuple[Any, ...]) -> bool:
     (declared,) = get_args(args[1]) if len(args) > 1 else (Any,)
     kinds = {np.float64: "biuf", np.int64: "iu"}.get(declared)
     try:
-        return not kinds or np.asarray(value).dtype.kind in kinds
+        return not kinds or isinstance(value, range) or np.asarray(value).dtype.kind in kinds
     except (ValueError, TypeError, OverflowError):
         return False
 

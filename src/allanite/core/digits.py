@@ -80,4 +80,4 @@ def rounded(value: float) -> str:
 
 
 def _order(size: float) -> int:
-    return math.floor(math.log10(size))
+    return max(math.floor(math.log10(size)), -300)  # ten to this power is no zero

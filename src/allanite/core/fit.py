@@ -79,12 +79,19 @@ class Goodness(Value):
     # `frequency` (Hz, shape (cells + 1,)) holds the edges of the cells, `ratio` the observed over the expected power in
     # each, `z` the same as a standard normal deviate; `p` is the p-value. `reasons` describe the misfit; `remarks`
     # describe deviations from noise that do not affect the coefficients.
+    _alike = ("cells ratio z",)
+
     frequency: FloatArray
     ratio: FloatArray
     z: FloatArray
     p: float
     reasons: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
+
+    @property
+    def cells(self) -> FloatArray:
+        """Lower edges of the cells, Hz."""
+        return self.frequency[:-1]
 
     @property
     def explained(self) -> bool:

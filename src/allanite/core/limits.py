@@ -178,6 +178,15 @@ def demand_stored_size(value: float | Stored | None) -> None:
         raise unfit(value, f"a number below {LARGEST**2:g}")
 
 
+def demand_stored_square(values: FloatArray | Stored | None) -> None:
+    """Refuse negative numbers; what is missing is none."""
+    if values is None or isinstance(values, Stored):
+        for part in () if values is None else values.values:
+            demand_stored_square(part)
+    elif (values < 0).any():
+        raise unfit(float(values[values < 0][0]), "a number of at least 0")
+
+
 def demand_stored_positive(values: FloatArray) -> None:
     """Refuse numbers that are divided by, where one is zero or negative."""
     if not (values > 0).all():

@@ -222,7 +222,10 @@ class Model(Value):
 
     def structure(self, t: FloatArray) -> FloatArray:
         """Structure function D(t) = E[(x(s+t) - x(s))^2] of the angle, SI, t in seconds, shape of `t`."""
-        return np.asarray(sum(t_.value**2 * t_.sampled(1.0).structure(t) for t_ in self.terms))
+        try:
+            return np.asarray(sum(t_.value**2 * t_.sampled(1.0).structure(t) for t_ in self.terms))
+        except ValueError as error:  # a warm-up has none
+            raise UsageError(str(error)) from None
 
     def spectrum(self, f: FloatArray, interval: float) -> FloatArray:
         """Two-sided power spectral density of the rate, SI, at `f` Hz for a sample interval in s."""

@@ -12,8 +12,9 @@ from .aliases import public
 from .encoding import plain, read_key, write_plain
 from .errors import StoredError, UsageError, given, unfit
 from .habits import REMEDIES, remedy
+from .kinds import KINDS
 from .limits import demand_stored_rate
-from .names import nearest, unknown
+from .names import demand_name, nearest, unknown
 from .units import Signal
 
 VERSION = 1  # version of the plain data, stored under "allanite"
@@ -243,7 +244,7 @@ class Header(Value):
     Results that were stored and read again hold it instead of the record.
     """
 
-    _checks: ClassVar = {"rate": demand_stored_rate}
+    _checks: ClassVar = {"rate": demand_stored_rate, "kind": lambda kind: demand_name("kind", kind, KINDS)}
 
     name: str
     rate: float

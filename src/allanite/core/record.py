@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from allanite.phrases.phrase import join, say
 
-from .aliases import constructed
-from .arrays import LARGEST, FloatArray, samples
+from .aliases import constructed, public
+from .arrays import LARGEST, FloatArray, samples, unmasked
 from .errors import DataError, UsageError, WrongTypeError, given
 from .habits import demand_own
 from .kinds import KINDS, explain_kinds, offered, signal_of_kind
@@ -126,6 +126,7 @@ class Record(Value):
         """Time of each sample, s."""
         return (self.start or 0.0) + np.arange(len(self.values)) / self.rate
 
+    @public
     def to(self, unit: str) -> "Record":
         """The same record in another unit."""
         factor = convert(1.0, self.unit, unit)
@@ -296,7 +297,9 @@ class Recording(Value):
     others: tuple[Record, ...] = ()
 
     def __post_init__(self) -> None:
-        if not isinstance(self.records, (tuple, list)) or not all(isinstance(record, Value) for record in self.records):
+        if not isinstance(self.records, (tuple, list)) or not all(
+            isinstance(r, (Record, Header)) for r in self.records
+        ):
             raise WrongTypeError(f"Recording: records must be a tuple of Records, not {given(self.records)}")
         names = self.channels
         if not names:
@@ -369,7 +372,7 @@ def as_source(source: Any, call: str, sampling: Sampling, *, unit: str = "") -> 
         needed = " and ".join(NEEDED[key] for key in missing)
         raise UsageError(f"an array does not have {needed}: type al.{call}(x, {typed})")
     if np.ndim(source) == 2:
-        columns = enumerate(np.asarray(source).T, 1)
+        columns = enumerate(unmasked(source).T, 1)
         return Recording(tuple(Record(column, **{**known, "name": str(i)}) for i, column in columns))
     name = getattr(source, "name", None)
     return Record(source, **{"name": "" if name is None else str(name), **known})

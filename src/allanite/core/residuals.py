@@ -54,6 +54,8 @@ class Residuals(Value):
         Quantiles of the normal distribution and of the residuals.
     """
 
+    _alike = ("level level_error", "time low high", "expected observed")
+
     name: str
     rate: float
     size: int

@@ -5,11 +5,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from .aliases import public
 from .arrays import FloatArray
 from .encoding import plain
 from .errors import UsageError, given
-from .limits import demand_level, demand_stored_rate
+from .limits import demand_level, demand_stored_positive, demand_stored_rate, demand_stored_square
 from .model import ModelLike, model_of
+from .names import demand_name
 from .plain import Value
 from .units import convert
 
@@ -47,7 +49,8 @@ class Spectrum(Value):
     """
 
     _alike = ("frequency width density dof",)
-    _checks: ClassVar = {"rate": demand_stored_rate}
+    _checks: ClassVar = {"sides": lambda sides: demand_name("side", sides, SIDES), "rate": demand_stored_rate,
+                         "density": demand_stored_square, "dof": demand_stored_positive}  # fmt: skip
 
     frequency: FloatArray
     width: FloatArray
@@ -96,6 +99,7 @@ class Spectrum(Value):
         f = self.frequency if frequency is None else frequency
         return model.spectrum(f, 1 / self.rate) * factor
 
+    @public
     def to(self, unit: str) -> "Spectrum":
         """The same spectrum in another unit of the signal."""
         factor = convert(1.0, self.unit, unit)

@@ -44,6 +44,8 @@ QUANTITIES: dict[str, Conversion] = {
 class Claim(Value):
     """A line of a data sheet."""
 
+    _checks: ClassVar = {"quantity": lambda name: demand_name("quantity", name, QUANTITIES)}
+
     sensor: str  # One of "gyro", "accelerometer"
     quantity: str  # a key of `QUANTITIES`
     printed: str  # what the document calls it

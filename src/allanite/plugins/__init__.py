@@ -93,7 +93,10 @@ def told(error: BaseException) -> str:
 
 def package_of(entry: "EntryPoint") -> str:
     """The name of the package of a plug-in; its module where the metadata are damaged."""
-    return str((entry.dist and entry.dist.metadata["Name"]) or entry.value)
+    try:
+        return str((entry.dist and entry.dist.metadata["Name"]) or entry.value)
+    except Exception:  # noqa: BLE001, RUF100 - what is no text, or cannot be read
+        return entry.value
 
 
 def broken(entry: "EntryPoint", why: str) -> str:

@@ -3,16 +3,17 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import StoredError, UsageError
+from allanite.core.limits import demand_stored_rate
 from allanite.core.model import Model, ModelLike, usable_model
 from allanite.core.plain import Value
-from allanite.core.ranges import SIZE
+from allanite.core.ranges import SAMPLES, SIZE
 from allanite.phrases.phrase import say, say_count
 from allanite.statistics.moments.moments import expected
 from allanite.terms.row import Block
@@ -21,6 +22,8 @@ from .build import MEASUREMENTS, MarkovSum, Matrices, blocks_of, continuous, equ
 
 NEGLIGIBLE = 0.01
 """Relative deviation of the Allan variance below which the mean over an interval is replaced by the rate at its end."""
+
+STEPS = "the number of steps in the longest averaging time"
 
 PER_OCTAVE = 4  # averaging times at which a state space is compared with the model
 
@@ -51,6 +54,9 @@ class StateSpace(Value):
     notes : tuple of str
         What is neglected, and what the user must set.
     """
+
+    _alike = ("states units",)
+    _checks: ClassVar = {"rate": demand_stored_rate}
 
     Phi: FloatArray
     Qd: FloatArray
@@ -100,6 +106,11 @@ class StateSpace(Value):
         orders = {n: math.isqrt(matrix.size) for n, matrix in square.items()}
         if any(matrix.size != orders[n] ** 2 for n, matrix in square.items()):
             raise StoredError("a matrix is not square")
+        if not all(np.isfinite(matrix).all() for matrix in (*square.values(), space.H, space.R)):
+            raise StoredError("a matrix has numbers that are not finite")
+        if len({orders["Phi"], orders["Qd"], orders["P0"], space.H.size}) > 1 or orders["F"] != orders["Qc"]:
+            raise StoredError("the matrices are not of one size: the data were changed")
+        SAMPLES.demand(max(space.tau[1] * space.rate, 1.0), STEPS)
         square = {n: matrix.reshape((orders[n], orders[n])) for n, matrix in square.items()}
         return replace(space, H=space.H.reshape(1, -1), **square)
 
@@ -158,6 +169,7 @@ def state_space(model: ModelLike, rate: float, *, tau: tuple[float, float] = (1.
     if measurement not in ("auto", *MEASUREMENTS):
         raise UsageError(f"measurement must be auto, {' or '.join(MEASUREMENTS)}, not {measurement!r}")
     low, high = max(tau[0], 1 / rate), tau[1]
+    SAMPLES.demand(max(high * rate, 1.0), STEPS)
     fitted = flicker_sum((low, high), ripple=ripple, order=order) if any(t.row.substitute for t in model) else None
     replaced = equivalent(model, fitted)
     every = blocks_of(replaced, 1 / rate)
@@ -168,7 +180,7 @@ def state_space(model: ModelLike, rate: float, *, tau: tuple[float, float] = (1.
     chosen = _chosen(measurement, blocks, white, (replaced, rate, high))
     built = MEASUREMENTS[chosen].build(blocks, white)
     m = _factors(low, high, rate)
-    off = np.sqrt(built.allan(m) / expected(model, "oadev", m / rate)) - 1
+    off = np.sqrt(_ratio(built, model, m, rate)) - 1
     names = [name for block in blocks for name in block.names]
     names += [(say("mean rate over the interval"), 0.0)] if len(built.Phi) > len(names) else []
     F, Qc = continuous(blocks)
@@ -187,8 +199,14 @@ def _chosen(measurement: str, blocks: list[Block], white: FloatArray, how: tuple
     if measurement != "auto":
         return measurement
     m = _factors(1 / rate, high, rate)
-    off = MEASUREMENTS["sample"].build(blocks, white).allan(m) / expected(model, "oadev", m / rate) - 1
+    off = _ratio(MEASUREMENTS["sample"].build(blocks, white), model, m, rate) - 1
     return "mean" if angle or np.abs(off).max() > NEGLIGIBLE else "sample"
+
+
+def _ratio(built: Matrices, model: Model, m: IntArray, rate: float) -> FloatArray:
+    """The Allan variance of a state model over that of the noise; 1 without noise."""
+    wanted = expected(model, "oadev", m / rate)
+    return np.divide(built.allan(m), wanted, out=np.ones(m.size), where=wanted > 0)
 
 
 def _factors(low: float, high: float, rate: float) -> IntArray:

@@ -80,8 +80,10 @@ def grid_named(name: str) -> "Callable[[int], IntArray]":
 def checked(m: Sequence[int] | IntArray, row: Statistic, size: int) -> IntArray:
     """Averaging factors, if the statistic allows them for a record of `size` intervals; an error names the largest."""
     factors = np.atleast_1d(np.asarray(m))
-    if factors.size and factors.dtype.kind not in "iu":
-        raise UsageError(f"averaging factors must be integers, not {factors.dtype}; give times in seconds as taus")
+    if factors.ndim > 1 or (factors.size and factors.dtype.kind not in "iu"):
+        shape = f" of shape {factors.shape}" * (factors.ndim > 1)
+        raise UsageError(f"averaging factors must be integers, not {factors.dtype}{shape}; give times in seconds as "
+                         "taus")  # fmt: skip
     largest, least = (row.parts or (row,))[-1].largest(size), row.step
     if largest < least:
         fewest = next(n for n in range(1, 1000) if row.largest(n) >= row.step)

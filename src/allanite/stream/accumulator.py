@@ -6,16 +6,22 @@ from typing import Any
 
 import numpy as np
 
+from allanite.core.aliases import public
+from allanite.core.arrays import unmasked
 from allanite.core.curve import Curve
+from allanite.core.declared import demand_size
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
 from allanite.core.model import ModelLike
+from allanite.core.ranges import SAMPLES, Range
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS, statistic_named
 
 from .sums import TAIL, Sums
+
+PLACES = Range(0, SAMPLES.high)  # of samples in a stream
 
 WAITING = 320  # samples that wait until there are more: what comes in short chunks is added together
 
@@ -68,6 +74,7 @@ class Accumulator:
     (20000, 2.0)
     """
 
+    @public
     def __init__(self, rate: float, unit: str, kind: str = "rate", *, scale: float | None = None, name: str = "",
                  statistic: str = "oadev", start: int = 0) -> None:  # fmt: skip
         self.like = Record(np.zeros(3, np.int64), rate, unit, kind, scale, name)
@@ -75,9 +82,7 @@ class Accumulator:
         if self.row.name not in streamable():
             raise UsageError(f"a stream has no {statistic!r}: choose one of {', '.join(streamable())}, or make a "
                              "Record of it")  # fmt: skip
-        if start < 0:
-            raise UsageError(f"start is the place of the first sample in the stream, at least 0, not {start}")
-        self.start = start
+        self.start: int = PLACES.demand(start, "start, the place of the first sample in the stream,")
         self._sums = Sums(self.row, start)
         self._waiting, self._held = np.empty(WAITING), 0
         self.last = math.nan
@@ -123,7 +128,9 @@ class Accumulator:
         DataError
             The chunk is not a row of real numbers.
         """
-        values = np.ascontiguousarray(chunk)
+        if not isinstance(chunk, np.ndarray):
+            demand_size("chunk", chunk, Any)
+        values = np.ascontiguousarray(unmasked(chunk))
         if values.ndim != 1 or values.dtype.kind not in "fiu":
             raise DataError(say(
                 "a chunk is a row of real numbers, shape (n,), not {dtype} of shape {shape}; push every channel "
@@ -140,13 +147,14 @@ class Accumulator:
         self._waiting[self._held : self._held + values.size] = values
         self._held += values.size
 
+    @public
     def skip(self, samples: int) -> None:
         """Go on after so many missing samples."""
-        if samples < 0:
-            raise UsageError(f"the number of missing samples cannot be {samples}")
+        PLACES.demand(self.stop + PLACES.demand(samples, "the number of missing samples"), "the place of a sample")
         self.last = math.nan
         self.sums.stop += samples
 
+    @public
     def merge(self, other: "Accumulator") -> None:
         """Add a later part of the same stream, which is not changed.
 
@@ -168,6 +176,7 @@ class Accumulator:
         self.sums.merge(other.sums)
         self.last = other.last
 
+    @public
     def curve(self, noise: "ModelLike | Fit | None" = None) -> Curve:
         """The statistic so far, without intervals unless the `noise` is given, for example `fit()`.
 
@@ -180,6 +189,7 @@ class Accumulator:
 
         return curve_of(self, noise)
 
+    @public
     def fit(self, terms: str = "auto", **choices: Any) -> Fit:
         """The noise coefficients so far; see `stream.coefficients.search_in`."""
         from .coefficients import search_in

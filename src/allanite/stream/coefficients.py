@@ -155,6 +155,8 @@ def spectrum_of(stream: "Accumulator", *, detrend: bool) -> BinnedSpectrum:
     """Binned powers of a stream."""
     cells = stream.sums.cells
     width, full = cells.size, np.flatnonzero(cells.count >= FULL * cells.size)
+    if full.size < 2:
+        raise DataError(say("{count} samples are {too_few}", count=int(cells.count[full].sum()), too_few=FEW))
     y = cells.total[full] / cells.count[full] * width**0.5
     places = full - full[0]
     slope = less_slope(y, places) if detrend else 0.0

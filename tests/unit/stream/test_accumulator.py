@@ -214,13 +214,13 @@ def test_long_streams_with_a_bias_and_a_ramp_keep_their_digits():
 def test_refusals_say_what_to_do():
     with pytest.raises(al.UsageError, match=r"no 'theo1': choose one of oadev, mdev"):
         al.Accumulator(1.0, "deg/h", statistic="theo1")
-    refused(al.UsageError, "start is the place", lambda: al.Accumulator(1.0, "deg/h", start=-1))
+    refused(al.UsageError, "start, the place of the first sample", lambda: al.Accumulator(1.0, "deg/h", start=-1))
     refused(al.UsageError, "does not fit kind", lambda: al.Accumulator(1.0, "arcsec", "rate"))
     stream = stream_of(noise())
     refused(al.DataError, "an Accumulator of its own", lambda: stream.push(np.zeros((3, 2))))
     refused(al.DataError, "row of real numbers", lambda: stream.push(["a"]))
     refused(al.UsageError, r"sample 2999", lambda: stream.merge(stream_of(noise(), start=2999)))
     refused(al.UsageError, "parts of one stream", lambda: stream.merge(stream_of(noise(), "ohdev", start=3000)))
-    refused(al.UsageError, "cannot be -1", lambda: stream.skip(-1))
+    refused(al.UsageError, "missing samples must be between 0 and", lambda: stream.skip(-1))
     refused(al.DataError, "too few for oadev", lambda: al.Accumulator(1.0, "deg/h").curve())
     refused(al.UsageError, "a noise model must be a Model", lambda: stream.curve("auto").interval())

@@ -145,6 +145,8 @@ class Harmonics(Correction):
     ('corrected: harmonics 128, 256 of the angle',)
     """
 
+    _alike = ("orders sine cosine",)
+
     orders: tuple[int, ...]
     sine: FloatArray
     cosine: FloatArray
@@ -299,7 +301,13 @@ class Harmonics(Correction):
         terms = read_key(data, "terms", tuple[dict[str, Any], ...])
         columns = {name: [term.get(key) for term in terms] for name, key in COLUMNS.items()}
         freedom = "inf" if data.get("freedom") is None else data["freedom"]
-        return super()._stored(data | columns | {"freedom": freedom, "solution": None})
+        read = super()._stored(data | columns | {"freedom": freedom, "solution": None})
+        C, size = read.covariance, 2 * len(read.orders)
+        if C.shape != (size, size) or not np.isfinite(C).all() or not np.allclose(C, C.T, atol=0.0):
+            raise UsageError("covariance must have two equal rows and columns for each order: the data were changed")
+        if (np.linalg.eigvalsh(C) < -1e-9 * np.trace(C)).any() or (np.diag(C) < 0).any():
+            raise UsageError("covariance must not be negative in any direction: the data were changed")
+        return read
 
 
 @public

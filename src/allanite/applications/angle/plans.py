@@ -107,6 +107,7 @@ class AnglePlan(Value):
     """
 
     _also: ClassVar[tuple[str, ...]] = ("standard_deviations", "total")
+    _alike = ("names errors correlation",)
 
     names: tuple[str, ...]
     amplitudes: int

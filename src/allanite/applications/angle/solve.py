@@ -127,6 +127,7 @@ class Solution(Value):
     """
 
     _keys: ClassVar[dict[str, str]] = {"given": "sigma_given"}
+    _alike = ("names values covariance",)
 
     names: tuple[str, ...]
     values: FloatArray

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.extending import DataError, FloatArray, public, say, spelled
+from allanite.extending import DataError, FloatArray, constructed, public, say, spelled
 
 from .inertial import Inertial
 from .loop import Loop, SensorNoise
@@ -75,6 +75,7 @@ Angles = tuple[FloatArray, int]
 """Roll and pitch, rad, shape (n, 2), and the number of samples for which the gyros alone were used."""
 
 
+@constructed
 @dataclass(frozen=True)
 class Setting:
     """Settings of a filter.

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.extending import DataError, FloatArray, Record, Recording, UsageError, between, plural, spelled
+from allanite.extending import (  # isort: skip
+    DataError, FloatArray, Record, Recording, UsageError, between, constructed, plural, spelled)  # fmt: skip
 
 from .loop import GRAVITY, SENSORS
 
@@ -71,6 +72,7 @@ FASTEST = 50.0  # rate, rad/s, above which the unit is doubted
 PLAUSIBLE = 0.2  # deviation of the mean specific force from g, relative, beyond which the unit is doubted
 
 
+@constructed
 @dataclass(frozen=True, eq=False)
 class Inertial:
     """Rates and specific forces of one body.
@@ -94,6 +96,13 @@ class Inertial:
     rate: float
     downward: bool = False
     aligned: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("gyro", "force"):
+            values = np.ascontiguousarray(getattr(self, name), dtype=np.float64)
+            if values.shape != (len(self.gyro), 3):
+                raise DataError(f"gyro and force have one shape (n, 3), but {name} has {values.shape}")
+            object.__setattr__(self, name, values)
 
     @property
     def interval(self) -> float:

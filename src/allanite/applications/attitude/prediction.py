@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from allanite.extending import (  # isort: skip
-    FloatArray, Model, ModelLike, Term, UnitError, UsageError, Value, public, say, split_quantities, unit_of
+    POSITIVE, FloatArray, Model, ModelLike, Term, UnitError, UsageError, Value, public, say, split_quantities, unit_of
 )  # fmt: skip
 
 from .loop import SENSORS, Loop, SensorNoise, scale
@@ -208,6 +208,7 @@ def steady(loop: Loop, sensor: str, interval: float | None) -> float:
 @public
 def error_density(found: Prediction, f: FloatArray) -> dict[str, FloatArray]:
     """Root of the one-sided density of the error by source, rad/sqrt(Hz), at frequencies in Hz, without sinusoids."""
-    noise = SensorNoise.of(found.gyro, found.accelerometer, found.duration, found.rate)
+    noise, f = SensorNoise.of(found.gyro, found.accelerometer, found.duration, found.rate), np.asarray(f, np.float64)
+    POSITIVE.demand(f, "f")
     gains = dict(zip(SENSORS, map(np.abs, found.loop.responses(f, noise.interval)), strict=True))
     return {f"{sensor} {t.symbol}": gains[sensor] * np.sqrt(2 * own) for sensor, t, own in noise.densities(f)}

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from allanite.extending import (  # isort: skip
-    Covariance, FloatArray, Model, ModelLike, Signal, Value, public, row_of, say, size_and_rate, unit_of, usable_model
+    Covariance, FloatArray, Model, ModelLike, Signal, Value, public, read_key, row_of, say, size_and_rate, unit_of,
+    usable_model,
 )  # fmt: skip
 
 from .linear import CONDITIONAL, HAMMING, MEAN, OPTIMAL, REGRESSION, STAIRCASE
@@ -97,6 +98,7 @@ class Ranking(Value):
     """
 
     _also: ClassVar[tuple[str, ...]] = ("unit", "verdict")
+    _checks: ClassVar = {"errors": lambda errors: read_key(errors, "optimal", float)}
 
     signal: Signal
     duration: float

@@ -10,7 +10,7 @@ import numpy as np
 
 from allanite.extending import (  # isort: skip
     DataError, Inspected, Job, Noise, Progress, Recipe, Record, Recording, RecordResult, Source, UsageError, Value,
-    public, run, say, unit_of, whole_recording)  # fmt: skip
+    constructed, public, run, say, unit_of, whole_recording)  # fmt: skip
 
 from .rounding_noise import Budget, budget
 from .stage import Stage, TorqueScale, demand_in_range, factor_of
@@ -63,6 +63,7 @@ def mixed(currents: Recording, axes: Sequence[float], stages: Sequence[Stage] = 
     return mixtures[0], mixtures[1]
 
 
+@constructed
 @dataclass(frozen=True, repr=False)
 class PathSettings(Value):
     """How a rate came into the file.

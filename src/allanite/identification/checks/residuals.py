@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray, IntArray, complete
+from allanite.core.errors import DataError
 from allanite.core.fit import Fit
 from allanite.core.model import Model
 from allanite.core.record import SHORTEST, Record
@@ -217,7 +218,7 @@ def checked(u: NDArray[np.float32], record: Record, fit: Fit, outliers: str) -> 
     def seconds(at: IntArray) -> FloatArray:
         return np.asarray((at if settled is None else settled[np.minimum(at, n - 1)]) / record.rate)
 
-    checks, correlation, power, error = _checks(series, parts)
+    checks, correlation, power, error = _checks(series, parts, record.name)
     expected, observed = _quantiles(series)
     # other slow effects, or a changing level, have tails of their own
     slow = {finding.name for finding in fit.findings} - {"steps"}  # a burst has steps at its ends
@@ -237,10 +238,14 @@ def checked(u: NDArray[np.float32], record: Record, fit: Fit, outliers: str) -> 
     )  # fmt: skip
 
 
-def _checks(u: NDArray[np.float32], parts: IntArray) -> tuple[tuple[Check, ...], FloatArray, FloatArray, FloatArray]:
+def _checks(
+    u: NDArray[np.float32], parts: IntArray, name: str
+) -> tuple[tuple[Check, ...], FloatArray, FloatArray, FloatArray]:
     """The checks, the autocorrelation, and the power of each part with the standard error of its RMS."""
     count = np.diff(parts)
     sums = np.array([_sums(u, a, b) for a, b in pairwise(parts.tolist())])
+    if not sums[:, 0].any():
+        raise DataError(say("{channel!r} never changes: there is no noise to identify", channel=name))
     power, fourth = sums[:, 0] / count, sums[:, 1] / count
     correlation = sums[:, 2:].sum(axis=0) / sums[:, 0].sum()
     # variance of u^2 relative to its mean, 2 for Gaussian residuals; correlation increases that of a mean

@@ -256,7 +256,7 @@ def _draw_goodness(figure: Any, goodness: Goodness, named: tuple[str, str], colo
         a, b = low[where], high[where]
         upper.hlines(ratio[where], a, b, color=shade, lw=2.2, zorder=3)
         lower.bar(a, goodness.z[where], b - a, align="edge", color=shade, alpha=0.85, zorder=3)
-    reach = max(4.0, 1.15 * float(np.nanmax(np.abs(goodness.z), initial=0.0)))
+    reach = max(4.0, 1.15 * float(np.abs(goodness.z[np.isfinite(goodness.z)]).max(initial=0.0)))
     lower.set(xlabel=say("frequency (Hz)"), xlim=goodness.frequency[[0, -1]], ylim=(-reach, reach))
     style.plain_ticks(lower.xaxis)
 

@@ -37,7 +37,10 @@ from .values import numbers_table, readings_table, rows_of
 
 
 def _records(value: Record | Recording) -> Sequence[Record]:
-    return value.records if isinstance(value, Recording) else (value,)
+    records = value.records if isinstance(value, Recording) else (value,)
+    if not all(isinstance(record, Record) for record in records):
+        raise UndrawnError("a stored recording has no samples: read its file once more")
+    return records
 
 
 def _samples(value: Record | Recording, _: float) -> Rows:
@@ -52,8 +55,12 @@ def _samples(value: Record | Recording, _: float) -> Rows:
 def record_view(value: Record | Recording, _: float) -> Face:
     """What each record is, and its samples."""
     sheets = [
-        Sheet(record.name or say("the record"), (words.about(record), *record.history), (over_time(record),))
-        for record in _records(value)
+        Sheet(
+            record.name or say("the record"),
+            (words.about(record), *record.history),
+            (over_time(record),) if isinstance(record, Record) else (),
+        )
+        for record in (value.records if isinstance(value, Recording) else (value,))
     ]
     return Face(say("Samples over time"), say("a recording of an inertial sensor"), sheets)
 
