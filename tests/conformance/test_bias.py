@@ -80,18 +80,6 @@ def test_corrections_that_make_no_sense_are_refused(name, options, words):
     refused(al.UsageError, words, lambda: al.deviation(record_of(rate(N=1.0)), name, **options))
 
 
-@pytest.mark.slow("seconds of analyses")
-@rows("name", [name for name, row in al.statistics.STATISTICS.items() if row.order > 1][::2])
-def test_limits_come_by_themselves_under_the_noise_that_is_found(name):
-    model = rate(K=1.0)
-    curve = al.deviation(record_of(model, 1000), name)
-    known = al.deviation(record_of(model, 1000), name, noise=model)
-    low, high = curve.interval(0.95)
-    assert np.all((low < curve.deviation) & (curve.deviation < high))
-    early = curve.m < 40
-    np.testing.assert_allclose(curve.edf[early], known.edf[early], rtol=0.35)
-
-
 @rows("name", ["mtie", "tierms"])
 def test_what_no_noise_gives_limits_to_has_none(name):
     with pytest.raises(al.UsageError):

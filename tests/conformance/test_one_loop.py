@@ -114,14 +114,3 @@ def test_pieces_are_left_out_and_said(verb, folder, tmp_path):
 def test_a_band_is_taken_by_every_verb_that_identifies(verb, folder):
     result = run(verb, folder / "quiet.csv", "--band", "0.01,5")
     assert result.exit_code == (0 if verb in IDENTIFY else 2), words(result)
-
-
-@pytest.mark.slow("every third verb")
-@rows("verb", [verb for verb in third(2) if verb != "info"])
-def test_the_recipe_in_the_json_is_what_was_done(verb, folder, tmp_path):
-    result = run(verb, folder / "quiet.csv", "--from", "60", "--channels", "gz", "--json", "-")
-    assert result.exit_code == 0, words(result)
-    recipe = json.loads(result.stdout)["recipe"]
-    assert (recipe["start"], recipe["channels"]) == (60, ["gz"])
-    if verb in IDENTIFY:
-        assert recipe["terms"]

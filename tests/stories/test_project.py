@@ -64,16 +64,6 @@ def test_no_machine_paths_and_no_large_files():
             assert not re.search(r"/(root|home|work|tmp)/", path.read_text(encoding="utf-8")), path
 
 
-def test_starting_imports_nothing_heavy():
-    said = subprocess.run([str(BIN / "allanite"), "--version"], capture_output=True, text=True, check=True).stdout
-    assert allanite.__version__ in said
-    heavy = ("numba", "scipy", "matplotlib", "pyarrow", "jinja2", "rich")
-    for what in ("import allanite", "import allanite.cli"):
-        code = f"import sys; {what}; print([m for m in {heavy} if m in sys.modules])"
-        said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-        assert said.strip() == "[]"
-
-
 def test_make_alone_says_what_there_is():
     said = make().stdout
     targets = ("demo", "quick", "test", "nightly", "lint", "setup", "clean")

@@ -19,7 +19,7 @@ from allanite.web.server import application, serve
 from allanite.web.store import FullError, Store
 from allanite.web.worker import MAX_RESULTS, Held
 
-from .served import apart
+from .served import Told, apart
 
 MB = 1_000_000
 
@@ -95,20 +95,29 @@ def test_what_another_version_has_written_stays(tmp_path):
 
 CHANGED = {
     "a state that is unknown": lambda data: next(iter(data["jobs"].values())).update(state="paused"),
-    "a key that is missing": lambda data: data.pop("choices"),
-    "another type": lambda data: data.update(files=[]),
-}
+    "a key that is missing": lambda data: data.pop("choices"), "another type": lambda data: data.update(files=[]),
+    "another id": lambda data: data.update(id="0" * 16), "no jobs": lambda data: data.pop("jobs"),
+    "a foreign file": lambda data: data["files"].update({"../x": {"id": "../x"}}),
+}  # fmt: skip
+DAMAGED = {
+    "empty": lambda whole: b"", "cut": lambda whole: whole[:-20], "list": lambda whole: b"[]",
+    "NaN": lambda whole: whole.replace(b"{}", b'{"a":NaN}', 1), "binary": lambda whole: os.urandom(300),
+    "surrogate": lambda whole: whole.replace(b"{}", rb'{"a":"\ud800"}', 1),
+    "deep": lambda whole: whole.replace(b"{}", b"[" * 9000, 1),
+}  # fmt: skip
 
 
-@rows("how", CHANGED)
+@rows("how", [*CHANGED, *DAMAGED])
 def test_work_of_another_version_is_named_offered_for_deletion_and_read_again_by_its_own(tmp_path, how):
     store, jobs, name, file = opened(tmp_path)
     jobs.begin(name, JobBody(verb="info", files=[file["id"]], recipe={"rate": 10}))
     path = state_of(store, name)
-    sound = path.read_bytes()
+    sound, foreign = path.read_bytes(), store.folder / "my notes"
     data = json.loads(sound)
-    CHANGED[how](data)
-    path.write_text(json.dumps(data))
+    CHANGED.get(how, len)(data)
+    path.write_bytes(DAMAGED.get(how, bytes)(json.dumps(data).encode()))
+    foreign.mkdir()
+    (foreign / "state.json").touch()
     for _ in range(3):
         store = Store(store.folder, limit=MB, quota=MB)
         store.clear()
@@ -116,10 +125,12 @@ def test_work_of_another_version_is_named_offered_for_deletion_and_read_again_by
         ((aside,), (note,)) = store.aside(), store.notes
         assert "is damaged, or of another version of allanite" in note
         assert aside["bytes"] == MB - store.room()
+        assert path.with_name("state.json.damaged").is_file()
     path.with_name("state.json.damaged").write_bytes(sound)
     store = Store(store.folder, limit=MB, quota=MB)
     store.clear()
     assert (store.find(name), store.aside(), store.notes) == (json.loads(sound), [], [])
+    assert (foreign / "state.json").is_file()
 
 
 def stand(place, how):
@@ -202,17 +213,6 @@ def test_on_a_full_disk_nothing_is_entered_and_jobs_end(tmp_path, full):
 def upload(store, name):
     with store.arriving(name, "a.csv") as (_, path):
         path.write_bytes(b"1")
-
-
-class Told:
-    """A connection that keeps what is said of traces."""
-
-    def __init__(self):
-        self.problems = []
-
-    def send(self, message):
-        if message[0] == "trace":
-            self.problems.append(message[1]["problem"])
 
 
 def test_a_trace_that_cannot_be_stored_loses_no_analysis(tmp_path, monkeypatch):

@@ -295,20 +295,6 @@ def test_requests_that_are_no_requests_are_refused(client, body):
     assert "internal error" not in answer.text
 
 
-@pytest.mark.slow("takes more than half a second")
-def test_hostile_files_are_refused_in_a_sentence(client, tmp_path):
-    import zipfile
-
-    bomb = tmp_path / "bomb.xlsx"
-    with zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("xl/workbook.xml", b"0" * 50_000_000)
-    workspace = client.workspace()
-    job, (kind, problem) = client.run(workspace, "info", [client.upload(workspace, bomb)])
-    assert (kind, problem["exit"]) == ("failed", 3)
-    assert "internal" not in problem["error"]
-    assert client.get(f"/api/jobs/{job}").json()["state"] == "failed"
-
-
 @pytest.mark.slow("seconds of analyses")
 def test_two_tabs_and_two_workspaces_do_not_meet(client, tmp_path):
     one, other = client.workspace(), client.workspace()

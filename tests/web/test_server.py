@@ -88,18 +88,6 @@ def test_the_words_and_files_are_those_of_the_command_line(client, analyzed, fil
     assert refused.json()["error"].startswith("unknown target 'nonsense'; known targets: kalibr")
 
 
-@pytest.mark.slow("the page without a browser, in full")
-def test_a_cut_makes_the_fit_valid(client, file):
-    workspace = client.workspace()
-    uploaded = client.upload(workspace, file)
-    levels = []
-    for recipe in ({"rate": RATE}, {"rate": RATE, "exclude": [[40, 60]]}):
-        job, _ = client.run(workspace, "analyze", [uploaded], recipe)
-        levels.append(client.get(f"/api/jobs/{job}").json()["value"]["channels"][0]["validity"])
-    assert levels[0] == "unexplained"
-    assert levels[1] in ("explained", "approximate")
-
-
 def test_curves_have_bands_a_model_and_its_terms_and_traces_every_extreme(client, analyzed, file):
     found = client.get(f"/api/jobs/{analyzed}/deviation", channel="gy", statistic="oadev").json()
     stored = client.get(f"/api/jobs/{analyzed}").json()["value"]["channels"][1]

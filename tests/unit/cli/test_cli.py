@@ -34,12 +34,6 @@ def file(tmp_path_factory):
     return str(path)
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def run(*arguments, **options):
     return CliRunner().invoke(main, [str(a) for a in arguments], **options)
 
@@ -103,31 +97,6 @@ def test_the_choices_reach_the_recipe(monkeypatch):
             },
         )
     ]  # fmt: skip
-
-
-@rows("arguments, code, words", [
-    (["analyze", "{file}", "--unit", "parsec"], 2, "unknown unit 'parsec'"),
-    (["analyze", "{file}", "--nonsense"], 2, "--nonsense"), (["analyze"], 2, "Missing argument 'FILE"),
-    (["analyse"], 2, "unknown command 'analyse'; did you mean analyze?"),
-    (["analyze", "{file}", "--band", "3"], 2, "two frequencies"),
-    (["analyze", "{file}", "--rate", "fast"], 2, "expected a number, not 'fast'"),
-    (["analyze", "{file}", "--level", "95"], 2, "between 0 and 1"),
-    (["analyze", "{file}", "--plot", "a.bmp"], 2, "png, svg, pdf"),
-    (["analyze", "{file}", "--json", "-", "--csv", "-"], 2, "only one result"),
-    (["analyze", "{file}", "--report", "no/such/folder/a.html"], 2, "does not exist"),
-    (["analyze", "{file}", "--csv", "{file}", "--force"], 2, "would overwrite the input"),
-    (["analyze", "{file}", "--csv", "a.txt", "--json", "a.txt"], 2, "would overwrite --json"),
-    (["analyze", "{file}", "--recipe", "missing.toml"], 2, "the recipe 'missing.toml' cannot be read"),
-    (["analyze", "missing.csv"], 3, "missing.csv"), (["analyze", "{file}", "--channels", "flat"], 3, "flat"),
-])  # fmt: skip
-def test_what_goes_wrong_is_said_in_a_line_with_its_exit_code(arguments, code, words, file, folder):
-    result = run(*(a.format(file=file) for a in arguments))
-    assert result.exit_code == code
-    assert result.stderr.startswith("error: ")
-    assert words in result.stderr
-    assert "Traceback" not in result.output
-    assert result.stdout == ""
-    assert os.listdir(folder) == []
 
 
 @rows("name", OUTPUTS)

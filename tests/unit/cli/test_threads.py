@@ -29,13 +29,6 @@ def test_json_is_the_same(verb, file):
     assert len(found) == 1
 
 
-@rows("wrong", ["0", "-1", "many", "1.5"])
-def test_a_wrong_number_is_refused(wrong, file):
-    result = CliRunner().invoke(main, ["analyze", file, "--threads", wrong])
-    assert result.exit_code == 2
-    assert f"expected a number of processors, at least 1, or auto, not '{wrong}'" in result.stderr
-
-
 @pytest.mark.slow("takes more than half a second")
 def test_a_recipe_may_hold_it(file, tmp_path):
     (tmp_path / "two.toml").write_text("threads = 2\n", encoding="utf-8")

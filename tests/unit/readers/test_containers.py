@@ -360,16 +360,6 @@ def test_bombs_are_refused(tmp_path):
             al.read(tmp_path / name, rate=1)
 
 
-def test_streams_of_one_xz_file_follow_each_other(tmp_path):
-    import lzma
-
-    first, second = (lzma.compress(text) for text in (b"gx [deg/s]\n1.5\n2.5\n", b"3.5\n"))
-    (tmp_path / "a.csv.xz").write_bytes(first + bytes(8) + second)
-    assert al.read(tmp_path / "a.csv.xz", rate=1)["gx"].values.tolist() == [1.5, 2.5, 3.5]
-    (tmp_path / "a.csv.xz").write_bytes(first + b"anything else that is longer")
-    refused(DataError, r"the \.xz packing is damaged", lambda: al.read(tmp_path / "a.csv.xz", rate=1))
-
-
 def test_bombs_in_bombs_do_not_multiply(tmp_path):
     """Each layer is within its own limit, the two together are not."""
     np.savez_compressed(tmp_path / "a.npz", gx=np.zeros(2_200_000), gy=np.zeros(2_200_000))
