@@ -183,7 +183,7 @@ def values(furnished):
         patch.chdir(furnished)
         for table in (EXPORTS, TEMPERATURE):
             for name, row in table.items():
-                patch.setitem(table, name, replace(row, source=""))
+                patch.setitem(getattr(table, "_rows", table), name, replace(row, source=""))
         patch.setattr(Watch, "_over", lambda self, _: self.spool.came >= os.path.getsize(self.target))
 
         def values_of(verb):
@@ -192,7 +192,7 @@ def values(furnished):
                 with pytest.MonkeyPatch.context() as own:
                     if verb == "explain":
                         for name, statistic in STATISTICS.items():
-                            own.setitem(STATISTICS, name, replace(statistic, reference=""))
+                            own.setitem(STATISTICS._rows, name, replace(statistic, reference=""))
                     own.setattr(deliver, "text_of", lambda value, *_: found[verb].append(value) or "")
                     for line in RUNS[verb]:
                         run(f"{verb} {line}", 3, 4, 5)

@@ -55,8 +55,7 @@ def contents():
         row = al.exporting.EXPORTS[name]
         caught = []
         spy = replace(row, forms={suffix: lambda content, caught=caught: caught.append(content) or ""})
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setitem(al.exporting.EXPORTS, name, spy)
+        with al.exporting.EXPORTS.trying(name, spy):
             al.export(source, name, rate=100.0, axis="worst" if row.fields else "each", form=suffix)
         (content,) = caught
         found[name, suffix] = replace(content, header=(*content.header, f"source: {FIRST}, sha256"))
