@@ -4,11 +4,10 @@ import re
 from typing import NamedTuple
 
 import pytest
-from click.testing import CliRunner
 from tests import thinned
+from tests.commands import run
 from tests.rows import rows
 
-from allanite.cli import main
 from allanite.readers.formats.registry import READERS
 
 
@@ -114,7 +113,7 @@ TABLE = [
 def test_what_is_said_of_a_recording(recordings, row):
     if row.reader not in READERS:
         pytest.skip(f"no reader {row.reader!r}")
-    result = CliRunner().invoke(main, [row.verb, str(recordings / row.file), *row.options.split()])
+    result = run(row.verb, recordings / row.file, *row.options.split())
     said = " ".join((result.stdout + " " + result.stderr).split())
     assert result.exit_code == row.code, said
     assert "Traceback" not in said

@@ -6,10 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import rows
-
-from allanite.cli import main
 
 OPTIONS = ["--rate", "100", "--unit", "deg/s"]
 
@@ -83,7 +81,7 @@ CASES = [
 
 @rows("file, options, code, words", CASES, ids=lambda v: str(v)[:40])
 def test_refused_in_words(inputs, file, options, code, words):
-    result = CliRunner().invoke(main, ["analyze", str(inputs / file), *options])
+    result = run("analyze", inputs / file, *options)
     assert result.exit_code == code, result.output
     said = " ".join(result.stderr.split())
     assert said.startswith("error: ")
@@ -104,7 +102,7 @@ REFUSED = {
 
 @rows("file, finding", REFUSED.items())
 def test_a_record_is_refused_for_its_finding(inputs, file, finding, refusals):
-    assert CliRunner().invoke(main, ["analyze", str(inputs / file), *OPTIONS]).exit_code == 3
+    assert run("analyze", inputs / file, *OPTIONS).exit_code == 3
     assert refusals.pop().code == finding
 
 
@@ -116,7 +114,7 @@ def test_gaps_and_outliers_are_dealt_with_and_said(tmp_path):
     command = ["analyze", str(tmp_path / "a.csv"), *OPTIONS, "--json", "-"]
     found = {}
     for choice in ([], ["--outliers", "keep"], ["--outliers", "mark"]):
-        result = CliRunner().invoke(main, [*command, *choice])
+        result = run(*command, *choice)
         assert result.exit_code == 0, result.stderr
         found[" ".join(choice[1:])] = json.loads(result.stdout)["channels"][0]
     sizes = {name: channel["fit"]["terms"][1]["value"] for name, channel in found.items()}
@@ -127,9 +125,7 @@ def test_gaps_and_outliers_are_dealt_with_and_said(tmp_path):
     assert not any("outlier" in note for note in found["keep"]["fit"]["notes"])
     names = [finding["name"] for finding in found[""]["quality"]["findings"]]
     assert {"gaps", "outliers"} <= set(names)
-    said = " ".join(
-        CliRunner().invoke(main, ["analyze", str(tmp_path / "a.csv"), *OPTIONS, "--details"]).output.split()
-    )
+    said = " ".join(run("analyze", tmp_path / "a.csv", *OPTIONS, "--details").output.split())
     assert "exclude them there, too (--outliers mark)" in said
     # the curve has them, unless they are left out everywhere
     curves = {name: channel["curves"][0]["deviation"][0] for name, channel in found.items()}

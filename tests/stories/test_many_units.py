@@ -6,10 +6,9 @@ import re
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 
 import allanite as al
-from allanite.cli import main
 
 pytestmark = pytest.mark.slow("a lot of many files")
 
@@ -36,7 +35,7 @@ def lot(tmp_path_factory):
     paths = {name: folder / f"lot.{name}" for name in ("csv", "html", "png")}
     words = ["analyze", f"{folder}/units/*.csv", "--limits", folder / "spec.toml", "--table", paths["csv"]]
     words += ["--report", paths["html"], "--plot", paths["png"], "--terms", "NK", "--details"]
-    return CliRunner().invoke(main, list(map(str, words))), paths
+    return run(*words), paths
 
 
 @pytest.mark.usefixtures("details")

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.commands import of_verb
 from tests.rows import rows
 
 import allanite as al
@@ -43,8 +44,7 @@ def brief(folder):
     return counts(folder / "brief.csv", 12.4392, 240)
 
 
-def run(*arguments):
-    return CliRunner().invoke(main, ["rate", *map(str, arguments)])
+run = of_verb("rate")
 
 
 @pytest.mark.slow("takes more than half a second")

@@ -12,11 +12,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.core.errors import UsageError
 from allanite.web.jobs import MAX_EVENTS, Live
 from allanite.web.server import serve
@@ -273,7 +272,7 @@ def test_a_user_without_a_home_is_told(monkeypatch):
 )  # fmt: skip
 def test_options_are_refused_before_anything_is_kept(tmp_path, monkeypatch, words, code, said):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    result = CliRunner().invoke(main, ["serve", "--no-browser", *words])
+    result = run("serve", "--no-browser", *words)
     assert (result.exit_code, said in result.stderr) == (code, True), result.stderr
     assert list(tmp_path.iterdir()) == []
 

@@ -9,11 +9,10 @@ from itertools import product
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from tests import ROOT
+from tests.commands import run
 from tests.rows import rows
 
-from allanite.cli import main
 from allanite.cli.front import EXCEEDED
 from allanite.reporting.digits import printable
 from allanite.web.server import MAX_LINK_AGE_S, MAX_LINKS, ROUTES, Door
@@ -328,7 +327,7 @@ def test_a_damaged_file_is_answered_in_the_words_of_the_command_line(client, tmp
         recipe = damaged.options_of(rng, seed.options)
         _, (kind, told) = client.run(workspace, "analyze", [client.upload(workspace, path)], recipe)
         choices = [part for key, value in recipe.items() for part in (f"--{key}", str(value))]
-        result = CliRunner().invoke(main, ["analyze", str(path), "--quiet", *choices])
+        result = run("analyze", path, "--quiet", *choices)
         assert (kind == "done") == (result.exit_code in (0, EXCEEDED)), (k, told, result.output)
         if kind != "done":
             error = result.stderr.partition("\ntry: ")[0].removeprefix("error: ")

@@ -6,12 +6,11 @@ import signal
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from tests import translated
+from tests.commands import run
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.core.choices import choices_of
 from allanite.phrases.phrase import say
 from allanite.reporting.digits import printed_unit
@@ -47,7 +46,7 @@ def analyzed(client, file):
 
 
 def printed(*arguments):
-    result = CliRunner().invoke(main, list(map(str, arguments)))
+    result = run(*arguments)
     assert result.exit_code == 0, result.stderr
     return result.stdout
 
@@ -173,7 +172,7 @@ def test_bad_input_has_the_words_of_the_command_line_and_its_control(client, fil
     answer = client.post(f"/api/workspaces/{workspace}/jobs", asked)
     problem = answer.json() if answer.status_code == 400 else list(client.events(answer.json()["job"]))[-1][1]
     words = [word for key, value in recipe.items() for word in choices_of(al.Recipe)[key].words(value)]
-    said = CliRunner().invoke(main, ["analyze", *words, str(file)])
+    said = run("analyze", *words, file)
     assert said.exit_code == problem["exit"]
     words = said.stderr.replace(str(file), "gyro.csv")
     assert "".join(words.split()).startswith("".join(f"error:{problem['error']}".split()))

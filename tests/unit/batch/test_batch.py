@@ -7,19 +7,17 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import of_verb
 from tests.rows import refused, rows
 
 import allanite as al
 from allanite.batch.sources import expand, several
 from allanite.batch.specification import Seen, judge
-from allanite.cli import main
 
 N_ONLY = '[limits]\nN = { max = "0.15 deg/sqrt(h)" }\n'
 
 
-def run(*words, **how):
-    return CliRunner().invoke(main, ["analyze", *map(str, words)], **how)
+run = of_verb("analyze")
 
 
 def unit(path, size, seed, name="gz"):

@@ -9,14 +9,13 @@ from queue import SimpleQueue
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import refused
 from tests.unit.batch.tasks import deadly, doubled, waiting
 
 import allanite as al
 from allanite.batch.executor import Dask
 from allanite.batch.job import run_batch
-from allanite.cli import main
 
 distributed = pytest.importorskip("distributed")
 
@@ -44,7 +43,7 @@ def units(tmp_path):
 def test_dask_gives_the_same_bytes(units, tmp_path, address):
     one, other = tmp_path / "one", tmp_path / "other"
     assert len(run_batch(units, one).failed) == 1
-    done = CliRunner().invoke(main, ["batch", str(units), "--out", str(other), "--scheduler", address])
+    done = run("batch", units, "--out", other, "--scheduler", address)
     assert done.exit_code == 5, done.output
     assert {p.name for p in one.rglob("*.parquet")} == {p.name for p in other.rglob("*.parquet")}
     for path in one.rglob("*.parquet"):

@@ -9,12 +9,11 @@ import re
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import of_verb
 from tests.rows import paired, refused, rows
 
 import allanite as al
 import drift as script
-from allanite.cli import main
 from allanite.core.errors import DataError, UsageError
 
 GYRO, ACCELEROMETER = al.Model("N 0.3 deg/sqrt(h), B 7 deg/h"), al.Model("N 100 ug/sqrt(Hz), B 50 ug")
@@ -191,8 +190,7 @@ def test_at_the_ends_of_the_times_no_requirement_passes_unknown(schuler, calibra
     json.dumps(found.to_dict())
 
 
-def run(*words):
-    return CliRunner().invoke(main, ["drift", *words])
+run = of_verb("drift")
 
 
 def test_a_configuration_drifts_as_its_model(tmp_path):

@@ -7,12 +7,11 @@ import os
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from scipy.io import savemat
+from tests.commands import of_verb
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.core.syntax import toml
 from allanite.reporting import page, table
 from allanite.reporting.printing import printed
@@ -21,8 +20,7 @@ ARCSEC = np.pi / 648_000
 EXPERIMENT = ["--latitude", "60", "--duration", "3600"]
 
 
-def run(*arguments):
-    return CliRunner().invoke(main, ["angle", *map(str, arguments)])
+run = of_verb("angle")
 
 
 @pytest.fixture(scope="module")

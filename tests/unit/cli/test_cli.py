@@ -15,8 +15,8 @@ from pathlib import Path
 import click
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from tests import ROOT
+from tests.commands import run
 from tests.rows import rows
 
 import allanite.study.analysis
@@ -32,10 +32,6 @@ def file(tmp_path_factory):
     data = np.column_stack([np.arange(4000) / 10, rng.standard_normal((4000, 2)), np.zeros(4000)])
     np.savetxt(path, data, delimiter=",", fmt="%.9g", header="time [s],x [deg/h],y [deg/h],flat [deg/h]", comments="")
     return str(path)
-
-
-def run(*arguments, **options):
-    return CliRunner().invoke(main, [str(a) for a in arguments], **options)
 
 
 @pytest.mark.slow("takes more than half a second")

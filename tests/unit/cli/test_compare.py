@@ -6,19 +6,17 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from tests import thinned
+from tests.commands import of_verb
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.reporting import page, table
 
 MODEL = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
 
 
-def run(*arguments):
-    return CliRunner().invoke(main, ["compare", *map(str, arguments)])
+run = of_verb("compare")
 
 
 @pytest.fixture(scope="module")

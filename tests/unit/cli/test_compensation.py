@@ -6,14 +6,13 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import rows
 from tests.unit.exporting import parsers
 
 import allanite as al
 from allanite.applications.compensation.settings import CompensationSettings, FitSettings
 from allanite.applications.signals.budgeting import PathSettings
-from allanite.cli import main
 from allanite.core.syntax import toml
 from allanite.reporting import table
 from allanite.study.channels import open_recording
@@ -21,10 +20,6 @@ from allanite.study.channels import open_recording
 MODEL = al.N(0.1, "deg/sqrt(h)") + al.K(2.0, "deg/h/sqrt(h)")
 STAGE = "ADC 12 5V"
 TORQUER = "turns=100,field=0.4,span=0.05,radius=0.05,inertia=2e-3,spin=1000,sides=4"
-
-
-def run(*arguments):
-    return CliRunner().invoke(main, [str(a) for a in arguments])
 
 
 def write(path, columns, header):

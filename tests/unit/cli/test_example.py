@@ -4,18 +4,14 @@ import json
 import re
 
 import pytest
-from click.testing import CliRunner
 from tests import thinned
+from tests.commands import run
 from tests.rows import rows
 
-from allanite.cli import VERBS, main
+from allanite.cli import VERBS
 from allanite.papers.paper import PAPERS, paper
 
 SHOWN = r"[\w.]+\.(?:html|svg|csv|npz|json)"
-
-
-def run(*arguments):
-    return CliRunner().invoke(main, list(map(str, arguments)))
 
 
 def test_the_list_and_an_unknown_paper():

@@ -4,16 +4,13 @@ import contextlib
 import json
 
 import numpy as np
-from click.testing import CliRunner
+from tests.commands import of_verb
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.readers.formats.registry import WRITERS
 
-
-def run(*arguments):
-    return CliRunner().invoke(main, ["simulate", *map(str, arguments)])
+run = of_verb("simulate")
 
 
 @rows("suffix", list(WRITERS))

@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import rows
-
-from allanite.cli import main
 
 
 @pytest.fixture(scope="module")
@@ -17,7 +15,7 @@ def file(tmp_path_factory):
 
 
 def output(*arguments):
-    result = CliRunner().invoke(main, [str(argument) for argument in arguments])
+    result = run(*arguments)
     assert result.exit_code == 0, result.stderr
     return result.stdout
 

@@ -5,11 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.exporting.choice import BOUND, axes_of, bounded
 from allanite.exporting.content import Axis
 from allanite.exporting.export import prepared
@@ -43,10 +42,6 @@ def file(tmp_path_factory, study):
     path = tmp_path_factory.mktemp("data") / "car.json"
     path.write_text(json.dumps(study.to_dict()))
     return str(path)
-
-
-def run(*arguments):
-    return CliRunner().invoke(main, list(map(str, arguments)))
 
 
 @pytest.mark.slow("takes more than half a second")

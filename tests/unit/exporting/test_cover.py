@@ -5,12 +5,11 @@ import math
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from hypothesis import given, settings, strategies as st
+from tests.commands import run
 from tests.rows import paired, rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.exporting.cover import SETTLED
 from allanite.exporting.stated_noise import Outages
 
@@ -24,10 +23,6 @@ NOISES = {
     "quantization": al.Model("Q 2 arcsec, N 0.03 deg/sqrt(h), B 0.7 deg/h"),
 }
 DRIFTING = sorted(name for name, row in al.exporting.EXPORTS.items() if row.drifts)
-
-
-def run(*arguments):
-    return CliRunner().invoke(main, list(arguments))
 
 
 def covered(target, noise, span=(1, 1000), **more):

@@ -5,13 +5,12 @@ import math
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import of_verb
 from tests.reference import edf as published
 from tests.rows import refused, rows
 
 import allanite as al
 import bound as script
-from allanite.cli import main
 from allanite.core.errors import UsageError
 from allanite.identification.likelihood import spectrum
 from allanite.planning.plan import properties
@@ -133,8 +132,7 @@ def test_a_plan_of_nothing_is_refused(wrong):
     refused(al.UsageError, r"between 1e-|above 0 and", lambda: al.plan(al.sensor("rlg"), **wrong))
 
 
-def run(*arguments):
-    return CliRunner().invoke(main, ["plan", *map(str, arguments)])
+run = of_verb("plan")
 
 
 def test_the_verb_plans_for_a_sensor():

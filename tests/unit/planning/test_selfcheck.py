@@ -6,10 +6,9 @@ import re
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import of_verb
 
 import allanite as al
-from allanite.cli import main
 from allanite.planning.selfcheck import SelfCheck, TermCheck
 
 MODEL = al.N(0.1, "deg/sqrt(h)") + al.K(60.0, "deg/h/sqrt(h)")
@@ -93,8 +92,7 @@ def test_time_constants_and_sinusoids():
     assert check["Sine"].spread[0] == pytest.approx(check["Sine"].bound, rel=1)
 
 
-def run(*arguments):
-    return CliRunner().invoke(main, ["selfcheck", *map(str, arguments)])
+run = of_verb("selfcheck")
 
 
 FEW = ("--model", "N 0.1 deg/sqrt(h)", "--rate", 10, "--samples", 1000, "--records", 10)

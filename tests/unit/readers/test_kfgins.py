@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.core.errors import DataError, UsageError
 from allanite.readers.formats import kfgins
 
@@ -32,7 +31,7 @@ def test_increments_and_their_clock(tmp_path):
     assert np.flatnonzero(np.isnan(recording[0].values)).tolist() == [100]
     assert np.array_equal(np.delete(recording["az"].values, 100), made[:, 6])
     assert "the last 9 bytes are no whole row and are left out" in recording.notes
-    assert CliRunner().invoke(main, ["info", str(tmp_path / "imu.bin"), "--dtype", "kfgins"]).exit_code == 0
+    assert run("info", tmp_path / "imu.bin", "--dtype", "kfgins").exit_code == 0
 
 
 def in_g_at_10_hz():
@@ -49,7 +48,7 @@ def test_what_looks_like_it_is_not_read_unless_asked_for(tmp_path, data):
     with pytest.raises(UsageError, match=r"may be KF-GINS binary.*use dtype='kfgins'; if not, dtype='7f8'"):
         al.read(tmp_path / "imu.bin")
     assert al.read(tmp_path / "imu.bin", dtype="kfgins")[0].kind == "increment"
-    refused = CliRunner().invoke(main, ["info", str(tmp_path / "imu.bin")])
+    refused = run("info", tmp_path / "imu.bin")
     assert refused.exit_code == 2
     assert "--dtype kfgins" in refused.output
     plain = al.read(tmp_path / "imu.bin", dtype="7f8", time="1", unit="rad", kind="increment", channels="2,3,4")

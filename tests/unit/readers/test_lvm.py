@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 
 import allanite as al
-from allanite.cli import main
 from allanite.core.errors import DataError, UsageError
 
 GYRO = np.random.default_rng(6).normal(size=(400, 2))
@@ -87,4 +86,4 @@ def test_incomplete_files_and_units_that_are_missing(tmp_path):
     ):
         with pytest.raises(DataError, match=words):
             al.read(save(path, text), unit="deg/s")
-        assert CliRunner().invoke(main, ["info", str(path)]).exit_code == 3
+        assert run("info", path).exit_code == 3

@@ -6,11 +6,10 @@ from operator import xor
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.core.errors import DataError, UsageError
 
 VALUES = np.random.default_rng(8).normal(size=(300, 12)).round(6)
@@ -78,7 +77,7 @@ def test_increments_and_several_kinds(tmp_path):
 
 def test_exit_codes_of_damaged_and_foreign_files(tmp_path):
     def code(lines, *options):
-        return CliRunner().invoke(main, ["info", str(save(tmp_path, lines)), *options]).exit_code
+        return run("info", save(tmp_path, lines), *options).exit_code
 
     good = [sentence("VNYMR", v) for v in VALUES]
     assert (code(good), code(good, "--rate", "40"), code(good, "--rate", "40", "--channels", "VNIMU")) == (2, 0, 2)

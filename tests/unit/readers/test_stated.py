@@ -4,11 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.core.errors import UsageError
 from allanite.readers import read
 
@@ -92,7 +91,7 @@ def test_recipe_command_line_and_python_agree(write, tmp_path):
     (tmp_path / "table.toml").write_text('[unit]\ngyro = "deg/s"\naccel = "g"\n')
     ways = (["--unit", "gyro=deg/s,accel=g"], *(["--recipe", str(tmp_path / f"{n}.toml")] for n in ("text", "table")))
     for way in ways:
-        result = CliRunner().invoke(main, ["analyze", path, "--method", "slopes", "--json", "-", *way])
+        result = run("analyze", path, "--method", "slopes", "--json", "-", *way)
         assert result.exit_code == 0, result.output
         said = json.loads(result.stdout)
         assert [channel["unit"] for channel in said["channels"]] == ["deg/s", "deg/s", "g"]

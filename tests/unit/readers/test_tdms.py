@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import refused
 
 import allanite as al
-from allanite.cli import main
 from allanite.core.errors import DataError, UsageError
 
 nptdms = pytest.importorskip("nptdms")
@@ -42,7 +41,7 @@ def test_groups_are_listed_and_chosen(runs):
     assert al.read(runs, channels=["Run 2"])[0].size == 300
     assert al.read(runs, channels=["Run 2/gyro x"])[0].rate == 500.0
     refused(UsageError, r"contains Run 1/1", lambda: al.read(runs, channels=["Run 3"]))
-    assert CliRunner().invoke(main, ["info", str(runs)]).exit_code == 2
+    assert run("info", runs).exit_code == 2
 
 
 def test_the_samples_are_those_of_nptdms(runs):
@@ -77,4 +76,4 @@ def test_damaged_files(runs, tmp_path):
         (tmp_path / "b.tdms").write_bytes(data)
         with pytest.raises(DataError, match=words):
             al.read(tmp_path / "b.tdms")
-        assert CliRunner().invoke(main, ["info", str(tmp_path / "b.tdms")]).exit_code == 3
+        assert run("info", tmp_path / "b.tdms").exit_code == 3

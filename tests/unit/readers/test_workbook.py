@@ -5,11 +5,10 @@ import zipfile
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.core.errors import DataError, UsageError
 
 openpyxl = pytest.importorskip("openpyxl")
@@ -64,7 +63,7 @@ def test_several_sheets_are_listed_and_chosen(tmp_path):
     assert al.read(path, channels=["Run 2"])[0].size == 250
     assert al.read(path, channels=["Run 2/gy"]).channels == ("gy",)
     refused(UsageError, r"contains Run 1", lambda: al.read(path, channels=["Run 3"]))
-    result = CliRunner().invoke(main, ["info", str(path)])
+    result = run("info", path)
     assert result.exit_code == 2
     assert "--channels 'Run 1'" in " ".join(result.output.split())
 
@@ -86,7 +85,7 @@ def test_a_sheet_without_header_asks_for_rate_and_unit(tmp_path):
     for name in ("b.xlsx", "c.xlsx"):
         with pytest.raises(DataError, match="the archive is incomplete"):
             al.read(tmp_path / name)
-        assert CliRunner().invoke(main, ["info", str(tmp_path / name)]).exit_code == 3
+        assert run("info", tmp_path / name).exit_code == 3
 
 
 def replaced(folder, sheet):

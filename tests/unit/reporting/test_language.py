@@ -7,16 +7,15 @@ from gettext import NullTranslations
 from string import Formatter
 
 import pytest
-from click.testing import CliRunner
 from matplotlib.text import Text
 from rich.cells import cell_len
+from tests.commands import run
 from tests.rows import rows
 from tests.unit.reporting.test_report import channel_of, study_of
 
 import allanite as al
 import catalogues
 import release
-from allanite.cli import main
 from allanite.core.errors import UsageError
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import fonts, page, printing, table
@@ -109,7 +108,7 @@ def test_an_unknown_language_is_refused_with_the_known_ones(study, tmp_path):
     for refused in (al.plot, al.report, page, table):
         with pytest.raises(UsageError, match=r"unknown language 'xx'; known languages: en, ru, zh"):
             refused(study, *([tmp_path / "a.html"] if refused is al.report else []), lang="xx")
-    done = CliRunner().invoke(main, ["analyze", "missing.csv", "--lang", "xx"])
+    done = run("analyze", "missing.csv", "--lang", "xx")
     assert (done.exit_code, "unknown language" in done.stderr) == (2, True)
 
 

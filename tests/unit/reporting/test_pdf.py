@@ -4,11 +4,10 @@ import re
 from itertools import pairwise
 
 import pytest
-from click.testing import CliRunner
 from matplotlib.backends import backend_pdf
+from tests.commands import run
 from tests.unit.reporting.test_report import channel_of, refused, study_of
 
-from allanite.cli import main
 from allanite.core.errors import UsageError
 from allanite.reporting import document, page, report
 from allanite.reporting.pdf import PAPER
@@ -89,6 +88,6 @@ def test_the_suffix_says_that_it_is_one(study, tmp_path):
     # the command line writes one
     out = tmp_path / "plan.pdf"
     words = ["plan", "--sensor", "mems", "--rate", "10", "--report", str(out)]
-    done = CliRunner().invoke(main, words)
+    done = run(*words)
     assert done.exit_code == 0, done.output
     assert out.read_bytes().startswith(b"%PDF-")

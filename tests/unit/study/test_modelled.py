@@ -7,11 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import paired, rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.reporting import page, table, to_csv
 from allanite.study.modelled import PlanSettings, SelfCheckSettings, StateSpaceSettings, run_model_job
 from allanite.study.noise import noise_in
@@ -48,10 +47,6 @@ def file(tmp_path_factory, recording):
 @pytest.fixture(scope="module", params=list(SETTINGS))
 def job(request, recording):
     return run_model_job(recording, SETTINGS[request.param], Recipe())
-
-
-def run(*arguments):
-    return CliRunner().invoke(main, [str(a) for a in arguments])
 
 
 @pytest.mark.slow("takes more than half a second")

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.core.syntax import toml
 from allanite.reporting import plot, table
 from allanite.study.survey import Densities, survey
@@ -26,10 +25,6 @@ def file(tmp_path_factory):
     header = "time [s],x [deg/h],y [deg/h],a [g],flat [deg/h]"
     np.savetxt(path, data, delimiter=",", fmt="%.9g", header=header, comments="")
     return str(path)
-
-
-def run(*arguments):
-    return CliRunner().invoke(main, [str(a) for a in arguments])
 
 
 def cells(text):

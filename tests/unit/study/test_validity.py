@@ -5,11 +5,10 @@ import re
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.reporting import html_of, page, plot, table
 from allanite.study.noise import noise_of
 from allanite.study.recipe import Recipe
@@ -46,10 +45,6 @@ def file(tmp_path_factory, recording):
     path = tmp_path_factory.mktemp("data") / "imu.npz"
     al.write(recording, path)
     return str(path)
-
-
-def run(*arguments):
-    return CliRunner().invoke(main, [str(a) for a in arguments])
 
 
 GRADES = {"good": "explained", "fair": "approximate", "bad": "unexplained"}

@@ -21,11 +21,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.phrases.phrase import duration
 from allanite.prepare import quality
 from allanite.readers.live import BreakError, Feed, Returning, opened
@@ -177,7 +176,7 @@ def test_datagrams_and_interruption(tmp_path, monkeypatch):
     result, curve, kept = tmp_path / "out.json", tmp_path / "out.csv", tmp_path / "kept.txt"
     threading.Thread(target=send, daemon=True).start()
     words = ["watch", "udp://127.0.0.1:9000", *HOW, "--json", result, "--csv", curve, "--record", kept]
-    done = CliRunner().invoke(main, [*map(str, words)])
+    done = run(*words)
     assert done.exit_code == 0
     checked(json.loads(result.read_text()), done.stderr, size=41_000)
     assert curve.read_text().startswith("channel,statistic,m")
@@ -317,14 +316,14 @@ def test_what_came_is_kept_if_asked(tmp_path):
     path, kept = tmp_path / "log.csv", tmp_path / "kept.csv"
     path.write_text("gx [deg/h]\n" + "".join(f"{v:.4f}\n" for v in np.random.default_rng(1).normal(size=2000)))
     words = ["watch", str(path), "--rate", "100", "--idle", "0.1", "--record", str(kept)]
-    assert CliRunner().invoke(main, words).exit_code == 0
+    assert run(*words).exit_code == 0
     assert kept.read_bytes() == path.read_bytes()
-    again = CliRunner().invoke(main, words)
+    again = run(*words)
     assert again.exit_code == 2
     assert "kept.csv' already exists" in again.stderr
-    assert CliRunner().invoke(main, [*words, "--force"]).exit_code == 0
+    assert run(*words, "--force").exit_code == 0
     before = path.read_bytes()
-    itself = CliRunner().invoke(main, [*words[:-1], str(path), "--force"])
+    itself = run(*words[:-1], path, "--force")
     assert itself.exit_code == 2
     assert "--record would overwrite the input" in itself.stderr
     assert path.read_bytes() == before
@@ -617,7 +616,7 @@ def test_a_port_that_comes_and_goes_is_one_finding(monkeypatch):
     ("no such file", "cannot be watched: No such file"),
 ])  # fmt: skip
 def test_other_sources_are_refused(target, says):
-    done = CliRunner().invoke(main, ["watch", target, *HOW])
+    done = run("watch", target, *HOW)
     assert done.exit_code in (2, 3)
     assert says in done.stderr
 
@@ -633,8 +632,8 @@ def test_choices_are_refused_in_the_words_of_analyze(tmp_path):
         [*HOW[:4], "--until", "1000"],
         [*HOW[:4], "--motion", "hide"],
     ):
-        watch = CliRunner().invoke(main, ["watch", str(path), *options, "--idle", "0.1"])
-        analyze = CliRunner().invoke(main, ["analyze", str(path), *options])
+        watch = run("watch", path, *options, "--idle", "0.1")
+        analyze = run("analyze", path, *options)
         assert watch.exit_code == analyze.exit_code > 1
         error = [line for line in analyze.stderr.splitlines() if line.strip() and not line.startswith("try: ")]
         assert error[-1] in watch.stderr, watch.stderr

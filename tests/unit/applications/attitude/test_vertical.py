@@ -8,7 +8,7 @@ from itertools import permutations, product
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import of_verb
 from tests.rows import refused, rows
 
 import allanite as al
@@ -23,7 +23,6 @@ from allanite.applications.attitude import (
 )
 from allanite.applications.attitude.inertial import Axes
 from allanite.applications.attitude.tuning import _doubts
-from allanite.cli import main
 from allanite.reporting import table
 
 GYRO, TILT = al.N(0.3, "deg/sqrt(h)"), al.N(100, "ug/sqrt(Hz)")
@@ -286,8 +285,7 @@ def desk(tmp_path, monkeypatch, still):
     return tmp_path
 
 
-def run(*words):
-    return CliRunner().invoke(main, ["vertical", *words])
+run = of_verb("vertical")
 
 
 @pytest.mark.slow("takes more than half a second")

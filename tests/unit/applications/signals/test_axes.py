@@ -4,13 +4,12 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import refused, rows
 
 import allanite as al
 from allanite.applications.signals import mixed
 from allanite.applications.signals.budgeting import PathSettings
-from allanite.cli import main
 from allanite.core.record import Recording
 from allanite.core.syntax import toml
 
@@ -23,10 +22,6 @@ def currents():
     rng = np.random.default_rng(1)
     values = np.rint(rng.standard_normal((2, 20_000)) * 300) * STAGE.step / 5 * 1e3  # mA
     return Recording(tuple(al.Record(v, 100.0, "mA", name=name) for v, name in zip(values, ("ix", "iy"), strict=True)))
-
-
-def run(*arguments):
-    return CliRunner().invoke(main, [str(a) for a in arguments])
 
 
 def test_rates_are_the_matrix_times_the_currents(currents):
