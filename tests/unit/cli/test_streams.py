@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests import thinned
-from tests.rows import paired, rows
+from tests.rows import paired, refused, rows
 
 import allanite as al
 
@@ -172,8 +172,7 @@ def test_packed_streams_are_read_whole_and_nothing_else_behind_them(file, tmp_pa
     joined.write_bytes(pack(b"".join(lines[:500])) + bytes(8 * (suffix == "xz")) + pack(b"".join(lines[500:])))
     assert al.read(joined)[0].size == 1000
     joined.write_bytes(pack(b"".join(lines)) + b"something else")
-    with pytest.raises(al.DataError, match=f"the .{suffix} packing is damaged"):
-        al.read(joined)
+    refused(al.DataError, f"the .{suffix} packing is damaged", lambda: al.read(joined))
 
 
 HELD = """

@@ -366,5 +366,4 @@ def test_times_at_which_a_curve_is_zero_have_no_ratio():
     records = [al.Record(k * (np.arange(250) % 2.0), 100.0, "deg/s", name="gx") for k in (1, 1.5)]
     (pair,) = al.compare(*records)
     assert pair.ratios.ratio == pytest.approx(2.25)
-    with pytest.raises(al.AllaniteError, match=r"zero at 0\.02 s"):
-        al.compare(*records, taus=[0.02, 0.03])
+    refused(al.AllaniteError, r"zero at 0\.02 s", lambda: al.compare(*records, taus=[0.02, 0.03]))
