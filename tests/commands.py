@@ -15,3 +15,10 @@ def run(*words, **how):
 def of_verb(*verb):
     """The same of one verb, whose words are given first."""
     return partial(run, *verb)
+
+
+def ends(done, code, *said):
+    """Check how a command has ended, and what it says: of what went wrong, on standard error."""
+    text = " ".join((done.stderr if code else done.stdout).split())
+    assert (done.exit_code, "Traceback" in done.output) == (code, False), done.output
+    assert [words for words in said if " ".join(words.split()) not in text] == [], text

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests import ROOT
-from tests.commands import run
+from tests.commands import ends, run
 from tests.rows import paired, refused, rows
 
 import allanite as al
@@ -105,9 +105,7 @@ def test_a_new_statistic_in_sliding_windows_and_in_parts(name, tmp_path):
     np.testing.assert_allclose(surface.variance[1], alone.variance, rtol=1e-10)
     np.save(tmp_path / "z.npy", record.values)
     line = [str(tmp_path / "z.npy"), "--rate", "1", "--unit", "rad/s", "--statistic", name, "--memory", "1kB"]
-    done = run("deviation", *line)
-    assert done.exit_code == 2
-    assert f"no {name!r}: choose one of oadev, mdev" in done.output
+    ends(run("deviation", *line), 2, f"no {name!r}: choose one of oadev, mdev")
 
 
 @rows("name, method", paired(["fdev", "wdev"], ["gls", "nnls"]))

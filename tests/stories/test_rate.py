@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.commands import of_verb
+from tests.commands import ends, of_verb
 from tests.rows import rows
 
 import allanite as al
@@ -141,10 +141,7 @@ BAD = {
 def test_bad_choices_end_with_a_sentence(brief, what):
     options, code, words = BAD[what]
     noise = () if "--noise" in options else NOISE
-    result = run(brief, *HOW, *noise, "--no-times", *options)
-    assert result.exit_code == code, result.output
-    assert words in " ".join(result.stderr.split())
-    assert "Traceback" not in result.stderr
+    ends(run(brief, *HOW, *noise, "--no-times", *options), code, words)
 
 
 @pytest.mark.usefixtures("details")
@@ -154,12 +151,8 @@ def test_lost_readings_are_named_or_split(folder):
     text = ["z"] + [("nan" if i == 1234 else f"{v:.6f}") for i, v in enumerate(values)]
     path.write_text("\n".join(text) + "\n")
     how = ("--rate", "10", "--unit", "deg/h", "--kind", "rate", "--noise", "N 0.0053 deg/sqrt(h)", "--interval", "60")
-    refused = run(path, *how)
-    assert refused.exit_code == 3
-    assert "1 of 4000 samples of 'z' are not finite, the first at sample 1234" in refused.stderr
-    split = run(path, *how, "--split-gaps")
-    assert split.exit_code == 0, split.stderr
-    assert "1 sample missing" in split.stdout
+    ends(run(path, *how), 3, "1 of 4000 samples of 'z' are not finite, the first at sample 1234")
+    ends(run(path, *how, "--split-gaps"), 0, "1 sample missing")
 
 
 @pytest.mark.slow("takes more than half a second")

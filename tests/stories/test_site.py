@@ -16,6 +16,8 @@ import allanite as al
 from allanite.cli import VERBS
 from allanite.core.units import ATOMS, SPELLINGS
 
+pytestmark = pytest.mark.nightly("builds the documentation site, as docs.yml does on the main branch")
+
 DOCS = ROOT / "docs"
 SAMPLE = Path("examples", "tactical_gyro.csv")
 RESULTS = Path("benchmarks", "results")
@@ -42,7 +44,6 @@ def text(site, page):
     return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", (site / page).read_text("utf-8")))
 
 
-@pytest.mark.nightly("pages of the documentation site")
 def test_every_row_has_its_page(site):
     for symbol, row in al.terms.TERMS.items():
         page = text(site, f"generated/terms/{symbol}.html")
@@ -57,7 +58,6 @@ def test_every_row_has_its_page(site):
         assert all(row.title in text(site, f"generated/{index}/index.html") for row in table.values())
 
 
-@pytest.mark.nightly("pages of the documentation site")
 def test_every_verb_and_public_name_is_there(site):
     command = text(site, "command.html")
     names = "".join(page.read_text("utf-8") for page in (site / "generated/api").glob("*.html"))
@@ -84,7 +84,6 @@ def public_names(package):
     return found
 
 
-@pytest.mark.nightly("pages of the documentation site")
 def test_methods_units_and_formulas(site):
     formulas = (site / "generated/statistics/oadev.html").read_text("utf-8")
     assert ("<math " in formulas, "<munderover>" in formulas, "MathJax" in formulas) == (True, True, False)
@@ -114,7 +113,6 @@ class Links(HTMLParser):
             self.led.append(found["href"])
 
 
-@pytest.mark.nightly("builds the documentation site, as docs.yml does on the main branch")
 def test_nothing_is_loaded_from_a_network_and_every_link_leads_somewhere(site):
     for page in site.rglob("*.html"):
         links = Links()
@@ -139,7 +137,6 @@ def indexed(site):
     return set(index["terms"]) | set(index["titleterms"])
 
 
-@pytest.mark.nightly("pages of the documentation site")
 @rows("words", WORDS)
 def test_the_search_knows_the_fields_words(site, words):
     snowballstemmer = pytest.importorskip("snowballstemmer")

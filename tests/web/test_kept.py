@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.commands import run
+from tests.commands import ends, run
 from tests.rows import rows
 
 import allanite as al
@@ -272,8 +272,7 @@ def test_a_user_without_a_home_is_told(monkeypatch):
 )  # fmt: skip
 def test_options_are_refused_before_anything_is_kept(tmp_path, monkeypatch, words, code, said):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    result = run("serve", "--no-browser", *words)
-    assert (result.exit_code, said in result.stderr) == (code, True), result.stderr
+    ends(run("serve", "--no-browser", *words), code, said)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -8,7 +8,7 @@ import os
 import numpy as np
 import pytest
 from scipy.io import savemat
-from tests.commands import of_verb
+from tests.commands import ends, of_verb
 from tests.rows import rows
 
 import allanite as al
@@ -93,9 +93,7 @@ def test_an_encoder(encoder, tmp_path):
 @pytest.mark.slow("takes more than half a second")
 def test_plan_finds_the_window_of_the_paper(tmp_path):
     done = run("plan", *EXPERIMENT, "--q-law", "linear", "--report", tmp_path / "p.html", "--plot", tmp_path / "p.svg")
-    assert done.exit_code == 0, done.stderr
-    assert "h from 13.38 to 19.77°" in done.stdout
-    assert "sum over the 8 amplitudes: 1.129" in done.stdout
+    ends(done, 0, "h from 13.38 to 19.77°", "sum over the 8 amplitudes: 1.129")
     page = (tmp_path / "p.html").read_text(encoding="utf-8")
     assert "h from 13.4 to 19.8°" in page
     assert page.count("<svg") == 1

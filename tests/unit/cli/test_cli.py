@@ -16,7 +16,7 @@ import click
 import numpy as np
 import pytest
 from tests import ROOT
-from tests.commands import run
+from tests.commands import ends, run
 from tests.rows import rows
 
 import allanite.study.analysis
@@ -100,9 +100,7 @@ def test_a_file_that_exists_is_refused_before_the_work(name, file, tmp_path, mon
     path = tmp_path / OUTPUTS[name]
     path.write_text("old")
     monkeypatch.setattr(allanite.study.analysis, "analyze", lambda *_, **__: pytest.fail("the work began"))
-    result = run("analyze", file, f"--{name}", path)
-    assert result.exit_code == 2
-    assert "--force" in result.stderr
+    ends(run("analyze", file, f"--{name}", path), 2, "--force")
     assert path.read_text() == "old"
 
 
@@ -125,9 +123,7 @@ def test_defects_and_too_little_memory(file, monkeypatch):
         raise MemoryError
 
     monkeypatch.setattr(allanite.study.analysis, "analyze", greedy)
-    result = run("analyze", file)
-    assert result.exit_code == 3
-    assert "--from" in result.stderr
+    ends(run("analyze", file), 3, "--from")
 
 
 def test_help_and_its_summaries():

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 from tests import thinned
-from tests.commands import of_verb
+from tests.commands import ends, of_verb
 from tests.rows import rows
 
 import allanite as al
@@ -65,9 +65,7 @@ def test_before_and_after(folder, tmp_path):
     assert page.count("<script") == 1  # its own
     assert "http" not in page.split("<body>")[1].replace("http://www.w3.org", "")
     assert paths["plot"].read_text("utf-8").startswith("<?xml")
-    again = run(folder / "before.csv", folder / "after.csv", "--channels", "x", "--json", paths["json"])
-    assert again.exit_code == 2
-    assert "--force" in again.stderr
+    ends(run(folder / "before.csv", folder / "after.csv", "--channels", "x", "--json", paths["json"]), 2, "--force")
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -84,10 +82,8 @@ def test_channels_of_one_file_and_of_two(folder):
 def test_several_files_are_pooled(folder, tmp_path):
     files = [folder / f"{name}.csv" for name in ("before", "after", "third")]
     paths = tmp_path / "pool.html", tmp_path / "pool.png", tmp_path / "pool.csv"
-    result = run(*files, "--channels", "x", "--report", paths[0], "--plot", paths[1], "--csv", paths[2])
-    assert result.exit_code == 0, result.stderr
-    assert "different from the others: after.csv" in result.stdout
-    assert "record by record" in result.stdout
+    done = run(*files, "--channels", "x", "--report", paths[0], "--plot", paths[1], "--csv", paths[2])
+    ends(done, 0, "different from the others: after.csv", "record by record")
     assert "record by record" in paths[0].read_text("utf-8").lower()
     assert paths[1].read_bytes().startswith(b"\x89PNG")
     rows = list(csv.DictReader(io.StringIO(paths[2].read_text("utf-8"))))
@@ -98,10 +94,7 @@ def test_several_files_are_pooled(folder, tmp_path):
 
 
 def test_a_part_against_the_rest(folder):
-    result = run(folder / "before.csv", "--channels", "x", "--part", "20")
-    assert result.exit_code == 0, result.stderr
-    assert "first 20 s" in result.stdout
-    assert "whole" in result.stdout
+    ends(run(folder / "before.csv", "--channels", "x", "--part", "20"), 0, "first 20 s", "whole")
 
 
 @rows("arguments, code, words", [

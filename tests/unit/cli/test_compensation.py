@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from tests.commands import run
+from tests.commands import ends, run
 from tests.rows import rows
 from tests.unit.exporting import parsers
 
@@ -177,9 +177,7 @@ def test_a_warm_up_is_no_motion(tmp_path):
     rows[:, 3] = warm
     write(path, rows, DAY)
     assert run("info", path, "--channels", "gx").exit_code == 0
-    done = run("compensate", path, "--channels", "gx", "--regressors", "temp")
-    assert done.exit_code == 0, done.stderr
-    assert "gx depends on temp" in done.stdout
+    ends(run("compensate", path, "--channels", "gx", "--regressors", "temp"), 0, "gx depends on temp")
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -195,14 +193,9 @@ def test_regressors_of_another_file(days, tmp_path):
     # regressors of another file are interpolated only if asked
     slow = write(tmp_path / "slow.csv", rows[::10], "time [s],temp [degC]")
     asked = ("compensate", days[0], "--channels", "gx", "--regressors", "temp", "--beside", slow)
-    refused = run(*asked)
-    assert refused.exit_code == 3
-    assert "does not have the sample times of 'gx'" in refused.stderr
-    assert "--interpolate" in refused.stderr
+    ends(run(*asked), 3, "does not have the sample times of 'gx'", "--interpolate")
     # the last readings lie behind the last temperature
-    done = run(*asked, "--interpolate", "--split-gaps")
-    assert done.exit_code == 0, done.stderr
-    assert "gx depends on temp" in done.stdout
+    ends(run(*asked, "--interpolate", "--split-gaps"), 0, "gx depends on temp")
 
 
 @pytest.mark.slow("seconds of analyses")
@@ -227,8 +220,7 @@ REFUSED = [
 
 @rows(("options", "code", "words"), REFUSED)
 def test_wrong_usage_of_compensate(days, options, code, words):
-    done = run("compensate", days[0], *options)
-    assert (done.exit_code, words in done.stderr) == (code, True), done.stderr
+    ends(run("compensate", days[0], *options), code, words)
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -237,9 +229,7 @@ def test_everything_of_a_budget_is_written(current, tmp_path):
     paths = {name: tmp_path / file for name, file in names.items()}
     asked = [part for name, path in paths.items() for part in (f"--{name}", path)]
     done = run("budget", current, "--unit", "V", "--stage", STAGE, "--torquer", TORQUER, "--sense", 5, *asked)
-    assert done.exit_code == 0, done.stderr
-    assert "K_i = 0.2 rad/s per A, of 4 coil side(s)" in done.stdout
-    assert "more bits would change nothing" in done.stdout
+    ends(done, 0, "K_i = 0.2 rad/s per A, of 4 coil side(s)", "more bits would change nothing")
     data = json.loads(paths["json"].read_text(encoding="utf-8"), parse_constant=pytest.fail)
     assert data["channels"][0]["budget"]["stages"][0]["codes"]["missing"] == 0
     rate = al.read(paths["rates"])["ux"]
@@ -263,9 +253,7 @@ def test_a_budget_takes_the_unit_of_the_header(current, tmp_path):
         path, al.Recipe(rate=100.0), PathSettings((al.signals.Stage("ADC", 12, 10.0, "mA"),), 0.2)
     )
     assert [channel.record.name for channel in found] == ["ix"]
-    refused = run("analyze", path, "--rate", 100)
-    assert refused.exit_code == 2
-    assert "'mA' is not a unit of a gyroscope" in refused.stderr
+    ends(run("analyze", path, "--rate", 100), 2, "'mA' is not a unit of a gyroscope")
 
 
 def test_the_recipe_of_a_budget_repeats_it(current, tmp_path):
@@ -303,8 +291,7 @@ WRONG = [
 
 @rows(("options", "code", "words"), WRONG)
 def test_wrong_usage_of_budget(current, options, code, words):
-    done = run("budget", current, "--unit", "V", *options)
-    assert (done.exit_code, words in done.stderr) == (code, True), done.stderr
+    ends(run("budget", current, "--unit", "V", *options), code, words)
 
 
 def test_a_current_is_read_by_its_unit(tmp_path):

@@ -5,7 +5,7 @@ import re
 
 import pytest
 from tests import thinned
-from tests.commands import run
+from tests.commands import ends, run
 from tests.rows import rows
 
 from allanite.cli import VERBS
@@ -55,6 +55,4 @@ def test_every_item_of_a_paper_has_the_verdict_that_is_expected(name, tmp_path, 
     assert [(item["item"], item["claim"], item["here"]) for item in found if not item["expected"]] == []
     page = (folder / "page.html").read_text("utf-8")
     assert page.count("<figure>") == len(paper(name).captions)
-    again = run("example", name, folder)
-    assert again.exit_code == 2
-    assert "exists" in again.stderr
+    ends(run("example", name, folder), 2, "exists")

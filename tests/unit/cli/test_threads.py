@@ -20,7 +20,7 @@ def output(*arguments):
     return result.stdout
 
 
-@rows("verb", ["analyze", "info", "deviation", "spectrum"])
+@rows("verb", ["deviation", "spectrum"])
 @pytest.mark.slow("three processes each")
 def test_json_is_the_same(verb, file):
     found = {output(verb, file, "--json", "-", *threads) for threads in ([], ["--threads", 1], ["--threads", 3])}

@@ -112,19 +112,6 @@ def test_models_add_and_come_back():
     refused(al.UsageError, "Q, N, B, R", lambda: model["K"])
 
 
-def test_curves_come_back_with_their_limits_as_numbers():
-    curve = al.deviation(record(name="z"), taus="octave", noise=MODEL).to("deg/h")
-    again = al.Curve.from_dict(json.loads(json.dumps(curve.to_dict())))
-    for name in ("m", "tau", "deviation", "count", "edf"):
-        np.testing.assert_allclose(getattr(again, name), getattr(curve, name), rtol=1e-14)
-    np.testing.assert_allclose(again.interval(0.95), curve.interval(0.95), rtol=1e-12)
-    assert (again.unit, again.name, again.noise) == ("deg/h", "z", MODEL)
-    refused(al.UsageError, r"were stored for level 0\.95", lambda: again.interval(0.5))
-    with pytest.raises(al.UsageError, match="identify"):
-        _ = al.deviation(record(), noise=None).edf
-    refused(al.UsageError, "between 0 and 1", lambda: al.deviation(record(), noise=MODEL).interval(95))
-
-
 @pytest.mark.slow("takes more than half a second")
 def test_intervals_are_chi_square():
     """68.3 % of 400 records hold the truth at every octave: 400 trials, 4.5 standard errors, error probability 1e-4."""

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.commands import run
+from tests.commands import ends, run
 from tests.rows import refused, rows
 
 import allanite as al
@@ -86,10 +86,8 @@ def test_the_tables_of_causes_follow_the_papers_and_cite_all():
 
 @rows("name", ["fgo", "FOG", ""])
 def test_an_unknown_device_is_refused_before_anything_is_read(name):
-    result = run("analyze", "missing.csv", "--device", name)
-    assert result.exit_code == 2
-    assert f"unknown device {name!r}" in result.stderr
-    assert "nown devices: stabilizer, mscsg, rlg, fog, mems, accelerometer" in result.stderr
+    done = run("analyze", "missing.csv", "--device", name)
+    ends(done, 2, f"unknown device {name!r}", "nown devices: stabilizer, mscsg, rlg, fog, mems, accelerometer")
 
 
 def test_grades_follow_each_other():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.commands import run
+from tests.commands import ends, run
 from tests.rows import refused, rows
 
 import allanite as al
@@ -48,9 +48,7 @@ def test_what_looks_like_it_is_not_read_unless_asked_for(tmp_path, data):
     with pytest.raises(UsageError, match=r"may be KF-GINS binary.*use dtype='kfgins'; if not, dtype='7f8'"):
         al.read(tmp_path / "imu.bin")
     assert al.read(tmp_path / "imu.bin", dtype="kfgins")[0].kind == "increment"
-    refused = run("info", tmp_path / "imu.bin")
-    assert refused.exit_code == 2
-    assert "--dtype kfgins" in refused.output
+    ends(run("info", tmp_path / "imu.bin"), 2, "--dtype kfgins")
     plain = al.read(tmp_path / "imu.bin", dtype="7f8", time="1", unit="rad", kind="increment", channels="2,3,4")
     assert np.array_equal(plain[1].values, data[:, 2])
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
-from tests.commands import run
+from tests.commands import ends, run
 from tests.rows import rows
 from tests.unit.reporting.test_colors import READABLE, contrast
 from tests.unit.reporting.test_report import HOSTILE, Tags, channel_of, refused, study_of
@@ -168,9 +168,7 @@ def test_the_command_line_takes_units_and_facts(tmp_path):
     rows = "\n".join(f"{(-1) ** i * (1 + (i * 7919 % 101) / 50)}" for i in range(3000))
     (tmp_path / "x.csv").write_text(f"gx [deg/s]\n{rows}\n", encoding="utf-8")
     words = ["analyze", str(tmp_path / "x.csv"), "--rate", "10", "--to", "deg/s^3"]
-    result = run(*words)
-    assert result.exit_code == 2
-    assert "no noise coefficient has the unit 'deg/s^3'" in result.output
+    ends(run(*words), 2, "no noise coefficient has the unit 'deg/s^3'")
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -179,9 +177,8 @@ def test_a_unit_of_no_channel_is_refused(tmp_path, unit):
     rows = "\n".join(f"{(-1) ** i * (1 + (i * 7919 % 101) / 50)}" for i in range(3000))
     file = tmp_path / "x.csv"
     file.write_text(f"gx [deg/s]\n{rows}\n", encoding="utf-8")
-    result = run("analyze", file, "--rate", "10", "--to", unit)
-    assert result.exit_code == 2
-    assert f"no channel has a coefficient in '{unit}' (--output-unit); the channels are in deg/h" in result.output
+    done = run("analyze", file, "--rate", "10", "--to", unit)
+    ends(done, 2, f"no channel has a coefficient in '{unit}' (--output-unit); the channels are in deg/h")
     with pytest.raises(UsageError, match=r"\(to=\); the channels are in deg/h"):
         analyze(str(file), Recipe(rate=10.0, to=(unit,)))
 

@@ -12,6 +12,8 @@ from allanite.core.errors import UsageError
 from allanite.reporting import document, page, report
 from allanite.reporting.pdf import PAPER
 
+pytestmark = pytest.mark.slow("figures by matplotlib")
+
 HOSTILE = "gx $\\frac{1}{$ \u202e"
 
 
@@ -46,7 +48,6 @@ def written(monkeypatch, study):
     return pages
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_figures_have_the_order_of_the_page_and_lie_on_nothing(study, written):
     words = "\n".join(line for lines, _ in written for line in lines)
     order = (
@@ -65,20 +66,17 @@ def test_figures_have_the_order_of_the_page_and_lie_on_nothing(study, written):
         assert all(figure.bbox_inches.x0 > 0.5 for figure in figures)
 
 
-@pytest.mark.slow("forty figures by matplotlib")
 def test_a_report_of_six_channels_has_at_most_twenty_pages():
     names = ("gx", "gy", "gz", "ax", "ay", "az")
     channels = [channel_of(name, warnings=("one outlier", "coarse steps")) for name in names]
     assert pages(document(study_of(*channels))) <= 20
 
 
-@pytest.mark.slow("two reports as PDF")
 def test_the_same_result_makes_the_same_bytes(study, made):
     assert document(study, command=COMMAND) == made
     assert b"/CreationDate" not in made
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_the_suffix_says_that_it_is_one(study, tmp_path):
     curve = study.channels[0].curve
     report(curve, tmp_path / "page.PDF")

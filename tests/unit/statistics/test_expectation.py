@@ -1,7 +1,7 @@
 """Curves of a model without data."""
 
 import numpy as np
-from tests.commands import run
+from tests.commands import ends, run
 from tests.rows import rows
 
 import allanite as al
@@ -65,6 +65,4 @@ def test_what_figures_of_models_say():
     (("--sensor", "fog", "--rate", "10", "--samples", "1"), "too short for oadev"),
 ])  # fmt: skip
 def test_what_cannot_be_expected_is_refused(arguments, words):
-    done = run("deviation", *arguments)
-    assert done.exit_code == 2
-    assert words in done.stderr
+    ends(run("deviation", *arguments), 2, words)

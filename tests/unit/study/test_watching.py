@@ -21,7 +21,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tests.commands import run
+from tests.commands import ends, run
 from tests.rows import refused, rows
 
 import allanite as al
@@ -318,14 +318,10 @@ def test_what_came_is_kept_if_asked(tmp_path):
     words = ["watch", str(path), "--rate", "100", "--idle", "0.1", "--record", str(kept)]
     assert run(*words).exit_code == 0
     assert kept.read_bytes() == path.read_bytes()
-    again = run(*words)
-    assert again.exit_code == 2
-    assert "kept.csv' already exists" in again.stderr
+    ends(run(*words), 2, "kept.csv' already exists")
     assert run(*words, "--force").exit_code == 0
     before = path.read_bytes()
-    itself = run(*words[:-1], path, "--force")
-    assert itself.exit_code == 2
-    assert "--record would overwrite the input" in itself.stderr
+    ends(run(*words[:-1], path, "--force"), 2, "--record would overwrite the input")
     assert path.read_bytes() == before
 
 

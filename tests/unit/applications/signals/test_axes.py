@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from tests.commands import run
+from tests.commands import ends, run
 from tests.rows import refused, rows
 
 import allanite as al
@@ -71,9 +71,7 @@ def test_the_command_line_and_the_recipe(currents, tmp_path):
 def test_impossible_axes_are_refused(axes, words, currents, tmp_path):
     path = tmp_path / "currents.csv"
     al.write(currents, path)
-    done = run("budget", path, "--stage", "ADC 14 5V", "--scale-factor", 0.2, "--sense", 5, "--coupling", axes)
-    assert done.exit_code == 2
-    assert words in done.stderr
+    ends(run("budget", path, "--stage", "ADC 14 5V", "--scale-factor", 0.2, "--sense", 5, "--coupling", axes), 2, words)
 
 
 def test_what_is_no_pair_of_currents_is_refused(currents):
