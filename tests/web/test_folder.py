@@ -11,7 +11,6 @@ import pytest
 from tests.rows import rows
 
 import allanite as al
-from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.web import worker
 from allanite.web.jobs import Jobs
 from allanite.web.schema import JobBody, plain
@@ -265,7 +264,7 @@ def test_json_is_refused_by_its_depth(deep):
         if deep < 50:
             assert plain(data)
         else:
-            with pytest.raises(UsageError, match=r"^lists and objects are nested more than 50 deep$"):
+            with pytest.raises(al.UsageError, match=r"^lists and objects are nested more than 50 deep$"):
                 plain(data)
 
 
@@ -300,7 +299,7 @@ def test_a_folder_that_is_gone_is_named(tmp_path):
 
 def test_a_file_that_is_not_there_makes_no_workspace(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    with pytest.raises(DataError, match="there is no file"):
+    with pytest.raises(al.DataError, match="there is no file"):
         serve([str(tmp_path / "none.csv")], port=0, browser=False, lang="en", limit=1, quota=1)
     assert not (tmp_path / "cache").exists()
 
@@ -310,6 +309,6 @@ def test_a_file_that_is_opened_by_its_path_stays_where_it_is(tmp_path):
     jobs.begin(name, JobBody(verb="info", files=[file["id"]], recipe={"rate": 10}))
     assert not [path for path in store.folder.rglob("*") if path.name.startswith("data")]
     store.drop(file["id"])
-    with pytest.raises(AllaniteError, match="there is no file"):
+    with pytest.raises(al.AllaniteError, match="there is no file"):
         store.file(file["id"])
     assert (tmp_path / "g.csv").read_text() == "gx [deg/h]\n1\n2\n"

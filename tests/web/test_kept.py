@@ -16,7 +16,6 @@ from tests.commands import ends, run
 from tests.rows import rows
 
 import allanite as al
-from allanite.core.errors import UsageError
 from allanite.web.jobs import MAX_EVENTS, Live
 from allanite.web.server import serve
 from allanite.web.worker import Held
@@ -248,7 +247,7 @@ def test_what_stands_in_the_way_is_named(tmp_path, monkeypatch, how):
     place = Path("/proc/self") if how == "below /proc" else tmp_path
     monkeypatch.setenv("XDG_CACHE_HOME", str(place))
     blocked(tmp_path, how)
-    with pytest.raises(UsageError, match="cannot be used") as refused:
+    with pytest.raises(al.UsageError, match="cannot be used") as refused:
         serve([], port=0, browser=False, lang="en", limit=1, quota=1)
     assert str(place / "allanite") in str(refused.value)
 
@@ -256,7 +255,7 @@ def test_what_stands_in_the_way_is_named(tmp_path, monkeypatch, how):
 def test_a_user_without_a_home_is_told(monkeypatch):
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     monkeypatch.setattr(os.path, "expanduser", lambda path: path)
-    with pytest.raises(UsageError, match="set HOME"):
+    with pytest.raises(al.UsageError, match="set HOME"):
         serve([], port=0, browser=False, lang="en", limit=1, quota=1)
 
 

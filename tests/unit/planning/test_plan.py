@@ -11,7 +11,6 @@ from tests.rows import refused, rows
 
 import allanite as al
 import bound as script
-from allanite.core.errors import UsageError
 from allanite.identification.likelihood import spectrum
 from allanite.planning.plan import properties
 
@@ -221,7 +220,7 @@ def test_averaging_times_or_factors():
     ("theo1", {"m": [11]}, "must be even"), ("theo1", {"taus": [8.0]}, "is not a multiple of 1.5 s"),
 ])  # fmt: skip
 def test_bad_input(name, more, message):
-    refused(UsageError, message, lambda: properties(name, 1000, **more))
+    refused(al.UsageError, message, lambda: properties(name, 1000, **more))
 
 
 def test_limits_under_quantization_alone():

@@ -8,7 +8,6 @@ from tests.commands import run
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.core.errors import UsageError
 from allanite.readers import read
 
 NOISE = np.random.default_rng(1).standard_normal((400, 4)).round(4)
@@ -72,7 +71,7 @@ def test_other_columns_keep_their_header_or_are_left_out(write):
     ({"a,b": "g"}, ["'a,b'", "number"]),
 ])  # fmt: skip
 def test_what_the_file_has_not_is_refused_by_name(write, unit, words):
-    with pytest.raises(UsageError) as caught:
+    with pytest.raises(al.UsageError) as caught:
         read(write("time [s],wx,wy,T [degC]"), unit=unit)
     for word in words:
         assert word in str(caught.value)
@@ -80,8 +79,8 @@ def test_what_the_file_has_not_is_refused_by_name(write, unit, words):
 
 def test_one_scale_for_several_units_is_refused(write):
     path = write("time [s],wx,wy,ax")
-    refused(UsageError, "one scale", lambda: read(path, unit="gyro=arcsec,accel=m/s", kind="count", scale=0.1))
-    refused(UsageError, "give the scale as a number", lambda: read(path, unit="gyro=deg/s", scale="0.1deg/h"))
+    refused(al.UsageError, "one scale", lambda: read(path, unit="gyro=arcsec,accel=m/s", kind="count", scale=0.1))
+    refused(al.UsageError, "give the scale as a number", lambda: read(path, unit="gyro=deg/s", scale="0.1deg/h"))
 
 
 @pytest.mark.slow("takes more than half a second")

@@ -17,7 +17,6 @@ from tests.rows import refused, rows
 
 import allanite as al
 from allanite.cli import main
-from allanite.core.errors import DataError, UsageError
 from allanite.reporting import page, table
 from allanite.study.recipe import Recipe
 from allanite.study.survey import Densities, Deviations, Windows, survey
@@ -194,7 +193,7 @@ def test_defects_are_found_wherever_they_are(tmp_path, monkeypatch):
         next(f for f in blocks if f.name == "stuck")
     )
     np.save(tmp_path / "worse.npy", values[:, 2:])
-    refused(DataError, "always 1", lambda: al.analyze(tmp_path / "worse.npy", PARTS))
+    refused(al.DataError, "always 1", lambda: al.analyze(tmp_path / "worse.npy", PARTS))
 
 
 @rows(("recipe", "words"), [
@@ -209,7 +208,7 @@ def test_defects_are_found_wherever_they_are(tmp_path, monkeypatch):
     ({"taus": (1.0, 10.0)}, "no averaging time 1 s; .* the nearest 0.96 s and 1.04 s"),
 ])  # fmt: skip
 def test_what_needs_the_whole_is_refused_by_name(file, recipe, words):
-    refused(UsageError, words, lambda: al.analyze(file, Recipe(**HOW, memory="100kB", **recipe)))
+    refused(al.UsageError, words, lambda: al.analyze(file, Recipe(**HOW, memory="100kB", **recipe)))
     al.analyze(file, Recipe(**HOW, memory="1GB", channels=("3",), until=150.0, **recipe))  # the cure
 
 
@@ -221,12 +220,12 @@ def test_what_needs_the_whole_is_refused_by_name(file, recipe, words):
     (Densities("multitaper"), "no estimator 'multitaper': choose welch"), (Windows(), "no sliding windows"),
 ])  # fmt: skip
 def test_jobs_that_need_the_whole_are_refused_by_name(file, job, words):
-    refused(UsageError, words, lambda: survey(file, job, PARTS))
+    refused(al.UsageError, words, lambda: survey(file, job, PARTS))
 
 
 def test_segments_are_bounded(file, monkeypatch):
     monkeypatch.setattr("allanite.statistics.spectra.estimators.MAX_SEGMENT", 4096)
-    refused(UsageError, r"up to 40.96 s", lambda: survey(file, Densities(segment=50.0), PARTS))
+    refused(al.UsageError, r"up to 40.96 s", lambda: survey(file, Densities(segment=50.0), PARTS))
     assert survey(file, Densities(segment=40.96), PARTS).values[0].resolution > 0
 
 
