@@ -7,7 +7,6 @@ import sys
 import time
 from queue import SimpleQueue
 
-import numpy as np
 import pytest
 from tests.commands import run
 from tests.rows import refused
@@ -36,7 +35,7 @@ def units(tmp_path):
     folder.mkdir()
     for i in range(3):
         noise = al.N(0.1, "deg/sqrt(h)") + al.K(5, "deg/h/sqrt(h)")
-        al.write(al.simulate(noise, 2000, 10.0, rng=np.random.default_rng(i), name="gz"), folder / f"u{i}.csv")
+        al.write(al.simulate(noise, 2000, 10.0, rng=i, name="gz"), folder / f"u{i}.csv")
     (folder / "bad.csv").write_text("hello\nworld\n")
     return folder
 

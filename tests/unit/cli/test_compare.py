@@ -23,10 +23,7 @@ run = of_verb("compare")
 def folder(tmp_path_factory):
     place = tmp_path_factory.mktemp("data")
     for seed, (name, factor) in enumerate((("before", 1.0), ("after", 0.8), ("third", 1.0)), 1):
-        records = [
-            al.simulate(MODEL, 4096, 100.0, rng=np.random.default_rng(10 * seed + i), name=channel)
-            for i, channel in enumerate("xy")
-        ]
+        records = [al.simulate(MODEL, 4096, 100.0, rng=10 * seed + i, name=channel) for i, channel in enumerate("xy")]
         scaled = [al.Record(r.values * factor, 100.0, r.unit, name=r.name) for r in records]
         al.write(al.Recording(tuple(scaled)), place / f"{name}.csv")
     (place / "empty.csv").write_bytes(b"")

@@ -48,8 +48,7 @@ def days(tmp_path_factory):
 @pytest.fixture(scope="module")
 def current(tmp_path_factory):
     path = tmp_path_factory.mktemp("current") / "current.csv"
-    rng = np.random.default_rng(1)
-    volts = 5 * al.simulate(al.N(2.5, "deg/sqrt(h)"), 20_000, 1000.0, rng=rng).values / 0.2
+    volts = 5 * al.simulate(al.N(2.5, "deg/sqrt(h)"), 20_000, 1000.0, rng=1).values / 0.2
     step = 10 / 2**12
     columns = np.column_stack([np.arange(20_000) / 1000, np.round(volts / step) * step])
     np.savetxt(path, columns, delimiter=",", fmt=["%.3f", "%.10g"], header="time [s],ux [V]", comments="")

@@ -151,7 +151,7 @@ def test_the_verb_plans_for_a_sensor():
 
 @pytest.mark.slow("takes more than half a second")
 def test_the_verb_plans_from_a_first_recording(tmp_path):
-    record = al.simulate(al.sensor("mems"), 60_000, 100.0, rng=np.random.default_rng(1), unit="deg/h", name="gz")
+    record = al.simulate(al.sensor("mems"), 60_000, 100.0, rng=1, unit="deg/h", name="gz")
     al.write(record, tmp_path / "first.npz")
     result = run(tmp_path / "first.npz", "--json", "-")
     assert result.exit_code == 0, result.stderr
@@ -200,10 +200,7 @@ def test_a_statistic_of_second_differences_has_no_bias_and_hadamard_is_its_own_t
 def test_the_scatter_of_simulated_records():
     found = properties("totdev", 256, m=[64])
     model = al.Model("N 1 deg/sqrt(h)")
-    draws = [
-        al.deviation(al.simulate(model, 256, 1.0, rng=np.random.default_rng(seed)), "totdev", m=[64], noise=None)
-        for seed in range(400)
-    ]
+    draws = [al.deviation(al.simulate(model, 256, 1.0, rng=seed), "totdev", m=[64], noise=None) for seed in range(400)]
     variance = np.array([curve.variance[0] for curve in draws])
     edf = 2 * variance.mean() ** 2 / variance.var()
     assert edf == pytest.approx(found.edf[0, found.symbols.index("N")], rel=0.25)
@@ -225,7 +222,7 @@ def test_bad_input(name, more, message):
 
 def test_limits_under_quantization_alone():
     """Only white angle noise: none of the terms is smooth."""
-    record = al.simulate(al.Model("Q 1 arcsec"), 1000, 1.0, rng=np.random.default_rng(1))
+    record = al.simulate(al.Model("Q 1 arcsec"), 1000, 1.0, rng=1)
     curve = al.deviation(record, "theo1", m=[10, 1000], noise=al.Model("Q 1 arcsec"))
     low, high = curve.interval(0.95)
     assert (low < curve.deviation).all()
