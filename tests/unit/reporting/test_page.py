@@ -160,15 +160,10 @@ def test_a_unit_of_nothing_is_refused(wrong):
         Recipe(to=(wrong,))
 
 
-def test_the_command_line_takes_units_and_facts(tmp_path):
+def test_facts_are_keys_and_values():
     with pytest.raises(UsageError, match="KEY=VALUE"):
         Recipe(about=("SN 12",))
     assert Recipe(about=("serial=SN=12",)).labels == {"serial": "SN=12"}
-    # the command line takes units and facts
-    rows = "\n".join(f"{(-1) ** i * (1 + (i * 7919 % 101) / 50)}" for i in range(3000))
-    (tmp_path / "x.csv").write_text(f"gx [deg/s]\n{rows}\n", encoding="utf-8")
-    words = ["analyze", str(tmp_path / "x.csv"), "--rate", "10", "--to", "deg/s^3"]
-    ends(run(*words), 2, "no noise coefficient has the unit 'deg/s^3'")
 
 
 @pytest.mark.slow("takes more than half a second")

@@ -274,16 +274,6 @@ def test_a_saved_figure_is_the_same_every_time(study, tmp_path, suffix):
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_a_figure_is_refused_before_it_is_drawn(study, tmp_path):
-    with pytest.raises(al.UsageError, match="png, svg, pdf"):
-        plot(study, path=tmp_path / "a.jpg")
-    (tmp_path / "a.png").touch()
-    with pytest.raises(al.UsageError, match="force=True"):
-        plot(study, path=tmp_path / "a.png")
-    plot(study, path=tmp_path / "a.png", force=True)
-
-
-@pytest.mark.slow("takes more than half a second")
 @rows("least", [1e-9, 0.0, 0.9])
 def test_a_cell_without_power_does_not_spoil_the_strips(least):
     z = np.linspace(-4, 1.5, 24)

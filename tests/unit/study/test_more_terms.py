@@ -1,14 +1,10 @@
 """A record that the automatic terms do not describe names the terms that do, and asking for them helps."""
 
-import re
-
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.interpretation.sentences import meaning
 from allanite.study.noise import noise_of
 
@@ -45,14 +41,6 @@ def test_what_is_named_describes_the_record(name):
         assert np.allclose((estimate.value, *estimate.shape), (term.value, *term.shape), rtol=0.5)
         assert estimate.symbol in meant.causes
     assert sum("was identified: look for a" in said for said in meant.sentences) == len(shaped)
-
-
-def test_the_option_that_the_command_names_helps(tmp_path):
-    al.write(simulated("weakly damped"), file := tmp_path / "record.npz")
-    run = CliRunner().invoke(main, ["analyze", str(file)])
-    option = re.search(r"ask\s+for\s+them\s+\((--terms\s+\S+)\)", run.output)[1]
-    run = CliRunner().invoke(main, ["analyze", str(file), *option.split()])
-    assert "  explained (goodness of fit" in run.output
 
 
 def test_of_a_body_that_moved_no_more_terms_are_named():

@@ -223,29 +223,6 @@ def test_what_a_short_stream_lacks_is_reported(tmp_path):
     assert not Path(watch.spool.path).exists()
 
 
-@pytest.mark.slow("long streams")
-def test_a_file_that_grows_gives_what_analyze_gives(tmp_path):
-    path, values = tmp_path / "log.csv", np.random.default_rng(2).normal(size=(20_000, 2))
-    stamps = np.arange(20_000) / 100.0
-    stamps[15_000:] += 30.0
-    rows = [f"{t:.2f},{a:.5f},{b:.5f}\n" for t, (a, b) in zip(stamps, values.tolist(), strict=True)]
-    path.write_text("t,x,y\n" + "".join(rows[:100]) + rows[100][:7])
-    recipe = al.Recipe(unit="deg/h", time="t")
-    watch = Watch(str(path), recipe, WatchSettings(idle=0.5, every=1e9))
-    events = watch.events()
-    assert "watching" in next(events)
-    with path.open("a") as file:
-        file.write(rows[100][7:] + "".join(rows[101:]))
-    with closing(watch):
-        assert not [words for words in events if "missing" not in words]
-        study = watch.study()
-    whole = al.analyze(path, recipe)
-    assert study.provenance == whole.provenance
-    assert study.to_dict()["channels"] == whole.to_dict()["channels"]
-    assert study["x"].quality.names == ("gaps", "short")
-    assert "3000 of 23000" in study["x"].quality.findings[0].what
-
-
 @pytest.mark.slow("takes more than half a second")
 @rows(("kind", "outliers"), [("rate", None), ("angle", "mark"), ("rate", "keep")])
 def test_watch_is_analyze_of_what_came(tmp_path, kind, outliers):
@@ -323,11 +300,6 @@ def test_what_came_is_kept_if_asked(tmp_path):
     before = path.read_bytes()
     ends(run(*words[:-1], path, "--force"), 2, "--record would overwrite the input")
     assert path.read_bytes() == before
-
-
-def test_an_accuracy_that_cannot_be_reached_is_refused_at_once():
-    for accuracy in (0.0, math.nan, 2.0):
-        refused(al.UsageError, "above 0", lambda a=accuracy: Watch("port", al.Recipe(), WatchSettings(accuracy=a)))
 
 
 def test_the_page_names_no_file_to_write():
@@ -604,19 +576,6 @@ def test_a_port_that_comes_and_goes_is_one_finding(monkeypatch):
         assert [finding.what for finding in watch.findings.values()] == ["'port' was gone 3 times"]
 
 
-@rows("target, says", [
-    ("udp://192.168.1.5:9000", "from this machine only, not at '192.168.1.5'"),
-    ("udp://0.0.0.0:9000", "from this machine only, not at '0.0.0.0'"),
-    ("udp://example.com:9000", "from this machine only, not at 'example.com'"),
-    ("udp://127.0.0.1", "no address to listen at"), ("tcp://127.0.0.1:9000", "no address"),
-    ("no such file", "cannot be watched: No such file"),
-])  # fmt: skip
-def test_other_sources_are_refused(target, says):
-    done = run("watch", target, *HOW)
-    assert done.exit_code in (2, 3)
-    assert says in done.stderr
-
-
 def test_choices_are_refused_in_the_words_of_analyze(tmp_path):
     path = tmp_path / "log.txt"
     path.write_text("1 2\n3 4\n" * 500)
@@ -651,10 +610,6 @@ def test_torn_and_bad_lines_of_a_port_are_missing_samples():
     assert spool.rows == 6
     spool, _ = spooled(*(bytes([byte]) for byte in b"gx [deg/s]\n1.5\n-2\n"))
     assert spool == b"gx [deg/s]\n1.5\n-2\n"
-
-
-def test_the_lines_of_a_file_are_kept_as_they_are():
-    assert spooled(b"1 2\n3 4\nx y\n3\n4 5", sent=False)[0] == b"1 2\n3 4\nx y\n3\n4 5\n"
 
 
 def test_the_last_rows_are_read_below_the_headings():
