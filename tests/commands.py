@@ -7,9 +7,11 @@ from click.testing import CliRunner
 from allanite.cli import main
 
 
-def run(*words, **how):
-    """How a command ends, and what it says; words of any type are typed as text."""
-    return CliRunner().invoke(main, [*map(str, words)], **how)
+def run(*words, code=None, **how):
+    """How a command ends, with this code if one is given, and what it says; words of any type are typed as text."""
+    done = CliRunner().invoke(main, [*map(str, words)], **how)
+    assert code is None or done.exit_code == code, done.output
+    return done
 
 
 def of_verb(*verb):

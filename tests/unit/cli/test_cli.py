@@ -37,8 +37,7 @@ def file(tmp_path_factory):
 @pytest.mark.slow("takes more than half a second")
 def test_everything_is_written_and_named(file, tmp_path):
     paths = {name: tmp_path / file_name for name, file_name in OUTPUTS.items()}
-    result = run("analyze", file, *(part for name, path in paths.items() for part in (f"--{name}", path)))
-    assert result.exit_code == 0, result.stderr
+    result = run("analyze", file, *(part for name, path in paths.items() for part in (f"--{name}", path)), code=0)
     assert result.stdout.splitlines()[-4:] == [f"{name}: {path}" for name, path in paths.items()]
     assert sorted(os.listdir(tmp_path)) == sorted(path.name for path in paths.values())
     assert paths["report"].read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
@@ -109,8 +108,7 @@ def test_defects_and_too_little_memory(file, monkeypatch):
         raise ZeroDivisionError("by zero")
 
     monkeypatch.setattr(allanite.study.analysis, "analyze", broken)
-    result = run("analyze", file)
-    assert result.exit_code == 1
+    result = run("analyze", file, code=1)
     assert "internal error (ZeroDivisionError: by zero)" in result.stderr
     assert len(result.stderr.splitlines()) == 1
     for asked in (run("--debug", "analyze", file), run("analyze", file, env={"ALLANITE_DEBUG": "1"})):

@@ -17,8 +17,7 @@ SHOWN = r"[\w.]+\.(?:html|svg|csv|npz|json)"
 def test_the_list_and_an_unknown_paper():
     listed = run("example").stdout
     assert all(name in listed for name in PAPERS)
-    refused = run("example", "999")
-    assert refused.exit_code == 2
+    refused = run("example", "999", code=2)
     assert "unknown paper '999'; known papers: 00" in refused.stderr
     assert all(row.short in listed and row.short in refused.stderr for row in map(paper, PAPERS))
 
@@ -46,8 +45,7 @@ def test_the_commands_are_verbs(name):
 def test_every_item_of_a_paper_has_the_verdict_that_is_expected(name, tmp_path, monkeypatch):
     monkeypatch.delenv("ALLANITE_DETAILS")
     folder = tmp_path / "made"
-    done = run("example", name, folder)
-    assert done.exit_code == 0, done.stderr
+    done = run("example", name, folder, code=0)
     assert re.search(r"^ +paper or source +here +verdict\b", done.stdout, re.MULTILINE), "no room for the verdict"
     named = set(re.findall(SHOWN, " ".join(paper(name).commands))) | {"page.html", "paper.json"}
     assert named == {path.name for path in folder.iterdir()}

@@ -135,8 +135,7 @@ run = of_verb("plan")
 
 
 def test_the_verb_plans_for_a_sensor():
-    result = run("--sensor", "mems", "--rate", 100, "--durations", "1 s,10 min,1 d", "--accuracy", 5)
-    assert result.exit_code == 0, result.stderr
+    result = run("--sensor", "mems", "--rate", 100, "--durations", "1 s,10 min,1 d", "--accuracy", 5, code=0)
     lines = result.stdout.splitlines()
     at = lines.index("mems  100 Hz, no ramp")
     assert lines[at + 2].strip() == "if all five terms are looked for, as analyze does"
@@ -153,8 +152,7 @@ def test_the_verb_plans_for_a_sensor():
 def test_the_verb_plans_from_a_first_recording(tmp_path):
     record = al.simulate(al.sensor("mems"), 60_000, 100.0, rng=1, unit="deg/h", name="gz")
     al.write(record, tmp_path / "first.npz")
-    result = run(tmp_path / "first.npz", "--json", "-")
-    assert result.exit_code == 0, result.stderr
+    result = run(tmp_path / "first.npz", "--json", "-", code=0)
     (channel,) = json.loads(result.stdout)["channels"]
     fitted = al.identify(record).valid
     assert (channel["name"], channel["model"]) == ("gz", fitted.to_dict())

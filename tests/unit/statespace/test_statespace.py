@@ -171,8 +171,7 @@ run = of_verb("statespace")
 
 @pytest.mark.slow("takes more than half a second")
 def test_the_verb_prints_matrices_that_can_be_pasted(tmp_path):
-    result = run("--sensor", "mems", "--rate", 50, "--turn-on", "30 deg/h", "--plot", tmp_path / "a.png")
-    assert result.exit_code == 0, result.stderr
+    result = run("--sensor", "mems", "--rate", 50, "--turn-on", "30 deg/h", "--plot", tmp_path / "a.png", code=0)
     pasted = {}
     block = result.stdout[result.stdout.index("  Phi = ") : result.stdout.index("\n\n  Phi is the transition")]
     exec("\n".join(line[2:] if line[2] != " " else line for line in block.splitlines()), {}, pasted)  # noqa: S102

@@ -294,8 +294,7 @@ def test_a_file_without_units(desk, still):
     np.savetxt(desk / "bare.csv", rows, "%.17g", ",", header=",".join(NAMES), comments="")
     units = f"gyro={still['gx'].unit},accel={still['ax'].unit}"
     short = ["--rate", "50", "--time-constant", "2", "--quiet", "--json", "-"]
-    done = run("bare.csv", "--unit", units, *short)
-    assert done.exit_code == 0, done.output
+    done = run("bare.csv", "--unit", units, *short, code=0)
     both = [json.loads(text)["angles"] for text in (done.output, run("six.csv", *short).output)]
     assert [a["deviation"] for a in both[0]] == pytest.approx([a["deviation"] for a in both[1]], rel=1e-9)
     ends(run("bare.csv", "--unit", "deg/s", *short), 3, "--unit gyro=deg/s,accel=g")
@@ -314,8 +313,7 @@ NOISE = ("--gyro", "N 0.3 deg/sqrt(h), B 10 deg/h, K 20 deg/h/sqrt(h)", "--accel
 
 
 def test_the_command_without_a_recording():
-    done = run(*NOISE, "--duration", "10 min")
-    assert done.exit_code == 0, done.output
+    done = run(*NOISE, "--duration", "10 min", code=0)
     for said in ("time constant 0.7587 s: RMS error 26.4 arcsec", "optimal causal (Wiener) filter",
                  "floor: 13.7 arcsec", "accelerometer  B = 50 µg"):  # fmt: skip
         assert said in done.output

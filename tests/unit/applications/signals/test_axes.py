@@ -48,8 +48,7 @@ def test_the_command_line_and_the_recipe(currents, tmp_path):
     path = tmp_path / "currents.csv"
     al.write(currents, path)
     asked = ("--stage", "ADC 14 5V", "--scale-factor", 0.2, "--sense", 5, "--coupling", "0,-1,1,0", "--terms", "QN")
-    done = run("budget", path, *asked, "--json", "-")
-    assert done.exit_code == 0, done.stderr
+    done = run("budget", path, *asked, "--json", "-", code=0)
     data = json.loads(done.stdout)
     assert data["settings"]["axes"] == [0, -1, 1, 0]
     recipe = tmp_path / "recipe.toml"
