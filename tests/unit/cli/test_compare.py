@@ -36,8 +36,8 @@ def folder(tmp_path_factory):
 
 @pytest.mark.slow("takes more than half a second")
 def test_before_and_after(folder, tmp_path):
-    ends = {"report": "html", "plot": "svg", "json": "json", "csv": "csv"}
-    paths = {name: tmp_path / f"out.{end}" for name, end in ends.items()}
+    suffixes = {"report": "html", "plot": "svg", "json": "json", "csv": "csv"}
+    paths = {name: tmp_path / f"out.{end}" for name, end in suffixes.items()}
     asked = [part for name, path in paths.items() for part in (f"--{name}", path)]
     result = run(folder / "before.csv", folder / "after.csv", "--channels", "x", *asked, code=0)
     assert "the noise has changed" in result.stdout
