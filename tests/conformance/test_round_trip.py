@@ -541,7 +541,3 @@ def test_a_pickle_holds_no_more_than_it_must():
     # the readings are not in the limits of a curve, nor in those of a fit
     assert len(pickle.dumps(curve(noise="auto"))) < 20_000
     assert len(pickle.dumps(fit())) < 400_000
-
-
-def test_a_notebook_shows_a_value():
-    assert "overlapping Allan deviation" in curve()._repr_html_()

@@ -160,7 +160,7 @@ def test_help_and_its_summaries():
 HEAVY = ("numpy", "numba", "scipy", "matplotlib", "pyarrow", "rich", "jinja2")
 
 
-@rows("arguments", [["--help"], ["analyze", "--help"], ["spectrum", "--help"], ["--version"]])
+@rows("arguments", [["--help"], ["analyze", "--help"], ["--version"]])
 def test_help_imports_nothing_heavy(arguments):
     code = (
         "import sys\nfrom allanite.cli import main\n"

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests import thinned
+from tests.commands import run
 from tests.rows import paired, refused, rows
 
 import allanite as al
@@ -117,8 +118,7 @@ def test_a_file_that_may_not_become_so_large_is_named(tmp_path, suffix):
 )
 def test_a_name_that_cannot_be_written_is_refused_before_the_work(file, tmp_path, name, reason):
     (tmp_path / "loop").symlink_to("loop")
-    code, words = said("info", file, "--json", f"{tmp_path}/{name}")
-    assert code == 2
+    words = run("info", file, "--json", f"{tmp_path}/{name}", code=2).stderr
     assert re.search(reason, words)
     assert len(words) < 600
 
