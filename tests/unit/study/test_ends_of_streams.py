@@ -279,7 +279,7 @@ def test_choices_are_judged_before_the_first_sample(tmp_path):
         ({}, {"accuracy": 0.0}), ({}, {"accuracy": math.nan}), ({}, {"accuracy": 1e308}),
     ):  # fmt: skip
         Watch("port", al.Recipe(rate=100.0, unit="1", scale="0.01deg/s", to=("deg/h",)))
-        words = "at most|no channel has a coefficient"
+        words = "at most|no channel has a coefficient|between 1e-15 and"
         choices = {"rate": 100.0, "unit": "deg/s"} | recipe
         refused(al.UsageError, words, lambda c=choices, s=settings: Watch("port", al.Recipe(**c), WatchSettings(**s)))
 
