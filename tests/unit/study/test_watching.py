@@ -607,6 +607,7 @@ def test_torn_and_bad_lines_of_a_port_are_missing_samples():
     text, spool = spooled(b"0.7\n# a comment\ngx [deg/h],gy [deg/h]\n1, 2\n3", b"0,4\n", b"x,y\n5\n6,7,8\n9,10\n11,")
     assert text == b"# a comment\ngx [deg/h],gy [deg/h]\n1, 2\n30,4\nnan,nan\nnan,nan\nnan,nan\n9,10\n"
     assert spool.rows == 6
+    assert spooled(b"1 2\n3 4\nx y\n3\n4 5", sent=False)[0] == b"1 2\n3 4\nx y\n3\n4 5\n"  # of a file
     spool, _ = spooled(*(bytes([byte]) for byte in b"gx [deg/s]\n1.5\n-2\n"))
     assert spool == b"gx [deg/s]\n1.5\n-2\n"
 
