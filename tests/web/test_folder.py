@@ -92,11 +92,13 @@ def test_what_another_version_has_written_stays(tmp_path):
     assert store.notes == store.aside() == []
 
 
+OTHER = f"{'0' * 16}-{'1' * 16}"
 CHANGED = {
     "a state that is unknown": lambda data: next(iter(data["jobs"].values())).update(state="paused"),
     "a key that is missing": lambda data: data.pop("choices"), "another type": lambda data: data.update(files=[]),
     "another id": lambda data: data.update(id="0" * 16), "no jobs": lambda data: data.pop("jobs"),
     "a foreign file": lambda data: data["files"].update({"../x": {"id": "../x"}}),
+    "a file of another": lambda data: data["files"].update({OTHER: next(iter(data["files"].values())) | {"id": OTHER}}),
 }  # fmt: skip
 DAMAGED = {
     "empty": lambda whole: b"", "cut": lambda whole: whole[:-20], "list": lambda whole: b"[]",
