@@ -242,7 +242,7 @@ def test_a_surface(record):
 @pytest.mark.slow("takes more than half a second")
 @rows("names", [["oadev", "ohdev", "mdev", "theoh"], ["oadev", "mtie"], ["oadev"]])
 def test_the_legend_stays_within_the_figure(record, fit, names):
-    figure = plot([al.deviation(record, name) for name in names if name in al.statistics.STATISTICS], fit)
+    figure = plot([al.deviation(record, name, noise=fit.model) for name in names], fit)
     figure.canvas.draw()
     for legend in figure.legends:
         box = legend.get_window_extent()
