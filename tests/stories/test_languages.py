@@ -143,7 +143,7 @@ def shown(value, monkeypatch, drawn, lang="xx"):
         face = replace(face, sheets=sheets, choices="", **parts)
         found += text.render(face).splitlines()
         monkeypatch.setattr(
-            html, "drawer", lambda: lambda drawing: found.extend(words_of(printing.printed(drawing.draw()))) or ""
+            html, "drawer", lambda *_: lambda drawing: found.extend(words_of(printing.printed(drawing.draw()))) or ""
         )
         found += Shown(html.render(replace(face, command="allanite", data=b"x"))).texts
         found += [html.tr(drawn.label) for drawn in drawings(face)]
