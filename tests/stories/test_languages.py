@@ -98,7 +98,7 @@ def left(shown: Iterable[str]) -> list[str]:
 
 
 class Shown(HTMLParser):
-    """What a reader of a page sees or hears, without code and styles."""
+    """What a reader of a page sees or hears, without code, scripts and styles."""
 
     def __init__(self, page):
         super().__init__()
@@ -107,7 +107,7 @@ class Shown(HTMLParser):
 
     def handle_starttag(self, tag, attrs):
         """Collect titles and labels."""
-        if tag in ("style", "pre", "code", "math"):
+        if tag in ("style", "script", "pre", "code", "math"):
             self.inside.append(tag)
         self.texts += [value or "" for name, value in attrs if name in ("aria-label", "title", "alt", "data-label")]
 
