@@ -19,7 +19,7 @@ import pyarrow as pa
 from pyarrow import csv
 
 import allanite as al
-from allanite.readers.live import Spool
+from allanite.readers.spool import Spool
 from allanite.study import watching
 from allanite.study.watching import Watch, WatchSettings
 

@@ -5,10 +5,8 @@ import shlex
 import shutil
 from pathlib import Path
 
-from click.testing import CliRunner
-
-from allanite.cli import main
 from tests import ROOT
+from tests.commands import run
 
 SAMPLE = "examples/tactical_gyro.csv"
 WRITING = ("--report", "--plot", "--csv")  # options with the name of a file that is then looked at
@@ -47,8 +45,7 @@ def furnish(folder):
 def typed(command, *more, writing=WRITING):
     """Run a command of a page in this process and folder: what it prints. Files that it names are no small ones."""
     words = [*shlex.split(command)[1:], *more]
-    done = CliRunner().invoke(main, words)
-    assert done.exit_code == 0, (command, done.output)
+    done = run(*words, code=0)
     for option in set(writing) & set(words):
         assert Path(words[words.index(option) + 1]).stat().st_size > 1000, command
     return done.output

@@ -71,7 +71,7 @@ def test_speed_and_equality_are_as_demanded():
 
 @rows("law", ["linear", "exact"])
 @rows("hour", [0, 2])
-@pytest.mark.slow("a part of a committed table made again")
+@pytest.mark.nightly("a part of a committed table made again")
 def test_a_part_made_again_agrees(law, hour):
     """The first 20 runs: share within one planned deviation against that of normal errors, error probability 1e-5."""
     experiment = Experiment("still", law)

@@ -37,7 +37,7 @@ def test_the_exact_factor_makes_the_expectation_that_of_the_target(name, symbols
 @rows("name", ["oadev", "ohdev", "mdev", "pdev"])
 def test_what_estimates_itself_has_no_bias(name):
     model = rate(N=1.0)
-    assert set(al.deviation(record_of(model), name, noise=model, bias="exact").factor) == {1.0}
+    assert set(al.deviation(record_of(model, 500), name, noise=model, bias="exact").factor) == {1.0}
 
 
 def test_published_factors_go_by_the_power_law_that_is_found():
@@ -49,13 +49,13 @@ def test_published_factors_go_by_the_power_law_that_is_found():
 
 def test_the_model_takes_the_place_of_the_ratio_of_theobr_and_does_not_scatter():
     model = rate(N=1.0, K=0.1)
-    record = record_of(model, 4000)
-    raw = al.deviation(record, "theo1", m=[2000], noise=model)
-    by_model = al.deviation(record, "theobr", m=[2000], noise=model, bias="model")
+    record = record_of(model, 1000)
+    raw = al.deviation(record, "theo1", m=[500], noise=model)
+    by_model = al.deviation(record, "theobr", m=[500], noise=model, bias="model")
     ratio = al.expected(model, "oadev", raw.tau) / al.expected(model, "theo1", raw.tau, rate=1.0)
     np.testing.assert_allclose(by_model.variance, raw.variance * ratio, rtol=1e-9)
     np.testing.assert_allclose(by_model.edf, raw.edf)
-    assert al.deviation(record, "theobr", m=[2000], noise=model, bias="plain").edf < raw.edf
+    assert al.deviation(record, "theobr", m=[500], noise=model, bias="plain").edf < raw.edf
 
 
 def test_limits_on_one_side_are_those_of_the_wider_interval():
@@ -78,18 +78,6 @@ def test_limits_on_one_side_are_those_of_the_wider_interval():
 )
 def test_corrections_that_make_no_sense_are_refused(name, options, words):
     refused(al.UsageError, words, lambda: al.deviation(record_of(rate(N=1.0)), name, **options))
-
-
-@pytest.mark.slow("seconds of analyses")
-@rows("name", [name for name, row in al.statistics.STATISTICS.items() if row.order > 1][::2])
-def test_limits_come_by_themselves_under_the_noise_that_is_found(name):
-    model = rate(K=1.0)
-    curve = al.deviation(record_of(model, 1000), name)
-    known = al.deviation(record_of(model, 1000), name, noise=model)
-    low, high = curve.interval(0.95)
-    assert np.all((low < curve.deviation) & (curve.deviation < high))
-    early = curve.m < 40
-    np.testing.assert_allclose(curve.edf[early], known.edf[early], rtol=0.35)
 
 
 @rows("name", ["mtie", "tierms"])

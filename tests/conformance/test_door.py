@@ -181,20 +181,6 @@ def test_values_that_say_nothing_are_no_error():
 SIZED = ("rate", "size")  # parameters without which a model alone says nothing, although they have a default
 
 
-def cut(size: int, step: int) -> al.Record:
-    """A record in which every so many-th sample is missing, as in a log that was merged from two rates."""
-    samples = np.random.default_rng(size).normal(size=size)
-    samples[::step] = np.nan
-    return al.Record(samples, 10.0, "deg/h")
-
-
-@pytest.mark.slow("seconds of analyses")
-@rows("size, step", paired([500, 5000], [3, 5, 7]))
-def test_regular_dropouts_are_no_internal_error(size, step):
-    assert al.deviation(cut(size, step)).tau.size
-    assert al.identify(cut(size, step)).method
-
-
 @rows("size, statistic", paired([100, 256], al.statistics.STATISTICS))
 def test_a_missing_sample_of_a_short_record_is_no_internal_error(statistic, size):
     samples = np.random.default_rng(size).normal(size=size)

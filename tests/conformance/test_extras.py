@@ -8,12 +8,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from click.testing import CliRunner
 from tests import ROOT
+from tests.commands import run
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.core.errors import cure, requirements
 from damaged import SEEDS
 
@@ -76,8 +75,7 @@ def test_what_needs_a_missing_library_names_the_command_that_installs_it(extra, 
     write_files(extra)
     take_away(MODULES[extra], monkeypatch, tmp_path)
     for command in (*(f"info {name}" for name in EXTRAS[extra].files), *EXTRAS[extra].commands):
-        done = CliRunner().invoke(main, shlex.split(command))
-        assert done.exit_code == 2, (command, done.output)
+        done = run(*shlex.split(command), code=2)
         assert done.stderr.strip().endswith(f"not installed: {cure(requirements(extra))}"), (command, done.stderr)
 
 

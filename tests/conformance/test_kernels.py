@@ -84,6 +84,6 @@ print(binned(c, np.array([0, 3, 10, 107, 1200, 5000])).tobytes().hex())
 def test_compiled_and_loaded_code_give_the_same_bits(tmp_path):
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
     command = [sys.executable, "-c", PROGRAM]
-    said = [subprocess.run(command, env=environment, capture_output=True, check=True).stdout for _ in range(3)]
-    assert said[0] == said[1] == said[2]
+    said = [subprocess.run(command, env=environment, capture_output=True, check=True).stdout for _ in range(2)]
+    assert said[0] == said[1]
     assert list(tmp_path.rglob("*.nbc"))

@@ -14,6 +14,8 @@ from allanite.study.analysis import examine
 from allanite.study.recipe import Recipe
 from allanite.study.watching import Watch, WatchSettings
 
+pytestmark = pytest.mark.nightly("every file and choice in three ways")
+
 SIZE = 6000
 RATE = 50.0
 
@@ -156,19 +158,16 @@ def same_noise(one, other):
 FEW = ("named", "gap", "angle", "counts", "outliers", "motion")
 
 
-@pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")
 @rows("name", FILES if ALL else FEW)
 def test_a_file_is_the_same_in_all_ways(name, folder):
     compare(written(name, folder), FILES[name][1])
 
 
-@pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")
 @rows("choice", CHOICES if ALL else [*named(Recipe, "selecting"), "mask", "method"])
 def test_a_choice_is_the_same_in_all_ways(choice, folder):
     compare(written("stamped", folder), FILES["stamped"][1] | {choice: CHOICES[choice]})
 
 
-@pytest.mark.nightly("every choice of every file")
 @rows("name", FILES)
 def test_every_choice_of_every_file_is_inspected_alike(name, folder):
     """The grid of all choices and files, without the identification, which takes most of the time."""

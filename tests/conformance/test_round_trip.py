@@ -64,7 +64,7 @@ items = [{item = "eq. 5", claim = "a claim", paper = "3", verdict = "misprint", 
 @cache
 def record(i=0):
     noise = MODEL if i < 3 else MODEL + al.R(2000.0, "deg/h^2")
-    return dataclasses.replace(al.simulate(noise, 16384, 100.0, rng=np.random.default_rng(i)), name=f"z{i}")
+    return dataclasses.replace(al.simulate(noise, 16384, 100.0, rng=i), name=f"z{i}")
 
 
 @cache
@@ -80,7 +80,7 @@ def fit(method="whittle", i=0):
 @cache
 def filtered():
     """A fit behind a filter."""
-    quiet = al.simulate(al.N(0.1, "deg/sqrt(h)"), 16384, 100.0, rng=np.random.default_rng(1), name="z")
+    quiet = al.simulate(al.N(0.1, "deg/sqrt(h)"), 16384, 100.0, rng=1, name="z")
     return al.identify(al.simulation.faults.low_pass(quiet, 12.0), terms="NB")
 
 
@@ -96,7 +96,7 @@ def pool():
 
 @cache
 def selfcheck():
-    return al.selfcheck(al.N(0.1, "deg/sqrt(h)"), 2000, 10.0, records=3, rng=np.random.default_rng(1), terms="NB")
+    return al.selfcheck(al.N(0.1, "deg/sqrt(h)"), 2000, 10.0, records=3, rng=1, terms="NB")
 
 
 def curve(statistic="oadev", **options):
@@ -146,9 +146,8 @@ def surveyed(settings):
 
 @cache
 def day():
-    rng = np.random.default_rng(2)
     temp = al.Record(20 + 5 * np.sin(np.arange(1200) / 200), 1.0, "degC", name="temp")
-    noise = al.simulate(al.N(0.1, "deg/sqrt(h)"), temp.size, 1.0, rng=rng)
+    noise = al.simulate(al.N(0.1, "deg/sqrt(h)"), temp.size, 1.0, rng=2)
     return al.Recording((noise.with_values(noise.values + 1e-5 * temp.values, "warmed"), temp))
 
 
@@ -173,7 +172,7 @@ def compensation():
 @cache
 def rounded(torquer=TorqueScale(100, 0.4, 0.05, 0.05, 2e-3, 1000.0, 4)):  # noqa: B008 - a frozen value
     stage = al.signals.Stage("ADC", 12, 5.0, "V")
-    volts = 5 * al.simulate(al.N(2.5, "deg/sqrt(h)"), 4000, 1000.0, rng=np.random.default_rng(1)).values / 0.2
+    volts = 5 * al.simulate(al.N(2.5, "deg/sqrt(h)"), 4000, 1000.0, rng=1).values / 0.2
     records = (al.Record(np.rint(volts / stage.step) * stage.step, 1000.0, "V", name="ux"),)
     flat = al.Record(np.zeros(4000), 1000.0, "V", name="flat")
     settings = PathSettings((stage, al.signals.Stage("output", 16, 500.0, "deg/s")), torquer, 5.0)
@@ -211,7 +210,7 @@ def exported():
 @cache
 def rate_study():
     noise = al.N(0.1, "deg/sqrt(h)") + al.Q(5, "arcsec")
-    up, down = (al.simulate(noise, 4096, 100.0, rng=np.random.default_rng(i)) for i in range(2))
+    up, down = (al.simulate(noise, 4096, 100.0, rng=i) for i in range(2))
     settings = RateSettings(al.constant_rate.ExperimentSettings(interval=5.0), noise, latitude=55.8, durations=(2.0,))
     return measure_rates(up, al.Recipe(level=LEVEL), settings, second=down)
 
@@ -369,9 +368,7 @@ MAKERS = {
     "RecordingPlans of a given model": lambda: run_model_job(None, PlanSettings(sensor="fog"), GIVEN),
     "Residuals": residuals,
     "Properties": lambda: properties("theo1", 200),
-    "Closeup": lambda: closeup(
-        al.simulation.simulate_ring_laser(al.simulation.GL1, 12.0, 2000, 400.0, rng=np.random.default_rng(1))
-    ),
+    "Closeup": lambda: closeup(al.simulation.simulate_ring_laser(al.simulation.GL1, 12.0, 2000, 400.0, rng=1)),
     "Expectation": lambda: expectation(al.Model(WHITE), rate=10.0, size=200),
     "Expectations": lambda: Expectations((expectation(al.Model(WHITE), rate=10.0, size=200),) * 2),
     "Scan": lambda: al.angle.scan(plan_of_angles(), [7200.0, 9000.0]),
@@ -568,7 +565,3 @@ def test_a_pickle_holds_no_more_than_it_must():
     # the readings are not in the limits of a curve, nor in those of a fit
     assert len(pickle.dumps(curve(noise="auto"))) < 20_000
     assert len(pickle.dumps(fit())) < 400_000
-
-
-def test_a_notebook_shows_a_value():
-    assert "overlapping Allan deviation" in curve()._repr_html_()

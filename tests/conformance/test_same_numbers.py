@@ -98,7 +98,7 @@ WITH_THREADS = """
 import json
 import allanite as al
 import numpy as np
-record = al.simulate(al.sensor("mems"), 60_000, 100.0, rng=np.random.default_rng(1))
+record = al.simulate(al.sensor("mems"), 20_000, 100.0, rng=np.random.default_rng(1))
 curve = al.deviation(record, "oadev")
 found = (curve, al.identify(curve, method="gls"), al.identify(record), al.spectrum(record, "multitaper"))
 print(json.dumps([one.to_dict() for one in found]))
@@ -108,7 +108,7 @@ print(json.dumps([one.to_dict() for one in found]))
 @pytest.mark.slow("processes with other numbers of threads")
 def test_libraries_for_linear_algebra_may_have_any_number_of_threads():
     said = set()
-    for threads in ("1", "2", "3"):
+    for threads in ("1", "3"):
         environment = os.environ | {f"{name}_NUM_THREADS": threads for name in ("OMP", "OPENBLAS", "MKL")}
         command = [sys.executable, "-c", WITH_THREADS]
         said.add(subprocess.run(command, env=environment, capture_output=True, check=True).stdout)

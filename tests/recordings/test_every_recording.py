@@ -10,12 +10,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from tests import thinned
+from tests.commands import run
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.prepare import trim
 
 
@@ -115,7 +114,7 @@ FILES = [
 @pytest.mark.slow("takes more than half a second")
 @rows("file", thinned(FILES, 4, "every recording"), ids=lambda file: file.name)
 def test_what_the_command_says_of_a_file(recordings, file):
-    result = CliRunner().invoke(main, ["analyze", str(recordings / file.name), *file.words])
+    result = run("analyze", recordings / file.name, *file.words)
     said = " ".join((result.stdout + " " + result.stderr).split())
     assert result.exit_code == file.code, said
     assert "Traceback" not in said

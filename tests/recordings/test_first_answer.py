@@ -10,6 +10,8 @@ from tests.rows import rows
 import allanite as al
 import data_sheets
 
+pytestmark = pytest.mark.slow("analyses of long recordings")
+
 GYROS = ("adis_16405_imu1.rda", "adis_16405_imu2.rda")
 OTHERS = (
     ("mpu6050_static10min/mpu6050_gyroscope.mat", {"rate": 100.0, "unit": "deg/s"}),
@@ -33,7 +35,6 @@ def below_the_curve(channel):
     return 0.664 * flicker.value <= float(curve.to(channel.record.signal.unit).upper(0.95).min())
 
 
-@pytest.mark.slow("takes more than half a second")
 @rows("name", GYROS)
 def test_gyroscopes_with_a_filter_are_explained_and_N_is_what_the_curve_shows(recordings, name):
     recipe = al.Recipe(unit="deg/s", channels=("1", "2", "3"))
@@ -44,7 +45,6 @@ def test_gyroscopes_with_a_filter_are_explained_and_N_is_what_the_curve_shows(re
         assert below_the_curve(channel)
 
 
-@pytest.mark.slow("takes more than half a second")
 @rows("name, choices", OTHERS, ids=lambda x: x.split("/")[-1] if isinstance(x, str) else "")
 def test_other_sensors_at_rest_have_a_graded_answer(recordings, name, choices):
     for channel in al.analyze(recordings / name, al.Recipe(**choices)).channels:
@@ -53,7 +53,6 @@ def test_other_sensors_at_rest_have_a_graded_answer(recordings, name, choices):
         assert below_the_curve(channel)
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_a_swaying_gyroscope_has_no_result(recordings):
     for channel in al.analyze(recordings / "psins_lasergyro.imu").channels:
         assert channel.noise.validity == "unexplained"
@@ -62,7 +61,6 @@ def test_a_swaying_gyroscope_has_no_result(recordings):
             assert sum(c.name == "resonance" and c.claimed for c in channel.fit.components) > 5
 
 
-@pytest.mark.slow("takes more than half a second")
 @rows("name", data_sheets.FILES[:1])
 def test_a_channel_beside_its_data_sheet_is_as_in_the_table(recordings, name):
     channel = "Gyro. X"

@@ -4,11 +4,9 @@ import re
 import shlex
 
 import pytest
-from click.testing import CliRunner
 from tests import thinned
+from tests.commands import run
 from tests.rows import rows
-
-from allanite.cli import main
 
 SCREENS = {
     "analyze adis_16405_imu1.rda --unit gyro=deg/s,accel=g": (
@@ -34,7 +32,7 @@ SCREENS = {
 @rows("line", thinned(SCREENS, 4))
 def test_the_first_screen_of_a_recording(recordings, line):
     verb, file, *rest = shlex.split(line)
-    done = CliRunner().invoke(main, [verb, str(recordings / file), *rest])
+    done = run(verb, recordings / file, *rest)
     lines = done.stdout.splitlines()
     assert len(lines) <= 20
     assert max(map(len, lines)) <= 100

@@ -6,12 +6,11 @@ import lzma
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from tests import all_but
+from tests.commands import run
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.prepare import trim
 
 
@@ -61,8 +60,7 @@ def test_from_the_file_to_the_page(recordings, tmp_path, window):
     page, figure, data = (tmp_path / name for name in ("page.html", "curve.svg", "study.json"))
     command = ["analyze", str(recordings / "psins_lasergyro.imu"), "--channels", "gx,gy,gz", *window]
     command += ["--report", str(page), "--plot", str(figure), "--json", str(data)]
-    result = CliRunner().invoke(main, command)
-    assert result.exit_code == 0, result.output
+    result = run(*command, code=0)
     said = " ".join(result.stdout.split())
     assert said.index("no model of these terms explains the record") < said.index("angle random walk")
     html = page.read_text()

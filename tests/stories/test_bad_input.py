@@ -6,10 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import rows
-
-from allanite.cli import main
 
 OPTIONS = ["--rate", "100", "--unit", "deg/s"]
 
@@ -49,8 +47,6 @@ def write_inputs(folder):
     csv_of(folder / "torn.csv", [spoilt(noise(), np.isin(np.arange(5000) % 5, (1, 3, 4)), np.nan)])
     csv_of(folder / "still.csv", [spoilt(spoilt(noise(), slice(None), 3.25), slice(50, 90), np.nan)])
     csv_of(folder / "moving.csv", [noise() + 500 * np.sin(np.arange(5000) / 90) * (np.arange(5000) > 3000)])
-    (folder / "random.csv").write_bytes(np.random.default_rng(1).bytes(20_000))
-    (folder / "random.npy").write_bytes(np.random.default_rng(2).bytes(20_000))
     np.save(folder / "pickle.npy", np.array([Trap(folder / "executed")], dtype=object), allow_pickle=True)
     (folder / "bare.npy").write_bytes(pickle.dumps(Trap(folder / "executed")))
     body = "\n".join(f"{v:.4f}" for v in noise())
@@ -69,9 +65,6 @@ LINES = [*OPTIONS, "--method", "piecewise", "--terms", "NK"]  # the method of li
 
 CASES = [
     # file, options, exit code, words
-    ("one.csv", ["--rate", "0", "--unit", "deg/s"], 2, ["rate", "between", "0"]),
-    ("one.csv", [*OPTIONS, "--terms", "NX"], 2, ["'X'", "Q, F, N, B, K, R"]),
-    ("one.csv", [*OPTIONS, "--method", "magic"], 2, ["'magic'", "whittle"]),
     ("one.csv", [*OPTIONS, "--band", "5,1"], 2, ["band", "low < high"]),
     ("rates.csv", [], 2, ["contradict each other", "line 1", "line 2", "--rate HZ"]),
     ("one.csv", [*OPTIONS, "--average", "0.013"], 2, ["0.013 s", "whole number of samples", "0.01 s"]),
@@ -83,15 +76,12 @@ CASES = [
     ("infinite.csv", OPTIONS, 3, ["2 of 5000 samples", "infinite", "sample 7", "NaN"]),
     ("pickle.npy", OPTIONS, 3, ["pickle", "never"]),
     ("bare.npy", OPTIONS, 3, ["bare.npy"]),
-    ("random.csv", OPTIONS, 3, ["random.csv"]),
-    ("random.npy", OPTIONS, 3, ["random.npy"]),
 ]
 
 
 @rows("file, options, code, words", CASES, ids=lambda v: str(v)[:40])
 def test_refused_in_words(inputs, file, options, code, words):
-    result = CliRunner().invoke(main, ["analyze", str(inputs / file), *options])
-    assert result.exit_code == code, result.output
+    result = run("analyze", inputs / file, *options, code=code)
     said = " ".join(result.stderr.split())
     assert said.startswith("error: ")
     for word in words:
@@ -111,66 +101,8 @@ REFUSED = {
 
 @rows("file, finding", REFUSED.items())
 def test_a_record_is_refused_for_its_finding(inputs, file, finding, refusals):
-    assert CliRunner().invoke(main, ["analyze", str(inputs / file), *OPTIONS]).exit_code == 3
+    assert run("analyze", inputs / file, *OPTIONS).exit_code == 3
     assert refusals.pop().code == finding
-
-
-@pytest.mark.slow("analyses")
-@rows("option", ["--report", "--plot", "--json", "--csv"])
-def test_nothing_is_overwritten_without_force(tmp_path, option):
-    csv_of(tmp_path / "one.csv", [noise()])
-    target = tmp_path / {"--report": "a.html", "--plot": "a.png", "--json": "a.json", "--csv": "a.csv"}[option]
-    target.write_text("mine")
-    command = ["analyze", str(tmp_path / "one.csv"), *OPTIONS, option, str(target)]
-    result = CliRunner().invoke(main, command)
-    assert result.exit_code == 2
-    assert "--force" in result.stderr
-    assert (target.read_text(), CliRunner().invoke(main, [*command, "--force"]).exit_code) == ("mine", 0)
-    assert target.read_bytes() != b"mine"
-
-
-def test_the_input_itself_is_never_the_output(tmp_path):
-    csv_of(tmp_path / "one.csv", [noise()])
-    before = (tmp_path / "one.csv").read_bytes()
-    result = CliRunner().invoke(
-        main, ["analyze", str(tmp_path / "one.csv"), *OPTIONS, "--csv", str(tmp_path / "one.csv")]
-    )
-    assert result.exit_code == 2
-    assert (tmp_path / "one.csv").read_bytes() == before
-
-
-def test_one_bad_channel_does_not_stop_the_others(tmp_path):
-    csv_of(tmp_path / "two.csv", [noise(), np.full(5000, 2.0)], header="gx,gy")
-    result = CliRunner().invoke(main, ["analyze", str(tmp_path / "two.csv"), *OPTIONS, "--json", "-"])
-    assert result.exit_code == 0
-    one, other = json.loads(result.stdout)["channels"]
-    assert one["fit"]["terms"]
-    assert [finding["name"] for finding in other["quality"]["findings"]] == ["constant"]
-
-
-@pytest.mark.usefixtures("details")
-def test_raw_binary_from_the_command_line(tmp_path):
-    counts = np.random.default_rng(1).integers(-900, 900, (3000, 2)).astype(">i2")
-    (tmp_path / "log.bin").write_bytes(b"HEADER" + counts.tobytes())
-    layout = ["--dtype", ">i2", "--columns", "2", "--offset", "6"]
-    fine = CliRunner().invoke(
-        main, ["info", str(tmp_path / "log.bin"), *layout, "--scale", "0.01deg/s", "--rate", "100"]
-    )
-    assert fine.exit_code == 0, fine.output
-    assert "3000 samples" in fine.output
-    assert "0.01 °/s" in fine.output
-    (tmp_path / "choices.toml").write_text(
-        'dtype = ">i2"\ncolumns = 2\noffset = 6\nscale = "0.01deg/s"\nrate = 100\nchannels = ["2"]\nmethod = "slopes"\n'
-    )
-    again = CliRunner().invoke(
-        main, ["analyze", str(tmp_path / "log.bin"), "--recipe", str(tmp_path / "choices.toml"), "--json", "-"]
-    )
-    assert again.exit_code == 0, again.output
-    channel = json.loads(again.output)["channels"][0]
-    assert (channel["name"], channel["rate"], channel["size"]) == ("column 2", 100.0, 3000)
-    wrong = CliRunner().invoke(main, ["info", str(tmp_path / "log.bin"), *layout[:4], "--rate", "100"])
-    assert wrong.exit_code == 3
-    assert "not a multiple of the 4 bytes of a row" in " ".join(wrong.output.split())
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -181,8 +113,7 @@ def test_gaps_and_outliers_are_dealt_with_and_said(tmp_path):
     command = ["analyze", str(tmp_path / "a.csv"), *OPTIONS, "--json", "-"]
     found = {}
     for choice in ([], ["--outliers", "keep"], ["--outliers", "mark"]):
-        result = CliRunner().invoke(main, [*command, *choice])
-        assert result.exit_code == 0, result.stderr
+        result = run(*command, *choice, code=0)
         found[" ".join(choice[1:])] = json.loads(result.stdout)["channels"][0]
     sizes = {name: channel["fit"]["terms"][1]["value"] for name, channel in found.items()}
     assert sizes["keep"] > 1.05 * sizes[""]
@@ -192,9 +123,7 @@ def test_gaps_and_outliers_are_dealt_with_and_said(tmp_path):
     assert not any("outlier" in note for note in found["keep"]["fit"]["notes"])
     names = [finding["name"] for finding in found[""]["quality"]["findings"]]
     assert {"gaps", "outliers"} <= set(names)
-    said = " ".join(
-        CliRunner().invoke(main, ["analyze", str(tmp_path / "a.csv"), *OPTIONS, "--details"]).output.split()
-    )
+    said = " ".join(run("analyze", tmp_path / "a.csv", *OPTIONS, "--details").output.split())
     assert "exclude them there, too (--outliers mark)" in said
     # the curve has them, unless they are left out everywhere
     curves = {name: channel["curves"][0]["deviation"][0] for name, channel in found.items()}

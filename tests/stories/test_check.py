@@ -7,8 +7,8 @@ import shlex
 import numpy as np
 import pytest
 import yaml
-from click.testing import CliRunner
 from tests import ROOT
+from tests.commands import run
 from tests.rows import rows
 
 import allanite as al
@@ -33,7 +33,7 @@ def folder(tmp_path_factory):
 
 def check(folder, monkeypatch, *words):
     monkeypatch.chdir(folder)
-    return CliRunner().invoke(main, ["check", *words])
+    return run("check", *words)
 
 
 @pytest.mark.slow("a dozen analyses")

@@ -181,12 +181,15 @@ ROWS = [
     # outputs
     sentence("info gyro.csv --json taken.json", "already exists", cure="info gyro.csv --json taken.json --force"),
     sentence("info gyro.csv --json gyro.csv", "would overwrite the input"),
+    sentence("info gyro.csv --json gyro.csv --force", "would overwrite the input"),
+    sentence("analyze gyro.csv --csv a.txt --json a.txt", "would overwrite --json"),
     sentence("info gyro.csv --json absent/x.json", "the folder 'absent'", "does not exist"),
     sentence("info gyro.csv --report folder", "is a folder"),
     sentence("info gyro.csv --report x.docx", ".html or .pdf"),
     sentence("analyze gyro.csv --plot x.foo", "png, svg, pdf", "'foo'"),
     sentence("analyze gyro.csv --json - --csv -", "only one result"),
     sentence("info gyro.csv --threads 0", "between 1 and 10000, not 0"),
+    sentence("info gyro.csv --threads 1.5", "expected a number of processors, at least 1, or auto, not '1.5'"),
     sentence("lot folder", "does not hold the results", "make one with allanite batch FOLDER --out 'folder'"),
     sentence("batch absent --out results", "'absent'", "No such file"),
 ]  # fmt: skip

@@ -12,6 +12,8 @@ from tests.rows import rows
 
 from allanite.cli import main
 
+pytestmark = pytest.mark.slow("analyses")
+
 RATE = 20.0
 
 
@@ -53,7 +55,6 @@ def shaken(tmp_path_factory):
     return write(tmp_path_factory.mktemp("data") / "shaken.csv", columns)
 
 
-@pytest.mark.slow("takes more than half a second")
 @pytest.mark.usefixtures("details")
 def test_motion_of_one_axis_is_told_once_and_the_cure_works(shaken):
     said = run("analyze", shaken)
@@ -75,7 +76,6 @@ def warm(follow, seed=3):
     return {"gx [deg/h]": gyro[0], "gy [deg/h]": gyro[1], "temp [degC]": np.round(temp, 3)}
 
 
-@pytest.mark.slow("takes more than half a second")
 @pytest.mark.usefixtures("details")
 def test_a_temperature_that_explains_the_drift_is_named_with_the_line_to_type(tmp_path):
     file = write(tmp_path / "my day.csv", warm(True))
@@ -112,7 +112,6 @@ def moved(y):
 PARTIAL = {"stuck": still, "clipped": saturated, "level": louder, "outliers": spiked, "moving": moved}
 
 
-@pytest.mark.slow("seconds of analyses")
 @rows("name", PARTIAL)
 def test_a_window_without_the_fault_is_free_of_it(name, tmp_path):
     y = np.random.default_rng(4).standard_normal(20_000)

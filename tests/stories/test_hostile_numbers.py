@@ -9,12 +9,11 @@ import sys
 import numpy as np
 import pyarrow as pa
 import pytest
-from click.testing import CliRunner
 from pyarrow import parquet
+from tests.commands import run
 from tests.rows import paired, rows
 
 import allanite as al
-from allanite.cli import main
 
 h5py = pytest.importorskip("h5py")
 
@@ -73,8 +72,7 @@ def test_a_result_or_a_sentence(name, verb, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     make(tmp_path / name)
     outputs = ("--json", "a.json", "--csv", "a.csv", "--plot", "a.png")
-    result = CliRunner().invoke(main, [verb, name, *options, *outputs])
-    assert result.exit_code == code, result.stderr
+    result = run(verb, name, *options, *outputs, code=code)
     assert words in result.stderr
     assert len(re.sub(r"(?m)^(try: |  ).*\n", "", result.stderr).splitlines()) == bool(words), result.stderr
     assert {path.name for path in tmp_path.iterdir()} == {name, *(() if code else outputs[1::2])}
@@ -83,8 +81,7 @@ def test_a_result_or_a_sentence(name, verb, tmp_path, monkeypatch):
 def test_a_stage_named_like_a_formula(tmp_path):
     text("gx [deg/s]")(tmp_path / "a.csv")
     words = ["budget", tmp_path / "a.csv", "--stage", r"$\frac{ 16 300deg/s", "--plot", tmp_path / "a.png"]
-    result = CliRunner().invoke(main, list(map(str, words)))
-    assert result.exit_code == 0, result.stderr
+    run(*words, code=0)
 
 
 @pytest.mark.slow("takes more than half a second")

@@ -98,7 +98,7 @@ def left(shown: Iterable[str]) -> list[str]:
 
 
 class Shown(HTMLParser):
-    """What a reader of a page sees or hears, without code and styles."""
+    """What a reader of a page sees or hears, without code, scripts and styles."""
 
     def __init__(self, page):
         super().__init__()
@@ -107,7 +107,7 @@ class Shown(HTMLParser):
 
     def handle_starttag(self, tag, attrs):
         """Collect titles and labels."""
-        if tag in ("style", "pre", "code", "math"):
+        if tag in ("style", "script", "pre", "code", "math"):
             self.inside.append(tag)
         self.texts += [value or "" for name, value in attrs if name in ("aria-label", "title", "alt", "data-label")]
 
@@ -143,7 +143,7 @@ def shown(value, monkeypatch, drawn, lang="xx"):
         face = replace(face, sheets=sheets, choices="", **parts)
         found += text.render(face).splitlines()
         monkeypatch.setattr(
-            html, "drawer", lambda: lambda drawing: found.extend(words_of(printing.printed(drawing.draw()))) or ""
+            html, "drawer", lambda *_: lambda drawing: found.extend(words_of(printing.printed(drawing.draw()))) or ""
         )
         found += Shown(html.render(replace(face, command="allanite", data=b"x"))).texts
         found += [html.tr(drawn.label) for drawn in drawings(face)]
@@ -183,7 +183,7 @@ def values(furnished):
         patch.chdir(furnished)
         for table in (EXPORTS, TEMPERATURE):
             for name, row in table.items():
-                patch.setitem(table, name, replace(row, source=""))
+                patch.setitem(getattr(table, "_rows", table), name, replace(row, source=""))
         patch.setattr(Watch, "_over", lambda self, _: self.spool.came >= os.path.getsize(self.target))
 
         def values_of(verb):
@@ -192,7 +192,7 @@ def values(furnished):
                 with pytest.MonkeyPatch.context() as own:
                     if verb == "explain":
                         for name, statistic in STATISTICS.items():
-                            own.setitem(STATISTICS, name, replace(statistic, reference=""))
+                            own.setitem(STATISTICS._rows, name, replace(statistic, reference=""))
                     own.setattr(deliver, "text_of", lambda value, *_: found[verb].append(value) or "")
                     for line in RUNS[verb]:
                         run(f"{verb} {line}", 3, 4, 5)

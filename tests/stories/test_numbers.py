@@ -11,11 +11,6 @@ import figures
 import stale
 
 
-def test_figures_of_pages_are_those_of_their_tables():
-    texts, problems = figures.renewed()
-    assert (list(texts), problems) == ([], []), "run python tools/figures.py"
-
-
 def test_a_figure_that_was_changed_is_brought_back():
     page, sentence, numbers = figures.SENTENCES[0]
     right = f"{sentence.format(*numbers())} (benchmarks/results/coefficients.md)."
@@ -41,10 +36,6 @@ def head():
 
 def page(commit, script="selection"):
     return Page(f"# A\n\n- commit {commit}, 2026-11-21, x\n- command: `python benchmarks/{script}.py`\n\n| a |\n|---|")
-
-
-def test_committed_tables_name_a_commit_of_the_history_and_a_script(head):
-    assert stale.unstamped() == []
 
 
 def test_a_table_of_the_commit_before_a_rewrite_is_stale(head):

@@ -8,7 +8,7 @@ import time
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import rows
 from tests.verbs import ROWS
 
@@ -99,7 +99,7 @@ def complaint(verb, shape, channels, seed, folder):
     known = {name for parameter in main.get_command(None, verb).params for name in parameter.opts}
     outputs = [str(word) for option, name in OUTPUTS.items() if option in known for word in (option, folder / name)]
     began = time.process_time()
-    done = CliRunner().invoke(main, [verb, str(folder / "a.csv"), *shlex.split(READ[verb]), *outputs, "--details"])
+    done = run(verb, folder / "a.csv", *shlex.split(READ[verb]), *outputs, "--details")
     took = time.process_time() - began
     written = {path.suffix: path.read_text() for path in folder.iterdir() if path.name != "a.csv"}
     if ".json" in written:

@@ -16,12 +16,12 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from tests import ROOT
+from tests.commands import run
 from tests.rows import rows
 
 import allanite
-from allanite.cli import VERBS, main
+from allanite.cli import VERBS
 
 BIN = Path(sys.executable).parent
 MAKE = shutil.which("make")
@@ -62,16 +62,6 @@ def test_no_machine_paths_and_no_large_files():
         assert path.stat().st_size < 2**20 or path.name in VENDORED, path
         if path.suffix in TEXT and path != Path(__file__).resolve():
             assert not re.search(r"/(root|home|work|tmp)/", path.read_text(encoding="utf-8")), path
-
-
-def test_starting_imports_nothing_heavy():
-    said = subprocess.run([str(BIN / "allanite"), "--version"], capture_output=True, text=True, check=True).stdout
-    assert allanite.__version__ in said
-    heavy = ("numba", "scipy", "matplotlib", "pyarrow", "jinja2", "rich")
-    for what in ("import allanite", "import allanite.cli"):
-        code = f"import sys; {what}; print([m for m in {heavy} if m in sys.modules])"
-        said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-        assert said.strip() == "[]"
 
 
 def test_make_alone_says_what_there_is():
@@ -216,12 +206,12 @@ def test_every_promise_about_security_names_a_test_that_is_there():
 def test_every_verb_is_listed_in_one_group_and_its_summary_is_not_cut():
     import words
 
-    shown = CliRunner().invoke(main, ["--help"]).stdout
+    shown = run("--help").stdout
     assert shown.count("...") == 1  # of the usage
     assert all(shown.count(f"{heading}:") == 1 for heading in {verb.group for verb in VERBS.values()})
     for verb in VERBS:
         assert f"\n  {verb} " in shown
-        text = CliRunner().invoke(main, [verb, "--help"]).stdout
+        text = run(verb, "--help").stdout
         summary = text.split("\n\n")[1].strip()
         assert len(summary) <= 45, (verb, summary)
         assert not any(re.search(phrase, " ".join(text.split())) for phrase in words.BANNED), verb

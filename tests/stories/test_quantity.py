@@ -58,11 +58,6 @@ def test_page_tables_and_figure_name_the_angle(study, folder):
     assert {row["unit"] for row in rows} <= {"arcsec", "rad"}
 
 
-def test_a_study_of_values_is_read_again(study):
-    again = al.Study.from_dict(study)
-    assert again.to_dict()["channels"] == study["channels"]
-
-
 @pytest.mark.slow("analyses")
 @rows("method", ["nnls", "gls"])
 @pytest.mark.usefixtures("details")
@@ -105,10 +100,3 @@ def test_other_programs_take_no_angle(folder):
     said = run(f"export '{folder}/run1.csv' --kind value --to kalibr", 3).stderr
     assert "gyroscopes and accelerometers, not of 'az' (angle)" in said
     assert "'allanite analyze FILE --coefficients PATH'" in said
-
-
-def test_simulate_writes_values_that_are_read_again(tmp_path):
-    run(f"simulate '{tmp_path}/a.npz' --model '{MODEL}' --rate 10 --samples 500 --quantize 'rate 0.1 arcsec'")
-    record = al.read(tmp_path / "a.npz")[0]
-    assert (record.kind, record.unit, record.signal.name) == ("value", "arcsec", "angle")
-    assert np.allclose(record.values * 10, np.round(record.values * 10), atol=1e-9)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.commands import ends, of_verb
 from tests.rows import rows
 
 import allanite as al
@@ -43,8 +44,7 @@ def brief(folder):
     return counts(folder / "brief.csv", 12.4392, 240)
 
 
-def run(*arguments):
-    return CliRunner().invoke(main, ["rate", *map(str, arguments)])
+run = of_verb("rate")
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -59,8 +59,7 @@ def test_counts_are_analyzed_over_a_second(vertical):
 @pytest.mark.slow("ensemble")
 @pytest.mark.usefixtures("details")
 def test_which_method(vertical):
-    result = run(vertical, *HOW, *NOISE, "--latitude", "55.7936", "--bias", "-0.0948", "--no-times")
-    assert result.exit_code == 0, result.stderr
+    result = run(vertical, *HOW, *NOISE, "--latitude", "55.7936", "--bias", "-0.0948", "--no-times", code=0)
     assert "in 2 min: use optimal: 2.11 times better than averaging, and 8.9 % better than regression" in result.stdout
     assert "10 intervals of 2 min; errors against the true rate, 12.4392 °/h" in result.stdout
     for method in al.constant_rate.RATE_ESTIMATORS:
@@ -141,10 +140,7 @@ BAD = {
 def test_bad_choices_end_with_a_sentence(brief, what):
     options, code, words = BAD[what]
     noise = () if "--noise" in options else NOISE
-    result = run(brief, *HOW, *noise, "--no-times", *options)
-    assert result.exit_code == code, result.output
-    assert words in " ".join(result.stderr.split())
-    assert "Traceback" not in result.stderr
+    ends(run(brief, *HOW, *noise, "--no-times", *options), code, words)
 
 
 @pytest.mark.usefixtures("details")
@@ -154,12 +150,8 @@ def test_lost_readings_are_named_or_split(folder):
     text = ["z"] + [("nan" if i == 1234 else f"{v:.6f}") for i, v in enumerate(values)]
     path.write_text("\n".join(text) + "\n")
     how = ("--rate", "10", "--unit", "deg/h", "--kind", "rate", "--noise", "N 0.0053 deg/sqrt(h)", "--interval", "60")
-    refused = run(path, *how)
-    assert refused.exit_code == 3
-    assert "1 of 4000 samples of 'z' are not finite, the first at sample 1234" in refused.stderr
-    split = run(path, *how, "--split-gaps")
-    assert split.exit_code == 0, split.stderr
-    assert "1 sample missing" in split.stdout
+    ends(run(path, *how), 3, "1 of 4000 samples of 'z' are not finite, the first at sample 1234")
+    ends(run(path, *how, "--split-gaps"), 0, "1 sample missing")
 
 
 @pytest.mark.slow("takes more than half a second")

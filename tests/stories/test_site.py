@@ -7,7 +7,6 @@ import subprocess
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
-from urllib.parse import urlencode
 
 import pytest
 from tests import ROOT
@@ -16,6 +15,8 @@ from tests.rows import rows
 import allanite as al
 from allanite.cli import VERBS
 from allanite.core.units import ATOMS, SPELLINGS
+
+pytestmark = pytest.mark.nightly("builds the documentation site, as docs.yml does on the main branch")
 
 DOCS = ROOT / "docs"
 SAMPLE = Path("examples", "tactical_gyro.csv")
@@ -43,7 +44,6 @@ def text(site, page):
     return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", (site / page).read_text("utf-8")))
 
 
-@pytest.mark.nightly("pages of the documentation site")
 def test_every_row_has_its_page(site):
     for symbol, row in al.terms.TERMS.items():
         page = text(site, f"generated/terms/{symbol}.html")
@@ -58,7 +58,6 @@ def test_every_row_has_its_page(site):
         assert all(row.title in text(site, f"generated/{index}/index.html") for row in table.values())
 
 
-@pytest.mark.nightly("pages of the documentation site")
 def test_every_verb_and_public_name_is_there(site):
     command = text(site, "command.html")
     names = "".join(page.read_text("utf-8") for page in (site / "generated/api").glob("*.html"))
@@ -85,7 +84,6 @@ def public_names(package):
     return found
 
 
-@pytest.mark.nightly("pages of the documentation site")
 def test_methods_units_and_formulas(site):
     formulas = (site / "generated/statistics/oadev.html").read_text("utf-8")
     assert ("<math " in formulas, "<munderover>" in formulas, "MathJax" in formulas) == (True, True, False)
@@ -115,7 +113,6 @@ class Links(HTMLParser):
             self.led.append(found["href"])
 
 
-@pytest.mark.nightly("builds the documentation site, as docs.yml does on the main branch")
 def test_nothing_is_loaded_from_a_network_and_every_link_leads_somewhere(site):
     for page in site.rglob("*.html"):
         links = Links()
@@ -140,27 +137,9 @@ def indexed(site):
     return set(index["terms"]) | set(index["titleterms"])
 
 
-@pytest.mark.nightly("pages of the documentation site")
 @rows("words", WORDS)
 def test_the_search_knows_the_fields_words(site, words):
     snowballstemmer = pytest.importorskip("snowballstemmer")
     stem, known = snowballstemmer.stemmer("porter").stemWord, indexed(site)
     for word in re.findall(r"\w+", words.lower()):
         assert word == "in" or {stem(word), word} & known, word  # which the search leaves out
-
-
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-
-
-@pytest.mark.nightly("pages of the documentation site")
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here")
-@rows("words", ["ARW", "in-run bias stability", "kalibr", "citation", "RRW"])
-def test_the_search_finds_them_in_a_browser(site, tmp_path, words):
-    """The page of results as the browser has it after its scripts ran."""
-    address = f"{(site / 'search.html').as_uri()}?{urlencode({'q': words})}"
-    options = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path}"]
-    options += ["--virtual-time-budget=9000"]
-    done = subprocess.run([CHROMIUM, *options, "--dump-dom", address], capture_output=True, text=True, check=False)
-    if not done.stdout:
-        pytest.skip("Chromium does not start here")
-    assert re.search(r"found (one|\d+) page", done.stdout), done.stdout[-2000:]

@@ -7,10 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import rows
 
-from allanite.cli import main
 from allanite.core.errors import MEANINGS
 
 SIZE = 600
@@ -121,10 +120,6 @@ def file_of(case, folder):
     return path
 
 
-def run(words):
-    return CliRunner().invoke(main, words)
-
-
 def filled(line, values):
     for value in values:
         line = re.sub(r"\b(UNIT|HZ|SCALE)\b", value, line, count=1)
@@ -134,17 +129,14 @@ def filled(line, values):
 @rows("case", CASES.values(), ids=list(CASES))
 def test_a_line_to_copy_says_what_the_file_says(case, tmp_path):
     path = file_of(case, tmp_path)
-    said = run(["info", str(path), *shlex.split(case.options)])
-    assert said.exit_code == 2, said.output
+    said = run("info", path, *shlex.split(case.options), code=2)
     line = re.search(r"try: allanite (.*)", said.stderr)[1]
     assert shlex.split(line) == ["info", str(path), *shlex.split(case.typed)]
     if case.fill:
-        left = run(shlex.split(line))
-        assert left.exit_code == 2
+        left = run(*shlex.split(line), code=2)
         assert re.search("put .* in the place of (UNIT|HZ|SCALE)$", left.stderr)
         assert "try:" not in left.stderr
-    done = run([*shlex.split(filled(line, case.fill)), "--json", "-"])
-    assert done.exit_code == 0, done.output
+    done = run(*shlex.split(filled(line, case.fill)), "--json", "-", code=0)
     channels = json.loads(done.stdout)["channels"]
     assert [channel["unit"] for channel in channels] == list(case.units)
     assert {channel["kind"] for channel in channels} == {case.kind}
@@ -154,12 +146,12 @@ def test_a_line_to_copy_says_what_the_file_says(case, tmp_path):
 def test_a_placeholder_is_refused_in_each_form(tmp_path):
     path = file_of(CASES["neither rate nor heading"], tmp_path)
     for words in (["--rate=HZ"], ["--unit=gyro=UNIT"], ["--unit", "COLUMN=deg/s"], ["--time", "1[UNIT]"]):
-        said = run(["info", str(path), *words]).stderr
+        said = run("info", path, *words).stderr
         assert any(meaning in said for meaning in MEANINGS.values()), said
 
 
 def test_columns_of_many_quantities_are_not_all_of_one_unit(tmp_path):
     three = [triple(0.1), triple(0.02, 9.79), triple(0.1), triple(0.3, 40.0)]
     case = Case("", [column for three_axes in three for column in three_axes], "", (), 1.0, ())
-    said = run(["info", str(file_of(case, tmp_path))]).stderr
+    said = run("info", file_of(case, tmp_path)).stderr
     assert "--rate HZ --unit '4=m/s^2,5=m/s^2,6=m/s^2,COLUMN=UNIT'" in said

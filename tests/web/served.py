@@ -44,6 +44,17 @@ def served(folder, *arguments, waiting=False):
         process.stderr.close()
 
 
+class Told:
+    """A connection that keeps what is said of traces."""
+
+    def __init__(self):
+        self.problems = []
+
+    def send(self, message):
+        if message[0] == "trace":
+            self.problems.append(message[1]["problem"])
+
+
 class Client:
     """What the page does, without a browser."""
 

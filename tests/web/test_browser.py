@@ -11,12 +11,10 @@ import pytest
 
 import allanite as al
 
-from .browsing import PATIENCE, SUITE, curves, drag, drop, finished, kept, saved, state, written
-from .served import served, waiting_file
+from .browsing import SUITE, curves, drag, drop, finished, kept, saved, state, written
+from .served import waiting_file
 
 pytestmark = SUITE
-
-HOSTILE = "<img src=x onerror=document.title='broken'>.csv"
 
 
 def test_a_channel_without_a_name_has_its_curve(page: Any, tmp_path: Path) -> None:
@@ -37,31 +35,6 @@ def test_a_first_curve_is_drawn_before_the_fit(page: Any, tmp_path: Path) -> Non
     page.get_by_test_id("unit-deg/s").click()
     curves(page)
     assert page.locator("#curve-plot").get_attribute("data-early") == "column 1"
-
-
-def test_an_unknown_unit_is_asked_for_beside_its_control(page: Any, bare: Path) -> None:
-    drop(page, bare)
-    rate = page.get_by_test_id("error-rate")
-    rate.wait_for()
-    assert "the sampling rate is not in the file" in rate.inner_text()
-    page.get_by_test_id("option-rate").fill("100")
-    page.get_by_test_id("option-rate").press("Enter")
-    page.wait_for_function("() => /the unit is unknown/.test(document.querySelector('#error-unit').textContent)")
-    page.get_by_test_id("unit-deg/s").click()
-    curves(page)
-    assert "--unit deg/s" in page.get_by_test_id("command").inner_text()
-
-
-def test_six_axes_are_overlaid_and_the_statistic_is_switched(page: Any, six: Path) -> None:
-    drop(page, six)
-    curves(page)
-    page.get_by_test_id("over-all").click()
-    curves(page, 6)
-    page.get_by_test_id("statistic").select_option("hdev")
-    page.wait_for_selector("#curve-plot[data-statistic=hdev]")
-    page.keyboard.press("Escape")
-    page.get_by_test_id("bands").uncheck()
-    assert page.locator("#over input:checked").count() == 6
 
 
 def test_a_term_is_toggled_and_fitted_again(page: Any, six: Path) -> None:
@@ -215,20 +188,6 @@ def test_who_has_no_secret_is_told_where_the_link_is(browser: Any, context: Any)
     stranger.close()
 
 
-def test_hostile_names_stay_text(page: Any, bare: Path) -> None:
-    path = bare.with_name(HOSTILE)
-    header = "gx<script>document.title='broken'</script> [deg/s]"
-    np.savetxt(path, np.random.default_rng(4).normal(size=5000), header=header, comments="", fmt="%.6g")
-    drop(page, path)
-    page.get_by_test_id("error-rate").wait_for()
-    page.get_by_test_id("option-rate").fill("100")
-    page.get_by_test_id("option-rate").press("Enter")
-    curves(page)
-    assert page.get_by_test_id("file").inner_text() == HOSTILE
-    assert page.title() == "allanite"
-    assert page.locator("main script, main img[src=x], aside img").count() == 0
-
-
 def test_everything_often_done_has_a_key(page: Any, six: Path) -> None:
     page.keyboard.press("?")
     assert page.get_by_test_id("keys").is_visible()
@@ -251,23 +210,3 @@ def test_the_page_speaks(page: Any, six: Path, lang: str, word: str) -> None:
     page.wait_for_function("(word) => document.querySelector('#trace-title').textContent === word", arg=word)
     page.wait_for_function("() => /[^\\x00-\\x7f]{2}/.test(document.querySelector('#sheet').textContent)")
     assert page.locator("html").get_attribute("lang") == lang
-
-
-def test_a_server_that_was_killed_comes_back_with_the_work(browser: Any, six: Path, tmp_path: Path) -> None:
-    one = browser.new_page()
-    one.set_default_timeout(PATIENCE)
-    with served(tmp_path) as (first, link):
-        one.goto(link)
-        one.wait_for_selector("body[data-ready=true]")
-        drop(one, six)
-        curves(one)
-        one.get_by_test_id("statistic").select_option("mdev")
-        one.wait_for_selector("#curve-plot[data-statistic=mdev]")
-        kept(one)
-        first.kill()
-        first.wait()
-    with served(tmp_path) as (_, link):
-        one.goto(link)
-        one.wait_for_selector("#curve-plot[data-statistic=mdev]")
-        assert one.get_by_test_id("file").inner_text() == "six.csv"
-    one.close()

@@ -11,7 +11,6 @@ import pytest
 from tests.rows import rows
 
 import allanite as al
-from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.web import worker
 from allanite.web.jobs import Jobs
 from allanite.web.schema import JobBody, plain
@@ -19,7 +18,7 @@ from allanite.web.server import application, serve
 from allanite.web.store import FullError, Store
 from allanite.web.worker import MAX_RESULTS, Held
 
-from .served import apart
+from .served import Told, apart
 
 MB = 1_000_000
 
@@ -93,22 +92,33 @@ def test_what_another_version_has_written_stays(tmp_path):
     assert store.notes == store.aside() == []
 
 
+OTHER = f"{'0' * 16}-{'1' * 16}"
 CHANGED = {
     "a state that is unknown": lambda data: next(iter(data["jobs"].values())).update(state="paused"),
-    "a key that is missing": lambda data: data.pop("choices"),
-    "another type": lambda data: data.update(files=[]),
-}
+    "a key that is missing": lambda data: data.pop("choices"), "another type": lambda data: data.update(files=[]),
+    "another id": lambda data: data.update(id="0" * 16), "no jobs": lambda data: data.pop("jobs"),
+    "a foreign file": lambda data: data["files"].update({"../x": {"id": "../x"}}),
+    "a file of another": lambda data: data["files"].update({OTHER: next(iter(data["files"].values())) | {"id": OTHER}}),
+}  # fmt: skip
+DAMAGED = {
+    "empty": lambda whole: b"", "cut": lambda whole: whole[:-20], "list": lambda whole: b"[]",
+    "NaN": lambda whole: whole.replace(b"{}", b'{"a":NaN}', 1), "binary": lambda whole: os.urandom(300),
+    "surrogate": lambda whole: whole.replace(b"{}", rb'{"a":"\ud800"}', 1),
+    "deep": lambda whole: whole.replace(b"{}", b"[" * 9000, 1),
+}  # fmt: skip
 
 
-@rows("how", CHANGED)
+@rows("how", [*CHANGED, *DAMAGED])
 def test_work_of_another_version_is_named_offered_for_deletion_and_read_again_by_its_own(tmp_path, how):
     store, jobs, name, file = opened(tmp_path)
     jobs.begin(name, JobBody(verb="info", files=[file["id"]], recipe={"rate": 10}))
     path = state_of(store, name)
-    sound = path.read_bytes()
+    sound, foreign = path.read_bytes(), store.folder / "my notes"
     data = json.loads(sound)
-    CHANGED[how](data)
-    path.write_text(json.dumps(data))
+    CHANGED.get(how, len)(data)
+    path.write_bytes(DAMAGED.get(how, bytes)(json.dumps(data).encode()))
+    foreign.mkdir()
+    (foreign / "state.json").touch()
     for _ in range(3):
         store = Store(store.folder, limit=MB, quota=MB)
         store.clear()
@@ -116,10 +126,12 @@ def test_work_of_another_version_is_named_offered_for_deletion_and_read_again_by
         ((aside,), (note,)) = store.aside(), store.notes
         assert "is damaged, or of another version of allanite" in note
         assert aside["bytes"] == MB - store.room()
+        assert path.with_name("state.json.damaged").is_file()
     path.with_name("state.json.damaged").write_bytes(sound)
     store = Store(store.folder, limit=MB, quota=MB)
     store.clear()
     assert (store.find(name), store.aside(), store.notes) == (json.loads(sound), [], [])
+    assert (foreign / "state.json").is_file()
 
 
 def stand(place, how):
@@ -204,17 +216,6 @@ def upload(store, name):
         path.write_bytes(b"1")
 
 
-class Told:
-    """A connection that keeps what is said of traces."""
-
-    def __init__(self):
-        self.problems = []
-
-    def send(self, message):
-        if message[0] == "trace":
-            self.problems.append(message[1]["problem"])
-
-
 def test_a_trace_that_cannot_be_stored_loses_no_analysis(tmp_path, monkeypatch):
     held, path = Held(Told()), tmp_path / "g.npy"
     np.save(path, np.zeros(100))
@@ -265,7 +266,7 @@ def test_json_is_refused_by_its_depth(deep):
         if deep < 50:
             assert plain(data)
         else:
-            with pytest.raises(UsageError, match=r"^lists and objects are nested more than 50 deep$"):
+            with pytest.raises(al.UsageError, match=r"^lists and objects are nested more than 50 deep$"):
                 plain(data)
 
 
@@ -300,7 +301,7 @@ def test_a_folder_that_is_gone_is_named(tmp_path):
 
 def test_a_file_that_is_not_there_makes_no_workspace(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    with pytest.raises(DataError, match="there is no file"):
+    with pytest.raises(al.DataError, match="there is no file"):
         serve([str(tmp_path / "none.csv")], port=0, browser=False, lang="en", limit=1, quota=1)
     assert not (tmp_path / "cache").exists()
 
@@ -310,6 +311,6 @@ def test_a_file_that_is_opened_by_its_path_stays_where_it_is(tmp_path):
     jobs.begin(name, JobBody(verb="info", files=[file["id"]], recipe={"rate": 10}))
     assert not [path for path in store.folder.rglob("*") if path.name.startswith("data")]
     store.drop(file["id"])
-    with pytest.raises(AllaniteError, match="there is no file"):
+    with pytest.raises(al.AllaniteError, match="there is no file"):
         store.file(file["id"])
     assert (tmp_path / "g.csv").read_text() == "gx [deg/h]\n1\n2\n"

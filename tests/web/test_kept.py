@@ -1,6 +1,5 @@
 """What the page keeps: by one server, within its quota, read by schemas; and what many requests at once cannot stop."""
 
-import json
 import os
 import signal
 import socket
@@ -13,18 +12,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import ends, run
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
-from allanite.core.errors import UsageError
-from allanite.web.jobs import MAX_EVENTS, Jobs, Live
+from allanite.web.jobs import MAX_EVENTS, Live
 from allanite.web.server import serve
-from allanite.web.store import FullError, MissingError, Store
 from allanite.web.worker import Held
 
-from .served import WAIT, Client, served, waiting_job
+from .served import WAIT, Client, Told, served, waiting_job
 
 MB = 1_000_000
 
@@ -101,93 +97,8 @@ def test_what_an_upload_left_when_the_server_was_killed_is_removed(tmp_path):
         assert not list(kept(tmp_path).rglob("data.csv"))
 
 
-def damage(place, how):
-    path = place / "state.json"
-    data = json.loads(path.read_text())
-    whole = json.dumps(data).encode()
-    changed = {
-        "empty": b"", "cut": whole[:-20], "list": b"[]", "NaN": whole.replace(b"{}", b'{"a":NaN}'),
-        "surrogate": whole.replace(b"{}", rb'{"a":"\ud800"}'), "deep": whole.replace(b"{}", b"[" * 9000, 1),
-        "another id": json.dumps(data | {"id": "0" * 16}).encode(), "no jobs": json.dumps({"id": data["id"]}).encode(),
-        "a foreign file": json.dumps(data | {"files": {"../x": {"id": "../x"}}}).encode(), "binary": os.urandom(300),
-    }  # fmt: skip
-    path.write_bytes(changed[how])
-
-
-HOW = ["empty", "cut", "list", "NaN", "surrogate", "deep", "another id", "no jobs", "a foreign file", "binary"]
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_a_damaged_state_is_set_aside_and_the_rest_is_served(tmp_path, file):
-    with served(tmp_path) as (_, link), Client(link) as client:
-        names = [client.workspace() for _ in range(len(HOW) + 1)]
-        client.upload(names[-1], file)
-    for name, how in zip(names, HOW, strict=False):
-        damage(kept(tmp_path) / name, how)
-    foreign = kept(tmp_path) / "my notes"
-    foreign.mkdir()
-    (foreign / "state.json").write_text("{}")
-    with served(tmp_path) as (_, link), Client(link) as client:
-        found = client.get("/api/workspaces").json()
-        assert [(one["id"], one["files"]) for one in found] == [(names[-1], ["g.csv"])]
-        notes = client.get("/api/tables").json()["first"]["notes"]
-        for name in names[:-1]:
-            assert (kept(tmp_path) / name / "state.json.damaged").is_file()
-            assert sum(name in note for note in notes) == 1
-            assert client.get(f"/api/workspaces/{name}").status_code == 404
-        assert all("state.json.damaged" in note for note in notes)
-        for one in client.get("/api/tables").json()["first"]["aside"]:
-            assert client.http.delete(f"/api/workspaces/{one['id']}").status_code == 200
-        assert not any((kept(tmp_path) / name).exists() for name in names[:-1])
-    assert (foreign / "state.json").read_text() == "{}"
-
-
-def arrive(store, workspace, size):
-    """An upload of so many bytes."""
-    with store.arriving(workspace, "a.csv") as (file, path):
-        store.measure()
-        store.reserve(file, size)
-        path.write_bytes(b"1" * size)
-        file["bytes"] = size
-
-
-def test_damaged_work_is_named_at_every_start_and_can_be_deleted(tmp_path):
-    store = Store(tmp_path, limit=MB, quota=40_000)
-    name = store.new()["id"]
-    arrive(store, name, 30_000)
-    damage(tmp_path / name, "no jobs")
-    for _ in range(2):  # the second time it has its other name already
-        store = Store(tmp_path, limit=MB, quota=40_000)
-        (aside,) = store.aside()
-        assert aside["id"] == name
-        assert 30_000 < aside["bytes"] == 40_000 - store.room() < 31_000
-        workspace = store.new()["id"]
-        with pytest.raises(FullError):
-            arrive(store, workspace, 20_000)
-        store.remove(workspace)
-    Jobs(store).forget(name)
-    store.remove(name)
-    with pytest.raises(MissingError):
-        store.remove(name)
-    assert store.aside() == []
-    assert store.room() == 40_000
-    arrive(store, store.new()["id"], 20_000)
-
-
-class Heard:
-    """A connection that keeps what is said of traces."""
-
-    def __init__(self):
-        self.problems = []
-
-    def send(self, message):
-        kind, data = message
-        if kind == "trace":
-            self.problems.append(data["problem"])
-
-
 def test_the_quota_holds_for_the_trace_of_a_file_that_is_opened(tmp_path):
-    held = Held(Heard())
+    held = Held(Told())
     held.room, held.quota, held.files = 300_000, 300_000, {}
     recipe = al.Recipe(rate=100, unit="deg/s")
     for size in (50_000, 100_000, 10_000):
@@ -336,7 +247,7 @@ def test_what_stands_in_the_way_is_named(tmp_path, monkeypatch, how):
     place = Path("/proc/self") if how == "below /proc" else tmp_path
     monkeypatch.setenv("XDG_CACHE_HOME", str(place))
     blocked(tmp_path, how)
-    with pytest.raises(UsageError, match="cannot be used") as refused:
+    with pytest.raises(al.UsageError, match="cannot be used") as refused:
         serve([], port=0, browser=False, lang="en", limit=1, quota=1)
     assert str(place / "allanite") in str(refused.value)
 
@@ -344,7 +255,7 @@ def test_what_stands_in_the_way_is_named(tmp_path, monkeypatch, how):
 def test_a_user_without_a_home_is_told(monkeypatch):
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     monkeypatch.setattr(os.path, "expanduser", lambda path: path)
-    with pytest.raises(UsageError, match="set HOME"):
+    with pytest.raises(al.UsageError, match="set HOME"):
         serve([], port=0, browser=False, lang="en", limit=1, quota=1)
 
 
@@ -360,8 +271,7 @@ def test_a_user_without_a_home_is_told(monkeypatch):
 )  # fmt: skip
 def test_options_are_refused_before_anything_is_kept(tmp_path, monkeypatch, words, code, said):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    result = CliRunner().invoke(main, ["serve", "--no-browser", *words])
-    assert (result.exit_code, said in result.stderr) == (code, True), result.stderr
+    ends(run("serve", "--no-browser", *words), code, said)
     assert list(tmp_path.iterdir()) == []
 
 

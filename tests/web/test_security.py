@@ -9,11 +9,10 @@ from itertools import product
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from tests import ROOT
+from tests.commands import run
 from tests.rows import rows
 
-from allanite.cli import main
 from allanite.cli.front import EXCEEDED
 from allanite.reporting.digits import printable
 from allanite.web.server import MAX_LINK_AGE_S, MAX_LINKS, ROUTES, Door
@@ -295,20 +294,6 @@ def test_requests_that_are_no_requests_are_refused(client, body):
     assert "internal error" not in answer.text
 
 
-@pytest.mark.slow("takes more than half a second")
-def test_hostile_files_are_refused_in_a_sentence(client, tmp_path):
-    import zipfile
-
-    bomb = tmp_path / "bomb.xlsx"
-    with zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("xl/workbook.xml", b"0" * 50_000_000)
-    workspace = client.workspace()
-    job, (kind, problem) = client.run(workspace, "info", [client.upload(workspace, bomb)])
-    assert (kind, problem["exit"]) == ("failed", 3)
-    assert "internal" not in problem["error"]
-    assert client.get(f"/api/jobs/{job}").json()["state"] == "failed"
-
-
 @pytest.mark.slow("seconds of analyses")
 def test_two_tabs_and_two_workspaces_do_not_meet(client, tmp_path):
     one, other = client.workspace(), client.workspace()
@@ -342,7 +327,7 @@ def test_a_damaged_file_is_answered_in_the_words_of_the_command_line(client, tmp
         recipe = damaged.options_of(rng, seed.options)
         _, (kind, told) = client.run(workspace, "analyze", [client.upload(workspace, path)], recipe)
         choices = [part for key, value in recipe.items() for part in (f"--{key}", str(value))]
-        result = CliRunner().invoke(main, ["analyze", str(path), "--quiet", *choices])
+        result = run("analyze", path, "--quiet", *choices)
         assert (kind == "done") == (result.exit_code in (0, EXCEEDED)), (k, told, result.output)
         if kind != "done":
             error = result.stderr.partition("\ntry: ")[0].removeprefix("error: ")

@@ -6,17 +6,18 @@ import signal
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from tests import translated
+from tests.commands import run
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.core.choices import choices_of
 from allanite.phrases.phrase import say
 from allanite.reporting.digits import printed_unit
 
 from .served import Client, served, waiting_job
+
+pytestmark = pytest.mark.slow("the page without a browser")
 
 RATE = 100.0
 
@@ -47,12 +48,10 @@ def analyzed(client, file):
 
 
 def printed(*arguments):
-    result = CliRunner().invoke(main, list(map(str, arguments)))
-    assert result.exit_code == 0, result.stderr
+    result = run(*arguments, code=0)
     return result.stdout
 
 
-@pytest.mark.slow("the page without a browser, in full")
 def test_the_json_and_the_saved_recipe_are_those_of_the_command_line(client, analyzed, file, tmp_path):
     found = client.get(f"/api/jobs/{analyzed}").json()
     assert found["command"] == "allanite analyze --rate 100 --exclude 40..60 gyro.csv"
@@ -70,7 +69,6 @@ def test_the_json_and_the_saved_recipe_are_those_of_the_command_line(client, ana
     assert saved["channels"] == data["channels"]
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_the_words_and_files_are_those_of_the_command_line(client, analyzed, file):
     one = client.get(f"/api/jobs/{analyzed}").json()["channels"][0]
     assert "angle random walk" in one["html"]
@@ -86,18 +84,6 @@ def test_the_words_and_files_are_those_of_the_command_line(client, analyzed, fil
     assert "gyroscope_noise_density" in client.post(f"/api/jobs/{analyzed}/export", whole).json()["html"]
     refused = client.post(f"/api/jobs/{analyzed}/export", {"target": "nonsense"})
     assert refused.json()["error"].startswith("unknown target 'nonsense'; known targets: kalibr")
-
-
-@pytest.mark.slow("the page without a browser, in full")
-def test_a_cut_makes_the_fit_valid(client, file):
-    workspace = client.workspace()
-    uploaded = client.upload(workspace, file)
-    levels = []
-    for recipe in ({"rate": RATE}, {"rate": RATE, "exclude": [[40, 60]]}):
-        job, _ = client.run(workspace, "analyze", [uploaded], recipe)
-        levels.append(client.get(f"/api/jobs/{job}").json()["value"]["channels"][0]["validity"])
-    assert levels[0] == "unexplained"
-    assert levels[1] in ("explained", "approximate")
 
 
 def test_curves_have_bands_a_model_and_its_terms_and_traces_every_extreme(client, analyzed, file):
@@ -128,7 +114,6 @@ def test_curves_have_bands_a_model_and_its_terms_and_traces_every_extreme(client
     assert client.get(f"/api/files/{uploaded}/trace", channel="gz").json()["error"].startswith("no channel 'gz'")
 
 
-@pytest.mark.slow("the page without a browser, in full")
 def test_a_refit_is_what_the_command_line_fits(client, analyzed, file):
     asked = {"channel": "gy", "terms": "NK", "band": [0.1, 40], "statistics": ["oadev"]}
     found = client.post(f"/api/jobs/{analyzed}/refit", asked).json()
@@ -139,7 +124,6 @@ def test_a_refit_is_what_the_command_line_fits(client, analyzed, file):
     assert "random walk" in found["html"]
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_the_first_curve_comes_before_the_result(client, file):
     workspace = client.workspace()
     job = client.begin(workspace, "analyze", [client.upload(workspace, file)], {"rate": RATE, "channels": ["gy"]})
@@ -155,14 +139,12 @@ def test_the_first_curve_comes_before_the_result(client, file):
     ("form", "begins"),
     [("report", b"<!DOCTYPE html>"), ("csv", b"channel,"), ("figure.png", b"\x89PNG"), ("coefficients", b"channel,")],
 )
-@pytest.mark.slow("the page without a browser, in full")
 def test_results_are_saved(client, analyzed, form, begins):
     answer = client.get(f"/api/jobs/{analyzed}/save", form=form)
     assert answer.headers["content-disposition"].startswith("attachment; filename=")
     assert answer.content.startswith(begins)
 
 
-@pytest.mark.slow("takes more than half a second")
 @rows(
     ("recipe", "option"),
     [
@@ -185,7 +167,7 @@ def test_bad_input_has_the_words_of_the_command_line_and_its_control(client, fil
     answer = client.post(f"/api/workspaces/{workspace}/jobs", asked)
     problem = answer.json() if answer.status_code == 400 else list(client.events(answer.json()["job"]))[-1][1]
     words = [word for key, value in recipe.items() for word in choices_of(al.Recipe)[key].words(value)]
-    said = CliRunner().invoke(main, ["analyze", *words, str(file)])
+    said = run("analyze", *words, file)
     assert said.exit_code == problem["exit"]
     words = said.stderr.replace(str(file), "gyro.csv")
     assert "".join(words.split()).startswith("".join(f"error:{problem['error']}".split()))
@@ -193,7 +175,6 @@ def test_bad_input_has_the_words_of_the_command_line_and_its_control(client, fil
         assert problem["option"] == option
 
 
-@pytest.mark.slow("the page without a browser, in full")
 def test_two_recordings_are_compared(client, file):
     workspace = client.workspace()
     files = [client.upload(workspace, file, name) for name in ("before.csv", "after.csv")]
@@ -207,7 +188,6 @@ def test_two_recordings_are_compared(client, file):
 
 
 @rows("verb", ["spectrum", "dynamic", "deviation"])
-@pytest.mark.slow("the page without a browser, in full")
 def test_a_selection_has_its_spectrum_and_surface(client, file, verb):
     workspace = client.workspace()
     recipe = {"rate": RATE, "start": 80, "until": 180}
@@ -216,7 +196,6 @@ def test_a_selection_has_its_spectrum_and_surface(client, file, verb):
     assert len(client.get(f"/api/jobs/{job}").json()["value"]["channels"]) == 2
 
 
-@pytest.mark.slow("the page without a browser, in full")
 def test_a_stream_is_watched_until_it_is_ended(client, tmp_path):
     path = tmp_path / "growing.txt"
     path.write_text("".join(f"{v:.6f}\n" for v in np.random.default_rng(2).normal(0.0, 2.0, 5000)))
@@ -233,7 +212,6 @@ def test_a_stream_is_watched_until_it_is_ended(client, tmp_path):
     assert next(term["status"] for term in terms if term["symbol"] == "N") == "identified"
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_a_job_is_cancelled_at_once_and_the_next_one_runs(client, file, tmp_path):
     with waiting_job(client, tmp_path) as (workspace, job):
         client.post(f"/api/jobs/{job}/cancel")
@@ -243,7 +221,6 @@ def test_a_job_is_cancelled_at_once_and_the_next_one_runs(client, file, tmp_path
         assert last[0] == "done"
 
 
-@pytest.mark.slow("the page without a browser, in full")
 def test_a_worker_that_is_killed_is_an_error_in_a_sentence(client, file, tmp_path):
     with waiting_job(client, tmp_path) as (workspace, job):
         for pid in workers_of(client):
@@ -300,7 +277,6 @@ def descendants(pid):
     return found
 
 
-@pytest.mark.slow("the page without a browser, in full")
 def test_a_server_that_is_killed_goes_on_after_a_restart(tmp_path, file):
     with served(tmp_path) as (process, link), Client(link) as client:
         workspace = client.workspace()

@@ -7,19 +7,18 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import ends, of_verb
 from tests.rows import refused, rows
 
 import allanite as al
 from allanite.batch.sources import expand, several
 from allanite.batch.specification import Seen, judge
-from allanite.cli import main
+from allanite.reporting import page
 
 N_ONLY = '[limits]\nN = { max = "0.15 deg/sqrt(h)" }\n'
 
 
-def run(*words, **how):
-    return CliRunner().invoke(main, ["analyze", *map(str, words)], **how)
+run = of_verb("analyze")
 
 
 def unit(path, size, seed, name="gz"):
@@ -83,10 +82,7 @@ def test_a_file_with_the_letters_of_a_pattern_is_a_file(tmp_path):
 ])  # fmt: skip
 def test_a_wrong_limits_file_is_refused_before_anything_is_read(tmp_path, text, words):
     path = spec(tmp_path, text)
-    result = run(tmp_path / "missing.csv", "--limits", path)
-    assert result.exit_code == 2, result.output
-    assert words in result.stderr
-    assert "spec.toml" in result.stderr
+    ends(run(tmp_path / "missing.csv", "--limits", path), 2, words, "spec.toml")
 
 
 def test_limits_of_one_channel_replace_those_of_all(tmp_path):
@@ -99,9 +95,7 @@ def test_limits_of_one_channel_replace_those_of_all(tmp_path):
 
 def test_a_limit_of_another_kind_of_sensor_is_named(folder, tmp_path):
     path = spec(tmp_path, '[channels.gz]\nN = { max = "0.3 m/s/sqrt(h)" }\n')
-    result = run(folder, "--limits", path)
-    assert result.exit_code == 2
-    assert "the limit of N for the channel 'gz' is in m/s/sqrt(h)" in result.stderr
+    ends(run(folder, "--limits", path), 2, "the limit of N for the channel 'gz' is in m/s/sqrt(h)")
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -156,9 +150,7 @@ def test_a_channel_that_is_missing_and_a_term_that_was_not_asked_for_are_not_sho
 @pytest.mark.slow("takes more than half a second")
 def test_a_specification_that_fits_no_channel_passes_nothing(folder, tmp_path):
     limits = spec(tmp_path, '[limits]\nN = { max = "1 m/s/sqrt(h)" }\n')
-    result = run(folder / "u0.csv", "--limits", limits)
-    assert result.exit_code == 0
-    assert "1 unit: 1 not decided" in result.stdout
+    ends(run(folder / "u0.csv", "--limits", limits), 0, "1 unit: 1 not decided")
     assert run(folder / "u0.csv", "--limits", limits, "--strict").exit_code == 3
 
 
@@ -171,8 +163,7 @@ def test_a_specification_that_fits_no_channel_passes_nothing(folder, tmp_path):
 ])  # fmt: skip
 def test_exit_codes(folder, tmp_path, files, limits, code):
     options = [] if limits is None else ["--limits", spec(tmp_path, limits)]
-    result = run(*(folder / name for name in files), *options)
-    assert result.exit_code == code, result.output
+    result = run(*(folder / name for name in files), *options, code=code)
     for name in ("missing.csv", "gone.csv"):
         assert (name in result.stdout + result.stderr) == (name in files)
 
@@ -190,15 +181,9 @@ def test_standard_input_is_a_file(folder, tmp_path):
     found, named = json.loads(alone.stdout), json.loads(run(folder / "u0.csv", "--json", "-").stdout)
     assert found["channels"] == named["channels"]
     assert found["provenance"]["source"] == "standard input"
-    beside = run("-", folder / "u1.csv", input=data)
-    assert beside.exit_code == 0
-    assert "standard input" in beside.stdout
-    empty = run("-", input=b"")
-    assert empty.exit_code == 3
-    assert "standard input: nothing came" in empty.stderr
-    wrong = run("-", input=b"what is this\n")
-    assert wrong.exit_code == 3
-    assert "standard input: no rows of numbers" in wrong.stderr
+    ends(run("-", folder / "u1.csv", input=data), 0, "standard input")
+    ends(run("-", input=b""), 3, "standard input: nothing came")
+    ends(run("-", input=b"what is this\n"), 3, "standard input: no rows of numbers")
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -221,9 +206,7 @@ def test_the_table_of_coefficients_has_a_row_for_everything(folder, tmp_path):
 def test_outputs_in_the_folder_are_no_units(folder, tmp_path):
     unit(tmp_path / "u0.csv", 0.1, 0)
     for _ in range(2):
-        result = run(tmp_path, "--table", tmp_path / "table.csv", "--force")
-        assert result.exit_code == 0, result.output
-        assert "1 of 1 unit analyzed" in result.stdout
+        ends(run(tmp_path, "--table", tmp_path / "table.csv", "--force"), 0, "1 of 1 unit analyzed")
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -248,6 +231,7 @@ def test_the_device_is_said_once_for_all_units(folder):
 def test_a_batch_holds_no_samples(folder):
     batch = al.batch.analyze_files(folder)
     record = batch[0].study["gz"].record
+    assert (page(batch).count("<figure"), page(batch).count("<details>")) == (1, len(batch))
     assert not isinstance(record, al.Record)
     assert (record.size, record.rate, record.name) == (3000, 10.0, "gz")
     refused(al.UsageError, "no unit 'x'", lambda: batch["x"])

@@ -7,18 +7,18 @@ import sys
 import time
 from queue import SimpleQueue
 
-import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import refused
 from tests.unit.batch.tasks import deadly, doubled, waiting
 
 import allanite as al
 from allanite.batch.executor import Dask
 from allanite.batch.job import run_batch
-from allanite.cli import main
 
 distributed = pytest.importorskip("distributed")
+
+pytestmark = pytest.mark.slow("a scheduler and its workers")
 
 STARTING = 600  # seconds in which a worker starts
 
@@ -35,23 +35,20 @@ def units(tmp_path):
     folder.mkdir()
     for i in range(3):
         noise = al.N(0.1, "deg/sqrt(h)") + al.K(5, "deg/h/sqrt(h)")
-        al.write(al.simulate(noise, 2000, 10.0, rng=np.random.default_rng(i), name="gz"), folder / f"u{i}.csv")
+        al.write(al.simulate(noise, 2000, 10.0, rng=i, name="gz"), folder / f"u{i}.csv")
     (folder / "bad.csv").write_text("hello\nworld\n")
     return folder
 
 
-@pytest.mark.slow("a Dask scheduler")
 def test_dask_gives_the_same_bytes(units, tmp_path, address):
     one, other = tmp_path / "one", tmp_path / "other"
     assert len(run_batch(units, one).failed) == 1
-    done = CliRunner().invoke(main, ["batch", str(units), "--out", str(other), "--scheduler", address])
-    assert done.exit_code == 5, done.output
+    run("batch", units, "--out", other, "--scheduler", address, code=5)
     assert {p.name for p in one.rglob("*.parquet")} == {p.name for p in other.rglob("*.parquet")}
     for path in one.rglob("*.parquet"):
         assert path.read_bytes() == (other / path.relative_to(one)).read_bytes(), path.name
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_an_error_and_a_lost_worker_belong_to_their_item(address, tmp_path):
     found = {done.item["x"]: done for done in Dask(address).run(doubled, [{"x": x} for x in (1, 3)])}
     assert (found[1].result, found[3].error) == ({"y": 2}, "internal error (RuntimeError: three)")
@@ -59,7 +56,6 @@ def test_an_error_and_a_lost_worker_belong_to_their_item(address, tmp_path):
     assert done.result
 
 
-@pytest.mark.slow("a Dask scheduler")
 def test_a_scheduler_that_does_not_answer_is_named(monkeypatch):
     monkeypatch.setattr("allanite.batch.executor.PATIENCE", 1)
     with pytest.raises(al.UsageError, match=r"'tcp://127.0.0.1:9' does not answer .*; start one with 'dask scheduler'"):
@@ -109,7 +105,6 @@ def scheduler(start, tmp_path):
     return process, at, worker
 
 
-@pytest.mark.slow("a Dask scheduler")
 @pytest.mark.filterwarnings("ignore:Mismatched")
 @pytest.mark.parametrize("name", ["allanite", "numpy"])
 def test_workers_of_other_versions_are_refused_before_any_work(scheduler, tmp_path, name):
@@ -123,7 +118,6 @@ def test_workers_of_other_versions_are_refused_before_any_work(scheduler, tmp_pa
     assert not mark.exists()
 
 
-@pytest.mark.slow("a Dask scheduler")
 def test_a_scheduler_whose_last_worker_died_is_named(scheduler, tmp_path, monkeypatch):
     _, at, worker = scheduler
     wait = distributed.Client.wait_for_workers
@@ -142,7 +136,6 @@ def test_a_scheduler_whose_last_worker_died_is_named(scheduler, tmp_path, monkey
     assert mark.exists()
 
 
-@pytest.mark.slow("a Dask scheduler")
 def test_a_scheduler_that_ends_is_named(scheduler, tmp_path):
     process, at, worker = scheduler
     worker()

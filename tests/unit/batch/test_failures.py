@@ -6,7 +6,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 from pyarrow import parquet
 from tests.rows import rows
@@ -23,7 +22,7 @@ def units(tmp_path_factory):
     """Recordings, one of which is none."""
     folder = tmp_path_factory.mktemp("units")
     for i in range(COUNT - 1):
-        record = al.simulate(al.N(0.1 + 0.02 * i, "deg/sqrt(h)"), 2000, 10.0, rng=np.random.default_rng(i), name="gz")
+        record = al.simulate(al.N(0.1 + 0.02 * i, "deg/sqrt(h)"), 2000, 10.0, rng=i, name="gz")
         al.write(record, folder / f"u{i}.csv")
     (folder / "bad.csv").write_text("hello\nworld\n")
     return folder

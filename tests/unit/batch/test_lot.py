@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from tests import translated
+from tests.commands import ends, run
 from tests.rows import refused, rows
 
 import allanite as al
@@ -18,7 +18,6 @@ from allanite.batch.sources import several
 from allanite.batch.specification import Seen, judge
 from allanite.batch.store import dumps, loads
 from allanite.batch.tables import Across
-from allanite.cli import main
 from allanite.phrases.phrase import say, say_count
 from allanite.reporting import table, to_csv
 from allanite.reporting.views.batch import across_table
@@ -96,11 +95,9 @@ def test_a_trend_is_shown_only_if_its_interval_excludes_zero():
 
 
 def test_the_verb_shows_it_in_other_languages(folder):
-    shown = CliRunner().invoke(main, ["lot", str(folder / "results"), "--lang", "ru"])
+    shown = run("lot", folder / "results", "--lang", "ru")
     assert translated(say("quantiles"), "ru") in shown.stdout
-    shown = CliRunner().invoke(main, ["lot", str(folder / "few"), "--lang", "ru"])
-    assert shown.exit_code == 5
-    assert "bad.csv" in shown.stderr
+    ends(run("lot", folder / "few", "--lang", "ru"), 5, "bad.csv")
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -127,9 +124,7 @@ def test_numbers_of_some_units_say_of_how_many():
 
 def test_limits_end_with_their_exit_code(folder, tmp_path):
     (tmp_path / "spec.toml").write_text('[limits]\nN = { max = "0.15 deg/sqrt(h)" }\n')
-    shown = CliRunner().invoke(main, ["lot", str(folder / "results"), "--limits", str(tmp_path / "spec.toml")])
-    assert shown.exit_code == 4
-    assert "u6.csv" in shown.stderr
+    ends(run("lot", folder / "results", "--limits", tmp_path / "spec.toml"), 4, "u6.csv")
 
 
 def test_what_cannot_be_shown_is_said(folder, tmp_path):

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pytest
-from click.testing import CliRunner
 from pyarrow import parquet
+from tests.commands import run
 from tests.rows import refused, rows
 
 import allanite as al
@@ -18,7 +18,6 @@ from allanite.batch import job, store
 from allanite.batch.executor import Processes, Serial
 from allanite.batch.job import run_batch
 from allanite.batch.sources import manifest_of
-from allanite.cli import main
 
 
 @pytest.fixture(scope="module")
@@ -248,7 +247,7 @@ def test_a_folder_of_something_else_is_left_alone(units, tmp_path):
 
 
 def batch(*words):
-    return CliRunner().invoke(main, ["batch", *map(str, words), "--workers", "1"])
+    return run("batch", *words, "--workers", "1")
 
 
 def test_the_verb_names_what_failed(units, serial, tmp_path):

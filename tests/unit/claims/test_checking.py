@@ -8,7 +8,6 @@ from tests.rows import refused, rows
 
 import allanite as al
 from allanite.claims.result import AGREES, CONTRADICTS, DIFFERS, EXCEEDS, NOT_DECIDED, UNCLAIMED
-from allanite.core.errors import DataError, UsageError
 from allanite.study.analysis import analyzed
 from allanite.terms import TERMS
 
@@ -189,6 +188,6 @@ def test_a_bias_that_is_driven_by_rand_is_found():
 
 
 def test_what_is_not_there_is_refused(recording):
-    refused(DataError, "claims nothing of the channels", lambda: al.check(recording["ax"], "N 1 deg/sqrt(h)"))
-    refused(UsageError, "tolerance must be", lambda: al.check(recording["ax"], "100 ug/sqrt(Hz)", tolerance=2.0))
-    refused(UsageError, "no data sheet", lambda: al.check(recording["ax"], "nothing"))
+    refused(al.DataError, "claims nothing of the channels", lambda: al.check(recording["ax"], "N 1 deg/sqrt(h)"))
+    refused(al.UsageError, "tolerance must be", lambda: al.check(recording["ax"], "100 ug/sqrt(Hz)", tolerance=2.0))
+    refused(al.UsageError, "no data sheet", lambda: al.check(recording["ax"], "nothing"))

@@ -8,7 +8,6 @@ from tests.rows import paired, refused, rows
 import allanite as al
 from allanite.claims.claim import claim_of, settings_in
 from allanite.claims.convention import CONVENTIONS, NAN, Place, explaining, pooled
-from allanite.core.errors import DataError, UsageError
 from allanite.exporting.exports import EXPORTS
 
 GYRO = al.Model("N 1 deg/sqrt(h), K 30 deg/h/sqrt(h)")
@@ -62,7 +61,7 @@ def test_a_claim_with_settings_is_read_from_its_own_text():
     claim = claim_of("N 1 deg/sqrt(h); lowpass 42 Hz; 60 ug/sqrt(Hz), gyro rate 0.2 kHz")
     assert [s.words() for s in claim.settings] == ["lowpass 42 Hz", "gyro rate 200 Hz"]
     assert (len(claim.models), claim_of(claim.text)) == (2, claim)
-    refused(UsageError, "a frequency must be between 1e-09 and 1e.15 Hz, not 0", lambda: claim_of("lowpass 0 Hz"))
+    refused(al.UsageError, "a frequency must be between 1e-09 and 1e.15 Hz, not 0", lambda: claim_of("lowpass 0 Hz"))
 
 
 def test_correlation_time_makes_a_gauss_markov_bias(tmp_path):
@@ -86,12 +85,12 @@ def test_limits_are_bounds(tmp_path):
 
 
 @rows("content, origin, kind, words", [
-    ("arw: 0.2\nvrw: 0.1\n", "", UsageError, "navego or kf-gins|kf-gins or navego"),
-    ("gyr_n: 0.01\nacc_n: 0.1\n", "", UsageError, "sampling rate"),
-    ("focal_length: 400\n", "", DataError, "no field of a known target"),
-    ("gyr_n: 0\n", "vins-mono", UsageError, "sampling rate"),
-    ("gyroscope_noise_density: 0\n", "", DataError, "claims no noise"),
-    ("gyr_n: 0.01\n", "kalbir", UsageError, "did you mean kalibr"),
+    ("arw: 0.2\nvrw: 0.1\n", "", al.UsageError, "navego or kf-gins|kf-gins or navego"),
+    ("gyr_n: 0.01\nacc_n: 0.1\n", "", al.UsageError, "sampling rate"),
+    ("focal_length: 400\n", "", al.DataError, "no field of a known target"),
+    ("gyr_n: 0\n", "vins-mono", al.UsageError, "sampling rate"),
+    ("gyroscope_noise_density: 0\n", "", al.DataError, "claims no noise"),
+    ("gyr_n: 0.01\n", "kalbir", al.UsageError, "did you mean kalibr"),
 ])  # fmt: skip
 def test_a_file_that_says_nothing_is_refused(content, origin, kind, words, tmp_path):
     (tmp_path / "imu.yaml").write_text(content)
@@ -106,12 +105,12 @@ def test_data_sheets_are_bounds(name):
 
 
 @rows("text, kind, words", [
-    ("imu.yaml", DataError, "'imu.yaml' cannot be read: no such file"),
-    ("limits.toml", UsageError, "limits.toml' cannot be read: no such file"),
-    ("adis16740", UsageError, "did you mean the data sheet ADIS16470"),
-    ("nothing", UsageError, "is no file, no data sheet, and no model .* lists the data sheets"),
-    ("", UsageError, "no data sheet"), ("N 3", UsageError, "must be followed by a number and a unit"),
-    ("3 parsec", UsageError, "unknown unit"),
+    ("imu.yaml", al.DataError, "'imu.yaml' cannot be read: no such file"),
+    ("limits.toml", al.UsageError, "limits.toml' cannot be read: no such file"),
+    ("adis16740", al.UsageError, "did you mean the data sheet ADIS16470"),
+    ("nothing", al.UsageError, "is no file, no data sheet, and no model .* lists the data sheets"),
+    ("", al.UsageError, "no data sheet"), ("N 3", al.UsageError, "must be followed by a number and a unit"),
+    ("3 parsec", al.UsageError, "unknown unit"),
 ])  # fmt: skip
 def test_what_is_no_claim_is_refused(text, kind, words):
     refused(kind, f"(?i){words}", lambda: claim_of(text))

@@ -9,13 +9,11 @@ import re
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import of_verb
 from tests.rows import paired, refused, rows
 
 import allanite as al
 import drift as script
-from allanite.cli import main
-from allanite.core.errors import DataError, UsageError
 
 GYRO, ACCELEROMETER = al.Model("N 0.3 deg/sqrt(h), B 7 deg/h"), al.Model("N 100 ug/sqrt(Hz), B 50 ug")
 G = 9.80665
@@ -143,7 +141,7 @@ def test_what_is_allowed_just_keeps_the_requirement(text):
     ({"require": ("attitude 1 m in 1 s",)}, "an angle"),
 ])  # fmt: skip
 def test_choices_that_are_refused(choices, words):
-    with pytest.raises(UsageError) as error:
+    with pytest.raises(al.UsageError) as error:
         al.drift(GYRO, **choices)
     assert words in str(error.value)
 
@@ -156,10 +154,10 @@ def test_one_text_or_number_is_taken_where_several_are():
 
 
 def test_sources_that_are_refused():
-    refused(UsageError, "give the noise", al.drift)
-    refused(DataError, "drift with gyros and accelerometers, not with", lambda: al.drift(al.N(1, "V/sqrt(Hz)")))
-    refused(UsageError, r"unknown quantity 'heading'", lambda: al.drift(ACCELEROMETER)["heading"])
-    with pytest.raises(UsageError, match="there is no attitude to require"):
+    refused(al.UsageError, "give the noise", al.drift)
+    refused(al.DataError, "drift with gyros and accelerometers, not with", lambda: al.drift(al.N(1, "V/sqrt(Hz)")))
+    refused(al.UsageError, r"unknown quantity 'heading'", lambda: al.drift(ACCELEROMETER)["heading"])
+    with pytest.raises(al.UsageError, match="there is no attitude to require"):
         list(
             al.drift(GYRO, platform="level").allowing(
                 al.claims.DriftSettings(require=("attitude 1 deg in 1 s",)).requirements[0]
@@ -169,7 +167,7 @@ def test_sources_that_are_refused():
 
 @rows("model", ["W 1 deg/h 10 s", "N 0 deg/sqrt(h)", "Sine 0 deg/h 3 Hz"])
 def test_noise_that_makes_nothing_drift_is_refused_unless_a_constant_error_does(model):
-    refused(DataError, "nothing in the noise of given gyro", lambda: al.drift(al.Model(model)))
+    refused(al.DataError, "nothing in the noise of given gyro", lambda: al.drift(al.Model(model)))
     alone = al.drift(al.Model(model), turn_on="3 deg/h", calibration=0, times=60)
     assert alone["heading"].to("deg")[0] == pytest.approx(3 / 60)
 
@@ -191,8 +189,7 @@ def test_at_the_ends_of_the_times_no_requirement_passes_unknown(schuler, calibra
     json.dumps(found.to_dict())
 
 
-def run(*words):
-    return CliRunner().invoke(main, ["drift", *words])
+run = of_verb("drift")
 
 
 def test_a_configuration_drifts_as_its_model(tmp_path):

@@ -8,12 +8,12 @@ import tempfile
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from scipy.io import savemat
+from tests.commands import ends, of_verb
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import angle, following, main
+from allanite.cli import angle, following
 from allanite.core.errors import UsageError
 from allanite.core.syntax import toml
 from allanite.readers import live
@@ -24,16 +24,14 @@ ARCSEC = np.pi / 648_000
 EXPERIMENT = ["--latitude", "60", "--duration", "3600"]
 
 
-def run(*arguments):
-    return CliRunner().invoke(main, ["angle", *map(str, arguments)])
+run = of_verb("angle")
 
 
 @pytest.fixture(scope="module")
 def gimbal(tmp_path_factory):
     path = tmp_path_factory.mktemp("angle") / "hour.csv"
     errors = ["--error", "h:128=3,-1.5", "--error", "q:128=0,2", "--error", "q:256=-1,0.5"]
-    done = run("simulate", path, *EXPERIMENT, "--start", 7200, *errors)
-    assert done.exit_code == 0, done.stderr
+    run("simulate", path, *EXPERIMENT, "--start", 7200, *errors, code=0)
     return path
 
 
@@ -87,8 +85,7 @@ def test_everything_is_written(gimbal, tmp_path):
 
 
 def test_an_encoder(encoder, tmp_path):
-    done = run("calibrate", encoder, "--measured", "enc", "--reference", "ref", "--report", tmp_path / "e.html")
-    assert done.exit_code == 0, done.stderr
+    done = run("calibrate", encoder, "--measured", "enc", "--reference", "ref", "--report", tmp_path / "e.html", code=0)
     row = next(line.split() for line in done.stdout.splitlines() if line.split()[:2] == ["enc", "128"])
     assert float(row[6]) == pytest.approx(np.hypot(20, 5), abs=0.2)
     assert "absent" in done.stdout
@@ -98,9 +95,7 @@ def test_an_encoder(encoder, tmp_path):
 @pytest.mark.slow("takes more than half a second")
 def test_plan_finds_the_window_of_the_paper(tmp_path):
     done = run("plan", *EXPERIMENT, "--q-law", "linear", "--report", tmp_path / "p.html", "--plot", tmp_path / "p.svg")
-    assert done.exit_code == 0, done.stderr
-    assert "h from 13.38 to 19.77°" in done.stdout
-    assert "sum over the 8 amplitudes: 1.129" in done.stdout
+    ends(done, 0, "h from 13.38 to 19.77°", "sum over the 8 amplitudes: 1.129")
     page = (tmp_path / "p.html").read_text(encoding="utf-8")
     assert "h from 13.4 to 19.8°" in page
     assert page.count("<svg") == 1
@@ -110,8 +105,7 @@ def test_plan_finds_the_window_of_the_paper(tmp_path):
 
 def test_a_turned_ring_is_simulated_and_the_truth_stands_beside_the_estimate(tmp_path):
     path, ring = tmp_path / "ring.csv", ["--ring-rate", 2, "--ring-range", "-10,10", "--ring-step", 0.25]
-    made = run("simulate", path, *EXPERIMENT, "--start", 10800, *ring, "--error", "h:128=3,-1.5")
-    assert made.exit_code == 0, made.stderr
+    run("simulate", path, *EXPERIMENT, "--start", 10800, *ring, "--error", "h:128=3,-1.5", code=0)
     first, names, *_ = path.read_text().splitlines()
     assert first == "# simulated errors, arcsec: h:128=3,-1.5"
     assert "mu [rad]" in names
@@ -172,8 +166,7 @@ def test_refused(arguments, code, words, tmp_path, monkeypatch):
     (["--difference", "difference", "--latitude", 60, "--rho", "rho", "--sigma", "0.5"], 0, "times the sigma given"),
 ])  # fmt: skip
 def test_estimate_refuses_or_warns(gimbal, options, code, words):
-    done = run("estimate", gimbal, *options)
-    assert done.exit_code == code, done.stderr
+    done = run("estimate", gimbal, *options, code=code)
     assert words in " ".join((done.stdout + done.stderr).split())
 
 
@@ -256,8 +249,7 @@ def test_the_recipe_repeats_the_run(gimbal, tmp_path):
         ("plan",): [*EXPERIMENT, "--sway", "1,60", "--start", 600, "--orders", "128", "--angles", "h"],
     }
     for verb, chosen in runs.items():
-        first = run(*verb, *chosen, "--json", "-")
-        assert first.exit_code == 0, first.stderr
+        first = run(*verb, *chosen, "--json", "-", code=0)
         recipe.write_text(toml(json.loads(first.stdout)["recipe"]))
         assert run(*verb, "--recipe", recipe, "--json", "-").stdout == first.stdout
 
@@ -278,7 +270,6 @@ def test_known_harmonics_are_shown_and_drawn(tmp_path):
     np.testing.assert_allclose(error, 3 * np.sin(128 * hour.h), atol=1e-6)
     out, figure = tmp_path / "sway.csv", tmp_path / "sway.png"
     asked = ("--latitude", 60, "--duration", 3600, "--error", "h:128=3,0", "--sway", "0.5,60", "--plot", figure)
-    done = run("simulate", out, *asked)
-    assert done.exit_code == 0, done.stderr
+    done = run("simulate", out, *asked, code=0)
     assert figure.read_bytes().startswith(b"\x89PNG")
     assert f"plot: {figure}" in done.stdout

@@ -6,29 +6,24 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from tests import thinned
+from tests.commands import ends, of_verb
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.reporting import page, table
 
 MODEL = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
 
 
-def run(*arguments):
-    return CliRunner().invoke(main, ["compare", *map(str, arguments)])
+run = of_verb("compare")
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     place = tmp_path_factory.mktemp("data")
     for seed, (name, factor) in enumerate((("before", 1.0), ("after", 0.8), ("third", 1.0)), 1):
-        records = [
-            al.simulate(MODEL, 4096, 100.0, rng=np.random.default_rng(10 * seed + i), name=channel)
-            for i, channel in enumerate("xy")
-        ]
+        records = [al.simulate(MODEL, 4096, 100.0, rng=10 * seed + i, name=channel) for i, channel in enumerate("xy")]
         scaled = [al.Record(r.values * factor, 100.0, r.unit, name=r.name) for r in records]
         al.write(al.Recording(tuple(scaled)), place / f"{name}.csv")
     (place / "empty.csv").write_bytes(b"")
@@ -41,11 +36,10 @@ def folder(tmp_path_factory):
 
 @pytest.mark.slow("takes more than half a second")
 def test_before_and_after(folder, tmp_path):
-    ends = {"report": "html", "plot": "svg", "json": "json", "csv": "csv"}
-    paths = {name: tmp_path / f"out.{end}" for name, end in ends.items()}
+    suffixes = {"report": "html", "plot": "svg", "json": "json", "csv": "csv"}
+    paths = {name: tmp_path / f"out.{end}" for name, end in suffixes.items()}
     asked = [part for name, path in paths.items() for part in (f"--{name}", path)]
-    result = run(folder / "before.csv", folder / "after.csv", "--channels", "x", *asked)
-    assert result.exit_code == 0, result.stderr
+    result = run(folder / "before.csv", folder / "after.csv", "--channels", "x", *asked, code=0)
     assert "the noise has changed" in result.stdout
     assert "not resolvable in these records" in " ".join(result.stdout.split())
     assert result.stdout.splitlines()[-4:] == [f"{name}: {path}" for name, path in paths.items()]
@@ -67,9 +61,7 @@ def test_before_and_after(folder, tmp_path):
     assert page.count("<script") == 1  # its own
     assert "http" not in page.split("<body>")[1].replace("http://www.w3.org", "")
     assert paths["plot"].read_text("utf-8").startswith("<?xml")
-    again = run(folder / "before.csv", folder / "after.csv", "--channels", "x", "--json", paths["json"])
-    assert again.exit_code == 2
-    assert "--force" in again.stderr
+    ends(run(folder / "before.csv", folder / "after.csv", "--channels", "x", "--json", paths["json"]), 2, "--force")
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -86,10 +78,8 @@ def test_channels_of_one_file_and_of_two(folder):
 def test_several_files_are_pooled(folder, tmp_path):
     files = [folder / f"{name}.csv" for name in ("before", "after", "third")]
     paths = tmp_path / "pool.html", tmp_path / "pool.png", tmp_path / "pool.csv"
-    result = run(*files, "--channels", "x", "--report", paths[0], "--plot", paths[1], "--csv", paths[2])
-    assert result.exit_code == 0, result.stderr
-    assert "different from the others: after.csv" in result.stdout
-    assert "record by record" in result.stdout
+    done = run(*files, "--channels", "x", "--report", paths[0], "--plot", paths[1], "--csv", paths[2])
+    ends(done, 0, "different from the others: after.csv", "record by record")
     assert "record by record" in paths[0].read_text("utf-8").lower()
     assert paths[1].read_bytes().startswith(b"\x89PNG")
     rows = list(csv.DictReader(io.StringIO(paths[2].read_text("utf-8"))))
@@ -100,10 +90,7 @@ def test_several_files_are_pooled(folder, tmp_path):
 
 
 def test_a_part_against_the_rest(folder):
-    result = run(folder / "before.csv", "--channels", "x", "--part", "20")
-    assert result.exit_code == 0, result.stderr
-    assert "first 20 s" in result.stdout
-    assert "whole" in result.stdout
+    ends(run(folder / "before.csv", "--channels", "x", "--part", "20"), 0, "first 20 s", "whole")
 
 
 @rows("arguments, code, words", [
@@ -121,8 +108,7 @@ def test_a_part_against_the_rest(folder):
 ])  # fmt: skip
 def test_bad_input(folder, monkeypatch, arguments, code, words):
     monkeypatch.chdir(folder)
-    result = run(*arguments)
-    assert result.exit_code == code, result.output
+    result = run(*arguments, code=code)
     assert all(word in result.stderr for word in words), result.stderr
     assert "Traceback" not in result.output
 
@@ -176,8 +162,7 @@ def test_every_file_is_read_with_the_options_and_named(folder, tmp_path):
     for name in ("before", "after"):
         paths.append(tmp_path / f"{name}.bin")
         al.read(folder / f"{name}.csv")["x"].values.astype("<f4").tofile(paths[-1])
-    found = run(*paths, "--dtype", "f4", "--rate", "100", "--unit", "rad/s", "--kind", "rate", "--json", "-")
-    assert found.exit_code == 0, found.stderr
+    found = run(*paths, "--dtype", "f4", "--rate", "100", "--unit", "rad/s", "--kind", "rate", "--json", "-", code=0)
     wanted = json.loads(run(folder / "before.csv", folder / "after.csv", "--channels", "x", "--json", "-").stdout)
     terms = [data["channels"][0]["terms"][1]["change_percent"] for data in (json.loads(found.stdout), wanted)]
     assert terms[0] == pytest.approx(terms[1], abs=0.01)
@@ -186,8 +171,7 @@ def test_every_file_is_read_with_the_options_and_named(folder, tmp_path):
     time = (np.arange(x.size) + 0.3 * np.random.default_rng(1).standard_normal(x.size)) / 100
     path = tmp_path / "jittered.csv"
     path.write_text("t [s],x [rad/s]\n" + "".join(f"{t:.6f},{v:.9g}\n" for t, v in zip(time, x.values, strict=True)))
-    found = run(folder / "after.csv", path, "--channels", "x", "--json", "-")
-    assert found.exit_code == 0, found.stderr
+    found = run(folder / "after.csv", path, "--channels", "x", "--json", "-", code=0)
     (finding,) = json.loads(found.stdout)["findings"]
     assert finding["what"].startswith("jittered.csv: ")
     assert run(folder / "after.csv", path, "--channels", "x").stdout.count("jittered.csv: ") == 2

@@ -6,14 +6,13 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import ends, run
 from tests.rows import rows
 from tests.unit.exporting import parsers
 
 import allanite as al
 from allanite.applications.compensation.settings import CompensationSettings, FitSettings
 from allanite.applications.signals.budgeting import PathSettings
-from allanite.cli import main
 from allanite.core.syntax import toml
 from allanite.reporting import table
 from allanite.study.channels import open_recording
@@ -21,10 +20,6 @@ from allanite.study.channels import open_recording
 MODEL = al.N(0.1, "deg/sqrt(h)") + al.K(2.0, "deg/h/sqrt(h)")
 STAGE = "ADC 12 5V"
 TORQUER = "turns=100,field=0.4,span=0.05,radius=0.05,inertia=2e-3,spin=1000,sides=4"
-
-
-def run(*arguments):
-    return CliRunner().invoke(main, [str(a) for a in arguments])
 
 
 def write(path, columns, header):
@@ -53,8 +48,7 @@ def days(tmp_path_factory):
 @pytest.fixture(scope="module")
 def current(tmp_path_factory):
     path = tmp_path_factory.mktemp("current") / "current.csv"
-    rng = np.random.default_rng(1)
-    volts = 5 * al.simulate(al.N(2.5, "deg/sqrt(h)"), 20_000, 1000.0, rng=rng).values / 0.2
+    volts = 5 * al.simulate(al.N(2.5, "deg/sqrt(h)"), 20_000, 1000.0, rng=1).values / 0.2
     step = 10 / 2**12
     columns = np.column_stack([np.arange(20_000) / 1000, np.round(volts / step) * step])
     np.savetxt(path, columns, delimiter=",", fmt=["%.3f", "%.10g"], header="time [s],ux [V]", comments="")
@@ -67,8 +61,7 @@ def test_everything_of_a_compensation_is_written(days, tmp_path):
     names |= {"save": "r.json", "corrected": "c.csv"}
     paths = {name: tmp_path / file for name, file in names.items()}
     asked = [part for name, path in paths.items() for part in (f"--{name}", path)]
-    done = run("compensate", days[0], "--regressors", "temp", "--channels", "gx", "--apply", days[1], *asked)
-    assert done.exit_code == 0, done.stderr
+    done = run("compensate", days[0], "--regressors", "temp", "--channels", "gx", "--apply", days[1], *asked, code=0)
     assert "gx depends on temp" in done.stdout
     assert "could be expected" in done.stdout
     assert done.stdout.splitlines()[-1] == f"corrected: {paths['corrected']}"
@@ -111,8 +104,7 @@ def soak(tmp_path_factory):
 def test_an_autopilot_corrects_as_the_corrected_record(soak, autopilot, tmp_path):
     path, corrected = tmp_path / "tc.params", tmp_path / "c.csv"
     asked = ("--regressors", "temp", "--corrected", corrected)
-    done = run("compensate", soak, *asked, "--to", autopilot, "-o", path)
-    assert done.exit_code == 0, done.stderr
+    run("compensate", soak, *asked, "--to", autopilot, "-o", path, code=0)
     text = path.read_text(encoding="utf-8")
     assert "gy: no effect is shown" in text
     rows = parsers.parameters(text, "\t" if autopilot == "px4" else ",")
@@ -154,8 +146,7 @@ def test_motion_is_refused_and_outliers_of_regressors_are_kept(days, tmp_path):
     rows = np.loadtxt(days[0], delimiter=",", skiprows=1)
     rows[1200:1400, 1] += 3e5
     path = write(tmp_path / "moved.csv", rows, DAY)
-    done = run("compensate", path, "--regressors", "temp")
-    assert done.exit_code == 3
+    done = run("compensate", path, "--regressors", "temp", code=3)
     assert "the body moved" in " ".join(done.stderr.split())
     assert run("compensate", path, "--regressors", "temp", "--channels", "gx").exit_code == 3
     # outliers of regressors are not marked
@@ -182,9 +173,7 @@ def test_a_warm_up_is_no_motion(tmp_path):
     rows[:, 3] = warm
     write(path, rows, DAY)
     assert run("info", path, "--channels", "gx").exit_code == 0
-    done = run("compensate", path, "--channels", "gx", "--regressors", "temp")
-    assert done.exit_code == 0, done.stderr
-    assert "gx depends on temp" in done.stdout
+    ends(run("compensate", path, "--channels", "gx", "--regressors", "temp"), 0, "gx depends on temp")
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -200,14 +189,9 @@ def test_regressors_of_another_file(days, tmp_path):
     # regressors of another file are interpolated only if asked
     slow = write(tmp_path / "slow.csv", rows[::10], "time [s],temp [degC]")
     asked = ("compensate", days[0], "--channels", "gx", "--regressors", "temp", "--beside", slow)
-    refused = run(*asked)
-    assert refused.exit_code == 3
-    assert "does not have the sample times of 'gx'" in refused.stderr
-    assert "--interpolate" in refused.stderr
+    ends(run(*asked), 3, "does not have the sample times of 'gx'", "--interpolate")
     # the last readings lie behind the last temperature
-    done = run(*asked, "--interpolate", "--split-gaps")
-    assert done.exit_code == 0, done.stderr
-    assert "gx depends on temp" in done.stdout
+    ends(run(*asked, "--interpolate", "--split-gaps"), 0, "gx depends on temp")
 
 
 @pytest.mark.slow("seconds of analyses")
@@ -232,8 +216,7 @@ REFUSED = [
 
 @rows(("options", "code", "words"), REFUSED)
 def test_wrong_usage_of_compensate(days, options, code, words):
-    done = run("compensate", days[0], *options)
-    assert (done.exit_code, words in done.stderr) == (code, True), done.stderr
+    ends(run("compensate", days[0], *options), code, words)
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -242,9 +225,7 @@ def test_everything_of_a_budget_is_written(current, tmp_path):
     paths = {name: tmp_path / file for name, file in names.items()}
     asked = [part for name, path in paths.items() for part in (f"--{name}", path)]
     done = run("budget", current, "--unit", "V", "--stage", STAGE, "--torquer", TORQUER, "--sense", 5, *asked)
-    assert done.exit_code == 0, done.stderr
-    assert "K_i = 0.2 rad/s per A, of 4 coil side(s)" in done.stdout
-    assert "more bits would change nothing" in done.stdout
+    ends(done, 0, "K_i = 0.2 rad/s per A, of 4 coil side(s)", "more bits would change nothing")
     data = json.loads(paths["json"].read_text(encoding="utf-8"), parse_constant=pytest.fail)
     assert data["channels"][0]["budget"]["stages"][0]["codes"]["missing"] == 0
     rate = al.read(paths["rates"])["ux"]
@@ -268,9 +249,7 @@ def test_a_budget_takes_the_unit_of_the_header(current, tmp_path):
         path, al.Recipe(rate=100.0), PathSettings((al.signals.Stage("ADC", 12, 10.0, "mA"),), 0.2)
     )
     assert [channel.record.name for channel in found] == ["ix"]
-    refused = run("analyze", path, "--rate", 100)
-    assert refused.exit_code == 2
-    assert "'mA' is not a unit of a gyroscope" in refused.stderr
+    ends(run("analyze", path, "--rate", 100), 2, "'mA' is not a unit of a gyroscope")
 
 
 def test_the_recipe_of_a_budget_repeats_it(current, tmp_path):
@@ -308,8 +287,7 @@ WRONG = [
 
 @rows(("options", "code", "words"), WRONG)
 def test_wrong_usage_of_budget(current, options, code, words):
-    done = run("budget", current, "--unit", "V", *options)
-    assert (done.exit_code, words in done.stderr) == (code, True), done.stderr
+    ends(run("budget", current, "--unit", "V", *options), code, words)
 
 
 def test_a_current_is_read_by_its_unit(tmp_path):

@@ -4,25 +4,20 @@ import json
 import re
 
 import pytest
-from click.testing import CliRunner
 from tests import thinned
+from tests.commands import ends, run
 from tests.rows import rows
 
-from allanite.cli import VERBS, main
+from allanite.cli import VERBS
 from allanite.papers.paper import PAPERS, paper
 
 SHOWN = r"[\w.]+\.(?:html|svg|csv|npz|json)"
 
 
-def run(*arguments):
-    return CliRunner().invoke(main, list(map(str, arguments)))
-
-
 def test_the_list_and_an_unknown_paper():
     listed = run("example").stdout
     assert all(name in listed for name in PAPERS)
-    refused = run("example", "999")
-    assert refused.exit_code == 2
+    refused = run("example", "999", code=2)
     assert "unknown paper '999'; known papers: 00" in refused.stderr
     assert all(row.short in listed and row.short in refused.stderr for row in map(paper, PAPERS))
 
@@ -50,8 +45,7 @@ def test_the_commands_are_verbs(name):
 def test_every_item_of_a_paper_has_the_verdict_that_is_expected(name, tmp_path, monkeypatch):
     monkeypatch.delenv("ALLANITE_DETAILS")
     folder = tmp_path / "made"
-    done = run("example", name, folder)
-    assert done.exit_code == 0, done.stderr
+    done = run("example", name, folder, code=0)
     assert re.search(r"^ +paper or source +here +verdict\b", done.stdout, re.MULTILINE), "no room for the verdict"
     named = set(re.findall(SHOWN, " ".join(paper(name).commands))) | {"page.html", "paper.json"}
     assert named == {path.name for path in folder.iterdir()}
@@ -59,6 +53,4 @@ def test_every_item_of_a_paper_has_the_verdict_that_is_expected(name, tmp_path, 
     assert [(item["item"], item["claim"], item["here"]) for item in found if not item["expected"]] == []
     page = (folder / "page.html").read_text("utf-8")
     assert page.count("<figure>") == len(paper(name).captions)
-    again = run("example", name, folder)
-    assert again.exit_code == 2
-    assert "exists" in again.stderr
+    ends(run("example", name, folder), 2, "exists")

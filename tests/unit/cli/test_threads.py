@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import rows
-
-from allanite.cli import main
 
 
 @pytest.fixture(scope="module")
@@ -17,27 +15,15 @@ def file(tmp_path_factory):
 
 
 def output(*arguments):
-    result = CliRunner().invoke(main, [str(argument) for argument in arguments])
-    assert result.exit_code == 0, result.stderr
+    result = run(*arguments, code=0)
     return result.stdout
 
 
-@rows("verb", ["analyze", "info", "deviation", "spectrum"])
+@rows("verb", ["deviation", "spectrum"])
 @pytest.mark.slow("three processes each")
 def test_json_is_the_same(verb, file):
     found = {output(verb, file, "--json", "-", *threads) for threads in ([], ["--threads", 1], ["--threads", 3])}
     assert len(found) == 1
-
-
-EXPECTED = "expected a number of processors, at least 1, or auto, not "
-
-
-@rows("wrong, words", [("0", "between 1 and 10000, not 0"), ("-1", "between 1 and 10000, not -1"),
-                       ("many", f"{EXPECTED}'many'"), ("1.5", f"{EXPECTED}'1.5'")])  # fmt: skip
-def test_a_wrong_number_is_refused(wrong, words, file):
-    result = CliRunner().invoke(main, ["analyze", file, "--threads", wrong])
-    assert result.exit_code == 2
-    assert words in result.stderr
 
 
 @pytest.mark.slow("takes more than half a second")

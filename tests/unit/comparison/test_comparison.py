@@ -110,22 +110,6 @@ def test_exchanged_and_scaled_records_have_exchanged_and_scaled_ratios(symbol):
     assert louder.ratio == pytest.approx(1.3 * there.ratio, rel=1e-2)
 
 
-@pytest.mark.slow("takes more than half a second")
-def test_unit_kind_and_rate_do_not_matter(pair):
-    a, b = pair
-    arcsec = np.degrees(b.values) * 3600
-    same = al.Record(arcsec, RATE, "deg/h"), al.Record(arcsec / RATE, RATE, "arcsec", kind="increment")
-    wanted = al.compare(a, b)
-    for record in same:
-        found = al.compare(a, record)
-        assert found.pairs[0].test.statistic == pytest.approx(wanted.pairs[0].test.statistic, rel=1e-3)
-        assert found["N"].interval() == pytest.approx(wanted["N"].interval(), abs=1e-3)
-    fast = simulated(NK, 3, n=16384, rate=200.0)
-    mixed = al.compare(simulated(NK, 4, n=8192), fast)
-    assert (mixed.pairs[0].band[1], mixed["N"].outcome) == (50.0, "no change")
-    np.testing.assert_allclose(mixed.pairs[0].ratios.before.tau, mixed.pairs[0].ratios.after.tau)
-
-
 def single(edf):
     row = statistic_named("oadev")
     law = mixtures(CurvePoints(row, np.array([1]), [(100, 1)], 100, 1.0, 0.2), [al.Model((al.N(1, "rad/sqrt(s)"),))])[1]
@@ -366,5 +350,4 @@ def test_times_at_which_a_curve_is_zero_have_no_ratio():
     records = [al.Record(k * (np.arange(250) % 2.0), 100.0, "deg/s", name="gx") for k in (1, 1.5)]
     (pair,) = al.compare(*records)
     assert pair.ratios.ratio == pytest.approx(2.25)
-    with pytest.raises(al.AllaniteError, match=r"zero at 0\.02 s"):
-        al.compare(*records, taus=[0.02, 0.03])
+    refused(al.AllaniteError, r"zero at 0\.02 s", lambda: al.compare(*records, taus=[0.02, 0.03]))

@@ -26,7 +26,7 @@ NB = al.N(0.3, "deg/sqrt(h)") + al.B(20, "deg/h")
 
 
 def simulated(seed, model=NB, n=16384):
-    return al.simulate(model, n, RATE, rng=np.random.default_rng(seed), name="gx")
+    return al.simulate(model, n, RATE, rng=seed, name="gx")
 
 
 def hum(size, frequency=12.0):
@@ -121,7 +121,7 @@ def test_records_that_only_drift_alike_are_no_pair(drift):
 
 
 def test_a_smoothed_record_and_its_source_are_a_pair():
-    raw = al.simulate(al.Model("N 0.1 deg/sqrt(h), K 5 deg/h/sqrt(h)"), 65536, 10.0, rng=np.random.default_rng(1))
+    raw = al.simulate(al.Model("N 0.1 deg/sqrt(h), K 5 deg/h/sqrt(h)"), 65536, 10.0, rng=1)
     smooth = raw.with_values(np.convolve(raw.values, np.full(5, 0.2), "same"), "smoothed")
     assert resemblance((raw, smooth)) > 0.9
 
@@ -202,7 +202,7 @@ def test_a_length_that_would_do_is_named_and_does():
 def test_reading_both_files_is_told(tmp_path):
     paths = [tmp_path / "before.csv", tmp_path / "after.csv"]
     for seed, path in enumerate(paths):
-        noise = al.simulate(al.N(0.3, "deg/sqrt(h)"), 4096, 100.0, rng=np.random.default_rng(seed))
+        noise = al.simulate(al.N(0.3, "deg/sqrt(h)"), 4096, 100.0, rng=seed)
         al.write(al.Recording((noise,)), path)
     said = []
     al.compare(*paths, al.Recipe(terms="N"), progress=lambda what, share: said.append((what, share)))
@@ -213,7 +213,7 @@ MODEL = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
 
 
 def run(seed, n=4096, factor=1.0, rate=100.0):
-    record = al.simulate(MODEL, n, rate, rng=np.random.default_rng(seed), name="z")
+    record = al.simulate(MODEL, n, rate, rng=seed, name="z")
     return replace(record, values=record.values * factor)
 
 
@@ -283,9 +283,7 @@ def test_the_run_that_lies_apart_is_named():
 def test_ramps_that_differ_are_named():
     """Each run has a ramp of its own, which no noise model contains."""
     ramps = [al.R(size, "deg/h^2") for size in (5e5, -2e5, 5e5)]
-    runs = [
-        al.simulate(MODEL + ramp, 4096, 100.0, rng=np.random.default_rng(seed)) for seed, ramp in enumerate(ramps, 1)
-    ]
+    runs = [al.simulate(MODEL + ramp, 4096, 100.0, rng=seed) for seed, ramp in enumerate(ramps, 1)]
     found = al.comparison.pool(runs)
     (channel,) = found.channels
     assert channel.test.p > 0.05

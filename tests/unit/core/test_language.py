@@ -8,7 +8,10 @@ import pickle
 from tests.rows import rows
 
 from allanite.core.errors import DataError
+from allanite.core.estimate import STATUSES
+from allanite.core.units import SIGNALS
 from allanite.phrases.phrase import Phrase, join, say, say_count, translate
+from allanite.reporting import words
 
 WORDS = {"minimum": "Minimum", "{title} at {tau:.3g} s": "{title} bei {tau:.3g} s", "{count} gaps": "{count} Lücken"}
 
@@ -36,6 +39,14 @@ def test_a_phrase_is_english_text_and_is_said_in_another_language():
     assert isinstance(said, Phrase)
     assert (translate(said, German()), translate(say("no {what}", what="gap"), German())) == ("Minimum", "no gap")
     assert (translate(3.5, German()), say("a {brace}")) == (3.5, "a {brace}")
+
+
+def test_phrases_begin_with_a_capital_letter_and_all_have_words():
+    said = words.capital(say("{title} at {tau:.3g} s", title=say("gap"), tau=12.3456))
+    assert (said, said.within(German())) == ("Gap at 12.3 s", "Gap bei 12.3 s")
+    assert pickle.loads(pickle.dumps(said)).within(German()) == "Gap bei 12.3 s"
+    assert all(row.name == status and row.meaning for status, row in STATUSES.items())
+    assert all(signal.a_sensor.endswith(signal.sensor) for signal in SIGNALS)
 
 
 @rows(("count", "shown"), [(1, "1 Lücke"), (5, "5 Lücken"), (0, "0 Lücken")])

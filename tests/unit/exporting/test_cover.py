@@ -5,12 +5,11 @@ import math
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from hypothesis import given, settings, strategies as st
+from tests.commands import run
 from tests.rows import paired, rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.exporting.cover import SETTLED
 from allanite.exporting.stated_noise import Outages
 
@@ -24,10 +23,6 @@ NOISES = {
     "quantization": al.Model("Q 2 arcsec, N 0.03 deg/sqrt(h), B 0.7 deg/h"),
 }
 DRIFTING = sorted(name for name, row in al.exporting.EXPORTS.items() if row.drifts)
-
-
-def run(*arguments):
-    return CliRunner().invoke(main, list(arguments))
 
 
 def covered(target, noise, span=(1, 1000), **more):
@@ -145,8 +140,7 @@ def test_the_bias_instability_of_a_data_sheet_is_covered_by_convert():
 )  # fmt: skip
 def test_the_span_may_be_omitted(words, span):
     values = ["7.2 deg/h", *([] if "0.3 deg/sqrt(h)" in words else ["0.3 deg/sqrt(h)"]), "N 60 ug/sqrt(Hz), B 9 ug"]
-    found = run("convert", *values, *words, "--rate", "100", "--json", "-")
-    assert found.exit_code == 0, found.stderr
+    found = run("convert", *values, *words, "--rate", "100", "--json", "-", code=0)
     assert json.loads(found.stdout)["stated"][0]["span"] == pytest.approx(span)
 
 

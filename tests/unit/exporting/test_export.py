@@ -12,12 +12,11 @@ from html import unescape
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import ends, run
 from tests.rows import refused, rows
 from tests.unit.exporting.test_covariance import noise
 
 import allanite as al
-from allanite.cli import main
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.plain import from_dict
@@ -211,10 +210,6 @@ def test_forms_of_a_data_sheet():
 # the command line
 
 
-def run(*arguments):
-    return CliRunner().invoke(main, [str(a) for a in arguments])
-
-
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
     """A gyro with three axes, and its accelerometers in a file of their own."""
@@ -240,9 +235,7 @@ def test_a_file_for_kalibr_from_two_recordings(files):
     assert held["gyroscope_noise_density"] == pytest.approx(0.3 * np.pi / 180 / 60, rel=0.03)
     assert held["accelerometer_random_walk"] == pytest.approx(3000e-6 * 9.80665 / 60, rel=0.4)
     assert "gyroscope_noise_density" in done.stdout
-    again = run("export", files / "gyro.csv", files / "acc.csv", "--to", "kalibr", "-o", out)
-    assert again.exit_code == 2
-    assert "already exists" in again.stderr
+    ends(run("export", files / "gyro.csv", files / "acc.csv", "--to", "kalibr", "-o", out), 2, "already exists")
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -285,9 +278,7 @@ def test_the_other_sensor_as_a_model_and_json(files):
     (("explain", "nothing"), 2, "unknown name 'nothing'"),
 ])  # fmt: skip
 def test_what_is_refused_says_so(files, arguments, code, words):
-    done = run(*(str(a).format(gyro=files / "gyro.csv") for a in arguments))
-    assert done.exit_code == code, done.output
-    assert words in done.stderr
+    ends(run(*(str(a).format(gyro=files / "gyro.csv") for a in arguments)), code, words)
 
 
 def test_a_value_of_a_data_sheet_in_the_unit_of_a_field():
@@ -346,7 +337,7 @@ def test_the_command_beside_the_values_is_complete(tmp_path, monkeypatch):
     monkeypatch.delenv("ALLANITE_DETAILS")
     y = np.random.default_rng(4).standard_normal((4000, 6)) * 1e-3 + [0, 0, 0, 0, 0, 1]
     np.savetxt("imu.csv", y, delimiter=",", header="gx,gy,gz,ax,ay,az", comments="")
-    run = CliRunner().invoke(main, ["analyze", "imu.csv", "--rate", "100", "--unit", "gyro=deg/s,accel=g"])
-    line = " ".join(run.stdout.split()).split("(allanite ")[1].split(")")[0]
-    assert CliRunner().invoke(main, [*shlex.split(line.replace("FILE", "imu.csv")), "-o", "imu.yaml"]).exit_code == 0
+    said = run("analyze", "imu.csv", "--rate", "100", "--unit", "gyro=deg/s,accel=g")
+    line = " ".join(said.stdout.split()).split("(allanite ")[1].split(")")[0]
+    assert run(*shlex.split(line.replace("FILE", "imu.csv")), "-o", "imu.yaml").exit_code == 0
     assert (tmp_path / "imu.yaml").exists()

@@ -10,15 +10,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import yaml
-from click.testing import CliRunner
 from hypothesis import example, given, settings, strategies as st
 from tests import ROOT, examples
+from tests.commands import run
 from tests.rows import rows
 from tests.unit.exporting.syntaxes import PARSERS
 from tests.unit.exporting.test_export import six
 
 import allanite as al
-from allanite.cli import main
 from allanite.core.files import encoded
 from allanite.core.syntax import KEYWORDS, toml_text
 from allanite.exporting.content import Content, Entry
@@ -55,8 +54,7 @@ def contents():
         row = al.exporting.EXPORTS[name]
         caught = []
         spy = replace(row, forms={suffix: lambda content, caught=caught: caught.append(content) or ""})
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setitem(al.exporting.EXPORTS, name, spy)
+        with al.exporting.EXPORTS.trying(name, spy):
             al.export(source, name, rate=100.0, axis="worst" if row.fields else "each", form=suffix)
         (content,) = caught
         found[name, suffix] = replace(content, header=(*content.header, f"source: {FIRST}, sha256"))
@@ -154,8 +152,7 @@ def test_a_line_break_in_a_member_is_no_key_of_kalibr(tmp_path):
     names = ("gx\nevil: x # [deg/s]", "gy", "gz", "ax", "ay", "az")
     np.savez(file, **{name: rng.normal(size=3000) for name in names})
     arguments = "--rate 100 --unit gyro=deg/s,accel=m/s^2 --to kalibr -o - --unexplained --from-curve"
-    done = CliRunner().invoke(main, ["export", str(file), *arguments.split()])
-    assert done.exit_code == 0, done.output
+    done = run("export", file, *arguments.split(), code=0)
     held = yaml.safe_load(done.stdout)
     assert "gx\\nevil: x" in done.stdout
     assert set(held) == {"rostopic", "update_rate", *(field.name for field in al.exporting.EXPORTS["kalibr"].fields)}
@@ -235,7 +232,7 @@ def test_a_changed_result_is_refused_by_the_path_of_its_field(tactical, tmp_path
     data["channels"][0]["fit"]["terms"][0][key] = "HERE"
     file = tmp_path / "result.json"
     file.write_text(json.dumps(data).replace('"HERE"', value))
-    done = CliRunner().invoke(main, ["export", str(file), "--to", "datasheet", "-o", "-"])
+    done = run("export", file, "--to", "datasheet", "-o", "-")
     assert done.exit_code in {2, 3}, done.output
     assert not isinstance(done.exception, Exception) or isinstance(done.exception, SystemExit)
     assert re.search(words, " ".join(done.stderr.split())), done.stderr

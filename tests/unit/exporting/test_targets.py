@@ -5,12 +5,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import rows
 from tests.unit.exporting.test_covariance import noise
 
 import allanite as al
-from allanite.cli import main
 from allanite.exporting.content import Entry, number
 from allanite.exporting.imported import noise_in
 from allanite.exporting.target import LONG
@@ -94,8 +93,7 @@ def test_what_a_field_is_and_by_how_much_the_usual_mistake_is_wrong(target, fiel
 
 
 def said(*arguments):
-    done = CliRunner().invoke(main, list(arguments))
-    assert done.exit_code == 0, done.output
+    done = run(*arguments, code=0)
     return " ".join(done.stdout.split())
 
 

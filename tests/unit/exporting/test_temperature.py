@@ -14,7 +14,6 @@ from allanite.applications.compensation.mixture import Gain, Mixture
 from allanite.applications.compensation.regression import Regression
 from allanite.applications.compensation.regressor import Regressor
 from allanite.applications.compensation.settings import CompensationSettings
-from allanite.core.errors import DataError, UsageError
 from allanite.core.units import SIGNALS
 from allanite.exporting.temperature import polynomial
 
@@ -117,13 +116,13 @@ def test_axes_are_found_by_name_or_place():
 
 
 REFUSED = {
-    "degree": (regression(powers=(1, 2, 3, 4, 5)), UsageError, r"powers up to 3, not 5: degree=3"),
-    "lag": (regression(powers=(1,), lag=60.0), UsageError, "not temp, 60 s before as well"),
-    "derivative": (regression(powers=(1,), smooth=60.0), UsageError, "not d temp/dt as well"),
-    "unit": (regression(unit="K"), UsageError, "takes temperatures in degC, and 'temp' is in 'K'"),
-    "range": (regression(span=None), DataError, "lacks the range of 'temp': fit again"),
-    "effect": (regression(share=0), DataError, "no effect of the temperature is shown for gx"),
-    "axis": (regression(name="rate"), UsageError, r"which axes rate are is not known.*Recipe\(channels"),
+    "degree": (regression(powers=(1, 2, 3, 4, 5)), al.UsageError, r"powers up to 3, not 5: degree=3"),
+    "lag": (regression(powers=(1,), lag=60.0), al.UsageError, "not temp, 60 s before as well"),
+    "derivative": (regression(powers=(1,), smooth=60.0), al.UsageError, "not d temp/dt as well"),
+    "unit": (regression(unit="K"), al.UsageError, "takes temperatures in degC, and 'temp' is in 'K'"),
+    "range": (regression(span=None), al.DataError, "lacks the range of 'temp': fit again"),
+    "effect": (regression(share=0), al.DataError, "no effect of the temperature is shown for gx"),
+    "axis": (regression(name="rate"), al.UsageError, r"which axes rate are is not known.*Recipe\(channels"),
 }
 
 
@@ -136,11 +135,11 @@ def test_what_an_autopilot_does_not_take_is_refused(case, target):
 
 
 def test_what_is_asked_for_in_vain():
-    with pytest.raises(UsageError, match="from 0 to 3; there is no instance=4"):
+    with pytest.raises(al.UsageError, match="from 0 to 3; there is no instance=4"):
         al.exporting.temperature_parameters(study(regression()), "px4", instance=4)
-    with pytest.raises(UsageError, match="unknown autopilot 'betaflight'; known autopilots: px4, ardupilot"):
+    with pytest.raises(al.UsageError, match="unknown autopilot 'betaflight'; known autopilots: px4, ardupilot"):
         al.exporting.temperature_parameters(study(regression()), "betaflight")
-    with pytest.raises(UsageError, match="which axes"):
+    with pytest.raises(al.UsageError, match="which axes"):
         al.exporting.temperature_parameters(study(*(regression(name=f"imu{i}_x") for i in range(2))), "px4")
 
 

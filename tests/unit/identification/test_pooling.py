@@ -13,6 +13,8 @@ import independent
 from allanite.identification.front import finished, started
 from allanite.identification.search.pooling import bases, in_common, together
 
+pytestmark = pytest.mark.slow("searches of several channels")
+
 RATE, N = 100.0, 0.003
 SIZE = 2**13
 FILTERS = {
@@ -40,7 +42,6 @@ def filters(found):
     return [None if fit.scope.filter is None else (fit.scope.filter.row, fit.scope.filter.cutoff) for fit in found]
 
 
-@pytest.mark.slow("searches in three records each")
 @rows("kind, seed", paired(("rc", "butterworth", "average"), (1, 11)))
 def test_channels_behind_one_filter_say_the_same_of_it(kind, seed):
     channels = [(kind, seed + i) for i in range(3)]
@@ -58,14 +59,12 @@ def test_channels_behind_one_filter_say_the_same_of_it(kind, seed):
         assert all(name in str(fit.notes[-1]) for name in (f"{kind} {seed + i}" for i in range(3)))
 
 
-@pytest.mark.slow("searches in three records")
 def test_one_that_is_unlike_the_others_is_left_out():
     found = fits(("butterworth", 1), ("butterworth", 2), ("none", 3))
     assert (found[0].scope.filter.cutoff, found[2].scope.filter) == (found[1].scope.filter.cutoff, None)
     assert not any("none 3" in str(note) for note in found[0].notes)
 
 
-@pytest.mark.slow("searches in four records")
 def test_kinds_and_choices_of_a_user_are_not_mixed():
     """Of two signals or rates, or where a user chose band, masks or terms, each channel is as alone."""
     gyro, other = begun("butterworth", 1).search, begun("butterworth", 2).search
@@ -85,7 +84,6 @@ def test_noise_alone_has_no_filter_in_common():
     assert in_common([begun("none", seed).search.result for seed in (3, 4)]) == {}
 
 
-@pytest.mark.slow("searches in two records")
 def test_the_price_is_paid_once_and_information_adds():
     results = [begun("butterworth", seed).search.result for seed in (1, 2)]
     pool = in_common(results)
@@ -97,7 +95,6 @@ def test_the_price_is_paid_once_and_information_adds():
     assert all(len(bases(result, 2)) <= 3 for result in results)
 
 
-@pytest.mark.slow("searches in two records")
 def test_what_is_begun_elsewhere_is_finished_here():
     """A process sends back what it began."""
     here = [begun("butterworth", seed) for seed in (1, 2)]
@@ -106,7 +103,6 @@ def test_what_is_begun_elsewhere_is_finished_here():
         assert one().to_dict() == other().to_dict()
 
 
-@pytest.mark.slow("searches in two records twice")
 def test_a_recording_has_one_filter_in_every_job():
     records = [channel("butterworth", seed) for seed in (1, 2)]
     recording = al.Recording(tuple(records))

@@ -6,11 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import ends, run
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit, Goodness
 from allanite.core.readings import Reading, Readings
@@ -87,10 +86,8 @@ def test_the_tables_of_causes_follow_the_papers_and_cite_all():
 
 @rows("name", ["fgo", "FOG", ""])
 def test_an_unknown_device_is_refused_before_anything_is_read(name):
-    result = CliRunner().invoke(main, ["analyze", "missing.csv", "--device", name])
-    assert result.exit_code == 2
-    assert f"unknown device {name!r}" in result.stderr
-    assert "nown devices: stabilizer, mscsg, rlg, fog, mems, accelerometer" in result.stderr
+    done = run("analyze", "missing.csv", "--device", name)
+    ends(done, 2, f"unknown device {name!r}", "nown devices: stabilizer, mscsg, rlg, fog, mems, accelerometer")
 
 
 def test_grades_follow_each_other():
@@ -215,8 +212,7 @@ def test_a_loop_has_its_time_constant_and_is_drawn_without_the_ramp():
 
 def test_the_command_says_it_and_the_recipe_holds_it(recorded, tmp_path):
     page = tmp_path / "page.html"
-    result = CliRunner().invoke(main, ["analyze", str(recorded), "--device", "fog", "--report", str(page)])
-    assert result.exit_code == 0, result.output
+    result = run("analyze", recorded, "--device", "fog", "--report", page, code=0)
     text = " ".join(result.stdout.split())
     assert "what it means: gz - White noise (angle random walk) dominates up to 4" in text
     assert "The drift is systematic" in text

@@ -9,7 +9,6 @@ from tests import ROOT
 from tests.rows import rows
 
 import allanite as al
-from allanite.core.errors import UsageError
 from allanite.exporting.imported import models_of
 from allanite.planning.datasheets import QUANTITIES, SENSOR_TYPES, Claim, DataSheet, claimed
 from allanite.testing import check_data_sheet
@@ -149,7 +148,7 @@ def test_a_name_is_found_as_it_is_typed(name):
     ("itg-3200 accelerometer", "the data sheet of the ITG-3200 says nothing of the noise of its accelerometer"),
 ])  # fmt: skip
 def test_what_is_not_there_is_refused(text, said):
-    with pytest.raises(UsageError) as caught:
+    with pytest.raises(al.UsageError) as caught:
         claimed(text)
     assert str(caught.value).startswith(said)
 

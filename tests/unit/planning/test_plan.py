@@ -5,14 +5,12 @@ import math
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import ends, of_verb
 from tests.reference import edf as published
 from tests.rows import refused, rows
 
 import allanite as al
 import bound as script
-from allanite.cli import main
-from allanite.core.errors import UsageError
 from allanite.identification.likelihood import spectrum
 from allanite.planning.plan import properties
 
@@ -133,13 +131,11 @@ def test_a_plan_of_nothing_is_refused(wrong):
     refused(al.UsageError, r"between 1e-|above 0 and", lambda: al.plan(al.sensor("rlg"), **wrong))
 
 
-def run(*arguments):
-    return CliRunner().invoke(main, ["plan", *map(str, arguments)])
+run = of_verb("plan")
 
 
 def test_the_verb_plans_for_a_sensor():
-    result = run("--sensor", "mems", "--rate", 100, "--durations", "1 s,10 min,1 d", "--accuracy", 5)
-    assert result.exit_code == 0, result.stderr
+    result = run("--sensor", "mems", "--rate", 100, "--durations", "1 s,10 min,1 d", "--accuracy", 5, code=0)
     lines = result.stdout.splitlines()
     at = lines.index("mems  100 Hz, no ramp")
     assert lines[at + 2].strip() == "if all five terms are looked for, as analyze does"
@@ -154,10 +150,9 @@ def test_the_verb_plans_for_a_sensor():
 
 @pytest.mark.slow("takes more than half a second")
 def test_the_verb_plans_from_a_first_recording(tmp_path):
-    record = al.simulate(al.sensor("mems"), 60_000, 100.0, rng=np.random.default_rng(1), unit="deg/h", name="gz")
+    record = al.simulate(al.sensor("mems"), 60_000, 100.0, rng=1, unit="deg/h", name="gz")
     al.write(record, tmp_path / "first.npz")
-    result = run(tmp_path / "first.npz", "--json", "-")
-    assert result.exit_code == 0, result.stderr
+    result = run(tmp_path / "first.npz", "--json", "-", code=0)
     (channel,) = json.loads(result.stdout)["channels"]
     fitted = al.identify(record).valid
     assert (channel["name"], channel["model"]) == ("gz", fitted.to_dict())
@@ -173,9 +168,7 @@ def test_the_verb_plans_from_a_first_recording(tmp_path):
     (("--sensor", "fog", "--rate", 1, "--from", 3), "--from applies to a recording"),
 ])  # fmt: skip
 def test_what_the_verb_refuses(arguments, words):
-    result = run(*arguments)
-    assert result.exit_code == 2
-    assert words in result.stderr
+    ends(run(*arguments), 2, words)
 
 
 TABLE_1 = {"Q": (0.09, 0.74, 0.40), "N": (1.00, 0.0, 0.0), "B": (1.87, -1.05, 0.79), "K": (2.70, -1.53, 0.85),
@@ -205,10 +198,7 @@ def test_a_statistic_of_second_differences_has_no_bias_and_hadamard_is_its_own_t
 def test_the_scatter_of_simulated_records():
     found = properties("totdev", 256, m=[64])
     model = al.Model("N 1 deg/sqrt(h)")
-    draws = [
-        al.deviation(al.simulate(model, 256, 1.0, rng=np.random.default_rng(seed)), "totdev", m=[64], noise=None)
-        for seed in range(400)
-    ]
+    draws = [al.deviation(al.simulate(model, 256, 1.0, rng=seed), "totdev", m=[64], noise=None) for seed in range(400)]
     variance = np.array([curve.variance[0] for curve in draws])
     edf = 2 * variance.mean() ** 2 / variance.var()
     assert edf == pytest.approx(found.edf[0, found.symbols.index("N")], rel=0.25)
@@ -225,12 +215,12 @@ def test_averaging_times_or_factors():
     ("theo1", {"m": [11]}, "must be even"), ("theo1", {"taus": [8.0]}, "is not a multiple of 1.5 s"),
 ])  # fmt: skip
 def test_bad_input(name, more, message):
-    refused(UsageError, message, lambda: properties(name, 1000, **more))
+    refused(al.UsageError, message, lambda: properties(name, 1000, **more))
 
 
 def test_limits_under_quantization_alone():
     """Only white angle noise: none of the terms is smooth."""
-    record = al.simulate(al.Model("Q 1 arcsec"), 1000, 1.0, rng=np.random.default_rng(1))
+    record = al.simulate(al.Model("Q 1 arcsec"), 1000, 1.0, rng=1)
     curve = al.deviation(record, "theo1", m=[10, 1000], noise=al.Model("Q 1 arcsec"))
     low, high = curve.interval(0.95)
     assert (low < curve.deviation).all()

@@ -6,10 +6,9 @@ import re
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import of_verb
 
 import allanite as al
-from allanite.cli import main
 from allanite.planning.selfcheck import SelfCheck, TermCheck
 
 MODEL = al.N(0.1, "deg/sqrt(h)") + al.K(60.0, "deg/h/sqrt(h)")
@@ -93,23 +92,20 @@ def test_time_constants_and_sinusoids():
     assert check["Sine"].spread[0] == pytest.approx(check["Sine"].bound, rel=1)
 
 
-def run(*arguments):
-    return CliRunner().invoke(main, ["selfcheck", *map(str, arguments)])
+run = of_verb("selfcheck")
 
 
 FEW = ("--model", "N 0.1 deg/sqrt(h)", "--rate", 10, "--samples", 1000, "--records", 10)
 
 
 def test_the_verb_prints_the_table_and_ends_well():
-    result = run(*FEW, "--min-coverage", 50, "--max-missed", 1, "--max-bias", 20)
-    assert result.exit_code == 0, result.stderr
+    result = run(*FEW, "--min-coverage", 50, "--max-missed", 1, "--max-bias", 20, code=0)
     assert "check  10 records of 1000 samples at 10 Hz (100 s), intervals at 95 %" in result.stdout
     assert re.search(r"^  Q +absent ", result.stdout, re.MULTILINE)
 
 
 def test_the_verb_ends_with_4_where_a_limit_is_exceeded():
-    result = run(*FEW, "--terms", "QB", "--band", "all", "--max-false", 1, "--json", "-")
-    assert result.exit_code == 4
+    result = run(*FEW, "--terms", "QB", "--band", "all", "--max-false", 1, "--json", "-", code=4)
     assert "falsely found in" in result.stderr
     (channel,) = json.loads(result.stdout)["channels"]
     assert (channel["records"], [t["term"] for t in channel["terms"]]) == (10, ["Q", "B"])
@@ -125,8 +121,7 @@ def test_another_method_can_be_checked():
     assert check["N"].found[0] == 0.0
     assert math.isnan(check.unexplained[0])
     assert "method 'nnls' gives no evidence for a term: none is counted as identified" in check.notes
-    result = run(*FEW, "--method", "gls", "--json", "-")
-    assert result.exit_code == 0, result.stderr
+    result = run(*FEW, "--method", "gls", "--json", "-", code=0)
     assert json.loads(result.stdout)["recipe"]["method"] == "gls"
 
 

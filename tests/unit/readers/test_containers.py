@@ -9,7 +9,6 @@ import pytest
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.core.errors import DataError, UsageError
 
 h5py = pytest.importorskip("h5py")
 
@@ -34,7 +33,7 @@ def two_sensors(tmp_path):
 @pytest.mark.slow("takes more than half a second")
 def test_several_sensors_are_listed_and_chosen(two_sensors):
     with pytest.raises(
-        UsageError, match=r"2 recordings.*imu0/gyro \(60 x 3\); imu1/acc \(40 x 3\), imu1/time \(40\).*channels="
+        al.UsageError, match=r"2 recordings.*imu0/gyro \(60 x 3\); imu1/acc \(40 x 3\), imu1/time \(40\).*channels="
     ):
         al.read(two_sensors)
     gyro = al.read(two_sensors, channels=["imu0/gyro"])
@@ -46,7 +45,7 @@ def test_several_sensors_are_listed_and_chosen(two_sensors):
         assert (acc[0].unit, acc[0].start, acc[0].rate) == ("m/s^2", 7.0, pytest.approx(50.0))
     assert np.array_equal(acc[0].values, ACC[:, 2])
     assert any("imu0/gyro (60 x 3)" in note for note in acc.notes)
-    refused(UsageError, "2 recordings", lambda: al.read(two_sensors, channels=["nothing"]))
+    refused(al.UsageError, "2 recordings", lambda: al.read(two_sensors, channels=["nothing"]))
 
 
 def test_a_dataset_may_be_named_by_its_absolute_path(two_sensors, monkeypatch):
@@ -61,7 +60,7 @@ def test_sensors_of_one_length_with_rates_of_their_own_are_not_mixed(tmp_path):
         for name, rate in (("a", 100.0), ("b", 400.0)):
             file[f"{name}/gyro"] = GYRO
             file[f"{name}/gyro"].attrs["fs"] = rate
-    refused(UsageError, "2 recordings", lambda: al.read(tmp_path / "a.h5", unit="deg/s"))
+    refused(al.UsageError, "2 recordings", lambda: al.read(tmp_path / "a.h5", unit="deg/s"))
     assert al.read(tmp_path / "a.h5", unit="deg/s", channels=["b/gyro"])[0].rate == 400.0
 
 
@@ -87,7 +86,7 @@ def test_many_datasets_are_read_or_refused_by_their_number(tmp_path):
             for i in range(count):
                 file[f"g{i}"] = np.arange(3.0)
     assert len(al.read(tmp_path / "many.h5", rate=1.0, unit="deg/s")) == 7000
-    refused(DataError, "more than 10000", lambda: al.read(tmp_path / "over.h5", rate=1.0, unit="deg/s"))
+    refused(al.DataError, "more than 10000", lambda: al.read(tmp_path / "over.h5", rate=1.0, unit="deg/s"))
 
 
 def test_links_out_of_a_file_are_not_followed(tmp_path, two_sensors):
@@ -95,14 +94,14 @@ def test_links_out_of_a_file_are_not_followed(tmp_path, two_sensors):
         file["outer"] = h5py.ExternalLink(str(two_sensors), "imu0/gyro")
         file["loop"] = h5py.SoftLink("/")
         file["self"] = file["/"]
-    refused(DataError, "no array of samples.*which is not followed",
+    refused(al.DataError, "no array of samples.*which is not followed",
             lambda: al.read(tmp_path / "b.h5", rate=1.0, unit="deg/s"))  # fmt: skip
     with h5py.File(tmp_path / "c.h5", "w") as file:
         layout = h5py.VirtualLayout((60, 3), "f8")
         layout[:] = h5py.VirtualSource(str(two_sensors), "imu0/gyro", (60, 3))
         file.create_virtual_dataset("virtual", layout)
         file.create_dataset("external", (60,), "f8", external=[(str(two_sensors), 0, 480)])
-    refused(DataError, "no array", lambda: al.read(tmp_path / "c.h5", rate=1.0, unit="deg/s"))
+    refused(al.DataError, "no array", lambda: al.read(tmp_path / "c.h5", rate=1.0, unit="deg/s"))
 
 
 @rows("bits", [{"precision": 12, "offset": 2}, {"precision": 8, "offset": 0}, {}])
@@ -124,10 +123,10 @@ def test_integers_of_fewer_bits_than_their_width(tmp_path, bits):
 def test_a_dataset_that_claims_more_than_its_file(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file.create_dataset("gyro", (10**9, 3), "f8", chunks=(1000, 3))
-    refused(DataError, "'gyro' claims 24000 MB", lambda: al.read(tmp_path / "a.h5", rate=1.0, unit="deg/s"))
+    refused(al.DataError, "'gyro' claims 24000 MB", lambda: al.read(tmp_path / "a.h5", rate=1.0, unit="deg/s"))
     with h5py.File(tmp_path / "b.h5", "w") as file:
         file.create_dataset("gyro", (10**8,), "f8", chunks=(10**8,))
-    refused(DataError, "larger than the file can hold", lambda: al.read(tmp_path / "b.h5", rate=1.0, unit="deg/s"))
+    refused(al.DataError, "larger than the file can hold", lambda: al.read(tmp_path / "b.h5", rate=1.0, unit="deg/s"))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -143,17 +142,17 @@ def test_a_crash_or_a_stop_of_the_library_is_a_sentence(two_sensors, monkeypatch
     ):
         monkeypatch.setattr(process, "ANSWER_TIME", wait)
         (tmp_path / "worker.py").write_text(code)
-        with pytest.raises(DataError, match=words):
+        with pytest.raises(al.DataError, match=words):
             al.read(two_sensors)
 
 
 def test_cut_and_foreign_files_of_every_suffix(tmp_path, two_sensors):
     whole = two_sensors.read_bytes()
     two_sensors.write_bytes(whole[: len(whole) // 2])
-    refused(DataError, "damaged or incomplete", lambda: al.read(two_sensors))
+    refused(al.DataError, "damaged or incomplete", lambda: al.read(two_sensors))
     for suffix in (".h5", ".parquet", ".rda", ".mat", ".npz", ".zip", ".gz"):
         (tmp_path / f"b{suffix}").write_bytes(RNG.bytes(3000))
-        with pytest.raises(DataError, match=r"begin|format|damaged"):
+        with pytest.raises(al.DataError, match=r"begin|format|damaged"):
             al.read(tmp_path / f"b{suffix}", rate=1.0, unit="deg/s")
 
 
@@ -189,7 +188,7 @@ def test_structures_and_what_is_no_number(tmp_path, compress):
 
 def test_an_ascii_mat_is_text(tmp_path):
     np.savetxt(tmp_path / "a.mat", np.column_stack((np.arange(60) * 0.01 + 3, GYRO)))
-    refused(UsageError, r"rate=100.*'column 2'.*unit=", lambda: al.read(tmp_path / "a.mat"))
+    refused(al.UsageError, r"rate=100.*'column 2'.*unit=", lambda: al.read(tmp_path / "a.mat"))
     assert al.read(tmp_path / "a.mat", rate=100, unit="deg/s").channels == ("column 2", "column 3", "column 4")
 
 
@@ -201,14 +200,14 @@ def test_sizes_that_a_mat_file_claims_are_not_believed(tmp_path, old, new):
     data = savemat(tmp_path / "a.mat", {"gyro": GYRO}).read_bytes()
     assert data.count(old) == 1
     (tmp_path / "a.mat").write_bytes(data.replace(old, new))
-    with pytest.raises(DataError, match=r"claims|could not read|Expecting miMATRIX|scipy failed"):
+    with pytest.raises(al.DataError, match=r"claims|could not read|Expecting miMATRIX|scipy failed"):
         al.read(tmp_path / "a.mat", rate=1, unit="deg/s")
 
 
 @pytest.mark.slow("takes more than half a second")
 def test_of_a_bomb_in_a_mat_file_no_more_is_unpacked_than_it_may(tmp_path):
     path = savemat(tmp_path / "a.mat", {"gyro": np.zeros(30_000_000)}, do_compression=True)
-    with pytest.raises(DataError, match=r"claims more than the \S+ MB that a file of this size may unpack to"):
+    with pytest.raises(al.DataError, match=r"claims more than the \S+ MB that a file of this size may unpack to"):
         al.read(path, rate=1, unit="deg/s")
 
 
@@ -250,7 +249,7 @@ def test_what_r_files_claim_is_not_believed(tmp_path, hex_body, words):
     body = bytes.fromhex(hex_body.replace(" ", ""))
     if "63" in hex_body and "claims more" in words:
         body = body.replace(b"\0\0\0\x0ecompact_realseq", b"\0\0\0\x0fcompact_realseq")
-    refused(DataError, words, lambda: al.read(r_file(tmp_path / "a.rds", body), rate=1, unit="deg/s"))
+    refused(al.DataError, words, lambda: al.read(r_file(tmp_path / "a.rds", body), rate=1, unit="deg/s"))
 
 
 def test_an_r_file_that_was_cut_off_is_not_a_shorter_one(tmp_path):
@@ -258,7 +257,7 @@ def test_an_r_file_that_was_cut_off_is_not_a_shorter_one(tmp_path):
 
     whole = struct.pack(">ii", 14, 100) + np.arange(100.0).astype(">f8").tobytes()
     assert len(al.read(r_file(tmp_path / "a.rds", whole), rate=1, unit="deg/s", channels=["1"])[0].values) == 100
-    refused(DataError, "only 480", lambda: al.read(r_file(tmp_path / "a.rds", whole[:-320]), rate=1, unit="deg/s"))
+    refused(al.DataError, "only 480", lambda: al.read(r_file(tmp_path / "a.rds", whole[:-320]), rate=1, unit="deg/s"))
 
 
 def test_sequences_of_a_small_r_file_do_not_take_gigabytes(tmp_path):
@@ -266,7 +265,7 @@ def test_sequences_of_a_small_r_file_do_not_take_gigabytes(tmp_path):
 
     sequence = struct.pack(">iiiii", 238, 2, 1, 9, 15) + b"compact_realseq" + struct.pack(">iii", 254, 14, 3)
     sequence += struct.pack(">dddi", 3e6, 0.0, 1.0, 254)
-    with pytest.raises(DataError, match=r"claims more than the \S+ MB"):
+    with pytest.raises(al.DataError, match=r"claims more than the \S+ MB"):
         al.read(r_file(tmp_path / "a.rds", struct.pack(">ii", 19, 300) + 300 * sequence), rate=1, unit="deg/s")
 
 
@@ -275,7 +274,7 @@ def test_a_million_empty_entries_are_not_gone_through(tmp_path):
     import struct
 
     path = r_file(tmp_path / "a.rds", struct.pack(">ii", 19, 10**6) + struct.pack(">i", 254) * 10**6)
-    with pytest.raises(DataError, match="too many lists: more than 100000; save only the numbers"):
+    with pytest.raises(al.DataError, match="too many lists: more than 100000; save only the numbers"):
         al.read(path, rate=1, unit="deg/s")
 
 
@@ -305,7 +304,7 @@ def test_parquet_that_claims_too_much(tmp_path):
     from pyarrow import parquet
 
     parquet.write_table(pa.table({"gx": np.zeros(2 * 10**7)}), tmp_path / "a.parquet")
-    refused(DataError, "claims 160 MB", lambda: al.read(tmp_path / "a.parquet", rate=1, unit="deg/s"))
+    refused(al.DataError, "claims 160 MB", lambda: al.read(tmp_path / "a.parquet", rate=1, unit="deg/s"))
 
 
 def test_a_dictionary_of_long_words_is_not_spelled_out(tmp_path):
@@ -333,14 +332,14 @@ def test_an_archive_with_several_asks(tmp_path):
     with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
         for name in ("run/a.csv", "run/b.csv"):
             archive.writestr(name, "gx [deg/s]\n" + "1.5\n2.5\n" * 9)
-    with pytest.raises(UsageError, match=r"2 readable files.*run/a\.csv, run/b\.csv.*::run/a\.csv"):
+    with pytest.raises(al.UsageError, match=r"2 readable files.*run/a\.csv, run/b\.csv.*::run/a\.csv"):
         al.read(tmp_path / "a.zip", rate=1)
-    with pytest.raises(UsageError, match=r"no member 'c\.csv'; it contains run/a\.csv"):
+    with pytest.raises(al.UsageError, match=r"no member 'c\.csv'; it contains run/a\.csv"):
         al.read(f"{tmp_path / 'a.zip'}::c.csv", rate=1)
     recording = al.read(f"{tmp_path / 'a.zip'}::run/b.csv", rate=1)
     assert recording.source == f"{tmp_path / 'a.zip'}::run/b.csv"
     (tmp_path / "a.csv").write_text("gx [deg/s]\n1.5\n2.5\n")
-    refused(UsageError, r"::a names a member of a \.zip", lambda: al.read(f"{tmp_path / 'a.csv'}::a", rate=1))
+    refused(al.UsageError, r"::a names a member of a \.zip", lambda: al.read(f"{tmp_path / 'a.csv'}::a", rate=1))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -356,18 +355,8 @@ def test_bombs_are_refused(tmp_path):
     (tmp_path / "a.bz2").write_bytes(bz2.compress(zeros))
     (tmp_path / "a.xz").write_bytes(lzma.compress(zeros, preset=0))
     for name in ("a.zip", "a.gz", "a.bz2", "a.xz"):
-        with pytest.raises(DataError, match="bomb"):
+        with pytest.raises(al.DataError, match="bomb"):
             al.read(tmp_path / name, rate=1)
-
-
-def test_streams_of_one_xz_file_follow_each_other(tmp_path):
-    import lzma
-
-    first, second = (lzma.compress(text) for text in (b"gx [deg/s]\n1.5\n2.5\n", b"3.5\n"))
-    (tmp_path / "a.csv.xz").write_bytes(first + bytes(8) + second)
-    assert al.read(tmp_path / "a.csv.xz", rate=1)["gx"].values.tolist() == [1.5, 2.5, 3.5]
-    (tmp_path / "a.csv.xz").write_bytes(first + b"anything else that is longer")
-    refused(DataError, r"the \.xz packing is damaged", lambda: al.read(tmp_path / "a.csv.xz", rate=1))
 
 
 def test_bombs_in_bombs_do_not_multiply(tmp_path):
@@ -377,7 +366,7 @@ def test_bombs_in_bombs_do_not_multiply(tmp_path):
     al.read(tmp_path / "a.npz", rate=1, unit="deg/s", channels=["gx"])
     with zipfile.ZipFile(tmp_path / "a.zip", "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         archive.writestr("a.npz", inner)
-    refused(DataError, r"claims 35\.2", lambda: al.read(tmp_path / "a.zip", rate=1, unit="deg/s"))
+    refused(al.DataError, r"claims 35\.2", lambda: al.read(tmp_path / "a.zip", rate=1, unit="deg/s"))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -388,16 +377,16 @@ def test_archives_that_hold_nothing_to_read(tmp_path):
                 archive.writestr(name, content)
 
     archive_of(**{"readme.txt": "1 2 3\n"})
-    refused(DataError, r"contains readme\.txt", lambda: al.read(tmp_path / "a.zip"))
+    refused(al.DataError, r"contains readme\.txt", lambda: al.read(tmp_path / "a.zip"))
     archive_of(**{"xl/workbook.xml": "<x/>"})
-    refused(DataError, "Excel", lambda: al.read(tmp_path / "a.zip"))
+    refused(al.DataError, "Excel", lambda: al.read(tmp_path / "a.zip"))
     whole = (tmp_path / "a.zip").read_bytes()
     (tmp_path / "a.zip").write_bytes(whole[:-30])
-    refused(DataError, "is incomplete", lambda: al.read(tmp_path / "a.zip"))
+    refused(al.DataError, "is incomplete", lambda: al.read(tmp_path / "a.zip"))
     with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
         for i in range(30_000):
             archive.writestr(f"{i}.csv", b"")
-    refused(DataError, "directory of the archive claims", lambda: al.read(tmp_path / "a.zip"))
+    refused(al.DataError, "directory of the archive claims", lambda: al.read(tmp_path / "a.zip"))
 
 
 @rows("options, words", [
@@ -459,12 +448,12 @@ def test_a_parquet_table_of_thousands_of_columns(tmp_path):
     from pyarrow import parquet
 
     parquet.write_table(pa.table({str(i): [1.0, 2.0] for i in range(1001)}), tmp_path / "a.parquet")
-    refused(DataError, "1001 columns", lambda: al.read(tmp_path / "a.parquet", rate=1, unit="deg/s"))
+    refused(al.DataError, "1001 columns", lambda: al.read(tmp_path / "a.parquet", rate=1, unit="deg/s"))
 
 
 @rows("kind", [7, 0])
 def test_a_mat_file_of_other_elements(tmp_path, kind):
     data = savemat(tmp_path / "a.mat", {"gyro": GYRO}).read_bytes()
     (tmp_path / "a.mat").write_bytes(data[:128] + np.array([kind, 0], "<u4").tobytes() * 10**6)
-    with pytest.raises(DataError, match="scipy failed while reading its structure"):
+    with pytest.raises(al.DataError, match="scipy failed while reading its structure"):
         al.read(tmp_path / "a.mat", rate=1, unit="deg/s")

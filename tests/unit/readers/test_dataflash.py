@@ -7,7 +7,6 @@ import pytest
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.core.errors import DataError, UsageError
 from damaged import generator, mutated, read
 from fuzz import judged
 
@@ -61,7 +60,7 @@ def flight(tmp_path):
 def test_instances_are_listed_and_chosen(flight):
     path, gyro = flight
     words = r"3 tables.*\(IMU/0 \(300 rows at 50 Hz\), IMU/1 \(300 rows at 50 Hz\), GYR/0 \(900 rows at 150.3 Hz\)\)"
-    refused(UsageError, words, lambda: al.read(path))
+    refused(al.UsageError, words, lambda: al.read(path))
     recording = al.read(path, channels=["GYR"])
     assert (recording.channels, recording[0].unit, recording[0].size) == (("GyrX", "GyrY", "GyrZ"), "rad/s", 900)
     assert recording[0].rate == pytest.approx(1e6 / 6667)
@@ -70,8 +69,8 @@ def test_instances_are_listed_and_chosen(flight):
     second = al.read(path, channels=["IMU/1"])
     assert [record.unit for record in second] == ["rad/s"] * 3 + ["m/s^2"] * 3
     assert al.read(path, channels=["imu/1/AccZ"]).channels == ("AccZ",)
-    refused(UsageError, "contains IMU/0", lambda: al.read(path, channels=["GYRO"]))
-    refused(UsageError, r"'Alt'", lambda: al.read(path, channels=["BARO"]))
+    refused(al.UsageError, "contains IMU/0", lambda: al.read(path, channels=["GYRO"]))
+    refused(al.UsageError, r"'Alt'", lambda: al.read(path, channels=["BARO"]))
 
 
 def test_the_samples_are_those_of_pymavlink(flight):
@@ -190,7 +189,7 @@ def test_damaged_lines_of_a_log_as_text(tmp_path):
     assert any("2 lines of IMU cannot be read" in note for note in recording.notes)
     assert recording[0].size == 150
     path.write_text("FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n")
-    refused(DataError, "no rows", lambda: al.read(path))
+    refused(al.DataError, "no rows", lambda: al.read(path))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -215,6 +214,6 @@ def test_damaged_logs(flight, tmp_path):
     assert np.nanmax(np.abs(damaged[0].values)) < 10
     assert any("bytes belong to no message" in note for note in damaged.notes)
     cut.write_bytes(whole[:534])
-    refused(DataError, "no rows", lambda: al.read(cut))
+    refused(al.DataError, "no rows", lambda: al.read(cut))
     cut.write_bytes(header() + message("BARO", 1, 2.0, 3) * 9)
-    refused(UsageError, r"BARO \(9 rows\)", lambda: al.read(cut))
+    refused(al.UsageError, r"BARO \(9 rows\)", lambda: al.read(cut))

@@ -6,7 +6,6 @@ import pytest
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.core.errors import DataError, UsageError
 
 pd = pytest.importorskip("pandas")
 pl = pytest.importorskip("polars")
@@ -58,7 +57,7 @@ def test_options_words_and_missing_values(kind, tmp_path):
     content = CONTENT | {"note": ["on the table"] * COUNT, "gy [deg/s]": [None, *range(COUNT - 1)]}
     found = assert_as_csv(kind(content), tmp_path, content, channels=["gy", "2"], rate=10.0, time="none")
     assert np.isnan(found["gy"].values[0])
-    refused(DataError, "'note' holds text", lambda: al.read(kind(content), channels=["note"]))
+    refused(al.DataError, "'note' holds text", lambda: al.read(kind(content), channels=["note"]))
 
 
 @rows("kind", KINDS[:3])
@@ -75,7 +74,7 @@ def test_stamps_are_times(kind):
 
 def test_an_index_of_pandas_that_says_something_is_a_column():
     frame = pd.DataFrame({"gx [deg/s]": CONTENT["gx [deg/s]"]})
-    refused(UsageError, "sampling rate is not in the file", lambda: al.read(frame))
+    refused(al.UsageError, "sampling rate is not in the file", lambda: al.read(frame))
     named = frame.set_index(pd.Index(CONTENT["time [s]"], name="time [s]"))
     assert al.read(named)[0].rate == pytest.approx(100)
     stamped = frame.set_index(pd.date_range("2024-05-01", periods=COUNT, freq="5ms"))
@@ -84,6 +83,6 @@ def test_an_index_of_pandas_that_says_something_is_a_column():
 
 def test_what_no_table_may_be():
     twice = pd.DataFrame(np.zeros((9, 2)), columns=["gx", "gx"])
-    refused(DataError, r"several columns .* 'gx'", lambda: al.read(twice, rate=1, unit="deg/s"))
-    refused(UsageError, "omit them", lambda: al.read(pd.DataFrame(CONTENT), dtype="i2"))
-    refused(DataError, "fewer than 2 rows", lambda: al.read(pd.DataFrame(CONTENT)[:1]))
+    refused(al.DataError, r"several columns .* 'gx'", lambda: al.read(twice, rate=1, unit="deg/s"))
+    refused(al.UsageError, "omit them", lambda: al.read(pd.DataFrame(CONTENT), dtype="i2"))
+    refused(al.DataError, "fewer than 2 rows", lambda: al.read(pd.DataFrame(CONTENT)[:1]))

@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import ends, run
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.cli import main
-from allanite.core.errors import DataError, UsageError
 from allanite.readers.formats import kfgins
 
 RNG = np.random.default_rng(12)
@@ -32,7 +30,7 @@ def test_increments_and_their_clock(tmp_path):
     assert np.flatnonzero(np.isnan(recording[0].values)).tolist() == [100]
     assert np.array_equal(np.delete(recording["az"].values, 100), made[:, 6])
     assert "the last 9 bytes are no whole row and are left out" in recording.notes
-    assert CliRunner().invoke(main, ["info", str(tmp_path / "imu.bin"), "--dtype", "kfgins"]).exit_code == 0
+    assert run("info", tmp_path / "imu.bin", "--dtype", "kfgins").exit_code == 0
 
 
 def in_g_at_10_hz():
@@ -46,21 +44,19 @@ def in_g_at_10_hz():
 ], ids=["its own", "degrees", "rates and g"])  # fmt: skip
 def test_what_looks_like_it_is_not_read_unless_asked_for(tmp_path, data):
     (tmp_path / "imu.bin").write_bytes(np.ascontiguousarray(data).tobytes())
-    with pytest.raises(UsageError, match=r"may be KF-GINS binary.*use dtype='kfgins'; if not, dtype='7f8'"):
+    with pytest.raises(al.UsageError, match=r"may be KF-GINS binary.*use dtype='kfgins'; if not, dtype='7f8'"):
         al.read(tmp_path / "imu.bin")
     assert al.read(tmp_path / "imu.bin", dtype="kfgins")[0].kind == "increment"
-    refused = CliRunner().invoke(main, ["info", str(tmp_path / "imu.bin")])
-    assert refused.exit_code == 2
-    assert "--dtype kfgins" in refused.output
+    ends(run("info", tmp_path / "imu.bin"), 2, "--dtype kfgins")
     plain = al.read(tmp_path / "imu.bin", dtype="7f8", time="1", unit="rad", kind="increment", channels="2,3,4")
     assert np.array_equal(plain[1].values, data[:, 2])
 
 
 def test_rows_of_another_width_are_refused(tmp_path):
     (tmp_path / "imu.bin").write_bytes(samples().tobytes())
-    refused(UsageError, "omit columns and offset", lambda: al.read(tmp_path / "imu.bin", dtype="kfgins", columns=7))
+    refused(al.UsageError, "omit columns and offset", lambda: al.read(tmp_path / "imu.bin", dtype="kfgins", columns=7))
     (tmp_path / "imu.bin").write_bytes(bytes(40))
-    refused(DataError, "fewer than 2 rows", lambda: al.read(tmp_path / "imu.bin", dtype="kfgins"))
+    refused(al.DataError, "fewer than 2 rows", lambda: al.read(tmp_path / "imu.bin", dtype="kfgins"))
 
 
 @rows("change", [
@@ -72,4 +68,4 @@ def test_nothing_else_is_taken_for_it(tmp_path, change):
     data = changed if isinstance(changed, bytes) else np.ascontiguousarray(changed).tobytes()
     assert not kfgins.sniff(data, ".bin")
     (tmp_path / "a.bin").write_bytes(data)
-    refused(DataError, "unknown file format", lambda: al.read(tmp_path / "a.bin"))
+    refused(al.DataError, "unknown file format", lambda: al.read(tmp_path / "a.bin"))

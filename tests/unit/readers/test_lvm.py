@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
+from tests.rows import refused
 
 import allanite as al
-from allanite.cli import main
-from allanite.core.errors import DataError, UsageError
 
 GYRO = np.random.default_rng(6).normal(size=(400, 2))
 
@@ -76,8 +75,7 @@ def test_one_segment_with_times_and_a_comment(tmp_path):
 def test_incomplete_files_and_units_that_are_missing(tmp_path):
     whole = head("One") + segment(("X_Value", "gx", "gy"), rows(GYRO), units=("", ""))
     path = save(tmp_path / "a.lvm", whole)
-    with pytest.raises(UsageError, match="'gx', 'gy': the unit is unknown"):
-        al.read(path)
+    refused(al.UsageError, "'gx', 'gy': the unit is unknown", lambda: al.read(path))
     for text, words in (
         (whole[:200], "the end of a header, .* is missing"),
         (whole[: whole.index("X_Value\t")], "should name 2 channels"),
@@ -85,6 +83,6 @@ def test_incomplete_files_and_units_that_are_missing(tmp_path):
         (whole.replace("Channels\t2", "Channels\tx"), "damaged"),
         (whole.replace("\n0.020000\t", "\n0.0x20000\t"), r"line 21.*'0\.0x20000' is not a number"),
     ):
-        with pytest.raises(DataError, match=words):
+        with pytest.raises(al.DataError, match=words):
             al.read(save(path, text), unit="deg/s")
-        assert CliRunner().invoke(main, ["info", str(path)]).exit_code == 3
+        assert run("info", path).exit_code == 3

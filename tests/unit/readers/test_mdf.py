@@ -6,11 +6,10 @@ import warnings
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import refused
 
 import allanite as al
-from allanite.cli import main
 from allanite.core.errors import DataError, UsageError
 
 pytestmark = pytest.mark.slow("files that a library of a second start time reads")
@@ -66,7 +65,7 @@ def test_damaged_files(tmp_path):
     refused(DataError, "does not begin like an MDF file", lambda: al.read(tmp_path / "b.mf4"))
     (tmp_path / "b.mf4").write_bytes(b"MDF     4.10    " + bytes(200))
     refused(DataError, r"damaged or incomplete: asammdf failed|no rows of numbers", lambda: al.read(tmp_path / "b.mf4"))
-    assert CliRunner().invoke(main, ["info", str(tmp_path / "b.mf4")]).exit_code == 3
+    assert run("info", tmp_path / "b.mf4").exit_code == 3
 
 
 def test_an_ended_reader_leaves_no_file(mdf, tmp_path, monkeypatch):

@@ -13,7 +13,6 @@ from tests import examples
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.core.errors import DataError, UsageError
 from allanite.parallel.processes import ahead, later
 from allanite.readers.columns import lines as head
 from allanite.readers.formats.registry import READERS, reader_named
@@ -151,7 +150,7 @@ def test_a_file_that_becomes_shorter_while_it_is_read_is_refused(case, tmp_path)
     path = make(tmp_path)
     reader = opened(path, "1kB", choices)
     os.truncate(path, os.stat(path).st_size - 100)
-    refused(DataError, "ends in the middle of its numbers", lambda: list(reader.pieces(4096)))
+    refused(al.DataError, "ends in the middle of its numbers", lambda: list(reader.pieces(4096)))
 
 
 @settings(max_examples=examples(25), deadline=None)
@@ -204,7 +203,7 @@ def test_a_clock_that_is_set_back_is_refused_unless_the_rate_is_given(tmp_path):
     path = npy(tmp_path, np.rec.fromarrays([time, noise()[:, 0]], names=["time_s", "gx"]))
     choices = {"unit": "deg/s", "time": "time_s"}
     for size, row in ((7000, 14_001), (5000, 20_001)):
-        with pytest.raises(DataError, match=f"from row {row} on: rows are out of order"):
+        with pytest.raises(al.DataError, match=f"from row {row} on: rows are out of order"):
             gathered(path, size, choices)
     found, beat, notes, _ = gathered(path, 5000, choices | {"rate": RATE})
     np.testing.assert_array_equal(found[0], noise()[:, 0])
@@ -225,7 +224,7 @@ def test_a_damaged_stamp_is_mended_in_a_part_and_refused_at_its_end(tmp_path):
             assert [finding.name for finding in findings] == ["damaged time stamps"]
             assert "in row 9001 of the data" in findings[0].what
         else:  # where the next stamps are not yet known
-            with pytest.raises(DataError, match=r"from row 14001 on: 1 time stamp of .* is earlier"):
+            with pytest.raises(al.DataError, match=r"from row 14001 on: 1 time stamp of .* is earlier"):
                 gathered(path, 7000, choices)
 
 
@@ -238,18 +237,18 @@ def test_what_fits_is_read_as_a_whole(tmp_path):
     # a format that is not read in parts is refused with a cure that works
     path = tmp_path / "a.npz"
     np.savez(path, noise())
-    with pytest.raises(UsageError, match=r"may take 5\.\d+ MB of memory, of which 1 MB may be used") as error:
+    with pytest.raises(al.UsageError, match=r"may take 5\.\d+ MB of memory, of which 1 MB may be used") as error:
         opened(path, "1MB", UNIT)
     cure = str(error.value).partition("allow more with memory=")[2].strip("'")
     assert opened(path, cure, UNIT) is None
-    refused(UsageError, "not read in parts", lambda: demand_memory(path, "1MB", UNIT))
+    refused(al.UsageError, "not read in parts", lambda: demand_memory(path, "1MB", UNIT))
     demand_memory(path, cure, UNIT)
     # the analysis is that of one channel, of a file of which all columns are read
     path = npy(tmp_path, np.column_stack([noise()] * 20))
     some = UNIT | {"channels": ["1"]}
     demand_memory(path, "30MB", some)
     assert opened(path, "30MB", some) is None
-    with pytest.raises(UsageError, match=r"may take 29 MB of memory.* and this job is not read in parts"):
+    with pytest.raises(al.UsageError, match=r"may take 29 MB of memory.* and this job is not read in parts"):
         demand_memory(path, "2MB", some)
 
 
@@ -260,17 +259,17 @@ def test_every_format_with_parts_is_tried_here():
 
 @rows("text", ["much", "0", "-1GB", "GB", ""])
 def test_a_size_is_a_number_of_bytes(text):
-    refused(UsageError, "a size such as 1GB or 500MB", lambda: bytes_of(text))
+    refused(al.UsageError, "a size such as 1GB or 500MB", lambda: bytes_of(text))
 
 
 def test_an_error_of_a_thread_comes_where_its_results_are_used():
     def broken():
         yield 1
-        raise DataError("no more")
+        raise al.DataError("no more")
 
     items = ahead(broken())
     assert next(items) == 1
-    refused(DataError, "no more", lambda: next(items))
+    refused(al.DataError, "no more", lambda: next(items))
     with pytest.raises(ZeroDivisionError):
         later(lambda: 1 / 0).result()
 

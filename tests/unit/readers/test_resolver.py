@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import ends, run
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.readers.columns.resolver import angle_of
 
 RATE = 50.0
@@ -103,9 +102,7 @@ def test_columns_of_two_axes_become_two_angles(tmp_path):
     left = np.r_[:500, 510:3000]
     assert np.allclose(recording[0].values[left], true[left], atol=1e-9)
     assert any("used as an angle in rad" in note for note in recording.notes)
-    run = CliRunner().invoke(main, ["info", str(path), "--sincos", "s1,c1", "--kind", "angle"])
-    assert run.exit_code == 0, run.stderr
-    assert "gyroscope, angle in rad" in run.stdout
+    ends(run("info", path, "--sincos", "s1,c1", "--kind", "angle"), 0, "gyroscope, angle in rad")
 
 
 @rows("given, words", [

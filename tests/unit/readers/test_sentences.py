@@ -6,12 +6,10 @@ from operator import xor
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.cli import main
-from allanite.core.errors import DataError, UsageError
 
 VALUES = np.random.default_rng(8).normal(size=(300, 12)).round(6)
 REAL = (  # of a VN-100 at rest, 40 Hz, recorded by the course EECE5554
@@ -52,7 +50,7 @@ def test_wrong_checksums_are_counted_and_are_gaps(tmp_path, crc):
     assert "3 sentences have a wrong checksum or are incomplete, and are left out" in recording.notes
     expected = np.delete(VALUES[:299, 11], [7, 20])
     assert np.array_equal(recording["gyro_z"].values[~np.isnan(recording["gyro_z"].values)], expected)
-    refused(UsageError, "sampling rate", lambda: al.read(save(tmp_path, lines)))
+    refused(al.UsageError, "sampling rate", lambda: al.read(save(tmp_path, lines)))
 
 
 @rows("stamp", [
@@ -69,7 +67,7 @@ def test_time_stamps_before_the_sentences(tmp_path, stamp):
 
 def test_increments_and_several_kinds(tmp_path):
     lines = [sentence("VNDTV", v[:7]) + sentence("VNIMU", v[:11]) for v in VALUES]
-    refused(UsageError, r"2 tables.*VNDTV \(300 rows\).*VNIMU", lambda: al.read(save(tmp_path, lines), rate=100))
+    refused(al.UsageError, r"2 tables.*VNDTV \(300 rows\).*VNIMU", lambda: al.read(save(tmp_path, lines), rate=100))
     lines = [line.split("\n")[0] + "\n" for line in lines] + [sentence("GPGGA", [1.0])] * 300
     recording = al.read(save(tmp_path, lines), rate=100)
     assert ({r.kind for r in recording}, [r.unit for r in recording]) == ({"increment"}, ["deg"] * 3 + ["m/s"] * 3)
@@ -78,10 +76,10 @@ def test_increments_and_several_kinds(tmp_path):
 
 def test_exit_codes_of_damaged_and_foreign_files(tmp_path):
     def code(lines, *options):
-        return CliRunner().invoke(main, ["info", str(save(tmp_path, lines)), *options]).exit_code
+        return run("info", save(tmp_path, lines), *options).exit_code
 
     good = [sentence("VNYMR", v) for v in VALUES]
     assert (code(good), code(good, "--rate", "40"), code(good, "--rate", "40", "--channels", "VNIMU")) == (2, 0, 2)
     assert code([line.replace("VN", "VM") for line in good]) == 3
-    with pytest.raises(DataError, match="no sentence has a valid checksum; 300 are damaged"):
+    with pytest.raises(al.DataError, match="no sentence has a valid checksum; 300 are damaged"):
         al.read(save(tmp_path, [line.replace("VN", "VM") for line in good]))

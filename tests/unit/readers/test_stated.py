@@ -4,12 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.cli import main
-from allanite.core.errors import UsageError
 from allanite.readers import read
 
 NOISE = np.random.default_rng(1).standard_normal((400, 4)).round(4)
@@ -73,7 +71,7 @@ def test_other_columns_keep_their_header_or_are_left_out(write):
     ({"a,b": "g"}, ["'a,b'", "number"]),
 ])  # fmt: skip
 def test_what_the_file_has_not_is_refused_by_name(write, unit, words):
-    with pytest.raises(UsageError) as caught:
+    with pytest.raises(al.UsageError) as caught:
         read(write("time [s],wx,wy,T [degC]"), unit=unit)
     for word in words:
         assert word in str(caught.value)
@@ -81,8 +79,8 @@ def test_what_the_file_has_not_is_refused_by_name(write, unit, words):
 
 def test_one_scale_for_several_units_is_refused(write):
     path = write("time [s],wx,wy,ax")
-    refused(UsageError, "one scale", lambda: read(path, unit="gyro=arcsec,accel=m/s", kind="count", scale=0.1))
-    refused(UsageError, "give the scale as a number", lambda: read(path, unit="gyro=deg/s", scale="0.1deg/h"))
+    refused(al.UsageError, "one scale", lambda: read(path, unit="gyro=arcsec,accel=m/s", kind="count", scale=0.1))
+    refused(al.UsageError, "give the scale as a number", lambda: read(path, unit="gyro=deg/s", scale="0.1deg/h"))
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -92,8 +90,7 @@ def test_recipe_command_line_and_python_agree(write, tmp_path):
     (tmp_path / "table.toml").write_text('[unit]\ngyro = "deg/s"\naccel = "g"\n')
     ways = (["--unit", "gyro=deg/s,accel=g"], *(["--recipe", str(tmp_path / f"{n}.toml")] for n in ("text", "table")))
     for way in ways:
-        result = CliRunner().invoke(main, ["analyze", path, "--method", "slopes", "--json", "-", *way])
-        assert result.exit_code == 0, result.output
+        result = run("analyze", path, "--method", "slopes", "--json", "-", *way, code=0)
         said = json.loads(result.stdout)
         assert [channel["unit"] for channel in said["channels"]] == ["deg/s", "deg/s", "g"]
         assert said["recipe"]["unit"] == "gyro=deg/s,accel=g"

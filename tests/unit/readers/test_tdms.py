@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import refused
 
 import allanite as al
-from allanite.cli import main
-from allanite.core.errors import DataError, UsageError
 
 nptdms = pytest.importorskip("nptdms")
 GYRO = np.random.default_rng(4).normal(size=(500, 3))
@@ -34,15 +32,15 @@ def runs(tmp_path):
 @pytest.mark.slow("takes more than half a second")
 def test_groups_are_listed_and_chosen(runs):
     words = r"2 tables.*\(Run 1/1 \(500 rows at 100 Hz\), Run 2 \(300 rows at 500 Hz\)\).*channels='Run 1/1'"
-    refused(UsageError, words, lambda: al.read(runs))
+    refused(al.UsageError, words, lambda: al.read(runs))
     recording = al.read(runs, channels=["Run 1/1"])
     assert recording.channels == ("gyro x", "gyro y", "gyro z")
     assert (recording[0].rate, recording[0].unit, recording[0].start) == (100.0, "deg/s", 0.5)
     assert "rate 100.0 Hz from the property wf_increment of the channels" in recording.notes
     assert al.read(runs, channels=["Run 2"])[0].size == 300
     assert al.read(runs, channels=["Run 2/gyro x"])[0].rate == 500.0
-    refused(UsageError, r"contains Run 1/1", lambda: al.read(runs, channels=["Run 3"]))
-    assert CliRunner().invoke(main, ["info", str(runs)]).exit_code == 2
+    refused(al.UsageError, r"contains Run 1/1", lambda: al.read(runs, channels=["Run 3"]))
+    assert run("info", runs).exit_code == 2
 
 
 def test_the_samples_are_those_of_nptdms(runs):
@@ -75,6 +73,6 @@ def test_damaged_files(runs, tmp_path):
         (whole[:28] + b"\xff" * 40 + whole[68:], "damaged or incomplete: nptdms failed"),
     ):
         (tmp_path / "b.tdms").write_bytes(data)
-        with pytest.raises(DataError, match=words):
+        with pytest.raises(al.DataError, match=words):
             al.read(tmp_path / "b.tdms")
-        assert CliRunner().invoke(main, ["info", str(tmp_path / "b.tdms")]).exit_code == 3
+        assert run("info", tmp_path / "b.tdms").exit_code == 3

@@ -12,7 +12,6 @@ import pytest
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.core.errors import AllaniteError, DataError
 from allanite.readers.columns import layout, lines
 from allanite.readers.formats import text
 from allanite.readers.options import Options
@@ -95,7 +94,7 @@ REFUSED = ("a word among the numbers", "a row that is too short", "a time of ano
 
 
 def refusal(work):
-    with pytest.raises(AllaniteError) as error:
+    with pytest.raises(al.AllaniteError) as error:
         work()
     return f"{error.type.__name__}: {error.value}".removeprefix("DataError: ")
 
@@ -195,9 +194,9 @@ def test_a_damaged_or_too_large_packing_is_refused_in_parts(tmp_path):
     path = packed(tmp_path, ".gz", PLAIN.encode())
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2])
-    refused(DataError, r"the \.gz packing is damaged or was cut off", lambda: opened(path, "1kB", {}))
+    refused(al.DataError, r"the \.gz packing is damaged or was cut off", lambda: opened(path, "1kB", {}))
     path.write_bytes(gzip.compress(b"0.0,1.0\n" * (5 << 20)))
-    refused(DataError, "unpacks to more than the limit of", lambda: opened(path, "1kB", UNIT | {"rate": 100.0}))
+    refused(al.DataError, "unpacks to more than the limit of", lambda: opened(path, "1kB", UNIT | {"rate": 100.0}))
     # lines that are not rows are not read in parts
     options = Options(rate=100.0, unit="deg/s")
     wide = "\n".join(",".join(map(str, row)) for row in (GX[:2000], GY[:2000])) + "\n"

@@ -7,7 +7,6 @@ import pytest
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.core.errors import DataError, UsageError
 
 pyulog = pytest.importorskip("pyulog")
 RNG = np.random.default_rng(5)
@@ -58,7 +57,7 @@ def test_several_topics_are_listed_with_rate_and_count_and_chosen(log):
         r"3 tables.*sensor_accel/0 \(300 rows at 400 Hz\), sensor_gyro/0 \(400 rows at 200 Hz\), sensor_gyro/1 \(300 "
         r"rows at 100 Hz\)\); select one with channels='sensor_accel/0'"
     )
-    refused(UsageError, words, lambda: al.read(path))
+    refused(al.UsageError, words, lambda: al.read(path))
     for key in ("sensor_gyro/1", "/SENSOR_GYRO/1"):
         recording = al.read(path, channels=[key])
         assert recording.channels == ("x", "y", "z")
@@ -68,12 +67,12 @@ def test_several_topics_are_listed_with_rate_and_count_and_chosen(log):
     assert any("sensor_gyro/0 (400 rows" in note for note in recording.notes)
     assert al.read(path, channels=["sensor_gyro/1/z"]).channels == ("z",)
     assert al.read(path, channels=["sensor_accel"])[0].unit == "m/s^2"
-    refused(UsageError, r"2 tables .*sensor_gyro/0.*select one", lambda: al.read(path, channels=["sensor_gyro"]))
-    with pytest.raises(UsageError, match=r"2 tables of the file, each with its own clock.*one after the other"):
+    refused(al.UsageError, r"2 tables .*sensor_gyro/0.*select one", lambda: al.read(path, channels=["sensor_gyro"]))
+    with pytest.raises(al.UsageError, match=r"2 tables of the file, each with its own clock.*one after the other"):
         al.read(path, channels=["sensor_gyro/0", "sensor_accel/0"])
-    with pytest.raises(UsageError, match=r"no table or column 'imu' in the file; it contains sensor_accel/0"):
+    with pytest.raises(al.UsageError, match=r"no table or column 'imu' in the file; it contains sensor_accel/0"):
         al.read(path, channels=["imu"])
-    with pytest.raises(UsageError, match=r"no column 'w'; columns: .*timestamp_sample"):
+    with pytest.raises(al.UsageError, match=r"no column 'w'; columns: .*timestamp_sample"):
         al.read(path, channels=["sensor_gyro/1/w"])
 
 
@@ -122,9 +121,9 @@ def test_integrals_are_increments_if_they_cover_the_time_step(tmp_path, over, ki
 def test_an_unknown_topic_asks_for_its_unit(tmp_path):
     rows = [struct.pack("<Qf", i * 5000, v) for i, v in enumerate(RNG.normal(size=300))]
     path = ulog(tmp_path / "a.ulg", ("fog", 0, "uint64_t timestamp;float out;", rows))
-    with pytest.raises(UsageError, match=r"no table of the file has inertial signals.*fog/0 \(300 rows.*channels='"):
+    with pytest.raises(al.UsageError, match=r"no table of the file has inertial signals.*fog/0 \(300 rows.*channels='"):
         al.read(path)
-    refused(UsageError, "'out': the unit is unknown", lambda: al.read(path, channels=["fog/0"]))
+    refused(al.UsageError, "'out': the unit is unknown", lambda: al.read(path, channels=["fog/0"]))
     assert al.read(path, channels=["fog/0"], unit="deg/h")["out"].size == 300
 
 
@@ -138,5 +137,5 @@ def test_a_log_that_was_cut_off_or_damaged(log, tmp_path):
     assert "the log is damaged in places; the messages there are left out" in damaged.notes
     for data, words in ((whole[:40], "no rows"), (RNG.bytes(900), "does not begin like a PX4 log")):
         cut.write_bytes(data)
-        with pytest.raises(DataError, match=words):
+        with pytest.raises(al.DataError, match=words):
             al.read(cut)

@@ -1,15 +1,10 @@
 """Columns whose samples are the quantity itself."""
 
-import re
-import shlex
-
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.cli import main
 
 
 @pytest.fixture(scope="module")
@@ -19,21 +14,6 @@ def angles(tmp_path_factory):
     rows = np.column_stack([np.arange(3000) / 10, rng.integers(-90, 90, (3000, 2)), 20 + rng.standard_normal(3000)])
     np.savetxt(path, rows, "%.9g", ",", header="t [s],az [arcmin],tilt [arcmin],temp [degC]", comments="")
     return path
-
-
-def test_the_refusal_lists_every_meaning_and_each_option_works(angles):
-    run = CliRunner().invoke(main, ["info", str(angles)])
-    assert run.exit_code == 2
-    options = re.findall(r"(--\w+ \S+(?: --scale SCALE)?): ", run.stderr)
-    assert options[0] == "--kind increment"
-    assert {"--kind increment", "--kind angle", "--kind value", "--unit arcmin/s"} <= set(options)
-    for option in options:
-        run = CliRunner().invoke(
-            main, ["info", str(angles), "--channels", "az,tilt", *shlex.split(option.replace("SCALE", "1"))]
-        )
-        assert run.exit_code == 0, (option, run.stderr)
-    # the refusal in python names arguments
-    refused(al.UsageError, r"kind='angle': .*kind='value': .*unit='arcmin/s': ", lambda: al.read(angles))
 
 
 def test_pulses_are_offered_for_integers_only(tmp_path):

@@ -7,17 +7,15 @@ from gettext import NullTranslations
 from string import Formatter
 
 import pytest
-from click.testing import CliRunner
 from matplotlib.text import Text
 from rich.cells import cell_len
+from tests.commands import ends, run
 from tests.rows import rows
 from tests.unit.reporting.test_report import channel_of, study_of
 
 import allanite as al
 import catalogues
 import release
-from allanite.cli import main
-from allanite.core.errors import UsageError
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import fonts, page, printing, table
 from allanite.reporting.language import LANGUAGES, speaking, tr
@@ -107,10 +105,9 @@ def test_what_is_not_translated_is_shown_in_english(lang):
 
 def test_an_unknown_language_is_refused_with_the_known_ones(study, tmp_path):
     for refused in (al.plot, al.report, page, table):
-        with pytest.raises(UsageError, match=r"unknown language 'xx'; known languages: en, ru, zh"):
+        with pytest.raises(al.UsageError, match=r"unknown language 'xx'; known languages: en, ru, zh"):
             refused(study, *([tmp_path / "a.html"] if refused is al.report else []), lang="xx")
-    done = CliRunner().invoke(main, ["analyze", "missing.csv", "--lang", "xx"])
-    assert (done.exit_code, "unknown language" in done.stderr) == (2, True)
+    ends(run("analyze", "missing.csv", "--lang", "xx"), 2, "unknown language")
 
 
 def test_the_language_is_that_of_the_call_alone(study, chinese):

@@ -9,12 +9,11 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
-from click.testing import CliRunner
+from tests.commands import ends, run
 from tests.rows import rows
 from tests.unit.reporting.test_colors import READABLE, contrast
 from tests.unit.reporting.test_report import HOSTILE, Tags, channel_of, refused, study_of
 
-from allanite.cli import main
 from allanite.core.errors import UsageError
 from allanite.parallel.processors import processes
 from allanite.phrases.phrase import Phrase
@@ -161,17 +160,10 @@ def test_a_unit_of_nothing_is_refused(wrong):
         Recipe(to=(wrong,))
 
 
-def test_the_command_line_takes_units_and_facts(tmp_path):
+def test_facts_are_keys_and_values():
     with pytest.raises(UsageError, match="KEY=VALUE"):
         Recipe(about=("SN 12",))
     assert Recipe(about=("serial=SN=12",)).labels == {"serial": "SN=12"}
-    # the command line takes units and facts
-    rows = "\n".join(f"{(-1) ** i * (1 + (i * 7919 % 101) / 50)}" for i in range(3000))
-    (tmp_path / "x.csv").write_text(f"gx [deg/s]\n{rows}\n", encoding="utf-8")
-    words = ["analyze", str(tmp_path / "x.csv"), "--rate", "10", "--to", "deg/s^3"]
-    result = CliRunner().invoke(main, words)
-    assert result.exit_code == 2
-    assert "no noise coefficient has the unit 'deg/s^3'" in result.output
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -180,9 +172,8 @@ def test_a_unit_of_no_channel_is_refused(tmp_path, unit):
     rows = "\n".join(f"{(-1) ** i * (1 + (i * 7919 % 101) / 50)}" for i in range(3000))
     file = tmp_path / "x.csv"
     file.write_text(f"gx [deg/s]\n{rows}\n", encoding="utf-8")
-    result = CliRunner().invoke(main, ["analyze", str(file), "--rate", "10", "--to", unit])
-    assert result.exit_code == 2
-    assert f"no channel has a coefficient in '{unit}' (--output-unit); the channels are in deg/h" in result.output
+    done = run("analyze", file, "--rate", "10", "--to", unit)
+    ends(done, 2, f"no channel has a coefficient in '{unit}' (--output-unit); the channels are in deg/h")
     with pytest.raises(UsageError, match=r"\(to=\); the channels are in deg/h"):
         analyze(str(file), Recipe(rate=10.0, to=(unit,)))
 

@@ -4,14 +4,15 @@ import re
 from itertools import pairwise
 
 import pytest
-from click.testing import CliRunner
 from matplotlib.backends import backend_pdf
+from tests.commands import run
 from tests.unit.reporting.test_report import channel_of, refused, study_of
 
-from allanite.cli import main
 from allanite.core.errors import UsageError
 from allanite.reporting import document, page, report
 from allanite.reporting.pdf import PAPER
+
+pytestmark = pytest.mark.slow("figures by matplotlib")
 
 HOSTILE = "gx $\\frac{1}{$ \u202e"
 
@@ -47,7 +48,6 @@ def written(monkeypatch, study):
     return pages
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_figures_have_the_order_of_the_page_and_lie_on_nothing(study, written):
     words = "\n".join(line for lines, _ in written for line in lines)
     order = (
@@ -66,20 +66,17 @@ def test_figures_have_the_order_of_the_page_and_lie_on_nothing(study, written):
         assert all(figure.bbox_inches.x0 > 0.5 for figure in figures)
 
 
-@pytest.mark.slow("forty figures by matplotlib")
 def test_a_report_of_six_channels_has_at_most_twenty_pages():
     names = ("gx", "gy", "gz", "ax", "ay", "az")
     channels = [channel_of(name, warnings=("one outlier", "coarse steps")) for name in names]
     assert pages(document(study_of(*channels))) <= 20
 
 
-@pytest.mark.slow("two reports as PDF")
 def test_the_same_result_makes_the_same_bytes(study, made):
     assert document(study, command=COMMAND) == made
     assert b"/CreationDate" not in made
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_the_suffix_says_that_it_is_one(study, tmp_path):
     curve = study.channels[0].curve
     report(curve, tmp_path / "page.PDF")
@@ -89,6 +86,5 @@ def test_the_suffix_says_that_it_is_one(study, tmp_path):
     # the command line writes one
     out = tmp_path / "plan.pdf"
     words = ["plan", "--sensor", "mems", "--rate", "10", "--report", str(out)]
-    done = CliRunner().invoke(main, words)
-    assert done.exit_code == 0, done.output
+    run(*words, code=0)
     assert out.read_bytes().startswith(b"%PDF-")

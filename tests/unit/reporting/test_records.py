@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
-from allanite.core.errors import UsageError
 from allanite.reporting.figures.record import STRETCHES, envelope
 from allanite.study.analysis import examine
 
@@ -74,5 +73,4 @@ def test_channels_are_panels_and_lines_break_where_samples_are_missing(tmp_path)
     assert len(al.plot([*both]).axes) == len(al.plot(examine(both)).axes) == 2
     # samples that are not in memory are not drawn
     stored = al.Study.from_dict(examine(record()).to_dict())
-    with pytest.raises(UsageError, match="no samples are in memory"):
-        al.plot(stored)
+    refused(al.UsageError, "no samples are in memory", lambda: al.plot(stored))

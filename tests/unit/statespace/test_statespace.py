@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from scipy.linalg import expm
+from tests.commands import of_verb
 from tests.rows import paired, refused, rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.statespace.build import flicker_sum, joined
 from allanite.terms.markov import markov_block
 from allanite.terms.powers import angle_noise, integrators
@@ -167,14 +166,12 @@ def test_what_is_refused(text, options, words):
     refused(al.UsageError, words, lambda: al.state_space(al.Model(text), 10.0, **options))
 
 
-def run(*arguments):
-    return CliRunner().invoke(main, ["statespace", *map(str, arguments)])
+run = of_verb("statespace")
 
 
 @pytest.mark.slow("takes more than half a second")
 def test_the_verb_prints_matrices_that_can_be_pasted(tmp_path):
-    result = run("--sensor", "mems", "--rate", 50, "--turn-on", "30 deg/h", "--plot", tmp_path / "a.png")
-    assert result.exit_code == 0, result.stderr
+    result = run("--sensor", "mems", "--rate", 50, "--turn-on", "30 deg/h", "--plot", tmp_path / "a.png", code=0)
     pasted = {}
     block = result.stdout[result.stdout.index("  Phi = ") : result.stdout.index("\n\n  Phi is the transition")]
     exec("\n".join(line[2:] if line[2] != " " else line for line in block.splitlines()), {}, pasted)  # noqa: S102

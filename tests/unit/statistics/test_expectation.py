@@ -1,11 +1,10 @@
 """Curves of a model without data."""
 
 import numpy as np
-from click.testing import CliRunner
+from tests.commands import ends, run
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.reporting import figures
 from allanite.statistics import expectation
 
@@ -14,10 +13,6 @@ FIVE = "Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h), R 5 de
 
 def texts(figure):
     return "\n".join(text.get_text() for ax in figure.axes for text in ax.texts)
-
-
-def run(*arguments):
-    return CliRunner().invoke(main, [str(a) for a in arguments])
 
 
 def test_curves_are_the_expectation_and_its_terms_add_up():
@@ -70,6 +65,4 @@ def test_what_figures_of_models_say():
     (("--sensor", "fog", "--rate", "10", "--samples", "1"), "too short for oadev"),
 ])  # fmt: skip
 def test_what_cannot_be_expected_is_refused(arguments, words):
-    done = run("deviation", *arguments)
-    assert done.exit_code == 2
-    assert words in done.stderr
+    ends(run("deviation", *arguments), 2, words)

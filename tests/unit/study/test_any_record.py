@@ -68,8 +68,8 @@ def test_equal_records_with_gaps_are_not_compared():
 
 @pytest.mark.slow("takes more than half a second")
 def test_angles_alone_between_gaps_are_no_pieces():
-    angle = np.cumsum(np.random.default_rng(3).standard_cauchy(3000))
-    angle[np.random.default_rng(4).random(3000) < 0.3] = np.nan
+    angle = np.cumsum(np.random.default_rng(3).standard_cauchy(1500))
+    angle[np.random.default_rng(4).random(1500) < 0.3] = np.nan
     angle[1] = np.nan
     fit = al.identify(al.Record(angle, rate=100.0, unit="rad", kind="angle", name="a"))
     assert np.isfinite(fit["N"].value or 0.0)

@@ -5,7 +5,6 @@ import pytest
 from tests.rows import rows
 
 import allanite as al
-from allanite.core.errors import UsageError
 from allanite.study import curves
 from allanite.study.survey import Deviations, TheorySettings, expected_curves
 
@@ -95,5 +94,5 @@ def test_an_unknown_noise_is_refused():
     ({"samples": 500}, None, "until=TIME"),
 ])  # fmt: skip
 def test_the_length_of_a_model_is_not_that_of_a_recording(length, rate, end):
-    with pytest.raises(UsageError, match=end):
+    with pytest.raises(al.UsageError, match=end):
         expected_curves(simulated(), TheorySettings(**length), Deviations(("oadev",)), al.Recipe(rate=rate))

@@ -5,7 +5,6 @@ import pytest
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.core.errors import DataError
 from allanite.prepare import inspect
 from allanite.study.channels import open_recording
 from allanite.study.recipe import Recipe
@@ -44,7 +43,7 @@ def test_dropouts_are_no_interpolation_and_offer_no_stretch_of_two_samples():
 
 def test_every_second_sample_is_refused_with_a_cure_that_works():
     record = dropped(9000, 2)
-    refused(DataError, r"record of these samples alone, at their rate: values\[::2\]", lambda: al.identify(record))
+    refused(al.DataError, r"record of these samples alone, at their rate: values\[::2\]", lambda: al.identify(record))
     half = al.Record(record.values[1::2], 5.0, "deg/h")
     assert al.identify(half)["N"].claimed
 
@@ -54,7 +53,7 @@ def test_a_log_of_two_rates_is_read_at_the_rate_of_the_channel(tmp_path):
     rows = (f"{i / 100:.2f},{x[i, 0] if i % 2 else ''},{'' if i % 2 else x[i, 1]}\n" for i in range(len(x)))
     path = tmp_path / "two.csv"
     path.write_text("t [s],gz [deg/h],ax [m/s^2]\n" + "".join(rows))
-    refused(DataError, r"read by themselves the channels|make a record of these samples", lambda: al.analyze(path))
+    refused(al.DataError, r"read by themselves the channels|make a record of these samples", lambda: al.analyze(path))
     recording = al.read(path, channels=["gz"])
     assert (recording["gz"].rate, recording["gz"].start) == (50.0, pytest.approx(0.01))
     np.testing.assert_array_equal(recording["gz"].values, x[1::2, 0])

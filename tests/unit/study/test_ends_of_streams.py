@@ -287,7 +287,10 @@ def test_choices_are_judged_before_the_first_sample(tmp_path):
 def test_wrong_targets_are_refused_in_words(tmp_path):
     for target, words in (
         (str(tmp_path), "is a folder"), ("udp://127.0.0.1:99999", "no address"), ("udp://[::1", "no address"),
-        ("udp://127.0.0.1:0", "no address"), ("a\0b", "cannot be watched"), ("udp://a\0b:9000", "this machine only"),
+        ("udp://192.168.1.5:9000", "this machine only, not at '192.168.1.5'"), ("udp://127.0.0.1", "no address to"),
+        ("udp://example.com:9000", "only, not at 'example.com'"), ("tcp://127.0.0.1:9000", "no address"),
+        ("no such file", "cannot be watched: No such file"), ("udp://127.0.0.1:0", "no address"),
+        ("a\0b", "cannot be watched"), ("udp://a\0b:9000", "this machine only"),
     ):  # fmt: skip
         refused(al.AllaniteError, words, lambda t=target: live.opened(t, 9600))
     if os.path.exists("/dev/full"):

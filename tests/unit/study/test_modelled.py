@@ -7,11 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import paired, rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.reporting import page, table, to_csv
 from allanite.study.modelled import PlanSettings, SelfCheckSettings, StateSpaceSettings, run_model_job
 from allanite.study.noise import noise_in
@@ -50,10 +49,6 @@ def job(request, recording):
     return run_model_job(recording, SETTINGS[request.param], Recipe())
 
 
-def run(*arguments):
-    return CliRunner().invoke(main, [str(a) for a in arguments])
-
-
 @pytest.mark.slow("takes more than half a second")
 def test_every_form_shows_every_channel_and_the_doubt(job):
     assert [channel.name for channel in job.channels] == ["gx", "gy", "gz"]
@@ -88,8 +83,7 @@ def test_no_number_follows_from_a_rejected_model_unless_it_is_asked_for(verb, fi
     assert (refused.exit_code, refused.stdout) == (3, "")
     assert "gz: not explained" in refused.stderr
     assert refused.stderr.rstrip().endswith("To use the coefficients nevertheless: --unexplained")
-    asked = run(*alone, "--unexplained", "--json", "-")
-    assert asked.exit_code == 0, asked.stderr
+    asked = run(*alone, "--unexplained", "--json", "-", code=0)
     (channel,) = json.loads(asked.stdout)["channels"]
     assert (channel["explained"], channel["refusal"]) == (False, "")
     assert json.loads(asked.stdout)["recipe"]["unexplained"] is True
@@ -104,13 +98,11 @@ def test_a_check_has_no_figure(recording):
 @rows("verb, source", paired(list(OPTIONS), ["file", "sensor"]))
 def test_the_recipe_repeats_the_run(verb, source, file, tmp_path):
     noise = (file, "--channels", "gx", "--terms", "NBK") if source == "file" else ("--sensor", "mems", "--rate", 20)
-    first = run(verb, *noise, *OPTIONS[verb], "--json", "-", "--report", tmp_path / "page.html")
-    assert first.exit_code == 0, first.stderr
+    first = run(verb, *noise, *OPTIONS[verb], "--json", "-", "--report", tmp_path / "page.html", code=0)
     found = json.loads(first.stdout)
     recipe = tmp_path / "recipe.toml"
     recipe.write_text("".join(f"{key} = {json.dumps(value)}\n" for key, value in found["recipe"].items()))
-    again = run(verb, *noise[: source == "file"], "--recipe", recipe, "--json", "-")
-    assert again.exit_code == 0, again.stderr
+    again = run(verb, *noise[: source == "file"], "--recipe", recipe, "--json", "-", code=0)
     assert json.loads(again.stdout) == found
     assert (tmp_path / "page.html").stat().st_size > 5000
 

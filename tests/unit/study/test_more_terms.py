@@ -1,16 +1,14 @@
 """A record that the automatic terms do not describe names the terms that do, and asking for them helps."""
 
-import re
-
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.interpretation.sentences import meaning
 from allanite.study.noise import noise_of
+
+pytestmark = pytest.mark.slow("searches of terms with shapes")
 
 RATE, SIZE = 40.0, 72_000
 HUMPS = {
@@ -29,7 +27,6 @@ def channel_of(record, **choices):
     return al.analyze(record, al.Recipe(**choices)).channels[0]
 
 
-@pytest.mark.slow("takes more than half a second")
 @rows("name", HUMPS)
 def test_what_is_named_describes_the_record(name):
     text, terms, _ = HUMPS[name]
@@ -46,20 +43,10 @@ def test_what_is_named_describes_the_record(name):
     assert sum("was identified: look for a" in said for said in meant.sentences) == len(shaped)
 
 
-@pytest.mark.slow("takes more than half a second")
-def test_the_option_that_the_command_names_helps(tmp_path):
-    al.write(simulated("weakly damped"), file := tmp_path / "record.npz")
-    run = CliRunner().invoke(main, ["analyze", str(file)])
-    option = re.search(r"ask\s+for\s+them\s+\((--terms\s+\S+)\)", run.output)[1]
-    run = CliRunner().invoke(main, ["analyze", str(file), *option.split()])
-    assert "  explained (goodness of fit" in run.output
-
-
 def test_of_a_body_that_moved_no_more_terms_are_named():
     assert "terms" not in {f.name for f in noise_of(simulated("loud"), al.Recipe(), moved=True).fit.findings}
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_two_relaxation_processes_are_told_apart_without_being_named():
     model = al.Model("N 0.3 arcsec*sqrt(s), GM 1.2 arcsec 2 s, GM 1 arcsec 20 s")
     fit = channel_of(al.simulate(model, SIZE, RATE, rng=np.random.default_rng(20))).fit
@@ -69,13 +56,11 @@ def test_two_relaxation_processes_are_told_apart_without_being_named():
         assert low < tau < high
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_nothing_is_named_where_nothing_is_missing():
     record = al.simulate(al.Model("N 0.3 arcsec*sqrt(s), GM 1.2 arcsec 2 s"), SIZE, RATE, rng=np.random.default_rng(1))
     assert channel_of(record).fit.findings == ()
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_an_oscillation_that_is_modeled_is_no_motion():
     """The curve falls more steeply beyond the hump than before it, which five terms never do."""
     model = al.Model("N 0.3 arcsec*sqrt(s), GM2 1.2 arcsec 0.3 Hz 0.15")

@@ -8,7 +8,6 @@ import pytest
 from tests.rows import refused, rows
 
 import allanite as al
-from allanite.core.errors import DataError
 from allanite.core.validity import UNEXPLAINED
 
 RATE = 50.0
@@ -41,7 +40,7 @@ USES = {
 @rows("use", USES)
 def test_what_goes_on_from_a_noise_refuses_one_that_explains_nothing(use):
     for noise in (REJECTED, REJECTED.model):
-        with pytest.raises(DataError, match="does not explain the record"):
+        with pytest.raises(al.DataError, match="does not explain the record"):
             USES[use](noise)
     for noise in (FIT, REJECTED.model.usable(unexplained=True)):
         assert USES[use](noise) is not None
@@ -50,7 +49,7 @@ def test_what_goes_on_from_a_noise_refuses_one_that_explains_nothing(use):
 @pytest.mark.slow("seconds of analyses")
 def test_pulses_of_a_dithered_ring_laser_have_no_model_from_the_samples():
     record = al.simulation.simulate_ring_laser(al.simulation.GL1, 12.4392, 24_000, 400.0, rng=3)
-    with pytest.raises(DataError, match="does not explain the record"):
+    with pytest.raises(al.DataError, match="does not explain the record"):
         al.constant_rate.estimate(record, "optimal", model=al.identify(record))
 
 
@@ -59,7 +58,7 @@ def test_what_is_not_valid_is_left_out_of_a_fit_and_its_model_is_refused():
     assert "K" in {term.symbol for term in fit.model}
     assert [t.symbol for t in fit.usable()] == [t.symbol for t in fit.model if t.symbol != "K"]
     assert fit.usable() == fit.valid
-    refused(DataError, "not valid in this model: K", lambda: al.bound(fit.model, 5000, RATE))
+    refused(al.DataError, "not valid in this model: K", lambda: al.bound(fit.model, 5000, RATE))
     assert al.bound(fit, 5000, RATE).names == al.bound(fit.usable(), 5000, RATE).names
 
 

@@ -5,11 +5,10 @@ import re
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import run
 from tests.rows import rows
 
 import allanite as al
-from allanite.cli import main
 from allanite.reporting import html_of, page, plot, table
 from allanite.study.noise import noise_of
 from allanite.study.recipe import Recipe
@@ -46,10 +45,6 @@ def file(tmp_path_factory, recording):
     path = tmp_path_factory.mktemp("data") / "imu.npz"
     al.write(recording, path)
     return str(path)
-
-
-def run(*arguments):
-    return CliRunner().invoke(main, [str(a) for a in arguments])
 
 
 GRADES = {"good": "explained", "fair": "approximate", "bad": "unexplained"}
@@ -139,8 +134,9 @@ def test_a_band_is_shaded_in_both_figures():
 @pytest.mark.slow("takes more than half a second")
 @rows(("channels", "code"), [("good,fair", 0), ("good,bad", 3)])
 def test_strict_is_an_exit_code(file, channels, code, tmp_path):
-    result = run("analyze", file, "--channels", channels, "--strict", "--quiet", "--json", tmp_path / "a.json")
-    assert result.exit_code == code, result.output
+    result = run(
+        "analyze", file, "--channels", channels, "--strict", "--quiet", "--json", tmp_path / "a.json", code=code
+    )
     assert [c["name"] for c in json.loads((tmp_path / "a.json").read_text())["channels"]] == channels.split(",")
     assert ("not explained, or without a result: bad" in result.stderr) == bool(code)
 
@@ -151,8 +147,7 @@ def test_strict_is_an_exit_code(file, channels, code, tmp_path):
     ("rate", "--interval", 2, "--no-times"), ("budget", "--stage", "output 16 100deg/s"),
 ], ids=lambda verb: verb[0])  # fmt: skip
 def test_every_verb_says_the_grade_and_knows_strict(file, verb):
-    result = run(verb[0], file, *verb[1:], "--channels", "bad", "--terms", "NB", "--band", "auto", "--strict")
-    assert result.exit_code == 3, result.output
+    result = run(verb[0], file, *verb[1:], "--channels", "bad", "--terms", "NB", "--band", "auto", "--strict", code=3)
     text = " ".join(result.output.split())
     assert text.count("not explained: the noise level changes") == 1
     assert ("without a result: bad" in result.stderr) == (
@@ -167,8 +162,7 @@ def test_strict_refuses_two_records_of_which_one_is_not_explained(tmp_path):
         values = white(seed) + walk * np.cumsum(white(seed + 10))
         al.write(al.Recording((record_of(values, "bad"),)), tmp_path / f"{seed}.npz")
         files.append(tmp_path / f"{seed}.npz")
-    result = run("compare", *files, "--terms", "N", "--band", "all", "--strict")
-    assert result.exit_code == 3, result.output
+    result = run("compare", *files, "--terms", "N", "--band", "all", "--strict", code=3)
     assert "8.npz (not explained), 9.npz (explained)" in " ".join(result.stdout.split())
 
 

@@ -8,7 +8,7 @@ from itertools import permutations, product
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import ends, of_verb
 from tests.rows import refused, rows
 
 import allanite as al
@@ -23,7 +23,6 @@ from allanite.applications.attitude import (
 )
 from allanite.applications.attitude.inertial import Axes
 from allanite.applications.attitude.tuning import _doubts
-from allanite.cli import main
 from allanite.reporting import table
 
 GYRO, TILT = al.N(0.3, "deg/sqrt(h)"), al.N(100, "ug/sqrt(Hz)")
@@ -286,8 +285,7 @@ def desk(tmp_path, monkeypatch, still):
     return tmp_path
 
 
-def run(*words):
-    return CliRunner().invoke(main, ["vertical", *words])
+run = of_verb("vertical")
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -296,13 +294,10 @@ def test_a_file_without_units(desk, still):
     np.savetxt(desk / "bare.csv", rows, "%.17g", ",", header=",".join(NAMES), comments="")
     units = f"gyro={still['gx'].unit},accel={still['ax'].unit}"
     short = ["--rate", "50", "--time-constant", "2", "--quiet", "--json", "-"]
-    done = run("bare.csv", "--unit", units, *short)
-    assert done.exit_code == 0, done.output
+    done = run("bare.csv", "--unit", units, *short, code=0)
     both = [json.loads(text)["angles"] for text in (done.output, run("six.csv", *short).output)]
     assert [a["deviation"] for a in both[0]] == pytest.approx([a["deviation"] for a in both[1]], rel=1e-9)
-    refused = run("bare.csv", "--unit", "deg/s", *short)
-    assert refused.exit_code == 3
-    assert "--unit gyro=deg/s,accel=g" in " ".join(refused.output.split())
+    ends(run("bare.csv", "--unit", "deg/s", *short), 3, "--unit gyro=deg/s,accel=g")
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -318,8 +313,7 @@ NOISE = ("--gyro", "N 0.3 deg/sqrt(h), B 10 deg/h, K 20 deg/h/sqrt(h)", "--accel
 
 
 def test_the_command_without_a_recording():
-    done = run(*NOISE, "--duration", "10 min")
-    assert done.exit_code == 0, done.output
+    done = run(*NOISE, "--duration", "10 min", code=0)
     for said in ("time constant 0.7587 s: RMS error 26.4 arcsec", "optimal causal (Wiener) filter",
                  "floor: 13.7 arcsec", "accelerometer  B = 50 µg"):  # fmt: skip
         assert said in done.output
@@ -328,9 +322,7 @@ def test_the_command_without_a_recording():
 @pytest.mark.slow("scenarios of ten minutes")
 def test_scenarios_are_shown():
     done = run(*NOISE, "--scenarios", "--gyro-bias", "10 deg/h")
-    assert done.exit_code == 0, done.output
-    assert "no filter is the best in all scenarios" in done.output
-    assert "does not see 1 m/s²" in done.output
+    ends(done, 0, "no filter is the best in all scenarios", "does not see 1 m/s²")
 
 
 @rows("words, code, said", [
@@ -342,6 +334,4 @@ def test_scenarios_are_shown():
     ([*NOISE, "--axes", "x,-z,y"], 2, "--axes applies to a recording"),
 ])  # fmt: skip
 def test_wrong_commands(desk, words, code, said):
-    done = run(*words)
-    assert done.exit_code == code, done.output
-    assert said in done.output
+    ends(run(*words), code, said)

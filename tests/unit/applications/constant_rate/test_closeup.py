@@ -15,9 +15,7 @@ from allanite.cli import main
 
 @pytest.fixture(scope="module")
 def record():
-    return al.simulation.simulate_ring_laser(
-        al.simulation.GL1, 12.4392, 24_000, 400.0, rng=np.random.default_rng(1), name="gz"
-    )
+    return al.simulation.simulate_ring_laser(al.simulation.GL1, 12.4392, 24_000, 400.0, rng=1, name="gz")
 
 
 SETTINGS = ExperimentSettings(interval=20.0)
@@ -56,7 +54,7 @@ def test_it_is_stored_and_drawn(record):
 
 
 def test_a_rate_without_quantum_has_no_staircase():
-    rate = al.simulate(al.N(0.1, "deg/sqrt(h)"), 4000, 100.0, rng=np.random.default_rng(1))
+    rate = al.simulate(al.N(0.1, "deg/sqrt(h)"), 4000, 100.0, rng=1)
     found = closeup(rate, ExperimentSettings(interval=10.0))
     assert not found.counts.size
     assert found.kept.any()

@@ -4,13 +4,12 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tests.commands import ends, run
 from tests.rows import refused, rows
 
 import allanite as al
 from allanite.applications.signals import mixed
 from allanite.applications.signals.budgeting import PathSettings
-from allanite.cli import main
 from allanite.core.record import Recording
 from allanite.core.syntax import toml
 
@@ -23,10 +22,6 @@ def currents():
     rng = np.random.default_rng(1)
     values = np.rint(rng.standard_normal((2, 20_000)) * 300) * STAGE.step / 5 * 1e3  # mA
     return Recording(tuple(al.Record(v, 100.0, "mA", name=name) for v, name in zip(values, ("ix", "iy"), strict=True)))
-
-
-def run(*arguments):
-    return CliRunner().invoke(main, [str(a) for a in arguments])
 
 
 def test_rates_are_the_matrix_times_the_currents(currents):
@@ -53,8 +48,7 @@ def test_the_command_line_and_the_recipe(currents, tmp_path):
     path = tmp_path / "currents.csv"
     al.write(currents, path)
     asked = ("--stage", "ADC 14 5V", "--scale-factor", 0.2, "--sense", 5, "--coupling", "0,-1,1,0", "--terms", "QN")
-    done = run("budget", path, *asked, "--json", "-")
-    assert done.exit_code == 0, done.stderr
+    done = run("budget", path, *asked, "--json", "-", code=0)
     data = json.loads(done.stdout)
     assert data["settings"]["axes"] == [0, -1, 1, 0]
     recipe = tmp_path / "recipe.toml"
@@ -76,9 +70,7 @@ def test_the_command_line_and_the_recipe(currents, tmp_path):
 def test_impossible_axes_are_refused(axes, words, currents, tmp_path):
     path = tmp_path / "currents.csv"
     al.write(currents, path)
-    done = run("budget", path, "--stage", "ADC 14 5V", "--scale-factor", 0.2, "--sense", 5, "--coupling", axes)
-    assert done.exit_code == 2
-    assert words in done.stderr
+    ends(run("budget", path, "--stage", "ADC 14 5V", "--scale-factor", 0.2, "--sense", 5, "--coupling", axes), 2, words)
 
 
 def test_what_is_no_pair_of_currents_is_refused(currents):
