@@ -1,6 +1,7 @@
 """Where real recordings and published tables are, for the tests that use them, and what all tests share."""
 
 import gc
+import math
 import os
 import signal
 from pathlib import Path
@@ -110,6 +111,7 @@ def refusals(monkeypatch):
 @pytest.fixture
 def to_the_end(monkeypatch):
     """A file that is watched ends where it does, not when nothing has come for some time."""
-    from allanite.study.watching import Watch
+    from allanite.readers.live import arrivals
+    from allanite.study import watching
 
-    monkeypatch.setattr(Watch, "_over", lambda self, _: self.spool.came >= os.path.getsize(self.target))
+    monkeypatch.setattr(watching, "arrivals", lambda feed, _, __, stopped: arrivals(feed, math.inf, 1e-9, stopped))

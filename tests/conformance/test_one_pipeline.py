@@ -9,8 +9,9 @@ from tests import ALL
 from tests.rows import rows
 
 import allanite as al
-from allanite.core.choices import choices_of, named, needing_all
+from allanite.core.choices import choices_of, named
 from allanite.study.analysis import examine
+from allanite.study.keeper import needing_all
 from allanite.study.recipe import Recipe
 from allanite.study.watching import Watch, WatchSettings
 

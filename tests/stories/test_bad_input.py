@@ -72,7 +72,7 @@ CASES = [
     ("one.csv", [*OPTIONS, "--ranges", "N=1:10"], 2, ["ranges is for method 'piecewise'", "'whittle'"]),
     ("one.csv", [*LINES, "--ranges", "N=1:10,K=5:20"], 2, ["N (1 to 10 s)", "K (5 to 20 s)", "overlap"]),
     ("one.csv", [*LINES, "--ranges", "N=10:1"], 2, ["range of N", "lower one first"]),
-    ("one.csv", [*LINES, "--ranges", "N=1,10"], 2, ["N=0.1:10,K=100:1000", "'N=1'"]),
+    ("one.csv", [*LINES, "--ranges", "N=1,10"], 2, ["N=0.1:10,K=100:1000", "'N=1,10'"]),
     ("infinite.csv", OPTIONS, 3, ["2 of 5000 samples", "infinite", "sample 7", "NaN"]),
     ("pickle.npy", OPTIONS, 3, ["pickle", "never"]),
     ("bare.npy", OPTIONS, 3, ["bare.npy"]),

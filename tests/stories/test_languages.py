@@ -1,6 +1,6 @@
 """Nothing that is shown stays English: every result in letters that are not Latin, and the words left over."""
 
-import os
+import math
 import re
 from collections.abc import Iterable
 from contextlib import suppress
@@ -21,12 +21,13 @@ from allanite.core.errors import UndrawnError
 from allanite.exporting.exports import EXPORTS, TEMPERATURE
 from allanite.identification.methods import METHODS
 from allanite.phrases.phrase import Phrase
+from allanite.readers import live
 from allanite.reporting import html, language, printing, text
 from allanite.reporting.sheet import Code, Fold
 from allanite.reporting.sketch.axis import Unsketched
 from allanite.reporting.views import level_of, view_of
 from allanite.statistics import STATISTICS
-from allanite.study.watching import Watch
+from allanite.study import watching
 from allanite.terms import TERMS
 
 pytestmark = pytest.mark.nightly("what every verb shows, in other letters: releases ask for translations")
@@ -184,7 +185,7 @@ def values(furnished):
         for table in (EXPORTS, TEMPERATURE):
             for name, row in table.items():
                 patch.setitem(getattr(table, "_rows", table), name, replace(row, source=""))
-        patch.setattr(Watch, "_over", lambda self, _: self.spool.came >= os.path.getsize(self.target))
+        patch.setattr(watching, "arrivals", lambda feed, _, __, stopped: live.arrivals(feed, math.inf, 1e-9, stopped))
 
         def values_of(verb):
             if verb not in found:

@@ -132,7 +132,7 @@ def test_means_come_before_anything_else(file, record):
         ("--edf foo", "edf must be 'exact' or 'published', not 'foo'"),
         ("--edf published --no-intervals", "they need intervals"),
         ("--edf published --statistic pdev", "no degrees of freedom of pdev are published"),
-        ("--join 2 --statistic theoh", "join must be a share of the record between 0 and 1, not 2.0"),
+        ("--join 2 --statistic theoh", "it must be above 0 and at most 1, not 2"),
         ("--divisor 7 --statistic theoh", "must be 30 (as published) or 6 (as in Stable32), not 7"),
     ],
 )

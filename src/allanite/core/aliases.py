@@ -20,6 +20,9 @@ F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
 
 
+PLACED = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)  # kinds of what is told by its place
+
+
 def public(function: F) -> F:
     """The function as users call it, arguments by other names, too (`ARGUMENTS`), each of the type that is declared.
 
@@ -28,7 +31,9 @@ def public(function: F) -> F:
     """
 
     @cache
-    def declared() -> tuple[bool, list[str], dict[str, Any], dict[str, Range], Callable[..., str], Callable[..., None]]:
+    def declared() -> tuple[
+        bool, list[str], list[str], dict[str, Any], dict[str, Range], Callable[..., str], Callable[..., None]
+    ]:
         """Names and types, which may not be defined before the first call, and ranges: ``Annotated[float, TIME]``."""
         from .declared import demand_size, misfit, parameters  # with numpy, which help does without
 
@@ -36,19 +41,20 @@ def public(function: F) -> F:
                   for within in getattr(hint, "__metadata__", ())}  # fmt: skip
         known = signature(function).parameters
         open_ = any(parameter.kind is Parameter.VAR_KEYWORD for parameter in known.values())
-        return open_, list(known), parameters(function), ranges, misfit, demand_size
+        placed = [name for name, parameter in known.items() if parameter.kind in PLACED]
+        return open_, list(known), placed, parameters(function), ranges, misfit, demand_size
 
     @wraps(function)
     def entered(*args: Any, **options: Any) -> Any:
-        open_, names, types, ranges, misfit, demand_size = declared()
+        open_, names, placed, types, ranges, misfit, demand_size = declared()
         called = function.__qualname__.removesuffix(".__init__")
         options = renamed(options, names)
         demand_own(called, () if open_ else options.keys() - names)
         columns = args[0].columns if args and hasattr(type(args[0]), "columns") else ()
         try:
-            for name, value in chain(zip(names, args, strict=False), options.items()):
+            for name, value in chain(zip(placed, args, strict=False), options.items()):
                 hint = types.get(name, Any)
-                if isinstance(value, str) and name != "channels" and value in columns:
+                if isinstance(value, str) and value in columns and name not in {*options, "channels"}:
                     raise WrongTypeError(f"{called}: {name} is {value!r}, a column: select it with channels={value!r}")
                 if expected := misfit(value, hint):
                     rated = isinstance(value, Real) and "sampling" in names  # as the second argument of other libraries

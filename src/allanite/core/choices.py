@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from functools import cache
 from inspect import cleandoc
@@ -379,12 +379,9 @@ class Choices:
     def __post_init__(self) -> None:
         rows = choices_of(type(self))
         if len(rows) < len(fields(self)):  # type: ignore[arg-type]
-            from .declared import fields_of, misfit  # with numpy, which help does without
+            from .declared import demand_fields  # with numpy, which help does without
 
-            for name, hint in fields_of(type(self)).items():
-                if name not in rows and (expected := misfit(getattr(self, name), hint)):
-                    what = given(getattr(self, name))
-                    raise UsageError(f"{type(self).__name__}: {name} must be {expected}, not {what}")
+            demand_fields(self, rows)
         for name, row in rows.items():
             value, within = getattr(self, name), row.within or row.kind.within
             if (value is None and row.default is None) or value is row.default:
@@ -397,11 +394,3 @@ class Choices:
             except UsageError as error:
                 error.choice = error.choice or name
                 raise
-
-
-def needing_all(settings: Any) -> Iterator[tuple[ChoiceRow, Any]]:
-    """The choices with their values that do not work where only sums of a record are kept."""
-    for name, row in choices_of(type(settings)).items():
-        value = getattr(settings, name)
-        if row.parts is not None and value is not None and value not in row.parts:
-            yield row, value

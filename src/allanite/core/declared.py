@@ -3,7 +3,7 @@
 import math
 import re
 import types
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache
 from importlib import import_module
 from itertools import islice
@@ -66,6 +66,14 @@ def demand_size(name: str, value: Any, hint: Any) -> None:
         raise UsageError(f"{name} must be below 2^63, not {given(number)}")
     elif size and math.isfinite(size) and not (isinstance(number, Integral) or low <= size <= high):
         raise UsageError(f"{name} must be between {low:g} and {high:g} in size, not {given(number)}")
+
+
+def demand_fields(settings: Any, but: Collection[str] = ()) -> None:
+    """Refuse a field of another type than its class declares."""
+    for name, hint in fields_of(type(settings)).items():
+        if name not in but and (expected := misfit(getattr(settings, name), hint)):
+            what = given(getattr(settings, name))
+            raise UsageError(f"{type(settings).__name__}: {name} must be {expected}, not {what}")
 
 
 def parameters(function: Callable[..., Any]) -> dict[str, Any]:

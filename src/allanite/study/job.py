@@ -88,8 +88,11 @@ class Job(Value, Generic[Result]):
     def rejected(self) -> tuple[str, ...]:
         """Names of the channels without a result, or whose noise no model explains."""
         pairs = zip(self._names, self.channels, strict=True)
-        rejected = (name for name, c in pairs if c.refusal or (c.noise is not None and not c.noise.explained))  # type: ignore[attr-defined]
-        return tuple(rejected)
+        return tuple(name for name, channel in pairs if channel.refusal or not self._explained(channel))  # type: ignore[attr-defined]
+
+    def _explained(self, channel: Any) -> bool:
+        """Whether no model is known to be inadequate for the noise of a channel, if it was identified."""
+        return channel.noise is None or bool(channel.noise.explained)
 
     def choices(self) -> dict[str, Any]:
         """The recipe that was actually used, as plain data."""

@@ -1,6 +1,6 @@
 """One channel after its inspection; of one that is read in parts, the sums of curves, identification and spectrum."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from operator import itemgetter
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray
-from allanite.core.choices import needing_all
+from allanite.core.choices import ChoiceRow, choices_of
 from allanite.core.curve import Curve, DerivedLaw
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
@@ -35,6 +35,14 @@ NEAR = 1e-3  # relative difference of averaging times that are the same; the sam
 STRIDES = say("the variances are exact: up to 15 samples from all windows, at m = q 2^k, q = 8 .. 15, from those that "
               "start every 2^k samples, which costs at most 1 % of the accuracy")  # fmt: skip
 """The note about the curves."""
+
+
+def needing_all(settings: Any) -> Iterator[tuple[ChoiceRow, Any]]:
+    """The choices with their values that do not work where only sums of a record are kept."""
+    for name, row in choices_of(type(settings)).items():
+        value = getattr(settings, name)
+        if row.parts is not None and value is not None and value not in row.parts:
+            yield row, value
 
 
 class Keeper:

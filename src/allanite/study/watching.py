@@ -204,8 +204,12 @@ class Watch:
                 tell(say("the lines that came are kept in {path!r}", path=path))
             raise
         finally:
-            if self.spool is not None:
-                self.spool.close()
+            self.close()
+
+    def close(self) -> None:
+        """Remove the lines that came, unless they are to stay."""
+        if self.spool is not None:
+            self.spool.close()
 
     def _study(self, *, last: bool = False) -> Study:
         if self.spool is None or not self.spool.came:

@@ -136,7 +136,7 @@ RNG = np.random.default_rng(1)
     (lambda: faults.quantize_rate(NAN, 1.0, "deg/s"), "before samples"),
     (lambda: faults.quantize_angle(NAN, 1.0, "arcsec"), "before samples"),
     (lambda: faults.low_pass(NAN, 1.0), "before samples"),
-    (lambda: faults.low_pass(white(), 80.0), "between 0 and 50 Hz"),
+    (lambda: faults.low_pass(white(), 80.0), "between 1e-05 and 50 Hz"),
     (lambda: faults.low_pass(white(), 8.0, order=0), "order must be between 1 and 10"),
     (lambda: faults.constant(ANGLE, 1.0, "deg/s"), "not to angles"),
     (lambda: faults.constant(white(), 1.0, "ug"), "neither a unit of a rate"),

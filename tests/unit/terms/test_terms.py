@@ -119,7 +119,7 @@ def test_models_with_shapes_are_read_as_they_are_written():
     with pytest.raises(al.UsageError, match="each term may occur once"):
         _ = two + al.GM(3.0, "deg/h", time_constant=10.0)
     refused(al.UsageError, "time_constant in s", lambda: term("GM", 1.0, "deg/h"))
-    refused(al.UsageError, "above 0", lambda: al.GM(1.0, "deg/h", time_constant=0.0))
+    refused(al.UsageError, "between 1e-15 and", lambda: al.GM(1.0, "deg/h", time_constant=0.0))
     assert str(al.Sine(1.0, "deg/h", frequency=2.0)) == "Sine = 1 deg/h with frequency 2 Hz"
     assert (two + al.Sine(1.0, "deg/h", frequency=2.0)).noise == two
     text = "N 0.1 deg/sqrt(h), F 1 arcsec, GMA 2 arcsec 3 s, GM2 1 deg/h 0.5 Hz 0.2, W -3 deg/h 10 min"
