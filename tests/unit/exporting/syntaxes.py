@@ -94,7 +94,7 @@ def of_csv(data):
     lines = data.decode().splitlines()
     for separator in ",;":
         for cell in (cell for row in csv.reader(lines, delimiter=separator) for cell in row):
-            assert not re.match(r"[=@]|[+-](?![\d.]+(e[+-]?\d+)?$)", cell), cell
+            assert not re.match(r"[=@]|[+-](?![\d.]+(e[+-]?\d+)?(,|$))", cell), cell  # a list after a number is none
     rows = list(csv.reader(line for line in lines if line[0] != "#"))
     return [row[1:] for row in rows], _lines("\n".join(lines), "#")
 

@@ -103,6 +103,7 @@ def test_a_parser_sees_the_same_keys_whatever_the_names(contents, target, suffix
     @example("gx\nevil: 1", "gy*/ int evil; /*")
     @example("".join(PIECES), "g x")
     @example("g x", "g_x")
+    @example("\n", "-0")
     @example("coding=utf-7 +AAo-import os+AAo-", "=cmd|' /C calc'!A0")
     def check(first, second):
         live, comments = parse(written(called(content, first, second), target, suffix))
