@@ -1,5 +1,6 @@
 """The lines of a live stream, kept in a text file that is read as any other."""
 
+import math
 import os
 import tempfile
 from collections import deque
@@ -206,7 +207,6 @@ class Spool:
 
 def _is_number(field: bytes) -> bool:
     try:
-        float(field.replace(b",", b"."))
+        return not math.isinf(float(field.replace(b",", b".")))
     except ValueError:
         return False
-    return True

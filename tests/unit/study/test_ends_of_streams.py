@@ -141,7 +141,8 @@ SOURCES = (File, Pipe, Port, Datagrams) if hasattr(os, "mkfifo") else (File, Dat
 ENDS = {
     "nothing more": ([], 0), "a torn row": ([b"0.1,0."], 0), "half a row": ([b"0.1"], 0),
     "more fields": ([b"1,2,3\n", ROWS], FEW), "fewer fields": ([b"1\n", ROWS], FEW),
-    "words": ([b"ERROR,overflow\nboot\n", ROWS], FEW), "zero bytes": ([bytes(5000) + b"\n", ROWS], FEW),
+    "words": ([b"ERROR,overflow\nboot\n", ROWS], FEW), "infinite": ([b"inf,0.1\n-inf,0\n", ROWS], FEW),
+    "zero bytes": ([bytes(5000) + b"\n", ROWS], FEW),
     "any bytes": ([bytes(range(256)) * 9 + b"\n", ROWS], FEW), "Latin": ([b"\xb0C,\xb5\n", ROWS], FEW),
     "a long row": ([b"1" * 39_999] * 2 + [b"\n", ROWS], FEW), "a long end": ([b"1" * 39_999] * 2, 0),
     "cut": (["cut", ROWS], FEW), "cut in a row": ([b"0.1,0", "cut", ROWS], FEW),
