@@ -83,21 +83,22 @@ def _four_factors(x, m, start, count):  # type: ignore[no-untyped-def]
 
 @once
 def _add_short(sums, x, m, order, span):  # type: ignore[no-untyped-def]
-    """Add the squared differences at i = span[0] .. span[1] - 1 for short m, ascending."""
-    (start, end), j = span, 0
-    while j < m.size:
-        if order == 2 and j + 4 <= m.size and end <= x.size - 2 * m[j + 3]:
-            one, two, three, four = _four_factors(x, (m[j], m[j + 1], m[j + 2], m[j + 3]), start, end - start)
-            sums[j] += one
-            sums[j + 1] += two
-            sums[j + 2] += three
-            sums[j + 3] += four
-            j += 4
-        else:
-            stop = min(end, x.size - order * m[j])
-            if stop > start:
-                sums[j] += squares(x, m[j], order, start, stop)
-            j += 1
+    """Add the squared differences at i = span[0] .. span[1] - 1 for m below `ROWS`, ascending."""
+    # Where a group ends short its last factor stands in for the rest, and the end of a record is taken singly whatever
+    # the group: the sum of a factor has the same bits beside any others.
+    start, end = span
+    if order == 2 and end <= x.size - 2 * ROWS:
+        last = m.size - 1
+        for j in range(0, m.size, 4):
+            k, r, n = min(j + 1, last), min(j + 2, last), min(j + 3, last)
+            found = _four_factors(x, (m[j], m[k], m[r], m[n]), start, end - start)
+            for i in range(min(4, m.size - j)):
+                sums[j + i] += found[i]
+        return
+    for j in range(m.size):
+        stop = min(end, x.size - order * m[j])
+        if stop > start:
+            sums[j] += squares(x, m[j], order, start, stop)
 
 
 @swift_shared
@@ -110,7 +111,7 @@ def add_overlapped(sums, x, m, order, size):  # type: ignore[no-untyped-def]
     for j in range(m.size):
         short += m[j] < ROWS
         near += m[j] < NEAR_TILE
-    short = m.size if order == 1 else min(m.size, (short + 3) // 4 * 4)
+    short = m.size if order == 1 else short
     for tile in range(0, size, TILE):
         end = min(tile + TILE, size)
         for start in range(tile, end, BLOCK):

@@ -40,3 +40,12 @@ def test_integers_are_exact_and_no_factor_has_nothing():
     for order in (2, 3):
         assert overlapped(x, m, order).tolist() == [literal(x, k, order) for k in m.tolist()]
     assert overlapped(np.arange(9.0), np.empty(0, np.int64), 2).size == 0
+
+
+@rows("order", [1, 2, 3])
+def test_the_sum_of_a_factor_has_the_same_bits_beside_any_others(order: int) -> None:
+    rng = np.random.default_rng(order)
+    x = np.cumsum(rng.standard_normal(TILE + 4 * ROWS))
+    for size in (1, 3, 4, 6, 13):
+        m = np.unique(rng.integers(1, 3 * ROWS, size))
+        assert overlapped(x, m, order).tolist() == [overlapped(x, m[i : i + 1], order)[0] for i in range(m.size)]
