@@ -56,7 +56,7 @@ class BreakError(OSError):
         return say("{target!r} is back", target=target) if self.kind == "back" else ""
 
 
-class Returning:
+class ReturningSource:
     """A source that is opened again when it is gone, and is back when something comes of it."""
 
     def __init__(self, again: Callable[[], Tap]) -> None:
@@ -161,7 +161,7 @@ def arrivals(feed: Feed, duration: float, idle: float,
 def opened(target: str, baud: int) -> Tap:
     """Open FILE, PORT or udp://127.0.0.1:9000; what is gone later is opened again."""
     again, live, ahead = _kind(target, baud)
-    source = Returning(again)
+    source = ReturningSource(again)
     return Tap(source.take, source.close, live, ahead)
 
 
@@ -182,7 +182,7 @@ def _kind(target: str, baud: int) -> tuple[Callable[[], Tap], bool, int]:
     if not stat.S_ISREG(mode):
         what = "a folder" if stat.S_ISDIR(mode) else "a socket or a disk"
         raise UsageError(f"{given(target)} is {what}; give a file, a serial port, a pipe, or udp://127.0.0.1:9000")
-    return Followed(target).tap, False, PIECES_AHEAD
+    return GrowingFile(target).tap, False, PIECES_AHEAD
 
 
 def _unwatched(target: str, error: OSError | ValueError) -> DataError:
@@ -275,7 +275,7 @@ def _handle(target: str) -> int:
         raise _unwatched(target, error) from None
 
 
-class Followed:
+class GrowingFile:
     """A file that grows, followed by its name: where it becomes shorter or is replaced, it is read from its begin."""
 
     def __init__(self, target: str) -> None:

@@ -27,7 +27,7 @@ from tests.rows import refused, rows
 import allanite as al
 from allanite.phrases.phrase import duration
 from allanite.prepare import quality
-from allanite.readers.live import BreakError, Feed, Returning, opened
+from allanite.readers.live import BreakError, Feed, ReturningSource, opened
 from allanite.readers.spool import Spool
 from allanite.study.watching import AT_ONCE, CHECKS, REPORTS, Task, Watch, WatchSettings
 from allanite.web.requests import Request, accepted
@@ -390,7 +390,7 @@ def test_a_watch_ends_in_time_while_its_port_is_gone(monkeypatch, settings):
 
     source = Clock(monkeypatch, 0)
     taps = iter([SimpleNamespace(take=gone, close=list)])
-    source.take = Returning(lambda: next(taps, None) or gone()).take
+    source.take = ReturningSource(lambda: next(taps, None) or gone()).take
     with watch_of(**settings) as watch:
         assert "is gone" in list(watch.events())[1]
     assert source.now == pytest.approx(0.6)
@@ -570,7 +570,7 @@ def test_a_port_that_comes_and_goes_is_one_finding(monkeypatch):
             raise OSError(f"the device is gone since {due.pop(0)} s")
         return take(seconds)
 
-    source.take = Returning(lambda: SimpleNamespace(take=torn, close=list)).take
+    source.take = ReturningSource(lambda: SimpleNamespace(take=torn, close=list)).take
     with watch_of(duration=100) as watch:
         assert sum("is gone" in said for said in watch.events()) == 3
         assert [finding.what for finding in watch.findings.values()] == ["'port' was gone 3 times"]
