@@ -59,7 +59,7 @@ class Client:
     """What the page does, without a browser."""
 
     def __init__(self, link, enter=True):
-        self.link = link
+        self.link, self.others = link, []
         self.base, _, self.token = link.partition("/#token=")
         self.http = httpx.Client(base_url=self.base, headers={"Origin": self.base}, timeout=WAIT, trust_env=False)
         if enter:
@@ -71,7 +71,8 @@ class Client:
         return self
 
     def __exit__(self, *_):
-        self.http.close()
+        for client in (self, *self.others):
+            client.http.close()
 
     @property
     def secret(self):
@@ -87,9 +88,10 @@ class Client:
         self.http.headers["Authorization"] = f"Bearer {secret}"
 
     def again(self):
-        """A client that has the secret of this one."""
+        """A client that has the secret of this one, and is closed with it."""
         other = Client(self.link, enter=False)
         other.hold(self.secret)
+        self.others.append(other)
         return other
 
     def get(self, path, **query):

@@ -48,10 +48,12 @@ def loop(monkeypatch):
     """A loop whose patience is over at its next turn."""
     monkeypatch.setattr(routes, "TURN_TIMEOUT_S", 0.0)
     loop = asyncio.new_event_loop()
+    loop.connections = []  # as a server has them, or what answers is collected before it has answered
     yield loop
-    for task in asyncio.all_tasks(loop):
-        task.cancel()
-    turn(loop)
+    while tasks := asyncio.all_tasks(loop):  # the first time, one that has not begun to answer waits to say so
+        for task in tasks:
+            task.cancel()
+        turn(loop)
     loop.close()
 
 
@@ -66,6 +68,7 @@ def connected(loop, answer, state=None):
     """A connection to a server in this state."""
     made, transport = PromptProtocol(uvicorn.Config(answer), state or ServerState(), {}, _loop=loop), Transport()
     made.connection_made(transport)
+    loop.connections.append(made)
     return made, transport
 
 

@@ -12,6 +12,7 @@ import threading
 import time
 import webbrowser
 from collections.abc import Awaitable, Callable, MutableMapping, Sequence
+from contextlib import closing
 from importlib.resources import files
 from pathlib import Path
 from typing import IO, Any
@@ -276,11 +277,11 @@ def joined(store: Store, paths: Sequence[str]) -> str:
 
 def _asked(address: dict[str, Any], path: str, body: dict[str, str]) -> Any:
     host = f"{HOST}:{address['port']}"
-    connection = http.client.HTTPConnection(host, timeout=ANSWER_TIMEOUT_S)
     headers = {"Origin": f"http://{host}", "Authorization": f"Bearer {address['secret']}"}
-    connection.request("POST", f"/api/{path}", json.dumps(body), headers)
-    answer = connection.getresponse()
-    data = json.loads(answer.read())
+    with closing(http.client.HTTPConnection(host, timeout=ANSWER_TIMEOUT_S)) as connection:
+        connection.request("POST", f"/api/{path}", json.dumps(body), headers)
+        answer = connection.getresponse()
+        data = json.loads(answer.read())
     if answer.status >= 400:
         raise UsageError(data["error"])
     return data
