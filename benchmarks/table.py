@@ -17,6 +17,7 @@ import re
 import shlex
 import subprocess
 import time
+import zlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -24,16 +25,19 @@ from datetime import date
 from functools import cached_property
 from multiprocessing import Pool
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results"
 CODE = ("src", "benchmarks/*.py", "tests/reference")  # what a figure depends on
 
 ROOMS = {
-    "angle": "applications/angle", "bags": "readers", "bound": "planning/bound.py statespace", "check": "claims",
-    "check_settings": "claims identification",
-    "comparison": "comparison", "compensation": "applications/compensation", "confidence_coverage": "statistics",
+    "angle": "applications/angle", "bags": "readers", "bound": "planning/bound.py statespace",
+    "check": "claims identification", "comparison": "comparison",
+    "compensation": "applications/compensation", "confidence_coverage": "statistics",
     "consistency": "exporting", "data_sheets": "claims interpretation planning", "drift": "planning",
     "end_to_end": "cli reporting study", "environments": "",
     "fuzz": "batch cli core readers study web", "gaps": "identification statistics", "hybrids": "statistics",
@@ -153,6 +157,16 @@ def least(job: Callable[[], object], rounds: int, clock: Callable[[], float] = t
         job()
         times.append(clock() - start)
     return min(times)
+
+
+SEEDS = "seeds: CRC-32 of the words of each cell, number of the record"
+
+
+def seeded(number: int, *cell: object) -> "np.random.Generator":
+    """Random numbers of a record of a cell, which no other cell has: see SEEDS."""
+    import numpy as np
+
+    return np.random.default_rng((zlib.crc32(" ".join(map(str, cell)).encode()), number))
 
 
 def spread(
