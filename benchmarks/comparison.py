@@ -4,7 +4,7 @@ Pairs of records of one model come from the independent simulator and are compar
 changed, the second record of a pair is louder by a factor.
 """
 
-from table import SEEDS, begin, section, seeded, spread
+from table import SEEDS, begin, coefficients, section, seeded, spread
 
 import math
 import sys
@@ -17,7 +17,7 @@ from allanite.comparison.change import holm
 from allanite.comparison.common_likelihood import Joint, joint
 from allanite.comparison.contrast import Contrast, chi_square, homogeneity, partly_common
 from allanite.comparison.ratio import RatioLaw, ratio_law
-from independent import sensor
+from judge import sensor
 
 SAMPLES, RATE = 4096, 100.0
 MODELS = {
@@ -36,7 +36,7 @@ FAR = 3.0  # standard errors of a measured share from what it should be, above w
 
 def pair_of(rng: np.random.Generator, model: str) -> list[al.Record]:
     """Two records of a model."""
-    terms = {term.symbol: term.value for term in MODELS[model]}
+    terms = coefficients(MODELS[model])
     return [al.Record(sensor(SAMPLES, RATE, rng, **terms), RATE, "rad/s", name=name) for name in "ab"]
 
 

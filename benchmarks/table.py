@@ -169,6 +169,13 @@ def seeded(number: int, *cell: object) -> "np.random.Generator":
     return np.random.default_rng((zlib.crc32(" ".join(map(str, cell)).encode()), number))
 
 
+def coefficients(model: Iterable[Any]) -> dict[str, Any]:
+    """The terms of a model as judge.sensor takes them, SI."""
+    terms = list(model)
+    processes = [(term.value, *term.shape) for term in terms if term.symbol == "GM"]
+    return {term.symbol: term.value for term in terms if term.symbol != "GM"} | {"GM": processes}
+
+
 def spread(
     work: Callable[[Any], Any], cells: Iterable[Cell], records: int, processes: int | None = None, first: int = 0
 ) -> Iterator[tuple[Cell, list[Any]]]:
