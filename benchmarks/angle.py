@@ -3,15 +3,16 @@
 The experiment is that of docs/angle_paper.md: latitude 60 deg, one hour from every full hour after h = 0 (or the middle
 half of it), a reading every 10 s, noise 1, harmonics 128 and 256 of h and q, prior standard deviations 3 (amplitudes)
 and 10 (rest). In a run the true constants are drawn from that prior, the errors are added to the angles, and the
-cosine is computed without linearising. Run k of every row has seed k.
+cosine is computed without linearising.
 """
 
-from table import begin, markdown
+from table import SEEDS, begin, markdown, seeded, spread
 
+import itertools
 import math
+import sys
 import time
 from dataclasses import dataclass
-from multiprocessing import Pool
 
 import numpy as np
 
@@ -68,81 +69,78 @@ EXPERIMENTS = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Job:
-    """One run."""
-
-    experiment: Experiment
-    hour: int
-    seed: int
-
-
 def plan(experiment: Experiment, hour: int) -> al.angle.AnglePlan:
+    """What is expected of the readings of an hour."""
     duration = 60.0 * experiment.minutes
     settings = al.angle.AngleSettings(duration=duration, interval=10.0, prior=PRIOR, **experiment.setup())
     return al.angle.plan(settings, experiment.start(hour))
 
 
-def run(job: Job) -> np.ndarray:
+def run(job: tuple[Experiment, int, int]) -> np.ndarray:
     """Errors of the eight amplitudes over UNIT, and over their standard errors, shape (2, 8)."""
-    rng = np.random.default_rng(job.seed)
+    experiment, hour, number = job
+    rng = seeded(number, experiment.base, experiment.law, hour)
     true, rest = (sd * UNIT * rng.standard_normal(n) for sd, n in zip(PRIOR, (8, 5), strict=True))
     sensors = {
         name: al.angle.Harmonics.of({128: tuple(part[:2]), 256: tuple(part[2:])})
         for name, part in (("h", true[:4]), ("q", true[4:]))
     }
-    when = job.experiment.start(job.hour) + 10.0 * np.arange(6 * job.experiment.minutes)
-    gimbals = al.angle.gimbals(when, **job.experiment.setup())
+    when = experiment.start(hour) + 10.0 * np.arange(6 * experiment.minutes)
+    gimbals = al.angle.gimbals(when, **experiment.setup())
     z = al.angle.simulate(
         gimbals, sensors, nuisance=dict(zip(NUISANCE, rest, strict=True)),
-        sigma=UNIT, walk=job.experiment.walk * UNIT, rng=rng,
+        sigma=UNIT, walk=experiment.walk * UNIT, rng=rng,
     )  # fmt: skip
     found = al.angle.estimate(z, gimbals, sigma=UNIT, prior=(PRIOR[0] * UNIT, PRIOR[1] * UNIT)).solution
     error = found.values[:8] - true
     return np.array([error / UNIT, error / found.errors[:8]])
 
 
-def spread(errors: np.ndarray) -> np.ndarray:
+def rms(errors: np.ndarray) -> np.ndarray:
     """Root mean square about the truth of each amplitude; errors of shape (runs, 8)."""
     return np.sqrt((errors**2).mean(axis=0))
 
 
-def rows(experiment: Experiment, runs: int, first: int, pool) -> list[list[str]]:
+def rows(experiment: Experiment, runs: int) -> list[list[str]]:
+    """A line for each full hour."""
     plans = [plan(experiment, hour) for hour in range(6)]
-    totals = np.array([p.total for p in plans])
-    jobs = [Job(experiment, hour, seed) for hour in range(6) for seed in range(first, first + runs)]
-    made = np.array(pool.map(run, jobs, chunksize=25)).reshape(6, runs, 2, 8) if experiment.simulated else None
-    found = None if made is None else np.array([spread(made[hour, :, 0]).sum() for hour in range(6)])
-    table = []
-    for hour in range(6):
-        low, high = np.degrees(plans[hour].h)
-        cells = [experiment.base, experiment.law, f"{low:.1f} to {high:.1f}", str(experiment.minutes)]
-        cells += [f"{totals[hour]:.3f}", f"{totals[hour] / totals.min():.2f}", cell(experiment.planned_wanted, hour)]
-        if made is None:
-            table.append([*cells, *"------"])
+    cells = [(experiment, hour) for hour in range(6)] if experiment.simulated else []
+    made = [np.array(results) for _, results in spread(run, cells, runs)]
+    planned, simulated = [p.total for p in plans], [rms(errors[:, 0]).sum() for errors in made]
+    lines = []
+    for hour, each in enumerate(plans):
+        low, high = np.degrees(each.h)
+        line = [experiment.base, experiment.law, f"{low:.1f} to {high:.1f}", str(experiment.minutes)]
+        line += [*over(planned, hour), cell(experiment.planned_wanted, hour)]
+        if not made:
+            lines.append([*line, *"------"])
             continue
-        ratio = spread(made[hour, :, 0]) / plans[hour].errors[:8]
-        worst = ratio[np.abs(ratio - 1).argmax()]
-        cells += [f"{found[hour]:.3f}", f"{found[hour] / found.min():.2f}", cell(experiment.simulated_wanted, hour)]
-        size = np.abs(made[hour, :, 1])
-        table.append([*cells, f"{worst:.2f}", f"{100 * (size < 3).mean():.2f}", f"{100 * (size < 1.96).mean():.1f}"])
-    return table
+        ratio, size = rms(made[hour][:, 0]) / each.errors[:8], np.abs(made[hour][:, 1])
+        line += [*over(simulated, hour), cell(experiment.simulated_wanted, hour)]
+        line += [f"{ratio[np.abs(ratio - 1).argmax()]:.2f}", f"{100 * (size < 3).mean():.2f}"]
+        lines.append([*line, f"{100 * (size < 1.96).mean():.1f}"])
+    return lines
+
+
+def over(totals: list[float], hour: int) -> tuple[str, str]:
+    """A sum, and the sum over the least of all hours."""
+    return f"{totals[hour]:.3f}", f"{totals[hour] / min(totals):.2f}"
 
 
 def cell(wanted: tuple[float, ...], hour: int) -> str:
+    """A number of an independent prototype, if it has it."""
     return f"{wanted[hour]:.2f}" if wanted else "-"
 
 
 def windows() -> list[str]:
     """The best windows, as lines."""
     lines = []
-    for law in ("linear", "exact"):
-        for minutes in (60, 30):
-            best = al.angle.scan(al.angle.AngleSettings(LATITUDE, 60.0 * minutes, 10.0, q_law=law)).best
-            low, high = np.degrees(best.h)
-            lines.append(
-                f"best {minutes} min, {law} law: h {low:.1f} to {high:.1f} deg, sum of deviations {best.total:.2f}"
-            )
+    for law, minutes in itertools.product(("linear", "exact"), (60, 30)):
+        best = al.angle.scan(al.angle.AngleSettings(LATITUDE, 60.0 * minutes, 10.0, q_law=law)).best
+        low, high = np.degrees(best.h)
+        lines.append(
+            f"best {minutes} min, {law} law: h {low:.1f} to {high:.1f} deg, sum of deviations {best.total:.2f}"
+        )
     return lines
 
 
@@ -151,7 +149,7 @@ def speed(n: int = 1_000_000) -> tuple[float, float]:
     gimbals = al.angle.gimbals(7200 + 3600 / n * np.arange(n), latitude=LATITUDE)
     sensors = {"h": al.angle.Harmonics.of({128: (3 * UNIT, UNIT)}), "q": al.angle.Harmonics.of({256: (UNIT, -UNIT)})}
     z = al.angle.simulate(gimbals, sensors, sigma=UNIT, rng=np.random.default_rng(1))
-    al.angle.estimate(z[:: n // 1000], thin(gimbals, n // 1000))  # compiled, or loaded, before the clock runs
+    al.angle.estimate(z[:1000], part(gimbals, 1000))  # compiled, or loaded, before the clock runs
     start = time.perf_counter()
     found = al.angle.estimate(z, gimbals).solution.values
     seconds = time.perf_counter() - start
@@ -159,20 +157,22 @@ def speed(n: int = 1_000_000) -> tuple[float, float]:
     return seconds, float(np.max(np.abs(found - twin) / np.abs(twin)))
 
 
-def thin(gimbals: al.angle.Gimbals, step: int) -> al.angle.Gimbals:
+def part(gimbals: al.angle.Gimbals, size: int) -> al.angle.Gimbals:
+    """The first of so many readings."""
     names = ("time", "h", "q", "h_polar", "q_polar", "rho")
-    return al.angle.Gimbals(**{name: getattr(gimbals, name)[::step] for name in names})
+    return al.angle.Gimbals(**{name: getattr(gimbals, name)[:size] for name in names})
 
 
 def main() -> None:
-    run = begin(__doc__, runs=300, first=1)
-    runs, first = run.asked.runs, run.asked.first
+    asked = begin(__doc__, runs=300)
+    runs = asked.asked.runs
     seconds, difference = speed()
-    with Pool() as pool:
-        table = [row for e in EXPERIMENTS for row in rows(e, runs, first, pool)]
+    lines = []
+    for experiment in EXPERIMENTS:
+        lines += rows(experiment, runs)
+        print(experiment.base, experiment.law, experiment.minutes, file=sys.stderr, flush=True)
     notes = [
-        f"seeds {first}..{first + runs - 1} in every row; latitude 60 deg, a reading "
-        "every 10 s, noise 1, prior 3 and 10, turn 300 s; the speed has seed 1",
+        f"{SEEDS}; {runs} runs a row; latitude 60 deg, a reading every 10 s, noise 1, prior 3 and 10, turn 300 s",
         "planned, simulated: sum over the eight amplitudes of the expected deviation, and of the root mean square "
         "error; over best: over the least of the six ranges; reference: that ratio as an independent prototype gave "
         "it; worst ratio: simulated over planned of the amplitude where it departs most; within 3 sigma, cover: of all "
@@ -180,7 +180,7 @@ def main() -> None:
         f"1000000 readings, 13 constants: {seconds:.2f} s; recursive from batch by at most {difference:.1e} relative",
         *windows(),
     ]
-    run.publish("Angle sensors: planned against simulated accuracy", notes, markdown(HEADINGS, table))
+    asked.publish("Angle sensors: planned against simulated accuracy", notes, markdown(HEADINGS, lines))
 
 
 if __name__ == "__main__":

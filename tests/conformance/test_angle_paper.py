@@ -14,7 +14,7 @@ from tests.rows import rows
 from tests.shares import binomial_tail
 
 import allanite as al
-from angle import Experiment, Job, plan, run
+from angle import Experiment, plan, run
 
 PAGE = (ROOT / "docs" / "angle_paper.md").read_text(encoding="utf-8")
 TABLE = read("angle.md")
@@ -78,7 +78,7 @@ def test_a_part_made_again_agrees(law, hour):
     row = [row for row in SIMULATED if row["law of q"] == law][hour]
     planned = plan(experiment, hour)
     assert f"{planned.total:.3f}" == row["planned"]
-    errors = np.array([run(Job(experiment, hour, seed))[0] for seed in range(1, 21)]) / planned.errors[:8]
+    errors = np.array([run((experiment, hour, number))[0] for number in range(20)]) / planned.errors[:8]
     # eight amplitudes of a run are correlated: each is tested by itself
     for inside in (np.abs(errors) < 1.0).sum(axis=0):
         assert binomial_tail(int(inside), 20, 0.683) > 1e-5
