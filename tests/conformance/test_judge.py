@@ -1,8 +1,7 @@
 """The simulator that judges the package has the spectra of textbooks."""
 
+from judge import TEXTBOOK, TOLERANCE, ratios
 from tests.rows import rows
-
-from benchmarks.judge import TEXTBOOK, TOLERANCE, ratios
 
 
 @rows("name", list(TEXTBOOK))
