@@ -34,6 +34,7 @@ ROOMS = {
     "angle": "applications/angle", "bags": "readers", "bound": "planning/bound.py statespace", "check": "claims",
     "check_settings": "claims identification",
     "comparison": "comparison", "compensation": "applications/compensation", "confidence_coverage": "statistics",
+    "curves": "identification statistics",
     "consistency": "exporting", "data_sheets": "claims interpretation planning", "drift": "planning",
     "end_to_end": "cli reporting study", "environments": "",
     "grid": "identification prepare",

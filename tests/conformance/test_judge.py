@@ -1,7 +1,8 @@
 """The simulator that judges the package has the spectra of textbooks."""
 
-from judge import TEXTBOOK, TOLERANCE, ratios
 from tests.rows import rows
+
+from judge import TEXTBOOK, TOLERANCE, ratios
 
 
 @rows("name", list(TEXTBOOK))
