@@ -26,7 +26,7 @@ from allanite.applications.attitude.filters import quaternion
 
 CONE, CONE_RATE, CONE_SAMPLING = math.radians(1.0), 5.0, 200.0
 CONING_FIGURES = {"1 sample": -4.05, "2 samples, without": -16.2, "2 samples": -0.0200}
-"""Half angle of a cone, rad, its frequency and the sampling rate, Hz; drift left, deg/h, by an independent prototype."""
+"""Half angle of a cone, rad, its frequency and the sampling rate, Hz; drift, deg/h, by an independent prototype."""
 
 NOISE = al.N(0.3, "deg/sqrt(h)"), al.N(100, "ug/sqrt(Hz)")
 
