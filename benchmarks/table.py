@@ -37,9 +37,9 @@ CODE = ("src", "benchmarks/*.py", "tests/reference")  # what a figure depends on
 ROOMS = {
     "angle": "applications/angle", "bags": "readers", "bound": "planning/bound.py statespace",
     "check": "claims identification", "comparison": "comparison",
-    "compensation": "applications/compensation", "confidence_coverage": "statistics", "curves": "identification statistics",
-    "consistency": "exporting", "data_sheets": "claims interpretation planning", "drift": "planning",
-    "end_to_end": "cli reporting study", "environments": "",
+    "compensation": "applications/compensation", "confidence_coverage": "statistics",
+    "curves": "identification statistics", "consistency": "exporting", "data_sheets": "claims interpretation planning",
+    "drift": "planning", "end_to_end": "cli reporting study", "environments": "",
     "grid": "identification prepare",
     "fuzz": "batch cli core readers study web", "gaps": "identification statistics", "hybrids": "statistics",
     "held": "prepare", "identification": "identification", "limits": "identification statistics", "logs": "readers",

@@ -24,7 +24,6 @@ from scipy.special import chdtri  # noqa: E402
 
 from aided import OUTAGES  # noqa: E402
 from allanite.exporting.exports import EXPORTS  # noqa: E402
-from consistency import SENSORS as NOISES  # noqa: E402
 from stale import stamp  # noqa: E402
 
 READ: list[str] = []  # tables that have been read since it was emptied
@@ -126,10 +125,10 @@ def compensated(column, noise=("table 2",), regressor=("temp",)):
 
 
 def filters(what, cover, until, *targets):
-    """Errors of filters over those predicted, or over those of the best, of the simulated sensors up to an outage."""
+    """Errors of filters over those predicted, or over those of the best: least and largest of all sensors, by outage."""
     rows = read("consistency.md").rows(f"{what}, aid to 0.1 deg")
     kept = [row for row in rows if row["cover"] == cover and set(targets) & set(row["targets"].split(", "))]
-    return [float(row[f"{t} s"].split()[0]) for row in kept for t in OUTAGES if row["sensor"] in NOISES and t <= until]
+    return [float(number) for row in kept for t in OUTAGES if t <= until for number in row[f"{t} s"].split(" .. ")]
 
 
 def closed(what, column="here"):
@@ -196,8 +195,13 @@ SENTENCES = [
     ("docs/stream.md", "are {:.2f} to {:.2f} times", lambda: span(figures("stream.md", "Coeff", "stream / bound"))),
     ("docs/compare.md", "between {:.2f} and {:.0f} times the one seen (95 %)", lambda: [
         chdtri(1, tail) ** -0.5 for tail in (0.025, 0.975)]),
-    ("docs/compare.md", "calls {:.2f} to {:.2f} % of 2000 pairs", lambda: span(
-        figures("comparison.md", "Equal", "called different %", test=["verdict"]))),
+    ("docs/compare.md", "calls {:.2f} to {:.2f} % of {:g} pairs", lambda: [
+        *span(figures("comparison.md", "Equal", "called different %", test=["verdict"])),
+        *stated("comparison.md", r"(\d+) pairs a cell")]),
+    ("docs/check.md", "{:g} of {:g} defects are found in every recording of 1 h, and the cause of {:g} is named",
+        lambda: stated("check.md", r"found in every record: (\d+) of (\d+) defects; .*: (\d+) of \d+")),
+    ("docs/check.md", "Without a defect, {:g} of {:g} recordings are contradicted", lambda: stated(
+        "check.md", r"false alarms: (\d+) of (\d+) right")),
     ("docs/compensation.md", "temperature in {:.0f} to {:.0f} % of", lambda: compensated("ordinary %")),
     ("docs/compensation.md", "is found in {:.0f} to {:.0f} % of 400", lambda: compensated(
         "false %", regressor=("temp", "d temp/dt"))),
