@@ -10,7 +10,6 @@ from table import SEEDS, begin, markdown, seeded, spread
 
 import itertools
 import math
-import sys
 import time
 from dataclasses import dataclass
 
@@ -149,7 +148,7 @@ def speed(n: int = 1_000_000) -> tuple[float, float]:
     gimbals = al.angle.gimbals(7200 + 3600 / n * np.arange(n), latitude=LATITUDE)
     sensors = {"h": al.angle.Harmonics.of({128: (3 * UNIT, UNIT)}), "q": al.angle.Harmonics.of({256: (UNIT, -UNIT)})}
     z = al.angle.simulate(gimbals, sensors, sigma=UNIT, rng=np.random.default_rng(1))
-    al.angle.estimate(z[:1000], part(gimbals, 1000))  # compiled, or loaded, before the clock runs
+    al.angle.estimate(z[:: n // 1000], thin(gimbals, n // 1000))  # compiled, or loaded, before the clock runs
     start = time.perf_counter()
     found = al.angle.estimate(z, gimbals).solution.values
     seconds = time.perf_counter() - start
@@ -157,10 +156,10 @@ def speed(n: int = 1_000_000) -> tuple[float, float]:
     return seconds, float(np.max(np.abs(found - twin) / np.abs(twin)))
 
 
-def part(gimbals: al.angle.Gimbals, size: int) -> al.angle.Gimbals:
-    """The first of so many readings."""
+def thin(gimbals: al.angle.Gimbals, step: int) -> al.angle.Gimbals:
+    """One of so many readings."""
     names = ("time", "h", "q", "h_polar", "q_polar", "rho")
-    return al.angle.Gimbals(**{name: getattr(gimbals, name)[:size] for name in names})
+    return al.angle.Gimbals(**{name: getattr(gimbals, name)[::step] for name in names})
 
 
 def main() -> None:
@@ -170,7 +169,6 @@ def main() -> None:
     lines = []
     for experiment in EXPERIMENTS:
         lines += rows(experiment, runs)
-        print(experiment.base, experiment.law, experiment.minutes, file=sys.stderr, flush=True)
     notes = [
         f"{SEEDS}; {runs} runs a row; latitude 60 deg, a reading every 10 s, noise 1, prior 3 and 10, turn 300 s",
         "planned, simulated: sum over the eight amplitudes of the expected deviation, and of the root mean square "

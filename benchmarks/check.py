@@ -8,12 +8,12 @@ the simulators without a defect. Then white noise behind a filter, or none, is h
 from table import SEEDS, begin, section, seeded, spread
 
 import math
-import sys
 import tempfile
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from scipy.signal import bessel, butter, lfilter
@@ -72,41 +72,33 @@ class Sensor:
         return self.scale * rates
 
 
-@dataclass(frozen=True)
-class Form:
-    """How a program writes its noise: what stands around two sensors, how each is written, and how they are called."""
-
-    around: tuple[str, str, str]
-    each: str
-    names: tuple[str, str] = ("gyroscope", "accelerometer")
-
-
 PLUGIN = '<plugin name="imu_plugin" filename="libgazebo_imu_plugin.so">'
-GAZEBO = (
+NOISE = (
     '<noise type="gaussian"><mean>0</mean><stddev>{of.deviation!r}</stddev>'
     "<dynamic_bias_stddev>{of.walk!r}</dynamic_bias_stddev>"
     "<dynamic_bias_correlation_time>{of.time!r}</dynamic_bias_correlation_time></noise>"
 )
+SENSORS = ("gyroscope", "accelerometer")
 FORMS = {
     # the IMU plugin of gazebo-classic, as RotorS and the SITL of PX4 have it
-    "gazebo-classic": Form(
-        (PLUGIN, "\n", "</plugin>"),
+    "gazebo-classic": (
+        PLUGIN, "</plugin>", "\n", SENSORS,
         "<{name}NoiseDensity>{of.density!r}</{name}NoiseDensity><{name}RandomWalk>{of.walk!r}</{name}RandomWalk>"
         "<{name}BiasCorrelationTime>{of.time!r}</{name}BiasCorrelationTime>",
     ),
-    # the noise of gz-sensors: a standard deviation per sample
-    "gazebo": Form(
-        ("<imu>", "", "</imu>"),
-        "<{name}>" + "".join(f"<{axis}>{GAZEBO}</{axis}>" for axis in "xyz") + "</{name}>",
-        ("angular_velocity", "linear_acceleration"),
+    # gz-sensors: a standard deviation per sample
+    "gazebo": (
+        "<imu>", "</imu>", "", ("angular_velocity", "linear_acceleration"),
+        "<{name}>" + "".join(f"<{axis}>{NOISE}</{axis}>" for axis in "xyz") + "</{name}>",
     ),
-    "pegasus": Form(
-        ("{", ", ", f', "update_rate": {RATE}}}'),
+    "pegasus": (
+        "{", f', "update_rate": {RATE}}}', ", ", SENSORS,
         '"{name}": {{"noise_density": {of.density!r}, "random_walk": {of.walk!r}, '
         '"bias_correlation_time": {of.time!r}}}',
     ),
-    "kalibr": Form(("", "\n", ""), "{name}_noise_density: {of.density!r}\n{name}_random_walk: {of.walk!r}"),
-}
+    "kalibr": ("", "", "\n", SENSORS, "{name}_noise_density: {of.density!r}\n{name}_random_walk: {of.walk!r}"),
+}  # fmt: skip
+"""How programs write their noise: what stands before, behind and between sensors, their names, and that of each."""
 
 
 @dataclass(frozen=True)
@@ -120,12 +112,11 @@ class Simulator:
 
     def claim(self) -> object:
         """What its file claims, recognized by its fields."""
-        form = FORMS[self.name]
-        before, between, after = form.around
-        each = [form.each.format(name=name, of=of) for name, of in zip(form.names, self.claimed, strict=True)]
+        before, after, between, names, each = FORMS[self.name]
+        sensors = [each.format(name=name, of=of) for name, of in zip(names, self.claimed, strict=True)]
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "noise.txt"
-            path.write_text(before + between.join(each) + after)
+            path.write_text(before + between.join(sensors) + after)
             return claim_of(path, rate=RATE)
 
     def check(self, rng: Rng, axes: str) -> "al.claims.ClaimCheck":
@@ -147,76 +138,88 @@ ADIS16448 = Sensor(1.6968e-4, 1.9393e-5), Sensor(2e-3, 3e-3)
 SHORT = Sensor(3.394e-4, 3.8785e-5, 300.0), Sensor(4e-3, 6e-3, 30.0)
 QUIET = Sensor(1.7e-5, 0.0), Sensor(1.7e-3, 0.0)
 
-RIGHT = {
-    row.name: row
-    for row in (
-        right("kalibr", ADIS16448), right("gazebo", SITL), right("pegasus", SHIPPED), right("gazebo-classic", SITL),
-    )
-}  # fmt: skip
+CLAIMED = {"kalibr": ADIS16448, "gazebo": SITL, "pegasus": SHIPPED, "gazebo-classic": SITL}
+RIGHT = {name: right(name, pair) for name, pair in CLAIMED.items()}
 
 
 def wrong(name: str, pair: tuple[Sensor, Sensor] | None = None, **changes: object) -> Simulator:
     """A simulator whose sensors differ from its configuration."""
-    made = right(name, pair or RIGHT[name].claimed, **changes)
+    made = right(name, pair or CLAIMED[name], **changes)
     return replace(made, accelerometer=replace(made.accelerometer, **changes))
 
 
-@dataclass(frozen=True)
-class Defect:
+class Defect(NamedTuple):
     """A defect: where it was seen, the simulator with it, and what the cause must say."""
 
-    name: str
     seen: str
     simulator: Simulator
     cause: str
 
 
-DEFECTS = (
-    Defect("correlation time of the accelerometer in the gyro, 300 s and 30 s", "PegasusSimulator#148",
+DEFECTS = {
+    "correlation time of the accelerometer in the gyro, 300 s and 30 s": Defect("PegasusSimulator#148",
            right("pegasus", SHORT, time=SHORT[1].time), "correlation time of the other"),
-    Defect("the same with the shipped times, 1000 s and 300 s", "PegasusSimulator#148",
+    "the same with the shipped times, 1000 s and 300 s": Defect("PegasusSimulator#148",
            right("pegasus", SHIPPED, time=SHIPPED[1].time), "correlation time of the other"),
-    Defect("bias driven by rand()", "PegasusSimulator#148", wrong("pegasus", drive=uniform),
+    "bias driven by rand()": Defect("PegasusSimulator#148", wrong("pegasus", drive=uniform),
            "driven by rand()"),
-    Defect("white noise by rand() - 0.5", "rand for randn",
+    "white noise by rand() - 0.5": Defect("rand for randn",
            wrong("pegasus", white=lambda rng, n: rng.random(n) - 0.5), "rand() instead of randn()"),
-    Defect("white noise by rand(): the mean is not zero", "rand for randn", wrong("kalibr", white=uniform),
+    "white noise by rand(): the mean is not zero": Defect("rand for randn", wrong("kalibr", white=uniform),
            "mean is not zero"),
-    Defect("bias never added", "PegasusSimulator#148", wrong("pegasus", added=False), "bias is not added"),
-    Defect("density taken for the deviation of a sample", "PX4-gazebo-models#33",
+    "bias never added": Defect("PegasusSimulator#148", wrong("pegasus", added=False), "bias is not added"),
+    "density taken for the deviation of a sample": Defect("PX4-gazebo-models#33",
            wrong("gazebo-classic", sigma=lambda s, dt: s.density), "value per sample"),
-    Defect("white noise 300 times", "PX4-SITL_gazebo-classic#73",
+    "white noise 300 times": Defect("PX4-SITL_gazebo-classic#73",
            right("gazebo-classic", SITL, sigma=lambda s, dt: 300 * s.density / math.sqrt(dt)), "300"),
-    Defect("white noise times sqrt(dt): depends on the rate", "rosflight_ros_pkgs#254",
+    "white noise times sqrt(dt): depends on the rate": Defect("rosflight_ros_pkgs#254",
            wrong("gazebo-classic", sigma=lambda s, dt: s.density * math.sqrt(dt)), "depends on the rate"),
-    Defect("degrees for radians", "units", right("kalibr", ADIS16448, scale=180 / math.pi), "degrees and radians"),
-    Defect("deviation squared: variance for deviation", "mir_robot#99",
+    "degrees for radians": Defect("units", right("kalibr", ADIS16448, scale=180 / math.pi), "degrees and radians"),
+    "deviation squared: variance for deviation": Defect("mir_robot#99",
            wrong("gazebo", QUIET, sigma=lambda s, dt: s.density**2 / dt), "is squared"),
-    Defect("random walk per sample, without sqrt(dt)", "gnss-ins-sim#19",
+    "random walk per sample, without sqrt(dt)": Defect("gnss-ins-sim#19",
            wrong("kalibr", bias=lambda s, dt: s.walk), "value per sample"),
-    Defect("sqrt(h) read as sqrt(s)", "units",
+    "sqrt(h) read as sqrt(s)": Defect("units",
            right("kalibr", ADIS16448, sigma=lambda s, dt: 60 * s.density / math.sqrt(dt)), "sqrt(h) and"),
-    Defect("deviation of the bias for its density", "gz-sensors#616",
+    "deviation of the bias for its density": Defect("gz-sensors#616",
            wrong("gazebo", bias=lambda s, dt: s.walk * math.sqrt(-math.expm1(-2 * dt / s.time))),
            "standard deviation of the bias"),
-)  # fmt: skip
+}  # fmt: skip
 
 
-def defect(job: tuple[int, int]) -> tuple[bool, bool, int]:
+def defect(job: tuple[str, int]) -> tuple[bool, bool, int]:
     """Whether a defect is found in a record of three axes of each sensor, its cause named, and how many are named."""
-    which, number = job
-    row = DEFECTS[which]
-    verdict = row.simulator.check(seeded(number, row.name), "gggaaa")
+    name, number = job
+    verdict = DEFECTS[name].simulator.check(seeded(number, name), "gggaaa")
     sentences = [sentence for cause in verdict.causes for sentence in cause.sentences if sentence]
     most = max((len(cause.names) for cause in verdict.causes), default=0)
-    return not verdict.agrees, any(row.cause in sentence for sentence in sentences), most
+    return not verdict.agrees, any(DEFECTS[name].cause in sentence for sentence in sentences), most
 
 
-def alarms(job: tuple[str, int]) -> list[str] | None:
-    """Quantities of a right record that are contradicted, none if it agrees."""
+def defect_rows(records: int) -> list[list[str]]:
+    """In how many records each defect is found, and its cause named."""
+    made = ((name, *map(sum, zip(*each, strict=True))) for (name,), each in spread(defect, zip(DEFECTS), records))
+    return [
+        [name, DEFECTS[name].seen, f"{found} of {records}", f"{named} of {records}", f"{causes / records:.1f}"]
+        for name, found, named, causes in made
+    ]
+
+
+def alarm(job: tuple[str, int]) -> list[str]:
+    """What is contradicted of a right record."""
     name, number = job
     verdict = RIGHT[name].check(seeded(number, "right", name), "ga")
-    return None if verdict.agrees else [row.quantity for row in verdict.terms if row.contradicts]
+    return [] if verdict.agrees else [row.quantity for row in verdict.terms if row.contradicts] or ["no term"]
+
+
+def right_rows(records: int) -> list[list[str]]:
+    """In how many records each right simulator is contradicted, and in which quantities."""
+    rows = []
+    for (name,), made in spread(alarm, zip(RIGHT), records):
+        count, kinds = sum(map(bool, made)), Counter(kind for each in made for kind in each)
+        listed = ", ".join(f"{kind} {times}" for kind, times in kinds.items())
+        rows.append([name, str(records), str(count), f"{100 * count / records:.1f} %", listed])
+    return rows
 
 
 Filter = tuple[np.ndarray, np.ndarray]
@@ -262,73 +265,48 @@ def outcomes(job: tuple[str, int]) -> list[str]:
 def filter_rows(names: list[str], records: int) -> list[list[str]]:
     """How often each claim is contradicted, and how often it is not decided on."""
     rows = []
-    for (name,), said in spread(outcomes, [(name,) for name in names], records):
+    for (name,), said in spread(outcomes, zip(names), records):
         counts = map(Counter, zip(*said, strict=True))
         rows.append([name, str(records), *(f"{count['differs']} ({count['not shown']})" for count in counts)])
-        print(rows[-1], file=sys.stderr, flush=True)
     return rows
 
 
-def share(count: int, of: int) -> str:
-    """A count of a number of records."""
-    return f"{count} of {of}"
-
-
-def defect_rows(records: int) -> tuple[list[list[str]], str]:
-    """A line for each defect, and in how many it and its cause are found."""
-    rows, every, most = [], 0, 0
-    for (which,), made in spread(defect, [(i,) for i in range(len(DEFECTS))], records):
-        found, named, names = map(sum, zip(*made, strict=True))
-        row, every, most = DEFECTS[which], every + (found == records), most + (named > records / 2)
-        rows.append([row.name, row.seen, share(found, records), share(named, records), f"{names / records:.1f}"])
-        print(rows[-1], file=sys.stderr, flush=True)
-    count = len(DEFECTS)
-    summary = (
-        f"found in every record: {share(every, count)} defects; cause named in more than half of the records: "
-        f"{share(most, count)}"
-    )
-    return rows, summary
-
-
-def right_rows(records: int) -> tuple[list[list[str]], str]:
-    """A line for each right simulator, and how many false alarms there are."""
-    rows, total = [], 0
-    for (name,), made in spread(alarms, [(name,) for name in RIGHT], records):
-        kinds = Counter(kind for alarm in made if alarm is not None for kind in alarm)
-        count = sum(alarm is not None for alarm in made)
-        total += count
-        listed = ", ".join(f"{kind} {times}" for kind, times in kinds.items())
-        rows.append([name, str(records), str(count), f"{100 * count / records:.1f} %", listed])
-        print(rows[-1], file=sys.stderr, flush=True)
-    every = records * len(RIGHT)
-    return rows, f"false alarms: {share(total, every)} right records, {100 * total / every:.1f} %"
+def total(rows: list[list[str]], column: int, least: float = 0) -> int:
+    """How many records are counted in a column of rows; or in how many rows it has more than so many."""
+    counts = [int(row[column].split()[0]) for row in rows]
+    return sum(count > least for count in counts) if least else sum(counts)
 
 
 def main() -> None:
     run = begin(__doc__, records=5, right=100, filters=40, others=10)
-    defects, found = defect_rows(run.asked.records)
-    rights, alarmed = right_rows(run.asked.right)
-    known = filter_rows(list(FILTERS)[:ROWS], run.asked.filters)
-    none = filter_rows(["no filter"], run.asked.filters)
-    others = filter_rows(list(FILTERS)[ROWS:], run.asked.others)
-    alarm = sum(int(row[2].split()[0]) for row in known)
+    asked = run.asked
+    defects, rights = defect_rows(asked.records), right_rows(asked.right)
+    known = filter_rows(list(FILTERS)[:ROWS], asked.filters)
+    every, most = total(defects, 2, asked.records - 0.5), total(defects, 3, asked.records / 2)
+    alarms, right_records = total(rights, 2), asked.right * len(rights)
     filtered = f"White noise, {LENGTH} samples at {SAMPLED:g} Hz; contradicted, and in brackets not decided."
-    heads = ("filter", "records", *FACTORS)
     run.publish(
         "Check of simulators and filters against what is claimed of them",
         (
             SEEDS,
             f"simulators: 1 h at {RATE:g} Hz; three axes of each sensor with a defect, one of each without",
-            found,
-            alarmed,
-            f"false alarms at the true cut-off: {share(alarm, run.asked.filters * ROWS)} records, nominal 5 %",
+            f"found in every record: {every} of {len(defects)} defects; cause named in more than half of the records: "
+            f"{most} of {len(defects)}",
+            f"false alarms: {alarms} of {right_records} right records, {100 * alarms / right_records:.1f} %",
+            f"false alarms at the true cut-off: {total(known, 2)} of {asked.filters * ROWS} records, nominal 5 %",
         ),
         section("Defects", ("defect", "seen in", "found", "cause named", "names"), defects)
         + section("Right records", ("simulator", "records", "false alarms", "share", "by quantity"), rights)
-        + section("Filters that are rows", heads, known, filtered)
-        + section("No filter", ("filter", "records", *(f"{c:g} Hz" for c in ABSENT)), none)
-        + section("Filters of no row", heads, others, "Rounded to a fourth of the standard deviation."),
-    )
+        + section("Filters that are rows", ("filter", "records", *FACTORS), known, filtered)
+        + section(
+            "No filter", ("filter", "records", *(f"{c:g} Hz" for c in ABSENT)),
+            filter_rows(["no filter"], asked.filters),
+        )
+        + section(
+            "Filters of no row", ("filter", "records", *FACTORS), filter_rows(list(FILTERS)[ROWS:], asked.others),
+            "Rounded to a fourth of the standard deviation.",
+        ),
+    )  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -7,7 +7,6 @@ of 0.0625 degC steps that drifts in one of three ways.
 
 from table import SEEDS, begin, coefficients, markdown, seeded, spread
 
-import sys
 from functools import partial
 
 import numpy as np
@@ -125,7 +124,6 @@ def main() -> None:
     records, rows = run.asked.records, []
     for cell, results in spread(measured, CELLS, records):
         rows += lines(*cell, results)
-        print(*rows[-2:], sep="\n", file=sys.stderr, flush=True)
     notes = [
         f"{SEEDS}; {records} records a cell, 1 Hz, 1 h; Monte-Carlo standard error at 5 %: "
         f"{100 * (0.05 * 0.95 / records) ** 0.5:.1f} %",

@@ -8,7 +8,6 @@ which is aided by an angle every second and then left alone, meets noise of the 
 from table import SEEDS, begin, coefficients, section, seeded, spread
 
 import math
-import sys
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -146,7 +145,6 @@ def main() -> None:
     asked, made = run.asked, {}
     for (name,), records in spread(files, [(name,) for name in asked.sensors], asked.records):
         made[name] = records
-        print(name, file=sys.stderr, flush=True)
     truths = {name: Truth.of(name, asked.runs) for name in made}
     pages: dict[float, tuple[list[list[str]], ...]] = {aid: ([], []) for aid in asked.aids}
     furthest = 0.0
@@ -157,7 +155,6 @@ def main() -> None:
             furthest = max([furthest, *(off for *_, off in judged.values())])
             for rows, row in zip(both, rows_of([cover, ", ".join(targets)], judged, refused), strict=True):
                 rows.append(row)
-        print(cover, targets, file=sys.stderr, flush=True)
     notes = [
         SEEDS,
         f"records of {HOURS} h at {RATE:g} Hz, analyzed with the default recipe; {asked.records} a sensor",

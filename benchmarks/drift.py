@@ -8,7 +8,6 @@ intervals of the heading from records of 2 h, whose noise is identified.
 from table import SEEDS, begin, coefficients, section, seeded, spread
 
 import math
-import sys
 
 import numpy as np
 
@@ -153,7 +152,6 @@ def main() -> None:
     heads, rows = ["noise", "quantity", "unit", *times], {False: [], True: []}
     for cell, made in spread(squares, [*((noise, False) for noise in SENSORS), (SENSORS[-1], True)], runs // BATCH):
         rows[cell[1]] += compared(*cell, made)
-        print(cell, file=sys.stderr, flush=True)
     intervals = [interval_row(*cell, made) for cell, made in spread(covers, zip(IDENTIFIED), run.asked.records)]
     errors = [100 / math.sqrt(2 * runs * axes) for axes in (1, 2)]
     body = section("Strapdown, flat earth", heads, rows[False])

@@ -21,7 +21,7 @@ from allanite.applications.constant_rate import (
     ExperimentSettings,
     experiment,
     predicted_standard_error,
-)
+)  # fmt: skip
 from allanite.applications.constant_rate.run import task_of
 from allanite.simulation.record import GL1
 
@@ -36,9 +36,9 @@ SWINGS = ((0.52, 30), (0.14, 46), (0.25, 84))  # arcsec, s
 RHO = (0, 0.03, 0.1, 0.3, 1, 3, 10, 100)
 NOISES = (0.0, 0.05, 0.5, 1.0, 2.0, 5.0)  # white noise of the angle, pulses
 SEARCHES = {
-    "default": EstimatorSettings(), "certified": EstimatorSettings(certified=True),
-    "descent": EstimatorSettings(descent=100),
-}  # fmt: skip
+    name: EstimatorSettings(**more)
+    for name, more in {"default": {}, "certified": {"certified": True}, "descent": {"descent": 100}}.items()
+}
 STEPS = (0, 1, 2, 3, 5, 10, 20, 100)
 FIGURE = ROOT / "docs" / "figures" / "rate_paper.svg"
 
@@ -202,43 +202,28 @@ def predictions(records: int) -> Table:
 
 def main() -> None:
     run = begin(__doc__, runs=6, records=1000, searches=20)
-    options = run.asked
+    runs, records, searches = run.asked.runs, run.asked.records, run.asked.searches
     parts = (
-        (
-            "The paper's experiment",
-            "Standard deviations of 94 two-minute errors of the simulated GL-1, deg/h (numerically '/min). Runs: the "
-            "root mean square of their deviations, least and largest. Warm-up: -0.01 deg/h at the start, 10 min.",
-            acceptance(options.runs),
-        ),
-        ("Noise that fits the paper", "Exact standard deviations of two-minute errors, deg/h.", fitting()),
-        (
-            "The paper's descent",
-            "Standard deviation of 94 two-minute errors, seed 1, after at most so many steps from the interval's own "
-            "count, and that of the methods without it.",
-            descents(),
-        ),
-        (
-            "Predictions",
-            f"{options.records} intervals of a gyro as the GL-1, simulated by the script itself; a ratio is known to "
-            f"{70.7 / options.records**0.5:.1f} %.",
-            predictions(options.records),
-        ),
-        (
-            "When to average",
-            "Standard error over the bound, by angle noise over random walk in the measuring time; 48 000 samples.",
-            efficiency(),
-        ),
-        (
-            "The search for the staircase",
-            f"{options.searches} records of 48 000 counts with white angle noise, for each noise; misfit above the "
-            "least there is, which the certified search proves and which is printed of the last record.",
-            search(options.searches),
-        ),
-    )
-    notes = [f"{SEEDS}; of runs their numbers, 1 to {options.runs}"]
-    body = [line for title, about, table in parts for line in section(title, *table, about)]
+        ("The paper's experiment", acceptance(runs),
+         "Standard deviations of 94 two-minute errors of the simulated GL-1, deg/h (numerically '/min). Runs: the root "
+         "mean square of their deviations, least and largest. Warm-up: -0.01 deg/h at the start, 10 min."),
+        ("Noise that fits the paper", fitting(), "Exact standard deviations of two-minute errors, deg/h."),
+        ("The paper's descent", descents(),
+         "Standard deviation of 94 two-minute errors, seed 1, after at most so many steps from the interval's own "
+         "count, and that of the methods without it."),
+        ("Predictions", predictions(records),
+         f"{records} intervals of a gyro as the GL-1, simulated by the script itself; a ratio is known to "
+         f"{70.7 / records**0.5:.1f} %."),
+        ("When to average", efficiency(),
+         "Standard error over the bound, by angle noise over random walk in the measuring time; 48 000 samples."),
+        ("The search for the staircase", search(searches),
+         f"{searches} records of 48 000 counts with white angle noise, for each noise; misfit above the least there "
+         "is, which the certified search proves and which is printed of the last record."),
+    )  # fmt: skip
+    notes = [f"{SEEDS}; of runs their numbers, 1 to {runs}"]
+    body = [line for title, table, about in parts for line in section(title, *table, about)]
     run.publish("A constant rate in two minutes", notes, body)
-    if options.write:
+    if run.asked.write:
         al.plot(made(1), path=FIGURE, force=True)
 
 

@@ -198,10 +198,11 @@ def coefficients(model: Iterable[Any]) -> dict[str, Any]:
 def spread(
     work: Callable[[Any], Any], cells: Iterable[Cell], records: int, processes: int | None = None, first: int = 0
 ) -> Iterator[tuple[Cell, list[Any]]]:
-    """Each cell with what is made, in processes, of it and the number of each record."""
+    """Each cell, which is printed, with what is made, in processes, of it and the number of each record."""
     with Pool(processes) as pool:
         for cell in cells:
             yield cell, pool.map(work, [(*cell, number) for number in range(first, first + records)], chunksize=4)
+            print(*cell, file=sys.stderr, flush=True)
 
 
 def covered(places: Iterable[int]) -> str:

@@ -21,7 +21,7 @@ from allanite.applications.attitude import (
     kalman,
     optimal_time_constant,
     predicted_error,
-)
+)  # fmt: skip
 from allanite.applications.attitude.loop import GRAVITY
 from judge import sensor
 
