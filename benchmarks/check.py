@@ -21,6 +21,7 @@ from scipy.signal import bessel, butter, lfilter
 import allanite as al
 from allanite.claims.checking import check, setting_rows
 from allanite.claims.claim import CUTOFF, ClaimedSetting, claim_of
+from allanite.claims.result import DIFFERS, NOT_DECIDED
 
 RATE, SIZE = 100.0, 360_000
 Rng = np.random.Generator
@@ -267,7 +268,7 @@ def filter_rows(names: list[str], records: int) -> list[list[str]]:
     rows = []
     for (name,), said in spread(outcomes, zip(names), records):
         counts = map(Counter, zip(*said, strict=True))
-        rows.append([name, str(records), *(f"{count['differs']} ({count['not shown']})" for count in counts)])
+        rows.append([name, str(records), *(f"{count[DIFFERS]} ({count[NOT_DECIDED]})" for count in counts)])
     return rows
 
 
