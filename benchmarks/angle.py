@@ -144,7 +144,7 @@ def windows() -> list[str]:
 
 
 def speed(n: int = 1_000_000) -> tuple[float, float]:
-    """Seconds of processor for the estimate from n readings, and the largest relative difference of the recursive from the batch."""
+    """Processor time of the estimate from n readings, s; largest relative difference of the recursive from the batch."""
     gimbals = al.angle.gimbals(7200 + 3600 / n * np.arange(n), latitude=LATITUDE)
     sensors = {"h": al.angle.Harmonics.of({128: (3 * UNIT, UNIT)}), "q": al.angle.Harmonics.of({256: (UNIT, -UNIT)})}
     z = al.angle.simulate(gimbals, sensors, sigma=UNIT, rng=np.random.default_rng(1))
