@@ -95,16 +95,6 @@ def exact(method):
     return one("rate.md", "The paper's experiment", "exact covariance", method=[method])
 
 
-def sum_of(base, minutes, law="linear"):
-    return figures("angle.md", "", "planned", base=[base], min=[minutes], law_of_q=[law])
-
-
-def worse():
-    """Half an hour under sway over an hour at rest, in percent, in the four middle ranges."""
-    pairs = zip(sum_of("sway 1 deg", "30"), sum_of("still", "60"), strict=True)
-    return [100 * (swaying / still - 1) for swaying, still in pairs][1:5]
-
-
 ADIS = [f"adis_16405_imu{k}.rda" for k in (1, 2)]
 ACCELEROMETER = [f"mpu6050_static10min/mpu6050_{name}.mat" for name in ("gyroscope", "accelerometer")]
 
@@ -125,7 +115,7 @@ def compensated(column, noise=("table 2",), regressor=("temp",)):
 
 
 def filters(what, cover, until, *targets):
-    """Errors of filters over those predicted, or over those of the best: least and largest of all sensors, by outage."""
+    """Errors of filters over those predicted, or of the best: least and largest of all sensors, by outage."""
     rows = read("consistency.md").rows(f"{what}, aid to 0.1 deg")
     kept = [row for row in rows if row["cover"] == cover and set(targets) & set(row["targets"].split(", "))]
     return [float(number) for row in kept for t in OUTAGES if t <= until for number in row[f"{t} s"].split(" .. ")]
@@ -266,7 +256,6 @@ SENTENCES = [
     ("docs/angle_paper.md", "in {:g} to {:g} %;", lambda: span(figures("angle.md", "", "95 % cover", base=["still"]))),
     ("docs/angle_paper.md", "then hold {:.0f} to {:.0f} %", lambda: span(
         figures("angle.md", "", "95 % cover", base=["still, random walk"]))),
-    ("docs/angle_paper.md", "is {:.0f} to {:.0f} % worse", lambda: span(worse())),
     ("docs/angle_paper.md", "sum is {:.1f}, {:.1f} times", lambda: [
         stated("angle.md", r"30 min, linear law: .* deviations ([\d.]+)")[0],
         stated("angle.md", r"30 min, linear law: .* deviations ([\d.]+)")[0]
@@ -293,7 +282,6 @@ CELLS = [
     ("docs/rate_paper.md", "Why the staircase", "rate.md", "Noise that fits"),
     ("docs/rate_paper.md", "The paper's descent", "rate.md", "The paper's descent"),
     ("docs/angle_paper.md", "Table of accuracy", "angle.md", ""),
-    ("docs/angle_paper.md", "Under sway", "angle.md", ""),
     ("docs/vertical.md", "No filter is the best", "vertical.md", "Scenarios"),
 ]
 """Page, its section, and the table whose numbers the rows there show, rounded; a row of the paper quotes it."""
