@@ -140,7 +140,7 @@ def thin(gimbals: al.angle.Gimbals, step: int) -> al.angle.Gimbals:
 
 
 def main() -> None:
-    asked = begin(__doc__, runs=300)
+    asked = begin(__doc__, runs=3000)
     runs = asked.asked.runs
     seconds, difference = speed()
     lines = []
