@@ -168,7 +168,7 @@ DEFECTS = {
            wrong("pegasus", white=lambda rng, n: rng.random(n) - 0.5), "rand() instead of randn()"),
     "white noise by rand(): the mean is not zero": Defect("rand for randn", wrong("kalibr", white=uniform),
            "mean is not zero"),
-    "bias never added": Defect("PegasusSimulator#148", wrong("pegasus", added=False), "bias is not added"),
+    "bias never added": Defect("PegasusSimulator#148", wrong("pegasus", added=False), "may not have added it"),
     "density taken for the deviation of a sample": Defect("PX4-gazebo-models#33",
            wrong("gazebo-classic", sigma=lambda s, dt: s.density), "value per sample"),
     "white noise 300 times": Defect("PX4-SITL_gazebo-classic#73",
