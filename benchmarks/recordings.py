@@ -1,0 +1,276 @@
+"""Public recordings: what the program says of each channel, beside what an expert reads off it.
+
+    ALLANITE_RECORDINGS=folder python benchmarks/recordings.py [--write PATH]
+
+The recordings are not part of the project; INDEX.md of the folder says where each comes from. The expert's figures are
+computed here by numpy alone, from the samples as they are in the file:
+
+- white level: the median of all periodogram ordinates (Hann window, pieces of a sixteenth of the record) in each third
+  of an octave, over ln 2, so that neither lines nor bursts count. Of all runs of bands of at least an octave whose
+  levels are equal (12 %, and twice their standard errors) the widest is the flat part; its level, that is N before a
+  low-pass filter, is the mean by weight, and its error (2 sigma) is of chance and of what scatters beyond it.
+- Allan deviation, overlapping, whose value at 1 s is N where white noise alone is there.
+
+A claimed N is wrong if its 95 % interval and the expert's have no point in common, an upper limit if it lies below the
+expert's interval; any claimed term is wrong if its own Allan deviation, with the lower limit of its coefficient,
+exceeds the upper limit (3 standard errors) of the measured one somewhere. What is neither wrong nor confirmed, as there
+is no flat part, is called open; honest is an answer that claims no N.
+"""
+
+from table import Row, begin, markdown, section
+
+import math
+import os
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import allanite as al
+from allanite.reporting.digits import digits, printed_unit
+from allanite.study.results import Channel
+
+ADIS: dict[str, Any] = {"unit": "gyro=deg/s,accel=g"}
+MPU: dict[str, Any] = {"time": "1"}
+IG500N: dict[str, Any] = {"rate": 4.16}
+RECORDINGS: tuple[tuple[str, dict[str, Any], str], ...] = (
+    *((f"adis_16405_imu{i}.rda", ADIS, "adis16405") for i in (1, 2, 3)),
+    ("psins_lasergyro.imu", {}, ""),
+    ("mpu6050_static10min/mpu6050_gyroscope.mat", MPU | {"unit": "deg/s"}, "mpu6050"),
+    ("mpu6050_static10min/mpu6050_accelerometer.mat", MPU | {"unit": "g"}, "mpu6050"),
+    ("phone_gyro4.txt", {"unit": "rad/s"}, ""), ("phone_acc2.txt", {"unit": "m/s^2"}, ""),
+    ("ig500n_milkytipo.txt", IG500N | {"unit": "m/s^2", "channels": ("4", "5", "6")}, ""),
+    ("ig500n_milkytipo.txt", IG500N | {"unit": "deg/s", "channels": ("7", "8", "9")}, ""),
+    ("vn100_car_idle.bag", {}, ""), ("xsens_mti_utbm_imu-test.bag", {}, ""),
+    ("cubeorange_sample_log_small.ulg", {}, ""),
+    ("imu_tk_xsens_gyro.mat", {"rate": 100.0, "scale": "1deg/s", "until": 52.0, "channels": ("2", "3", "4")}, ""),
+    ("aegiverse_fog_0917.txt", {"unit": "deg/h"}, ""),
+    ("aegiverse_fpga_gyro_0802.txt", {"time": "1", "unit": "deg/s", "channels": ("2",)}, ""),
+)  # fmt: skip
+"""File, what it does not say (a unit that nobody states is assumed), and the data sheet of its sensor."""
+
+PIECES, BANDS = 16, 3  # pieces of a periodogram, at least; bands an octave
+FEWEST = 40  # ordinates of a band
+HANN = 1.5  # neighbouring ordinates of a Hann window for one independent ordinate
+FLAT = 0.12  # relative difference of the density of a band from the flat part, beside twice its standard error
+FALSE_LINES = 1e-3  # of a record of white noise
+TOP = 0.2  # relative change of the density over the last octave that is called falling or rising, beside 3 sigma
+LEVELS = {"N": -0.5, "B": 0.0, "K": 0.5}
+"""Power of the averaging time in a term's Allan deviation."""
+
+SIZES = {"N": 1.0, "B": math.sqrt(2 * math.log(2) / math.pi), "K": 1 / math.sqrt(3)}
+"""Allan deviation of a term of size 1 at 1 s (IEEE Std 952)."""
+
+EARLIEST = 10  # samples below which a filter changes the deviation of a term
+UNITS = {"gyro": (math.degrees(1.0) * 60, "deg/√h"), "accelerometer": (60.0, "m/s/√h")}
+"""Of a walk by sensor: how many make one of SI, and its name."""
+
+
+@dataclass(frozen=True)
+class Expert:
+    """What the samples of a channel show without any model, in SI."""
+
+    values: np.ndarray
+    rate: float
+
+    @cached_property
+    def periodogram(self) -> tuple[np.ndarray, np.ndarray]:
+        """Frequencies, Hz, and two-sided densities of the pieces that follow each other, shape (pieces, f)."""
+        size = 2 ** int(math.log2(self.values.size // PIECES))
+        window = np.hanning(size)
+        pieces = self.values[: self.values.size // size * size].reshape(-1, size)
+        pieces = (pieces - pieces.mean(axis=1, keepdims=True)) * window
+        density = np.abs(np.fft.rfft(pieces)) ** 2 / (self.rate * np.sum(window**2))
+        return np.arange(3, size // 2) * self.rate / size, density[:, 3 : size // 2]
+
+    @cached_property
+    def bands(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Upper ends, Hz, logarithms of the levels and their standard errors; the highest band first."""
+        f, density = self.periodogram
+        ends, levels, errors = [], [], []
+        for k in range(int(BANDS * math.log2(self.rate / 2 / f[0]))):
+            end = self.rate / 2 * 2.0 ** (-k / BANDS)
+            some = density[:, (f <= end) & (f > end * 2.0 ** (-1 / BANDS))]
+            if some.size >= FEWEST:
+                ends.append(end)
+                levels.append(math.log(float(np.median(some)) / math.log(2)))
+                errors.append(math.sqrt(HANN / some.size) / math.log(2))
+        return np.array(ends), np.array(levels), np.array(errors)
+
+    @cached_property
+    def white(self) -> tuple[float, float, float, float] | None:
+        """N, its relative error (2 sigma), and the ends of the flat part, Hz."""
+        ends, levels, errors = self.bands
+        for width in range(levels.size, BANDS - 1, -1):
+            for first in range(levels.size - width + 1):
+                run = slice(first, first + width)
+                weight = errors[run] ** -2 / np.sum(errors[run] ** -2)
+                off = levels[run] - weight @ levels[run]
+                if np.all(np.abs(off) < FLAT + 2 * errors[run]):
+                    own = 1 / np.sum(errors[run] ** -2)
+                    uneven = max(weight @ off**2 - (width - 1) * own, 0.0)
+                    low = ends[first + width - 1] * 2.0 ** (-1 / BANDS)
+                    return math.exp((weight @ levels[run]) / 2), math.sqrt(own + uneven), float(low), float(ends[first])
+        return None
+
+    @cached_property
+    def top(self) -> str:
+        """What the density does over the last octave."""
+        _, levels, errors = self.bands
+        if levels.size <= BANDS:
+            return ""
+        ratio, error = math.exp(levels[0] - levels[BANDS]), math.hypot(errors[0], errors[BANDS])
+        change = TOP + 3 * error
+        if abs(math.log(ratio)) > change:
+            return f"{'falls' if ratio < 1 else 'rises'}, × {ratio:.2f}"
+        return f"{'flat' if abs(ratio - 1) < TOP else 'unclear'}, × {ratio:.2f}"
+
+    @cached_property
+    def lines(self) -> list[float]:
+        """Frequencies at which the mean periodogram stands out of its band more than chance allows, largest first."""
+        f, density = self.periodogram
+        ends, levels, _ = self.bands
+        if not ends.size:
+            return []
+        band = np.clip(np.floor(BANDS * np.log2(self.rate / 2 / f)), 0, levels.size - 1).astype(int)
+        ratio = density.mean(axis=0) / np.exp(levels[band])
+        excess = density.shape[0] * (ratio - 1 - np.log(ratio)) * (ratio > 1)  # Chernoff's bound of a mean of so many
+        above = excess > math.log(f.size / FALSE_LINES)
+        starts = np.flatnonzero(above & ~np.concatenate(([False], above[:-1])))
+        stops = np.flatnonzero(above & ~np.concatenate((above[1:], [False])))
+        peaks = [a + int(np.argmax(ratio[a : b + 1])) for a, b in zip(starts, stops, strict=True)]
+        return [float(f[i]) for i in sorted(peaks, key=lambda i: -ratio[i])]
+
+    def deviation(self, m: int) -> float:
+        """Overlapping Allan deviation at an averaging factor."""
+        x = np.concatenate(([0.0], np.cumsum(self.values - self.values.mean())))
+        second = x[2 * m :] - 2 * x[m:-m] + x[: -2 * m]
+        return math.sqrt(float(np.mean(second**2)) / 2) / m
+
+    @cached_property
+    def limits(self) -> list[tuple[float, float]]:
+        """Averaging times, s, and upper limits of the deviation (Wilson and Hilferty's chi-square)."""
+        points, m = [], EARLIEST
+        while 4 * m <= self.values.size:
+            degrees = self.values.size / m - 1
+            chi = (1 - 2 / (9 * degrees) - 3 * math.sqrt(2 / (9 * degrees))) ** 3
+            if chi > 0:
+                points.append((m / self.rate, self.deviation(m) / math.sqrt(chi)))
+            m *= 2
+        return points
+
+    def above(self, symbol: str, low: float) -> float | None:
+        """The first averaging time, s, at which a term of at least this size exceeds the measured deviation."""
+        own = ((tau, low * SIZES[symbol] * tau ** LEVELS[symbol], limit) for tau, limit in self.limits)
+        return next((tau for tau, size, limit in own if size > limit), None)
+
+
+def expert_of(record: al.Record) -> Expert:
+    """The longest run without missing samples."""
+    y = np.asarray(record.values, dtype=np.float64) * record.factor
+    y *= {"rate": 1.0, "increment": record.rate, "count": record.rate}[record.kind]
+    inside = np.concatenate(([False], np.isfinite(y), [False]))
+    starts, stops = np.flatnonzero(inside[1:] & ~inside[:-1]), np.flatnonzero(inside[:-1] & ~inside[1:])
+    longest = int(np.argmax(stops - starts))
+    return Expert(y[starts[longest] : stops[longest]], record.rate)
+
+
+def verdict(channel: Channel, expert: Expert) -> tuple[str, str]:
+    """Right, honest, open or wrong, and why it is wrong."""
+    if channel.fit is None:
+        return "honest", ""
+    for e in channel.fit:
+        if e.claimed and e.symbol in SIZES:
+            tau = expert.above(e.symbol, e.interval(0.95)[0])
+            if tau is not None:
+                return "wrong", f"{e.symbol} is above the curve at {tau:.3g} s"
+    N, white = channel.fit["N"], expert.white
+    if white is None:
+        return ("open" if N.claimed else "honest"), ""
+    low, high = N.interval(0.95)
+    below, above = white[0] * (1 - white[1]), white[0] * (1 + white[1])
+    if N.claimed and low > above:
+        return "wrong", "N is above the white level"
+    if high < below:
+        return "wrong", "N is below the white level"
+    return ("right" if N.claimed else "honest"), ""
+
+
+def row_of(name: str, sheet: str, channel: Channel) -> Row:
+    """The row of a channel."""
+    expert, signal = expert_of(channel.record), channel.record.signal.name
+    factor, unit = UNITS[signal]
+    judged, why = verdict(channel, expert)
+    m = max(1, round(expert.rate))
+    second = expert.deviation(m) * math.sqrt(m / expert.rate)
+    grade, read, N, ratio = "refused", channel.refusal, "", ""
+    if channel.noise is not None:
+        estimate = channel.noise.fit["N"]
+        low, high = (factor * x for x in estimate.interval(0.95))
+        grade, scope = channel.noise.validity, channel.noise.fit.scope
+        read = "; ".join(scope.sentences) if scope else ""
+        N = f"{factor * estimate.value:.4g} ({low:.4g} .. {high:.4g})" if estimate.claimed else f"below {high:.3g}"
+        N = N if math.isfinite(high) else estimate.status
+        ratio = f"{estimate.value / second:.3f}" if estimate.claimed else ""
+    white = expert.white
+    level = f"{factor * white[0]:.4g} ± {factor * white[0] * white[1]:.2g}" if white else "no flat part"
+    flat = f"{white[2]:.3g} .. {white[3]:.3g}" if white else ""
+    lines = ", ".join(f"{f:.3g}" for f in expert.lines[:3]) + (
+        f" and {n} more" if (n := len(expert.lines) - 3) > 0 else ""
+    )
+    said = al.planning.data_sheet_named(sheet).model(signal) if sheet else None
+    printed = f"{factor * said['N'].value:.3g}" if said else ""
+    shown = (grade, N, level, flat, f"{factor * second:.4g}", ratio, expert.top, lines, printed)
+    return (name, channel.record.name, unit, *shown, f"{judged}: {why}" if why else judged, read)
+
+
+HEADINGS = (
+    "file", "channel", "unit", "grade", "N (95 %)", "white level", "flat part, Hz", "deviation at 1 s",
+    "N over deviation at 1 s", "last octave", "lines, Hz", "data sheet", "verdict", "read",
+)  # fmt: skip
+
+
+def beside(folder: Path) -> Iterator[Row]:
+    """Every line of the data sheet of the ADIS16405 beside what was measured, a row for each channel."""
+    for name, choices, _ in RECORDINGS[:3]:
+        every = al.comparison.compare_with_sheet(folder / name, "adis16405", **choices)
+        for channel in every:
+            for m in every.measured(channel):
+                size, limits = digits(m.value, m.low, m.high).plain()
+                ratio, _ = digits(*m.ratio).plain()
+                shown = (f"{m.claim.value:g}", size, limits, ratio, str(m.remark))
+                yield name, channel.record.name, m.claim.printed, printed_unit(m.claim.unit), *shown
+
+
+BESIDE = ("file", "channel", "quantity", "unit", "data sheet", "measured", "95 % interval", "ratio", "remark")
+
+
+def main() -> None:
+    """Make the table."""
+    run = begin(__doc__ or "")
+    folder, rows = Path(os.environ["ALLANITE_RECORDINGS"]), []
+    for name, choices, sheet in RECORDINGS:
+        for channel in al.analyze(folder / name, al.Recipe(**choices)).channels:
+            rows.append(row_of(name, sheet, channel))
+            print(*rows[-1], flush=True)
+    verdicts, grades = (Counter(row[i].partition(":")[0] for row in rows) for i in (12, 3))
+    notes = [
+        "no random numbers",
+        ", ".join(f"{word}: {verdicts[word]}" for word in ("wrong", "open", "honest", "right"))
+        + f"; {len(rows)} channels",
+        ", ".join(f"{grade}: {n}" for grade, n in grades.items()),
+        "N, white level, deviation and data sheet in the unit of the row; last octave: density of the last third of an "
+        "octave over that of the one an octave below",
+    ]
+    sheet = al.planning.data_sheet_named("adis16405")
+    body = markdown(HEADINGS, rows)
+    body += section("Data sheet", BESIDE, beside(folder), f"{sheet.maker} {sheet.document}.")
+    run.publish("The first answer on real recordings, beside an expert's", notes, body)
+
+
+if __name__ == "__main__":
+    main()
