@@ -7,7 +7,7 @@ computed here by numpy alone, from the samples as they are in the file:
 
 - white level: the median of all periodogram ordinates (Hann window, pieces of a sixteenth of the record) in each third
   of an octave, over ln 2, so that neither lines nor bursts count. Of all runs of bands of at least an octave whose
-  levels are equal (12 %, and twice their standard errors) the widest is the flat part; its level, that is N before a
+  levels are equal (6 %, and twice their standard errors) the widest is the flat part; its level, that is N before a
   low-pass filter, is the mean by weight, and its error (2 sigma) is of chance and of what scatters beyond it.
 - Allan deviation, overlapping, whose value at 1 s is N where white noise alone is there.
 
@@ -17,7 +17,7 @@ exceeds the upper limit (3 standard errors) of the measured one somewhere. What 
 is no flat part, is called open; honest is an answer that claims no N.
 """
 
-from table import Row, begin, markdown, section
+from table import Row, begin, section
 
 import math
 import os
@@ -31,6 +31,7 @@ from typing import Any
 import numpy as np
 
 import allanite as al
+from allanite.comparison.sheet import SheetComparison
 from allanite.reporting.digits import digits, printed_unit
 from allanite.study.results import Channel
 
@@ -56,7 +57,7 @@ RECORDINGS: tuple[tuple[str, dict[str, Any], str], ...] = (
 PIECES, BANDS = 16, 3  # pieces of a periodogram, at least; bands an octave
 FEWEST = 40  # ordinates of a band
 HANN = 1.5  # neighbouring ordinates of a Hann window for one independent ordinate
-FLAT = 0.12  # relative difference of the density of a band from the flat part, beside twice its standard error
+FLAT = 0.06  # relative difference of the density of a band from the flat part, beside twice its standard error
 FALSE_LINES = 1e-3  # of a record of white noise
 TOP = 0.2  # relative change of the density over the last octave that is called falling or rising, beside 3 sigma
 LEVELS = {"N": -0.5, "B": 0.0, "K": 0.5}
@@ -65,7 +66,7 @@ LEVELS = {"N": -0.5, "B": 0.0, "K": 0.5}
 SIZES = {"N": 1.0, "B": math.sqrt(2 * math.log(2) / math.pi), "K": 1 / math.sqrt(3)}
 """Allan deviation of a term of size 1 at 1 s (IEEE Std 952)."""
 
-EARLIEST = 10  # samples below which a filter changes the deviation of a term
+EARLIEST, SHORT = 100, 30  # samples below which a filter changes the deviation of a term; at most this part of a record
 UNITS = {"gyro": (math.degrees(1.0) * 60, "deg/√h"), "accelerometer": (60.0, "m/s/√h")}
 """Of a walk by sensor: how many make one of SI, and its name."""
 
@@ -154,7 +155,7 @@ class Expert:
     @cached_property
     def limits(self) -> list[tuple[float, float]]:
         """Averaging times, s, and upper limits of the deviation (Wilson and Hilferty's chi-square)."""
-        points, m = [], EARLIEST
+        points, m = [], min(EARLIEST, self.values.size // SHORT)
         while 4 * m <= self.values.size:
             degrees = self.values.size / m - 1
             chi = (1 - 2 / (9 * degrees) - 3 * math.sqrt(2 / (9 * degrees))) ** 3
@@ -234,16 +235,15 @@ HEADINGS = (
 )  # fmt: skip
 
 
-def beside(folder: Path) -> Iterator[Row]:
-    """Every line of the data sheet of the ADIS16405 beside what was measured, a row for each channel."""
-    for name, choices, _ in RECORDINGS[:3]:
-        every = al.comparison.compare_with_sheet(folder / name, "adis16405", **choices)
-        for channel in every:
-            for m in every.measured(channel):
-                size, limits = digits(m.value, m.low, m.high).plain()
-                ratio, _ = digits(*m.ratio).plain()
-                shown = (f"{m.claim.value:g}", size, limits, ratio, str(m.remark))
-                yield name, channel.record.name, m.claim.printed, printed_unit(m.claim.unit), *shown
+def beside(name: str, study: al.Study, sheet: al.planning.DataSheet) -> Iterator[Row]:
+    """Every line of a data sheet beside what was measured, a row for each channel."""
+    every = SheetComparison(study.channels, study.recipe, study.findings, study.notes, study.provenance, sheet)
+    for channel in every:
+        for m in every.measured(channel):
+            size, limits = digits(m.value, m.low, m.high).plain()
+            ratio, _ = digits(*m.ratio).plain()
+            shown = (f"{m.claim.value:g}", size, limits, ratio, str(m.remark))
+            yield name, channel.record.name, m.claim.printed, printed_unit(m.claim.unit), *shown
 
 
 BESIDE = ("file", "channel", "quantity", "unit", "data sheet", "measured", "95 % interval", "ratio", "remark")
@@ -252,11 +252,14 @@ BESIDE = ("file", "channel", "quantity", "unit", "data sheet", "measured", "95 %
 def main() -> None:
     """Make the table."""
     run = begin(__doc__ or "")
-    folder, rows = Path(os.environ["ALLANITE_RECORDINGS"]), []
+    folder, rows, printed = Path(os.environ["ALLANITE_RECORDINGS"]), [], []
     for name, choices, sheet in RECORDINGS:
-        for channel in al.analyze(folder / name, al.Recipe(**choices)).channels:
+        study = al.analyze(folder / name, al.Recipe(**choices))
+        for channel in study.channels:
             rows.append(row_of(name, sheet, channel))
             print(*rows[-1], flush=True)
+        if sheet:
+            printed += beside(name, study, al.planning.data_sheet_named(sheet))
     verdicts, grades = (Counter(row[i].partition(":")[0] for row in rows) for i in (12, 3))
     notes = [
         "no random numbers",
@@ -266,9 +269,9 @@ def main() -> None:
         "N, white level, deviation and data sheet in the unit of the row; last octave: density of the last third of an "
         "octave over that of the one an octave below",
     ]
-    sheet = al.planning.data_sheet_named("adis16405")
-    body = markdown(HEADINGS, rows)
-    body += section("Data sheet", BESIDE, beside(folder), f"{sheet.maker} {sheet.document}.")
+    sheets = (al.planning.data_sheet_named(sheet) for sheet in sorted({row[2] for row in RECORDINGS} - {""}))
+    about = "; ".join(f"{sheet.maker} {sheet.document}" for sheet in sheets)
+    body = section("Channels", HEADINGS, rows) + section("Data sheets", BESIDE, printed, f"{about}.")
     run.publish("The first answer on real recordings, beside an expert's", notes, body)
 
 
