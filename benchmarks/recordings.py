@@ -7,8 +7,9 @@ computed here by numpy alone, from the samples as they are in the file:
 
 - white level: the median of all periodogram ordinates (Hann window, pieces of a sixteenth of the record) in each third
   of an octave, over ln 2, so that neither lines nor bursts count. Of all runs of bands of at least an octave whose
-  levels are equal (6 %, and twice their standard errors) the widest is the flat part; its level, that is N before a
-  low-pass filter, is the mean by weight, and its error (2 sigma) is of chance and of what scatters beyond it.
+  levels are equal and do not slope (6 % of the density, beside chance) the flat part is the one with the most
+  ordinates; its level, that is N before a low-pass filter, is the mean by weight, and its error (2 sigma) is of chance
+  and of what scatters beyond it.
 - Allan deviation, overlapping, whose value at 1 s is N where white noise alone is there.
 
 A claimed N is wrong if its 95 % interval and the expert's have no point in common, an upper limit if it lies below the
@@ -25,6 +26,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +59,7 @@ RECORDINGS: tuple[tuple[str, dict[str, Any], str], ...] = (
 PIECES, BANDS = 16, 3  # pieces of a periodogram, at least; bands an octave
 FEWEST = 40  # ordinates of a band
 HANN = 1.5  # neighbouring ordinates of a Hann window for one independent ordinate
-FLAT = 0.06  # relative difference of the density of a band from the flat part, beside twice its standard error
+FLAT = 0.06  # relative difference and change of the density in a flat part, beside 2 and 1 standard errors
 FALSE_LINES = 1e-3  # of a record of white noise
 TOP = 0.2  # relative change of the density over the last octave that is called falling or rising, beside 3 sigma
 LEVELS = {"N": -0.5, "B": 0.0, "K": 0.5}
@@ -106,17 +108,24 @@ class Expert:
     def white(self) -> tuple[float, float, float, float] | None:
         """N, its relative error (2 sigma), and the ends of the flat part, Hz."""
         ends, levels, errors = self.bands
-        for width in range(levels.size, BANDS - 1, -1):
-            for first in range(levels.size - width + 1):
-                run = slice(first, first + width)
-                weight = errors[run] ** -2 / np.sum(errors[run] ** -2)
-                off = levels[run] - weight @ levels[run]
-                if np.all(np.abs(off) < FLAT + 2 * errors[run]):
-                    own = 1 / np.sum(errors[run] ** -2)
-                    uneven = max(weight @ off**2 - (width - 1) * own, 0.0)
-                    low = ends[first + width - 1] * 2.0 ** (-1 / BANDS)
-                    return math.exp((weight @ levels[run]) / 2), math.sqrt(own + uneven), float(low), float(ends[first])
-        return None
+        best = None
+        for first, stop in combinations(range(levels.size + 1), 2):
+            weight = errors[first:stop] ** -2
+            if stop - first < BANDS or (best and weight.sum() <= best[0]):
+                continue
+            level = np.average(levels[first:stop], weights=weight)
+            off, place = levels[first:stop] - level, np.arange(stop - first)
+            at = place - np.average(place, weights=weight)
+            spread = weight @ at**2
+            change = (stop - first - 1) * abs(weight @ (at * off)) / spread
+            if change < FLAT + (stop - first - 1) / math.sqrt(spread) and np.all(np.abs(off) < FLAT + 2 * weight**-0.5):
+                scatter = 1 + max(weight @ off**2 - (stop - first - 1), 0.0)
+                best = weight.sum(), level, scatter, stop - 1, first
+        if best is None:
+            return None
+        total, level, scatter, last, first = best
+        low, high = ends[last] * 2.0 ** (-1 / BANDS), ends[first]
+        return math.exp(level / 2), math.sqrt(scatter / total), float(low), float(high)
 
     @cached_property
     def top(self) -> str:

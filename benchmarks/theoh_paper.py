@@ -4,7 +4,7 @@ Tang, Cheng and Gao, Acta Armamentarii 36 (2015) 1688: two hours at 1 Hz, five n
 CRC-32 of "theoh_paper/CELL", and the number of the record.
 """
 
-from table import begin, section
+from table import Row, begin, covered, section
 
 import math
 from itertools import product
@@ -63,7 +63,7 @@ def spread(name: str, m: int, draws: int) -> tuple[float, float]:
     return 1 / math.sqrt(2 * edf), float(variance.std() / variance.mean()) / 2
 
 
-def joint() -> list[tuple[str, ...]]:
+def joint() -> list[Row]:
     """Expected TheoBR over the Allan deviation: at short times, and where TheoH consists of it."""
     rows = []
     for tau in (15, 30, 75, 150, 1500, 2700, 5400):
@@ -100,7 +100,7 @@ def whole(truth: str, number: int) -> list[list[float]]:
     return errors
 
 
-def wholes(errors: np.ndarray) -> list[tuple[str, ...]]:
+def wholes(errors: np.ndarray) -> list[Row]:
     """Root mean square and mean errors by truth and curve."""
     rms, mean = np.sqrt((errors**2).mean(axis=1)), errors.mean(axis=1)
     return [
@@ -123,18 +123,7 @@ def held(number: int) -> list[list[int]]:
     return found
 
 
-def covering(places: np.ndarray) -> list[tuple[str, ...]]:
-    """How often limits hold the truth, percent; in brackets below and above them."""
-    return [
-        (
-            statistic,
-            *(f"{100 * (p == 0).mean():.1f} ({100 * (p < 0).mean():.1f}, {100 * (p > 0).mean():.1f})" for p in row),
-        )
-        for statistic, row in zip(LIMITED, places.transpose(1, 2, 0), strict=True)
-    ]
-
-
-def varying(draws: int) -> list[tuple[str, ...]]:
+def varying(draws: int) -> list[Row]:
     """Mean Theo1 and Allan variances of white noise whose level changes, over that of its mean power."""
     rows, n = [], 1200
     t = (np.arange(n) + 0.5) / n
@@ -183,8 +172,9 @@ def main() -> None:
         ("Unweighted fit of the whole curve (method curve): rms error (mean error)",
          ("truth", "statistic", "bias removed by", "Q, arcsec", "N, deg/√h", "B, deg/h", "K, deg/h/√h", "R, deg/h²"),
          curves),
-        ("95 % limits of gls, percent of records in which they hold the truth; truth below and above them",
-         ("statistic", *symbols), covering(places)),
+        ("95 % limits of gls, percent of records in which they hold the truth (+ truth above them, - below)",
+         ("statistic", *symbols),
+         [(name, *map(covered, row)) for name, row in zip(LIMITED, places.transpose(1, 2, 0), strict=True)]),
         ("Noise that changes its level: variance times tau over the mean power",
          ("level", "statistic", "30 s", "300 s", "600 s", "900 s"), varying(asked.draws // 10)),
     )  # fmt: skip
