@@ -78,13 +78,13 @@ def sensor(n: int, rate: float, rng: Rng, *, tailed: bool = False, **noise: obje
     y = np.zeros(n)
     for symbol, size in noise.items():
         if symbol == "GM":
-            y += sum(markov(n, sigma, T, rate, rng) for sigma, T in size)  # type: ignore[attr-defined]
+            y += sum(markov(n, sigma, T, rate, rng) for sigma, T in size)
         elif symbol == "R":
-            y += float(size) * np.arange(n) / rate  # type: ignore[arg-type]
+            y += float(size) * np.arange(n) / rate
         elif symbol == "N":
-            y += white(n, float(size), rate, rng, tailed=tailed)  # type: ignore[arg-type]
+            y += white(n, float(size), rate, rng, tailed=tailed)
         else:
-            y += made[symbol](n, float(size), rate, rng)  # type: ignore[arg-type]
+            y += made[symbol](n, float(size), rate, rng)
     return y
 
 

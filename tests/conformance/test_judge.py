@@ -2,7 +2,7 @@
 
 from tests.rows import rows
 
-from benchmarks.judge import TEXTBOOK, TOLERANCE, ratios
+from judge import TEXTBOOK, TOLERANCE, ratios
 
 
 @rows("name", list(TEXTBOOK))
