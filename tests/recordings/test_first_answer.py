@@ -63,8 +63,8 @@ def test_a_swaying_gyroscope_has_no_result(recordings):
 
 @rows("name, choices", [row[:2] for row in script.RECORDINGS if row[2] == "adis16405"][:1])
 def test_a_channel_beside_its_data_sheet_is_as_in_the_table(recordings, name, choices):
-    channel = "Gyro. X"
-    rows = [row for row in read("recordings.md").rows("Data sheets") if (row["file"], row["channel"]) == (name, channel)]
+    channel, every = "Gyro. X", read("recordings.md").rows("Data sheets")
+    rows = [row for row in every if (row["file"], row["channel"]) == (name, channel)]
     found = al.comparison.compare_with_sheet(recordings / name, "adis16405", channels=(channel,), **choices)
     measured = {m.claim.printed: m.ratio[0] for m in found.measured(found[channel])}
     assert {row["quantity"]: pytest.approx(float(row["ratio"]), rel=0.01) for row in rows} == measured

@@ -10,9 +10,9 @@ from tests.reference import edf as published
 from tests.rows import refused, rows
 
 import allanite as al
-from methods import dense
 from allanite.identification.likelihood import spectrum
 from allanite.planning.plan import properties
+from methods import dense
 
 MODELS = {
     **al.planning.SENSORS, "NBK": "N 1 rad/sqrt(s), B 0.3 rad/s, K 0.1 rad/s^1.5", "QN": "Q 1 rad, N 0.1 rad/sqrt(s)",
