@@ -149,7 +149,7 @@ def main() -> None:
     ]
     off = max(abs(float(row[-1]) - 1) for row in bounds)
     about = f"{asked.readings} readings; standard errors (1 sigma), %. Largest deviation of a ratio from 1: {off:.4f}."
-    body = section("Methods", HEADINGS, rows[by_method], f"{asked.records} records a cell.")
+    body = section("Each method", HEADINGS, rows[by_method], f"{asked.records} records a cell.")
     body += section("Curves of other statistics", HEADINGS, rows[by_curve], f"{asked.curves} records a cell.")
     body += section("The bound against full matrices", BOUND_HEADINGS, bounds, about)
     run.publish("Methods of identification against the Cramer-Rao bound", notes, body)

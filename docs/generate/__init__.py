@@ -50,7 +50,7 @@ def write_pages(docs: Path) -> None:
         _write(root / "api" / f"{page}.md", lines)
     _write(root / "methods.md", methods_page(root))
     _write(root / "accuracies.md", accuracies())
-    _write(root / "efficiencies.md", efficiencies(results / "methods.md", "Methods"))
+    _write(root / "efficiencies.md", efficiencies(results / "methods.md", "Each method"))
     _write(root / "curve_efficiencies.md", efficiencies(results / "methods.md", "Curves of other statistics"))
     _write(root / "terms" / "devices.md", devices_page())
     _write(root / "data_sheets.md", data_sheets_page())
