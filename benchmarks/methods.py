@@ -12,7 +12,7 @@ from table import Row, begin, section, spread
 
 import math
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from itertools import product
 from zlib import crc32
 
@@ -24,14 +24,16 @@ import allanite as al
 RATE = 100.0
 SENSORS = {name.upper(): al.sensor(name) for name in al.planning.SENSORS}
 
-Ways = Mapping[str, tuple[str, str | None]]
-Found = dict[str, list[tuple[float, float, float]]]
-
-METHODS: Ways = {name: (name, None) for name in al.identification.METHODS} | {
-    f"gls of {s}": ("gls", s) for s in ("ohdev", "mdev")
+WAYS: dict[str, dict[str, tuple[str, str | None]]] = {
+    "Each method": {name: (name, None) for name in al.identification.METHODS}
+    | {f"gls of {s}": ("gls", s) for s in ("ohdev", "mdev")},
+    "Curves of other statistics": {
+        f"gls of {s}": ("gls", s) for s in ("oadev", "theo1", "theobr", "theoh", "pdev", "mtotdev", "htotdev")
+    },
 }
-CURVES: Ways = {f"gls of {s}": ("gls", s) for s in ("oadev", "theo1", "theobr", "theoh", "pdev", "mtotdev", "htotdev")}
-"""Method and statistic by the name in the table."""
+"""Method and statistic by the name in the table, of each section."""
+
+Found = dict[str, list[tuple[float, float, float]]]
 
 HEADINGS = ("sensor", "n", "term", "bound %", "method", "rmse", "bias", "cover %")
 
@@ -47,32 +49,18 @@ MODELS = {
 BOUND_HEADINGS = ("model", "rate, Hz", "ramp", "parameter", "full matrices, %", "bound, %", "ratio")
 
 
-def record_of(sensor: str, n: int, number: int) -> al.Record:
-    """One record of a cell."""
-    rng = np.random.default_rng((crc32(f"methods/{sensor}/{n}".encode()), number))
-    return al.simulate(SENSORS[sensor], n, RATE, rng=rng)
-
-
-def identified(sensor: str, n: int, number: int, ways: Ways) -> Found:
+def identified(job: tuple[str, str, int, int]) -> Found:
     """(value, low, high) of every term, by way."""
-    record, every = record_of(sensor, n, number), {}
+    title, sensor, n, number = job
+    rng, every = np.random.default_rng((crc32(f"methods/{sensor}/{n}".encode()), number)), {}
+    record = al.simulate(SENSORS[sensor], n, RATE, rng=rng)
     terms = "".join(t.symbol for t in SENSORS[sensor])
-    for way, (method, statistic) in ways.items():
+    for way, (method, statistic) in WAYS[title].items():
         band = "all" if "band" in al.identification.METHODS[method].options else None
         fit = al.identify(record, method, terms=terms, statistic=statistic, band=band)
         model = {t.symbol: t.value for t in fit.model}
         every[way] = [(model.get(e.symbol, 0.0) if e.value is None else e.value, *e.interval(0.95)) for e in fit]
     return every
-
-
-def by_method(cell: tuple[str, int, int]) -> Found:
-    """One record by every method."""
-    return identified(*cell, METHODS)
-
-
-def by_curve(cell: tuple[str, int, int]) -> Found:
-    """One record by the curve of each statistic."""
-    return identified(*cell, CURVES)
 
 
 def rows_of(sensor: str, n: int, records: list[Found]) -> list[Row]:
@@ -129,12 +117,14 @@ def bound_rows(n: int) -> Iterator[Row]:
 def main() -> None:
     run = begin(__doc__ or "", sensors=list(SENSORS), sizes=[2**16, 2**18], records=100, curves=40, readings=2048,
                 processes=2)  # fmt: skip
-    asked, rows = run.asked, {}
-    for work, sizes, records in ((by_method, asked.sizes, asked.records), (by_curve, asked.sizes[:1], asked.curves)):
-        rows[work] = []
-        for cell, answers in spread(work, product(asked.sensors, sizes), records, asked.processes):
-            rows[work] += rows_of(*cell, answers)
-            print(work.__name__, *cell, file=sys.stderr, flush=True)
+    asked, body = run.asked, []
+    sizes = zip(WAYS, (asked.sizes, asked.sizes[:1]), (asked.records, asked.curves), strict=True)
+    for title, lengths, records in sizes:
+        rows: list[Row] = []
+        for cell, answers in spread(identified, product([title], asked.sensors, lengths), records, asked.processes):
+            rows += rows_of(*cell[1:], answers)
+            print(*cell, file=sys.stderr, flush=True)
+        body += section(title, HEADINGS, rows, f"{records} records a cell.")
     bounds = list(bound_rows(asked.readings))
     errors = " and ".join(
         f"{100 / math.sqrt(2 * count):.0f} % of an rmse, {100 * math.sqrt(0.05 * 0.95 / count):.0f} % of a coverage"
@@ -149,8 +139,6 @@ def main() -> None:
     ]
     off = max(abs(float(row[-1]) - 1) for row in bounds)
     about = f"{asked.readings} readings; standard errors (1 sigma), %. Largest deviation of a ratio from 1: {off:.4f}."
-    body = section("Each method", HEADINGS, rows[by_method], f"{asked.records} records a cell.")
-    body += section("Curves of other statistics", HEADINGS, rows[by_curve], f"{asked.curves} records a cell.")
     body += section("The bound against full matrices", BOUND_HEADINGS, bounds, about)
     run.publish("Methods of identification against the Cramer-Rao bound", notes, body)
 

@@ -39,15 +39,14 @@ from allanite.study.results import Channel
 
 ADIS: dict[str, Any] = {"unit": "gyro=deg/s,accel=g"}
 MPU: dict[str, Any] = {"time": "1"}
-IG500N: dict[str, Any] = {"rate": 4.16}
 RECORDINGS: tuple[tuple[str, dict[str, Any], str], ...] = (
     *((f"adis_16405_imu{i}.rda", ADIS, "adis16405") for i in (1, 2, 3)),
     ("psins_lasergyro.imu", {}, ""),
     ("mpu6050_static10min/mpu6050_gyroscope.mat", MPU | {"unit": "deg/s"}, "mpu6050"),
     ("mpu6050_static10min/mpu6050_accelerometer.mat", MPU | {"unit": "g"}, "mpu6050"),
     ("phone_gyro4.txt", {"unit": "rad/s"}, ""), ("phone_acc2.txt", {"unit": "m/s^2"}, ""),
-    ("ig500n_milkytipo.txt", IG500N | {"unit": "m/s^2", "channels": ("4", "5", "6")}, ""),
-    ("ig500n_milkytipo.txt", IG500N | {"unit": "deg/s", "channels": ("7", "8", "9")}, ""),
+    ("ig500n_milkytipo.txt", {"rate": 4.16, "unit": "m/s^2", "channels": ("4", "5", "6")}, ""),
+    ("ig500n_milkytipo.txt", {"rate": 4.16, "unit": "deg/s", "channels": ("7", "8", "9")}, ""),
     ("vn100_car_idle.bag", {}, ""), ("xsens_mti_utbm_imu-test.bag", {}, ""),
     ("cubeorange_sample_log_small.ulg", {}, ""),
     ("imu_tk_xsens_gyro.mat", {"rate": 100.0, "scale": "1deg/s", "until": 52.0, "channels": ("2", "3", "4")}, ""),
@@ -62,11 +61,8 @@ HANN = 1.5  # neighbouring ordinates of a Hann window for one independent ordina
 FLAT = 0.06  # relative difference and change of the density in a flat part, beside 2 and 1 standard errors
 FALSE_LINES = 1e-3  # of a record of white noise
 TOP = 0.2  # relative change of the density over the last octave that is called falling or rising, beside 3 sigma
-LEVELS = {"N": -0.5, "B": 0.0, "K": 0.5}
-"""Power of the averaging time in a term's Allan deviation."""
-
-SIZES = {"N": 1.0, "B": math.sqrt(2 * math.log(2) / math.pi), "K": 1 / math.sqrt(3)}
-"""Allan deviation of a term of size 1 at 1 s (IEEE Std 952)."""
+TERMS = {"N": (1.0, -0.5), "B": (math.sqrt(2 * math.log(2) / math.pi), 0.0), "K": (1 / math.sqrt(3), 0.5)}
+"""Allan deviation of a term of size 1 at 1 s, and the power of the averaging time (IEEE Std 952)."""
 
 EARLIEST, SHORT = 100, 30  # samples below which a filter changes the deviation of a term; at most this part of a record
 UNITS = {"gyro": (math.degrees(1.0) * 60, "deg/√h"), "accelerometer": (60.0, "m/s/√h")}
@@ -175,8 +171,8 @@ class Expert:
 
     def above(self, symbol: str, low: float) -> float | None:
         """The first averaging time, s, at which a term of at least this size exceeds the measured deviation."""
-        own = ((tau, low * SIZES[symbol] * tau ** LEVELS[symbol], limit) for tau, limit in self.limits)
-        return next((tau for tau, size, limit in own if size > limit), None)
+        size, power = TERMS[symbol]
+        return next((tau for tau, limit in self.limits if low * size * tau**power > limit), None)
 
 
 def expert_of(record: al.Record) -> Expert:
@@ -194,7 +190,7 @@ def verdict(channel: Channel, expert: Expert) -> tuple[str, str]:
     if channel.fit is None:
         return "honest", ""
     for e in channel.fit:
-        if e.claimed and e.symbol in SIZES:
+        if e.claimed and e.symbol in TERMS:
             tau = expert.above(e.symbol, e.interval(0.95)[0])
             if tau is not None:
                 return "wrong", f"{e.symbol} is above the curve at {tau:.3g} s"
@@ -229,11 +225,10 @@ def row_of(name: str, sheet: str, channel: Channel) -> Row:
     white = expert.white
     level = f"{factor * white[0]:.4g} ± {factor * white[0] * white[1]:.2g}" if white else "no flat part"
     flat = f"{white[2]:.3g} .. {white[3]:.3g}" if white else ""
-    lines = ", ".join(f"{f:.3g}" for f in expert.lines[:3]) + (
-        f" and {n} more" if (n := len(expert.lines) - 3) > 0 else ""
-    )
-    said = al.planning.data_sheet_named(sheet).model(signal) if sheet else None
-    printed = f"{factor * said['N'].value:.3g}" if said else ""
+    lines, more = ", ".join(f"{f:.3g}" for f in expert.lines[:3]), len(expert.lines) - 3
+    lines += f" and {more} more" if more > 0 else ""
+    stated = al.planning.data_sheet_named(sheet).model(signal) if sheet else None
+    printed = f"{factor * stated['N'].value:.3g}" if stated else ""
     shown = (grade, N, level, flat, f"{factor * second:.4g}", ratio, expert.top, lines, printed)
     return (name, channel.record.name, unit, *shown, f"{judged}: {why}" if why else judged, read)
 
@@ -272,8 +267,7 @@ def main() -> None:
     verdicts, grades = (Counter(row[i].partition(":")[0] for row in rows) for i in (12, 3))
     notes = [
         "no random numbers",
-        ", ".join(f"{word}: {verdicts[word]}" for word in ("wrong", "open", "honest", "right"))
-        + f"; {len(rows)} channels",
+        f"{len(rows)} channels; " + ", ".join(f"{w}: {verdicts[w]}" for w in ("wrong", "open", "honest", "right")),
         ", ".join(f"{grade}: {n}" for grade, n in grades.items()),
         "N, white level, deviation and data sheet in the unit of the row; last octave: density of the last third of an "
         "octave over that of the one an octave below",

@@ -68,7 +68,7 @@ def test_methods(sensor):
     import methods
 
     count = 10
-    found = [methods.by_method((sensor, 2**16, number)) for number in range(count)]
+    found = [methods.identified(("Each method", sensor, 2**16, number)) for number in range(count)]
     made = [dict(zip(methods.HEADINGS, row, strict=True)) for row in methods.rows_of(sensor, 2**16, found)]
     for new, row in zip(made, rows_of("methods.md", "Each method", sensor=sensor, n="65536"), strict=True):
         assert list(new.values())[:5] == list(row.values())[:5]
