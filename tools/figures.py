@@ -89,7 +89,7 @@ def worse():
     return [100 * (swaying / still - 1) for swaying, still in pairs][1:5]
 
 
-ADIS = [f"adis_16405_imu{k}.rda" for k in (1, 2)]
+ADIS = [f"adis_16405_imu{k}.rda" for k in (1, 2, 3)]
 ACCELEROMETER = [f"mpu6050_static10min/mpu6050_{name}.mat" for name in ("gyroscope", "accelerometer")]
 
 
@@ -100,8 +100,10 @@ def n_off(files, channels):
 
 
 def corners():
-    rows = [row for row in read("recordings.md").rows() if "Bartlett" in row["read"] and "Gyro" in row["channel"]]
-    return span([float(re.search(r"-3 dB at ([\d.]+)", row["read"])[1]) for row in rows])
+    """Of the low-passes of the x and y axes of the ADIS16405."""
+    rows = [row for row in read("recordings.md").rows("Channels") if row["file"] in ADIS]
+    read_of = [row["read"] for row in rows if row["channel"] in ("Gyro. X", "Gyro. Y")]
+    return span([float(re.search(r"-3 dB at ([\d.]+)", text)[1]) for text in read_of])
 
 
 def compensated(column, noise=("table 2",), regressor=("temp",)):
