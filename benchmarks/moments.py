@@ -11,7 +11,7 @@ noise, every m-th point of the angle is what the methods see. The seed of a cell
 from table import Row, begin, section
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from unittest.mock import patch
 from zlib import crc32
@@ -139,45 +139,35 @@ NAMES = {2: "WPM", 1: "FPM", 0: "WFM", -1: "FFM", -2: "RWFM", -3: "FWFM", -4: "R
 PURE = {2: al.Q(1.0, "rad"), 0: al.N(1.0, "rad/sqrt(s)"), -1: al.B(1.0, "rad/s"), -2: al.K(1.0, "rad/s^1.5")}
 
 
-@dataclass(frozen=True)
-class Law:
-    """A statistic, a noise, an averaging factor, and how many points of the angle there are every m samples."""
-
-    row: str
-    alpha: int
-    m: int
-    points: int
+LAWS = (
+    *product(("oadev",), (2, 0, -1, -2), (1,), (4097, 513, 129, 65, 33, 25, 17, 13)),
+    *product(("oadev",), (1,), (8,), (4097, 513, 129, 65)),
+    *product(("ohdev",), (0, -1, -2, -3, -4), (8,), (257, 129, 65, 33, 17)),
+)
+"""Statistic, exponent of the noise, averaging factor, and points of the angle there are every so many samples."""
 
 
-LAWS = [
-    *(Law("oadev", alpha, 1, n) for alpha in (2, 0, -1, -2) for n in (4097, 513, 129, 65, 33, 25, 17, 13)),
-    *(Law("oadev", 1, 8, n) for n in (4097, 513, 129, 65)),
-    *(Law("ohdev", alpha, 8, n) for alpha in (0, -1, -2, -3, -4) for n in (257, 129, 65, 33, 17)),
-]
-
-
-def record_of(law: Law, rng: np.random.Generator) -> al.Record:
+def record_of(alpha: int, n: int, rng: np.random.Generator) -> al.Record:
     """Noise of the angle and of the rate as the package simulates it; steeper noise is its sum."""
-    n = law.m * (law.points - 1)
-    if law.alpha == 1:  # of density 1/f up to half the rate, cut from a series four times as long
+    if alpha == 1:  # of density 1/f up to half the rate, cut from a series four times as long
         spectrum = np.fft.rfft(rng.standard_normal(4 * (n + 1)))
         spectrum[1:] /= np.sqrt(np.arange(1, spectrum.size))
         spectrum[0] = 0
         return al.Record(np.diff(np.fft.irfft(spectrum, 4 * (n + 1))[: n + 1]), 1.0, "rad/s", kind="rate")
-    if law.alpha > -3:
-        return al.simulate(PURE[law.alpha], n, 1.0, rng=rng)
-    return al.Record(np.cumsum(al.simulate(PURE[law.alpha + 2], n, 1.0, rng=rng).values), 1.0, "rad/s", kind="rate")
+    if alpha > -3:
+        return al.simulate(PURE[alpha], n, 1.0, rng=rng)
+    return al.Record(np.cumsum(al.simulate(PURE[alpha + 2], n, 1.0, rng=rng).values), 1.0, "rad/s", kind="rate")
 
 
-def named(law: Law, records: int) -> Row:
+def named(name: str, alpha: int, m: int, points: int, records: int) -> Row:
     """How often a power law is named exactly."""
-    row, laws = STATISTICS[law.row], []
+    row, laws = STATISTICS[name], []
     for k in range(records):
-        angle = integrated(record_of(law, random_of(f"{law.row}/{law.alpha}/{law.m}/{law.points}", k)), row.order)
-        laws += identify_power_law(angle, row, np.array([float(law.m)]))
-    hit = 100 * np.mean([each.alpha == law.alpha for each in laws])
-    methods = "/".join(sorted({each.method for each in laws}))
-    return (law.row, NAMES[law.alpha], str(law.m), str(law.points), methods, f"{hit:.1f}")
+        record = record_of(alpha, m * (points - 1), random_of(f"{name}/{alpha}/{m}/{points}", k))
+        laws += identify_power_law(integrated(record, row.order), row, np.array([float(m)]))
+    hit = 100 * np.mean([law.alpha == alpha for law in laws])
+    methods = "/".join(sorted({law.method for law in laws}))
+    return (name, NAMES[alpha], str(m), str(points), methods, f"{hit:.1f}")
 
 
 OF_WINDOWS = ("statistic", "n", "factors", *KINDS, "expectation")
@@ -198,11 +188,10 @@ ABOUT = {
 def main() -> None:
     run = begin(__doc__ or "", sizes=[128, 256, 513], hybrids=600, laws=200)
     asked = run.asked
-    exact = [against_matrices(name, n) for name in WINDOWS for n in asked.sizes] + list(
-        map(against_finer_windows, WINDOWS)
-    )
+    exact = [against_matrices(*cell) for cell in product(WINDOWS, asked.sizes)]
+    exact += map(against_finer_windows, WINDOWS)
     scatter = [line for noise, bias in HYBRIDS for line in hybrids(noise, bias, asked.hybrids)]
-    laws = [named(law, asked.laws) for law in LAWS]
+    laws = [named(*law, asked.laws) for law in LAWS]
     notes = [
         'seeds: the CRC-32 of "moments/CELL", and the number of the record from 0',
         f"{asked.hybrids} records of {SAMPLES} samples of each hybrid: the simulated degrees of freedom are known to "
