@@ -8,8 +8,8 @@ computed here by numpy alone, from the samples as they are in the file:
 - white level: the median of all periodogram ordinates (Hann window, pieces of a sixteenth of the record) in each third
   of an octave, over ln 2, so that neither lines nor bursts count. Of all runs of bands of at least an octave whose
   levels are equal and do not slope (6 % of the density, beside chance) the flat part is the one with the most
-  ordinates; its level, that is N before a low-pass filter, is the mean by weight, and its error (2 sigma) is of chance
-  and of what scatters beyond it.
+  ordinates; its level, that is N before a low-pass filter, is the mean by weight. Its error (2 sigma) is of chance, of
+  what scatters beyond it, and of what such a slope leaves open, 3 % of N.
 - Allan deviation, overlapping, whose value at 1 s is N where white noise alone is there.
 
 A claimed N is wrong if its 95 % interval and the expert's have no point in common, an upper limit if it lies below the
@@ -22,11 +22,13 @@ from table import Row, begin, section
 
 import math
 import os
+import sys
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
+from itertools import chain, combinations
+from multiprocessing import Pool
 from pathlib import Path
 from typing import Any
 
@@ -121,7 +123,7 @@ class Expert:
             return None
         total, level, scatter, last, first = best
         low, high = ends[last] * 2.0 ** (-1 / BANDS), ends[first]
-        return math.exp(level / 2), math.sqrt(scatter / total), float(low), float(high)
+        return math.exp(level / 2), math.hypot(math.sqrt(scatter / total), FLAT / 2), float(low), float(high)
 
     @cached_property
     def top(self) -> str:
@@ -253,17 +255,20 @@ def beside(name: str, study: al.Study, sheet: al.planning.DataSheet) -> Iterator
 BESIDE = ("file", "channel", "quantity", "unit", "data sheet", "measured", "95 % interval", "ratio", "remark")
 
 
+def rows_of(name: str, choices: dict[str, Any], sheet: str) -> tuple[list[Row], list[Row]]:
+    """The rows of a file in both tables."""
+    study = al.analyze(Path(os.environ["ALLANITE_RECORDINGS"]) / name, al.Recipe(**choices))
+    rows = [row_of(name, sheet, channel) for channel in study.channels]
+    print(*rows, sep="\n", file=sys.stderr, flush=True)
+    return rows, list(beside(name, study, al.planning.data_sheet_named(sheet))) if sheet else []
+
+
 def main() -> None:
     """Make the table."""
-    run = begin(__doc__ or "")
-    folder, rows, printed = Path(os.environ["ALLANITE_RECORDINGS"]), [], []
-    for name, choices, sheet in RECORDINGS:
-        study = al.analyze(folder / name, al.Recipe(**choices))
-        for channel in study.channels:
-            rows.append(row_of(name, sheet, channel))
-            print(*rows[-1], flush=True)
-        if sheet:
-            printed += beside(name, study, al.planning.data_sheet_named(sheet))
+    run = begin(__doc__ or "", processes=2)
+    with Pool(run.asked.processes) as pool:
+        parts = pool.starmap(rows_of, RECORDINGS, chunksize=1)
+    rows, printed = (list(chain.from_iterable(part)) for part in zip(*parts, strict=True))
     verdicts, grades = (Counter(row[i].partition(":")[0] for row in rows) for i in (12, 3))
     notes = [
         "no random numbers",
