@@ -12,6 +12,7 @@ a page quotes without a link to it, a row or a cell that no table has, a measure
 import re
 import sys
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -73,6 +74,12 @@ def gained(term, statistic):
 
 def curves(column, sensor, term, *methods):
     return [one("methods.md", "Curves", column, sensor=[sensor], term=[term], method=[f"gls of {m}"]) for m in methods]
+
+
+def efficiency(method):
+    """Least and most error over the bound of well determined terms, where the bound is at most 12 %."""
+    rows = read("methods.md").rows("Each method")
+    return span([float(r["rmse"]) for r in rows if r["method"] == method and float(r["bound %"]) <= 12])
 
 
 def exact(method):
@@ -142,6 +149,13 @@ FIRST, GROWTH, SPEED, LISTED = (
     "speed.md",
     "N 0.3 deg/sqrt(h), B 10 deg/h, K 20 deg/h/sqrt(h)",
 )
+METHODS = "src/allanite/identification/methods.py"
+FITS = {
+    "whittle": "pending", "gls": "gls", "joint": "joint", "nnls": "nnls", "piecewise": "piecewise",
+    "ls": "least_squares", "curve": "whole", "slopes": "slopes",
+}  # fmt: skip
+"""Function of each method, before its efficiency."""
+
 FIT = "src/allanite/applications/compensation/fit.py"
 KERNELS = r"(\d+) kernels and parts take ([\d.]+) s"
 
@@ -197,6 +211,8 @@ SENTENCES = [
         *curves("bound %", "FOG", "R", "oadev"), *curves("rmse", "FOG", "R", "theoh", "oadev")]),
     ("docs/methods.md", "is {:g} to {:g} % here", lambda:
         span(figures("methods.md", "Curves", "cover %", sensor=["MEMS"], term=["N"]))),
+    *((METHODS, f" {fit}, efficiency=times({{:.3g}}, {{:.3g}})", partial(efficiency, name))
+      for name, fit in FITS.items()),
     ("docs/vertical.md", "{:.3f} s and {:.1f} arcsec. A", lambda: [
         closed("best time constant, s"), closed("error there, arcsec")]),
     ("docs/vertical.md", "shorter: {:.2f} s", lambda: [closed("with a bias of 10 deg/h: s, arcsec")]),
