@@ -12,6 +12,7 @@ a page quotes without a link to it, a row or a cell that no table has, a measure
 import re
 import sys
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -58,17 +59,6 @@ def stated(file, pattern):
     return [float(number) for number in re.search(pattern, read(file).text).groups()]
 
 
-def coefficients(column, most, least=0.0):
-    """Of terms whose bound is below a percentage."""
-    rows = [row for row in read("coefficients.md").rows() if row["bound, %"] and least < float(row["bound, %"]) < most]
-    return [float(row[column]) for row in rows if row[column]]
-
-
-def rms_but_three():
-    ratios = sorted(coefficients("rms", 12))
-    return ratios[0], ratios[-4]
-
-
 def theoh(column, statistic, method="gls"):
     return one("theoh_paper.md", "Coefficients", column, method=[method], statistic=[statistic])
 
@@ -77,37 +67,39 @@ def held(term, statistic):
     return one("theoh_paper.md", "95 % limits", term, statistic=[statistic])
 
 
-def two(parameter, column):
-    """Of the first cell of two Gauss-Markov processes."""
-    shown = next(row[column] for row in read("two_shapes.md").rows() if row["parameter"] == parameter)
-    return float(shown.split()[0])
-
-
 def gained(term, statistic):
     return 100 * (1 - theoh(term, statistic) / theoh(term, "oadev"))
 
 
 def curves(column, sensor, term, *methods):
-    return [one("curves.md", "", column, sensor=[sensor], term=[term], method=[f"gls of {m}"]) for m in methods]
+    return [one("methods.md", "Curves", column, sensor=[sensor], term=[term], method=[f"gls of {m}"]) for m in methods]
+
+
+def efficiency(method):
+    """Least and most error over the bound of well determined terms, where the bound is at most 12 %."""
+    rows = read("methods.md").rows("Each method")
+    return span([float(r["rmse"]) for r in rows if r["method"] == method and float(r["bound %"]) <= 12])
 
 
 def exact(method):
     return one("rate.md", "The paper's experiment", "exact covariance", method=[method])
 
 
-ADIS = [f"adis_16405_imu{k}.rda" for k in (1, 2)]
+ADIS = [f"adis_16405_imu{k}.rda" for k in (1, 2, 3)]
 ACCELEROMETER = [f"mpu6050_static10min/mpu6050_{name}.mat" for name in ("gyroscope", "accelerometer")]
 
 
 def n_off(files, channels):
     """Largest difference of N from the deviation at 1 s, percent."""
-    ratios = figures("recordings.md", "", "N over deviation at 1 s", file=files, channel=channels)
+    ratios = figures("recordings.md", "Channels", "N over deviation at 1 s", file=files, channel=channels)
     return max(abs(100 * (ratio - 1)) for ratio in ratios)
 
 
 def corners():
-    rows = [row for row in read("recordings.md").rows() if "Bartlett" in row["read"] and "Gyro" in row["channel"]]
-    return span([float(re.search(r"-3 dB at ([\d.]+)", row["read"])[1]) for row in rows])
+    """Of the low-passes of the x and y axes of the ADIS16405."""
+    rows = [row for row in read("recordings.md").rows("Channels") if row["file"] in ADIS]
+    read_of = [row["read"] for row in rows if row["channel"] in ("Gyro. X", "Gyro. Y")]
+    return span([float(re.search(r"-3 dB at ([\d.]+)", text)[1]) for text in read_of])
 
 
 def compensated(column, noise=("table 2",), regressor=("temp",)):
@@ -136,7 +128,7 @@ def loss(gyro, accelerometer, column="loss"):
 def beside(sensor, *quantities):
     """What was measured over what the data sheet says, least and most, in channels of a sensor."""
     channels = [f"{sensor}. {axis}" for axis in "XYZ"]
-    return span(figures("data_sheets.md", "", "ratio", channel=channels, quantity=quantities))
+    return span(figures("recordings.md", "Data sheets", "ratio", channel=channels, quantity=quantities))
 
 
 WALK, STABLE = ("Angular Random Walk", "Velocity Random Walk"), ("In-Run Bias Stability",)
@@ -146,13 +138,17 @@ FIRST, GROWTH, SPEED, LISTED = (
     "speed.md",
     "N 0.3 deg/sqrt(h), B 10 deg/h, K 20 deg/h/sqrt(h)",
 )
+METHODS = "src/allanite/identification/methods.py"
+FITS = {
+    "whittle": "pending", "gls": "gls", "joint": "joint", "nnls": "nnls", "piecewise": "piecewise",
+    "ls": "least_squares", "curve": "whole", "slopes": "slopes",
+}  # fmt: skip
+"""Function of each method, before its efficiency."""
+
 FIT = "src/allanite/applications/compensation/fit.py"
 KERNELS = r"(\d+) kernels and parts take ([\d.]+) s"
-HALF = "95 % intervals covered the truth in {:.0f} to {:g} % of simulated records of sixteen noises"
 
 SENTENCES = [
-    ("README.md", HALF, lambda: span(coefficients("95", 60))),
-    ("README.md", "At most {:g} % of the same records claimed any", lambda: [max(coefficients("false, %", 60))]),
     ("README.md", "Allan deviation in {:g} ms", lambda: stated(SPEED, r"the job (\d+) ms")),
     ("README.md", "analysis in {:.1f} s, with one", lambda: [stated(SPEED, r"analysis (\d+) ms")[0] / 1000]),
     ("README.md", "of {} in all", lambda: [len(EXPORTS) - 2]),  # data sheet and matrices are no filter and no simulator
@@ -162,14 +158,6 @@ SENTENCES = [
     ("docs/data_sheet.md", "the in-run stabilities are {:.2f} to {:.2f} and", lambda: beside("Gyro", *STABLE)),
     ("docs/data_sheet.md", "and {:.2f} to {:.2f} times the printed ones", lambda: beside("Accel", *STABLE)),
     ("docs/recordings.md", "is {:.2f} to {:.2f} times what it states", lambda: beside("Gyro", *WALK)),
-    ("docs/measured.md", "| 95 % interval holds the truth | {:g} to {:g} % of", lambda: span(coefficients("95", 60))),
-    ("docs/measured.md", "| 68 % interval holds the truth | {:g} to {:g} % of", lambda: span(coefficients("68", 60))),
-    ("docs/measured.md", "| {:g} to {:g}, except for three terms", rms_but_three),
-    ("docs/measured.md", "claimed | at most {:g} % of", lambda: [max(coefficients("false, %", 60))]),
-    ("docs/measured.md", "at least {:g} % of records", lambda: [min(coefficients("claimed, %", 12))]),
-    ("docs/measured.md", "in {:g} to {:g} % in single cells", lambda: span(figures("limits.md", "", "averaged: 95"))),
-    ("docs/measured.md", "in {:.1f} % of records on average", lambda: [mean(figures("limits.md", "", "averaged: 95"))]),
-    ("docs/measured.md", "cells of {:g} records", lambda: stated("limits.md", r"- (\d+) records a cell")),
     ("docs/measured.md", "Allan deviation take {:g} ms", lambda: stated(SPEED, r"the job (\d+) ms")),
     ("docs/measured.md", "analysis {:.1f} s, with one", lambda: [stated(SPEED, r"analysis (\d+) ms")[0] / 1000]),
     ("docs/measured.md", "720 000 samples {:.1f} s", lambda: stated(
@@ -202,9 +190,6 @@ SENTENCES = [
     ("docs/compensation.md", "truth in {:.0f} to {:.0f} % of records", lambda: compensated(
         "within 95 % limits", ("white",), ("temp", "d temp/dt"))),
     (FIT, "effect in {:.0f} to {:.0f} % of", lambda: compensated("ordinary %")),
-    ("docs/stabilizer_paper.md", "in {:.0f} % of 150 records, and its limits held the truth in {:.0f} and {:.0f} %",
-        lambda: [two(name, column) for name, column in (
-            ("GML", "found, %"), ("GML", "coverage, %"), ("GML time constant", "coverage, %"))]),
     ("docs/theoh_paper.md", "K and R are {:.0f} and {:.0f} % better", lambda: [gained(s, "theoh") for s in "KR"]),
     ("docs/theoh_paper.md", "alone gains {:.0f} % of R", lambda: [gained("R", "theo1")]),
     ("docs/theoh_paper.md", "zero, K {:g} beside {:g} and R {:g} beside {:g},", lambda: [
@@ -219,7 +204,9 @@ SENTENCES = [
     ("docs/methods.md", "is {:.0f} %, {:g} and {:g}.", lambda: [
         *curves("bound %", "FOG", "R", "oadev"), *curves("rmse", "FOG", "R", "theoh", "oadev")]),
     ("docs/methods.md", "is {:g} to {:g} % here", lambda:
-        span(figures("curves.md", "", "cover %", sensor=["MEMS"], term=["N"]))),
+        span(figures("methods.md", "Curves", "cover %", sensor=["MEMS"], term=["N"]))),
+    *((METHODS, f" {fit}, efficiency=times({{:.3g}}, {{:.3g}})", partial(efficiency, name))
+      for name, fit in FITS.items()),
     ("docs/vertical.md", "{:.3f} s and {:.1f} arcsec. A", lambda: [
         closed("best time constant, s"), closed("error there, arcsec")]),
     ("docs/vertical.md", "shorter: {:.2f} s", lambda: [closed("with a bias of 10 deg/h: s, arcsec")]),
@@ -262,10 +249,6 @@ SENTENCES = [
         / stated("angle.md", r"60 min, linear law: .* deviations ([\d.]+)")[0]]),
 ]  # fmt: skip
 """Page, sentence, and the numbers of its braces from the tables."""
-
-
-def mean(numbers):
-    return sum(numbers) / len(numbers)
 
 
 ROWS = [

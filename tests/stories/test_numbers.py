@@ -12,18 +12,18 @@ import stale
 
 
 def test_a_figure_that_was_changed_is_brought_back():
-    page, sentence, numbers = figures.SENTENCES[0]
-    right = f"{sentence.format(*numbers())} (benchmarks/results/coefficients.md)."
-    wrong = re.sub(r"\b9\d(\.\d)? to", "12 to", right.replace(" cover", "\n  cover"))
+    page, sentence, numbers = next(row for row in figures.SENTENCES if row[0] == "docs/data_sheet.md")
+    right = f"{sentence.format(*numbers())} (benchmarks/results/recordings.md)."
+    wrong = re.sub(r"\b[\d.]+ to", "12 to", right.replace(" times", "\n  times"))
     assert "12 to" in wrong
     assert figures.counted(page, wrong, []) == right
 
 
 def test_a_link_says_what_its_table_is_of():
-    commit, date = stale.stamp(figures.table.read("coefficients.md"))
-    link = "[a](benchmarks/results/coefficients.md)"
+    commit, date = stale.stamp(figures.table.read("methods.md"))
+    link = "[a](benchmarks/results/methods.md)"
     noted = figures.noted("README.md", link)
-    assert noted == f"[a, measured {date} at {commit}](benchmarks/results/coefficients.md)"
+    assert noted == f"[a, measured {date} at {commit}](benchmarks/results/methods.md)"
     assert figures.noted("README.md", noted) == noted
 
 
@@ -34,7 +34,7 @@ def head():
     return stale.git("rev-parse", "HEAD")[:7]
 
 
-def page(commit, script="selection"):
+def page(commit, script="methods"):
     return Page(f"# A\n\n- commit {commit}, 2026-11-21, x\n- command: `python benchmarks/{script}.py`\n\n| a |\n|---|")
 
 
