@@ -6,7 +6,7 @@ test that shows it, and what falls short. tools/figures.py writes the numbers be
 
 # ruff: noqa: D103  what a helper of the table below reads stands in its name
 
-from cells import RESULTS, ROOT, NotMadeError, figures, mean, number, rows, single, span, stated
+from cells import RESULTS, ROOT, NotMadeError, figures, mean, number, read, rows, single, span, stated
 
 import re
 from collections.abc import Iterator
@@ -14,8 +14,12 @@ from collections.abc import Iterator
 PAGE = "docs/known.md"
 
 
-def grid(column, section="Overall"):
-    return span(figures("grid.md", section, column))
+def grid(column):
+    return single("grid.md", "Overall", column, samples=["all"])
+
+
+def terms(column):
+    return span(figures("grid.md", "Terms", column))
 
 
 def extreme(section, column, pick):
@@ -24,17 +28,20 @@ def extreme(section, column, pick):
     return next(iter(row.values())), number(row[column])
 
 
-def worst_cell():
-    row = max(rows("grid.md", "Worst cells", "wrong %"), key=lambda row: number(row["wrong %"]))
-    return " ".join(row[name] for name in ("sensor", "disturbance", "length")), number(row["wrong %"])
+def worst_cells():
+    """How many cells of the grid are named, and the first of them."""
+    named = [row for each in read("grid.md").tables("Worst cells") for row in each]
+    cell = "; the worst: {sensor}, {disturbance}, {samples} samples, wrong {wrong %} %, false {false %} %"
+    return [f"{len(named)}{cell.format_map(named[0]) if named else ''}"]
 
 
-def behind(disturbances, column="wrong %"):
-    """A column of the grid in the rows of some disturbances, by words of their names."""
-    kept = [row for row in rows("grid.md", "By disturbance", column) if re.search(disturbances, str(row))]
-    if not kept:
+def behind(*disturbances):
+    """How often the answer is wrong or claims a false term in the rows of some disturbances of the grid."""
+    kept = rows("grid.md", "By disturbance", "disturbance", "wrong %", "false %")
+    shares = [number(r["wrong %"]) + number(r["false %"]) for r in kept if r["disturbance"].startswith(disturbances)]
+    if not shares:
         raise NotMadeError(f"grid.md, By disturbance: {disturbances}")
-    return span(number(row[column]) for row in kept)
+    return span(round(share, 1) for share in shares)
 
 
 def over_bound(method):
@@ -82,10 +89,16 @@ def environments():
     return [len(tests), sum("failed" in each for each in tests)]
 
 
+def graded(column, word):
+    """How many channels of recordings have a grade or a verdict."""
+    return sum(row[column].partition(":")[0] == word for row in rows("recordings.md", "", column))
+
+
 def n_off():
     """Largest difference of N from the deviation at 1 s in recordings that the model explains, percent."""
-    ratios = figures("recordings.md", "", "N over deviation at 1 s", grade=["explained"])
-    return max(abs(100 * (ratio - 1)) for ratio in ratios)
+    column = "N over deviation at 1 s"
+    kept = [row for row in rows("recordings.md", "", "grade", column) if row["grade"].startswith("explained")]
+    return max(abs(100 * (number(row[column]) - 1)) for row in kept if row[column] not in ("", "-", "nan"))
 
 
 def held(statistic):
@@ -98,25 +111,28 @@ def predicted(method):
 
 
 NUMBERS = [
-    ("95 % intervals hold the truth in {:g} to {:g} % of records", lambda: grid("covers %", "Terms")),
+    ("95 % intervals hold the truth in {:g} to {:g} % of records", lambda: terms("covers %")),
     ("least for {:s}: {:g} %", lambda: extreme("Terms", "covers %", min)),
-    ("95 % upper limits hold in {:g} to {:g} % of records", lambda: grid("limit holds %", "Terms")),
-    ("a term that is absent is claimed in {:g} to {:g} %", lambda: grid("claimed where absent %", "Terms")),
+    ("95 % upper limits hold in {:g} to {:g} % of records", lambda: terms("upper limit holds %")),
+    ("a term that is absent is claimed in {:g} to {:g} %", lambda: terms("claimed where absent %")),
     ("claimed most often: {:s}, {:g} %", lambda: extreme("Terms", "claimed where absent %", max)),
-    ("right {:g} to {:g} %, bounded {:g} to {:g} %, wrong {:g} to {:g} %", lambda: [
-        *grid("right %"), *grid("honest %"), *grid("wrong %")]),
-    ("worst cell: {:s}, wrong {:g} %", worst_cell),
-    ("misleading {:g} to {:g} %", lambda: grid("misleading %")),
+    ("right {:g} %, refused {:g} %, wrong {:g} %, false {:g} %", lambda: [
+        grid(f"{verdict} %") for verdict in ("right", "honest", "wrong", "false")]),
+    ("cells above 6 %: {:s}; all", worst_cells),
+    ("misleading {:g} % of records", lambda: [grid("misleading %")]),
     ("most often with {:s}: {:g} %", lambda: extreme("By disturbance", "misleading %", max)),
-    ("wrong {:g} to {:g} % behind a filter or beside a resonance", lambda: behind("filter|pass|reson|vibration")),
-    ("wrong {:g} to {:g} % with steps or a warm-up", lambda: behind("step|warm")),
-    ("wrong {:g} to {:g} % with gaps", lambda: behind("gap")),
-    ("wrong {:g} to {:g} % with outliers or heavy tails", lambda: behind("outlier|tail")),
-    ("wrong {:g} to {:g} % with repeated samples", lambda: behind("held|repeat")),
+    ("in {:g} to {:g} % behind filters and with a resonance", lambda: behind(
+        "RC low-pass", "Butterworth", "mean of", "resonance")),
+    ("in {:g} to {:g} % with lines and waves", lambda: behind("line", "hum", "slow wave")),
+    ("in {:g} to {:g} % with a step, a warm-up or popcorn noise", lambda: behind("step", "warm-up", "popcorn")),
+    ("in {:g} % with gaps", lambda: behind("gaps")[:1]),
+    ("in {:g} % with heavy tails", lambda: behind("heavy tails")[:1]),
+    ("in {:g} to {:g} % with rounded samples", lambda: behind("rounded")),
+    ("in {:g} % with repeated samples", lambda: behind("each sample")[:1]),
     ("| {:g} to {:g} times the bound where that is below 12 %", lambda: over_bound("whittle")),
     ("`gls`: {:g} to {:g} times the bound where that is below 12 %", lambda: over_bound("gls")),
     ("the bound within {:.1f} % of full matrices", lambda: [
-        100 * value for value in stated("methods.md", r"largest deviation of a ratio from 1 is ([\d.]+)")]),
+        100 * value for value in stated("methods.md", r"argest deviation of a ratio from 1(?: is|:) (\d+\.\d+)")]),
     ("gains its price in at most {:g} % of records", lambda: [max(figures("prices.md", "Gains", "above %"))]),
     ("{:.0f} of {:.0f} means beyond 3 standard errors", lambda: stated(
         "simulation.md", r"standard errors: (\d+) of (\d+) cells")),
@@ -157,7 +173,7 @@ NUMBERS = [
         *headings(0), *headings(1)]),
     ("{:.0f} logs read right, {:.0f} wrong, {:.0f} without an answer", lambda: [
         single("logs.md", "", column, of=["all"]) for column in ("right", "wrong", "unanswered")]),
-    ("{:.0f} failures in {:.0f} damaged files", lambda: totals("fuzz.md", "failures", "mutations")),
+    ("{:.0f} failures in {:.0f} cases", lambda: totals("fuzz.md", "failures", "cases")),
     ("a million messages in {:g} to {:g} s", lambda: span(figures("logs.md", "", "allanite s"))),
     ("100 averaging times in {:g} ms, the whole analysis in {:g} ms", lambda: [
         *stated("speed.md", r"the job (\d+) ms"), *stated("speed.md", r"analysis (\d+) ms")]),
@@ -170,8 +186,9 @@ NUMBERS = [
     ("{:.0f} failures in {:.0f} runs", lambda: totals("kills.md", "failures", "runs")),
     ("answered within {:g} s", lambda: [max(figures("kills.md", "", "slowest s"))]),
     ("{:.0f} environments, tests fail in {:.0f}", environments),
-    ("{:.0f} channels explained, {:.0f} with a reservation, {:.0f} not explained, {:.0f} refused", lambda: stated(
-        "recordings.md", r"explained: (\d+), approximate: (\d+), unexplained: (\d+), refused: (\d+)")),
+    ("{:.0f} channels explained, {:.0f} with a reservation, {:.0f} not explained", lambda: [
+        graded("grade", grade) for grade in ("explained", "approximate", "unexplained")]),
+    ("an expert contradicts {:.0f}, leaves {:.0f} open", lambda: [graded("verdict", v) for v in ("wrong", "open")]),
     ("within {:.1f} % where the channel is explained", lambda: [n_off()]),
     ("K {:g} %, R {:g} % of records; by the Allan deviation {:g} and {:g} %", lambda: [*held("theoh"), *held("oadev")]),
     ("regression {:.2f} times better than averaging", lambda: [predicted("mean") / predicted("regression")]),
