@@ -20,7 +20,7 @@ def _marked(table: nodes.table) -> None:
     table["classes"].append("stacked")
     for row in body:
         for title, cell in zip(head[1:], row[1:], strict=False):
-            if cell.children and title.astext():
+            if cell.astext() and title.astext():
                 label = nodes.inline("", f"{title.astext()}: ", classes=["heading"])
                 cell.children[0].insert(0, label)
 
