@@ -69,9 +69,10 @@ def headings(place):
 def filters(cover, until):
     """Errors over those predicted, of filters whose bias is a random walk, without aid up to a time."""
     columns = [f"{seconds} s" for seconds in (1, 10, 60, 300, 600, 1000) if seconds <= until]
-    kept = rows("consistency.md", "Consistency, aid to 0.1 deg", "targets", *columns)
-    kept = [row for row in kept if row["cover"] == cover and "kalibr" in row["targets"] and "ADIS" not in row["sensor"]]
-    return span(number(row[column]) for row in kept for column in columns)
+    kept = rows("consistency.md", "Consistency, aid to 0.1 deg", "cover", "targets", *columns)
+    kept = [row for row in kept if row["cover"] == cover and "kalibr" in row["targets"]]
+    cells = [row[column].split("(")[0] for row in kept if "ADIS" not in row.get("sensor", "") for column in columns]
+    return span(float(value) for cell in cells for value in re.findall(r"\d+\.\d+", cell))
 
 
 def missed(file):
