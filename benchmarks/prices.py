@@ -1,48 +1,49 @@
 """What each component of the search gains in records that do not have it, and how often it is claimed there.
 
-    python benchmarks/prices.py --lines FILE.jsonl [--short 40] [--usual 60] [--long 20] [--write PATH]
-
-So many records of 2^13, 2^16 and 2^18 samples of each null are made by `independent`: clean, behind a filter, and
-beside a resonance, which the states to compare with then have. The gain of a row of the table of components is how
-much lower 2 L' is with one such part more than without, sizes and shapes refined and all powers free; of several states
-of the component that is there, the best of either side counts. FILE has a line for each record; a record that it has is
-not made again, which is right for the gains as long as they do not change, and wrong for the claims of other prices.
-The seed is the CRC-32 of null and size, and the number of the record.
+So many records of 2^13, 2^16 and 2^18 samples of each null are made by `judge`: clean, behind a filter, and beside a
+resonance, which the states to compare with then have. The gain of a row of the table of components is how much lower
+2 L' is with one such part more than without, sizes and shapes refined and all powers free; of several states of the
+component that is there, the best of either side counts. The seed is the CRC-32 of "prices/NULL/n", and the number of
+the record. A price is calibrated where the shares of records above it, and of those that claim the component, are
+known to a third of a percent: the default numbers of records are those that this takes.
 """
 
-from table import begin, section
+from table import Row, begin, section, spread
 
-import json
 import math
+import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 from zlib import crc32
 
 import numpy as np
+from scipy.special import chdtrc
 
 import allanite as al
-import independent as sim
+import judge
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.search import moves, search
-from allanite.identification.search.components import CLAIMED, FACTORS, ODDS, cost_of
+from allanite.identification.search.components import CLAIMED, COMPONENTS, FACTORS, ODDS, cost_of
 from allanite.identification.search.fitting import Fitted, fitted
 from allanite.identification.search.frame import Frame, frame_of
 from allanite.identification.search.refining import Local, Move, pruned, refined, resized
 from allanite.identification.search.state import State
-from prices_table import claims_rows, gains_rows, nulls_rows, weights_rows
 
-SYMBOLS = ("Q", "N", "B", "K", "R")
+SYMBOLS = tuple("QNBKR")
 RATE, SETTLING = 100.0, 8192
 """Rate, Hz, and samples in which filters and resonances forget their start."""
 
 Truth = dict[str, Any]
-Made = tuple[sim.Values, Truth]
-Maker = Callable[[int, float, sim.Rng], Made]
+Line = dict[str, Any]
+Maker = Callable[[int, judge.Rng], judge.Values]
+
+TAILS = (0.1, 0.03)  # shares of the records, those that gain most, from which the number of places follows
+STATES = 3  # states of the component that is there, beside which others are tried, at most
+EXPENSIVE = 1e3  # price of the kinds of a factor that are not tried
 
 ARCSEC = 1 / 3600
 MEMS: Truth = {"N": 0.005, "B": 0.002, "K": 3e-4}
@@ -56,17 +57,18 @@ CLEAN: dict[str, Truth] = {
 
 def plain(noise: Truth) -> Maker:
     """A sensor, deg and s."""
-    return lambda n, rate, rng: (sim.sensor(n, rate, rng, **noise), dict(noise))
+    return lambda n, rng: judge.sensor(n, RATE, rng, **noise)
 
 
-def behind(noise: Truth, low_pass: sim.Filter) -> Maker:
-    """A sensor behind a digital filter at the rate of the record."""
+def filtered(n: int, rng: judge.Rng) -> judge.Values:
+    """FOG behind a first-order low-pass of a twelfth of the rate, whose gain at 0 Hz is 1."""
+    return judge.behind(judge.sensor(n + SETTLING, RATE, rng, **FOG), judge.rc(1 / 12))[SETTLING:]
 
-    def make(n: int, rate: float, rng: sim.Rng) -> Made:
-        y = sim.behind(sim.sensor(n + SETTLING, rate, rng, **noise), [low_pass])[SETTLING:]
-        return y, dict(noise, N=noise["N"] * math.sqrt(sim.folded([low_pass])))
 
-    return make
+def resonant(n: int, rng: judge.Rng) -> judge.Values:
+    """MEMS beside a resonance."""
+    shaking = judge.resonance(n + SETTLING, 0.17, 30.0, 200.0, rng)[SETTLING:]
+    return judge.sensor(n, RATE, rng, **MEMS) + MEMS["N"] * math.sqrt(RATE) * shaking
 
 
 ROWS: dict[str, tuple[Move, str]] = {
@@ -76,33 +78,23 @@ ROWS: dict[str, tuple[Move, str]] = {
 }  # fmt: skip
 """Rows of the table of components by what is listed, how they are added, and the kind of a factor."""
 
-STATES = 3  # states of the component that is there, beside which others are tried, at most
-
 TUNED = {"filter": 1, "resonance": 1, "warm-up": 3}
 """Rows whose alternatives are no shapes that are refined, and how often these are exchanged."""
-
-EXPENSIVE = 1e3  # price of the kinds of a factor that are not tried
 
 
 @dataclass(frozen=True)
 class Null:
-    """How a record is made, and the row of the component that it has beside noise."""
+    """How a record is made, of which terms, and the row of the component that it has beside noise."""
 
     make: Maker
+    truth: Truth
     beside: str = ""
 
 
-def resonant(n: int, rate: float, rng: sim.Rng) -> Made:
-    """MEMS beside a resonance."""
-    y, known = plain(MEMS)(n, rate, rng)
-    shaking = sim.resonance(n + SETTLING, 0.17, 30.0, 200.0, rng, squared=False)[SETTLING:]
-    return y + MEMS["N"] * math.sqrt(rate) * shaking, known
-
-
 NULLS: dict[str, Null] = {
-    **{name: Null(plain(noise)) for name, noise in CLEAN.items()},
-    "fog behind rc fs/12": Null(behind(FOG, sim.rc(1 / 12)), "filter"),
-    "mems beside a resonance": Null(resonant, "resonance"),
+    **{name: Null(plain(noise), noise) for name, noise in CLEAN.items()},
+    "fog behind rc fs/12": Null(filtered, FOG, "filter"),
+    "mems beside a resonance": Null(resonant, MEMS, "resonance"),
 }
 BASE: dict[str, tuple[Move, ...]] = {
     "filter": (moves.less, moves.exchanged, moves.filters),
@@ -117,7 +109,7 @@ def trying_all(kind: str) -> Iterator[None]:
     prices = {k: ODDS if k == kind else EXPENSIVE for k in FACTORS} if kind else FACTORS
     with (
         patch.object(Local, "able", lambda self, gain, cost: True),
-        patch.object(moves, "LEAST_EVIDENCE", -math.inf),
+        patch.object(search, "LEAST_EVIDENCE", -math.inf),
         patch.object(search, "EXPANSIONS", 0),
         patch.dict(FACTORS, prices),
     ):
@@ -168,72 +160,109 @@ def gains_of(frame: Frame, beside: str) -> dict[str, tuple[float, float]]:
 
 
 def claims_of(record: al.Record, beside: str, truth: dict[str, Any]) -> dict[str, Any]:
-    """Weights of the components in the default identification, and what it claims that is not there."""
+    """What the default identification claims that is not there."""
     fit = al.identify(record)
     names = [c.name for c in fit.components]
     weights = {c.name: c.weight for c in fit.components}
     return {
-        "weights": weights,
         "false": [k for k, w in weights.items() if w >= CLAIMED and names.count(k) > (k == beside)],
         "terms": [e.symbol for e in fit if e.claimed and e.symbol in SYMBOLS and e.symbol not in truth],
         "lines": len(fit.lines),
     }
 
 
-def line_of(name: str, n: int, index: int) -> dict[str, Any]:
-    """The line of one record."""
-    null, rng = NULLS[name], np.random.default_rng((crc32(f"prices/{name}/{n}".encode()), index))
-    y, truth = null.make(n, RATE, rng)
-    record = al.Record(y, rate=RATE, unit="deg/s", kind="rate")
+def line_of(job: tuple[str, int, int]) -> Line:
+    """What one record gains and claims."""
+    name, n, number = job
+    null, rng = NULLS[name], np.random.default_rng((crc32(f"prices/{name}/{n}".encode()), number))
+    record = al.Record(null.make(n, rng), rate=RATE, unit="deg/s", kind="rate")
     since = time.process_time()
-    claims = claims_of(record, null.beside, truth)
+    claims = claims_of(record, null.beside, null.truth)
     seen = spectrum(record, detrend=True)
     gains = gains_of(frame_of(seen, SYMBOLS, seen.read(None, ())), null.beside)
-    return {"null": name, "n": n, "index": index, "gains": gains, "cpu": time.process_time() - since} | claims
+    return {"null": name, "n": n, "gains": gains, "cpu": time.process_time() - since} | claims
 
 
-def lines_of(path: Path) -> Iterator[dict[str, Any]]:
-    """The lines of a file; one that was cut off is left out."""
-    for text in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
-        try:
-            yield json.loads(text)
-        except json.JSONDecodeError:
-            continue
+def gains_in(lines: Iterable[Line], row: str, which: int) -> np.ndarray:
+    """Gains of a row in the records in which it may be added."""
+    return np.array([line["gains"][row][which] for line in lines if row in line["gains"]])
 
 
-def run(sizes: dict[int, int], path: Path) -> list[dict[str, Any]]:
-    """The lines of what is asked for; a file gets what it lacks: the first of each null and size, then the second."""
-    done = {(line["null"], line["n"], line["index"]) for line in lines_of(path)}
-    with path.open("a", encoding="utf-8") as out:
-        for index in range(max(sizes.values())):
-            for name in NULLS:
-                for n, records in sizes.items():
-                    if index < records and (name, n, index) not in done:
-                        out.write(json.dumps(line_of(name, n, index)) + "\n")
-                        out.flush()
-    return [line for line in lines_of(path) if line["index"] < sizes.get(line["n"], 0)]
+def places_of(row: str, gain: np.ndarray, share: float) -> float:
+    """Independent places of which the best gains as much in a share of records; 0 where one place gains more."""
+    component = COMPONENTS[row.partition(":")[0]]
+    at = float(np.quantile(gain, 1 - share))
+    single = float(chdtrc(1, max(at, 0.0))) * (1.0 if component.signed else 0.5)
+    return math.log1p(-share) / math.log1p(-single) if single < 1 else 0.0
 
 
-def main() -> None:
-    """Print the tables."""
-    job = begin(__doc__ or "", lines="", short=40, usual=60, long=20)
-    asked = job.asked
-    lines = run({2**13: asked.short, 2**16: asked.usual, 2**18: asked.long}, Path(asked.lines))
-    body = section("Gains", *gains_rows(lines))
-    body += section("Gains by null", *nulls_rows(lines), "97 % quantile of the gain.")
-    body += section("Claims", *claims_rows(lines), "% of records.")
-    body += section("Weights", *weights_rows(lines))
-    spent = f"{sum(line['cpu'] for line in lines) / 60:.0f} min of processor time for {len(lines)} records"
-    job.publish("Prices of components", (*NOTES, spent), body)
+def percent(hits: Sequence[bool] | np.ndarray) -> str:
+    """A share with its standard error, that of one hit where there is none."""
+    n, k = len(hits), int(np.sum(hits))
+    p = max(k, 1) / n
+    return f"{100 * k / n:.1f} ± {100 * math.sqrt(p * (1 - p) / n):.1f}"
+
+
+def gains_rows(lines: Sequence[Line]) -> tuple[Row, list[Row]]:
+    """Quantiles of what each row gains, its price, and the places that follow."""
+    heads = (
+        "row", "n", "records", "50 %", "90 %", "97 %", "99 %", "largest", "score: 97 %", "score: largest", "price",
+        "above %", "score above %", *(f"places, {100 * share:.0f} %" for share in TAILS), "places now",
+    )  # fmt: skip
+    rows = []
+    for row in dict.fromkeys(row for line in lines for row in line["gains"]):
+        for n in dict.fromkeys(line["n"] for line in lines):
+            some = [line for line in lines if line["n"] == n]
+            kind, (gain, score) = row.partition(": ")[2], (gains_in(some, row, which) for which in (0, 1))
+            price = FACTORS[kind] if kind else COMPONENTS[row].price(n)
+            levels = [*np.quantile(gain, (0.5, 0.9, 0.97, 0.99)), gain.max(), np.quantile(score, 0.97), score.max()]
+            now = "" if kind else f"{COMPONENTS[row].places(n):.3g}"
+            rows.append((
+                row, str(n), str(gain.size), *(f"{x:.1f}" for x in (*levels, price)), percent(gain > price),
+                percent(score > price), *(f"{places_of(row, gain, share):.2g}" for share in TAILS), now,
+            ))  # fmt: skip
+    return heads, rows
+
+
+def claims_rows(lines: Sequence[Line]) -> tuple[Row, list[Row]]:
+    """How often each component is claimed in each null."""
+    names = [name for name in COMPONENTS if name not in ("term", "sinusoid")]
+    rows = []
+    for n in dict.fromkeys(line["n"] for line in lines):
+        every = [line for line in lines if line["n"] == n]
+        for null in [*dict.fromkeys(line["null"] for line in every), "all"]:
+            some = [line for line in every if null in (line["null"], "all")]
+            each = [percent([name in line["false"] for line in some]) for name in names]
+            finding = [bool(line["false"]) or line["lines"] > 0 for line in some]
+            term = [bool(line["terms"]) for line in some]
+            either = [a or b for a, b in zip(finding, term, strict=True)]
+            waves = percent([line["lines"] > 0 for line in some])
+            rows.append((null, str(n), str(len(some)), *each, waves, *map(percent, (finding, term, either))))
+    return ("null", "n", "records", *names, "sinusoid", "any false finding", "any false term", "either"), rows
 
 
 NOTES = (
-    "seeds: the CRC-32 of `prices/NULL/n`, and the number of the record, from 0",
+    'seeds: the CRC-32 of "prices/NULL/n", and the number of the record from 0',
     "gain: how much lower 2 L' is with one such component more, all powers free; score: the same with the best powers, "
     "their costs counted and that of the component not; above: share of records in which it is above the price; "
     "places: effective ones, from the tenth of the records that gain most, and from 3 %",
     "false finding: a component is claimed, or a sinusoid, that is not there; false term: Q, N, B, K or R",
 )
+
+
+def main() -> None:
+    """Print the tables."""
+    job = begin(__doc__ or "", short=80, usual=100, long=60, processes=2)
+    asked, lines = job.asked, []
+    for n, records in ((2**13, asked.short), (2**16, asked.usual), (2**18, asked.long)):
+        for cell, some in spread(line_of, ((name, n) for name in NULLS), records, asked.processes):
+            lines += some
+            print(*cell, file=sys.stderr, flush=True)
+    body = section("Gains", *gains_rows(lines))
+    body += section("Claims", *claims_rows(lines), "% of records.")
+    spent = f"{sum(line['cpu'] for line in lines) / 60:.0f} min of processor time for {len(lines)} records"
+    job.publish("Prices of components", (*NOTES, spent), body)
+
 
 if __name__ == "__main__":
     main()

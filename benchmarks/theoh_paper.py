@@ -1,13 +1,15 @@
 """The claims of a paper on TheoH for optical gyros, measured on simulated records.
 
-Tang, Cheng and Gao, Acta Armamentarii 36 (2015) 1688: two hours at 1 Hz, five noise terms.
+Tang, Cheng and Gao, Acta Armamentarii 36 (2015) 1688: two hours at 1 Hz, five noise terms. The seed of a cell is the
+CRC-32 of "theoh_paper/CELL", and the number of the record.
 """
 
-from table import begin, section
+from table import Row, begin, covered, section
 
 import math
 from itertools import product
 from multiprocessing import Pool
+from zlib import crc32
 
 import numpy as np
 
@@ -44,12 +46,16 @@ PROFILES = {
 """Standard deviation of white noise over the record."""
 
 
+def random_of(cell: str, number: int = 0) -> np.random.Generator:
+    """Random numbers of a record of a cell."""
+    return np.random.default_rng((crc32(f"theoh_paper/{cell}".encode()), number))
+
+
 def spread(name: str, m: int, draws: int) -> tuple[float, float]:
     """Relative standard deviation of the Allan deviation of white noise: exact, and of simulated records."""
     found = properties(name, SIZE, m=[m])
     edf = found.edf[0, found.symbols.index("N")]
-    rng = np.random.default_rng(72)
-    white = rng.standard_normal((draws, SIZE))
+    white = random_of(f"spread/{name}").standard_normal((draws, SIZE))
     total = np.concatenate((np.zeros((draws, 1)), np.cumsum(white, axis=1)), axis=1)
     step = m if name == "adev" else 1
     second = (total[:, 2 * m :] - 2 * total[:, m:-m] + total[:, : -2 * m])[:, ::step]
@@ -57,7 +63,7 @@ def spread(name: str, m: int, draws: int) -> tuple[float, float]:
     return 1 / math.sqrt(2 * edf), float(variance.std() / variance.mean()) / 2
 
 
-def joint() -> list[tuple[str, ...]]:
+def joint() -> list[Row]:
     """Expected TheoBR over the Allan deviation: at short times, and where TheoH consists of it."""
     rows = []
     for tau in (15, 30, 75, 150, 1500, 2700, 5400):
@@ -69,9 +75,9 @@ def joint() -> list[tuple[str, ...]]:
     return rows
 
 
-def fitted(seed: int) -> list[list[list[float]]]:
+def fitted(number: int) -> list[list[list[float]]]:
     """Coefficients over the truth by fit: those of its model, and those that it claims, the others 0."""
-    record = al.simulate(FOG, SIZE, 1.0, rng=np.random.default_rng(seed))
+    record = al.simulate(FOG, SIZE, 1.0, rng=random_of("fits", number))
     found = []
     for method, statistic in FITS:
         fit = al.identify(record, method, terms="QNBKR", statistic=statistic)
@@ -81,10 +87,9 @@ def fitted(seed: int) -> list[list[list[float]]]:
     return found
 
 
-def whole(truth: str, seed: int) -> list[list[float]]:
+def whole(truth: str, number: int) -> list[list[float]]:
     """Errors of the unweighted fits of whole curves of a record, in `UNITS`."""
-    rng = np.random.default_rng([2, list(TRUTHS).index(truth), seed])
-    record, errors = al.simulate(TRUTHS[truth], SIZE, 1.0, rng=rng), []
+    record, errors = al.simulate(TRUTHS[truth], SIZE, 1.0, rng=random_of(f"curves/{truth}", number)), []
     for statistic, bias in CURVES:
         curve = al.deviation(record, statistic, taus="log", noise="identified" if bias else None, bias=bias)
         fit, true = (
@@ -95,7 +100,7 @@ def whole(truth: str, seed: int) -> list[list[float]]:
     return errors
 
 
-def wholes(errors: np.ndarray) -> list[tuple[str, ...]]:
+def wholes(errors: np.ndarray) -> list[Row]:
     """Root mean square and mean errors by truth and curve."""
     rms, mean = np.sqrt((errors**2).mean(axis=1)), errors.mean(axis=1)
     return [
@@ -107,9 +112,9 @@ def wholes(errors: np.ndarray) -> list[tuple[str, ...]]:
     ]  # fmt: skip
 
 
-def held(seed: int) -> list[list[int]]:
+def held(number: int) -> list[list[int]]:
     """Place of the truth by statistic and term, beside the limits of gls: -1 below, 0 within, 1 above."""
-    record = al.simulate(FOG, SIZE, 1.0, rng=np.random.default_rng([1, seed]))
+    record = al.simulate(FOG, SIZE, 1.0, rng=random_of("limits", number))
     found = []
     for statistic in LIMITED:
         fit = al.identify(record, "gls", terms="QNBKR", statistic=statistic)
@@ -118,23 +123,12 @@ def held(seed: int) -> list[list[int]]:
     return found
 
 
-def covering(places: np.ndarray) -> list[tuple[str, ...]]:
-    """How often limits hold the truth, percent; in brackets below and above them."""
-    return [
-        (
-            statistic,
-            *(f"{100 * (p == 0).mean():.1f} ({100 * (p < 0).mean():.1f}, {100 * (p > 0).mean():.1f})" for p in row),
-        )
-        for statistic, row in zip(LIMITED, places.transpose(1, 2, 0), strict=True)
-    ]
-
-
-def varying(draws: int) -> list[tuple[str, ...]]:
+def varying(draws: int) -> list[Row]:
     """Mean Theo1 and Allan variances of white noise whose level changes, over that of its mean power."""
     rows, n = [], 1200
     t = (np.arange(n) + 0.5) / n
-    for i, (name, profile) in enumerate(PROFILES.items()):
-        rng, scale = np.random.default_rng(100 + i), profile(t)
+    for name, profile in PROFILES.items():
+        rng, scale = random_of(f"levels/{name}"), profile(t)
         records = [al.Record(scale * rng.standard_normal(n), 1.0, "rad/s") for _ in range(draws)]
         for statistic, taus in (("oadev", (30.0, 300.0, 600.0)), ("theo1", (30.0, 300.0, 600.0, 900.0))):
             each = np.mean([al.deviation(r, statistic, taus=taus, noise=None).variance for r in records], axis=0)
@@ -144,10 +138,10 @@ def varying(draws: int) -> list[tuple[str, ...]]:
 
 
 def main() -> None:
-    run = begin(__doc__, records=60, curves=200, limits=240, draws=2000)
+    run = begin(__doc__ or "", records=60, curves=200, limits=240, draws=2000, processes=2)
     asked = run.asked
-    with Pool() as pool:
-        errors = np.array(pool.map(fitted, range(1, asked.records + 1), chunksize=4)) - 1
+    with Pool(asked.processes) as pool:
+        errors = np.array(pool.map(fitted, range(asked.records), chunksize=4)) - 1
         drawn = pool.starmap(whole, product(TRUTHS, range(asked.curves)), chunksize=4)
         places = np.array(pool.map(held, range(asked.limits), chunksize=4))
     rmse = np.sqrt((errors**2).mean(axis=0))
@@ -163,9 +157,9 @@ def main() -> None:
     k = [("formula of the paper, 1/sqrt(2 (k - 1))", f"{100 / math.sqrt(2 * 71):.2f}", "-")]
     k += [(name, *(f"{100 * x:.2f}" for x in spread(name, 100, asked.draws))) for name in ("adev", "oadev")]
     notes = [
-        f"seeds 1..{asked.records} for the fits, [2, place of the truth, 0..{asked.curves - 1}] for those of whole "
-        f"curves, [1, 0..{asked.limits - 1}] for the limits, 72 and 100..102 for the rest; {SIZE} samples at 1 Hz of "
-        + "; ".join(f"{name}: {model}" for name, model in TRUTHS.items()),
+        'seeds: the CRC-32 of "theoh_paper/CELL", and the number of the record from 0: '
+        f"{asked.records} records for fits, {asked.curves} for those of whole curves, {asked.limits} for limits",
+        f"{SIZE} samples at 1 Hz of " + "; ".join(f"{name}: {model}" for name, model in TRUTHS.items()),
         f"Monte-Carlo standard error: {100 / math.sqrt(2 * asked.records):.0f} % of an rmse, "
         f"{100 / math.sqrt(2 * asked.curves):.0f} % of one of whole curves, "
         f"{100 * math.sqrt(0.05 * 0.95 / asked.limits):.1f} % of a coverage of 95 %",
@@ -178,8 +172,9 @@ def main() -> None:
         ("Unweighted fit of the whole curve (method curve): rms error (mean error)",
          ("truth", "statistic", "bias removed by", "Q, arcsec", "N, deg/√h", "B, deg/h", "K, deg/h/√h", "R, deg/h²"),
          curves),
-        ("95 % limits of gls, percent of records in which they hold the truth; truth below and above them",
-         ("statistic", *symbols), covering(places)),
+        ("95 % limits of gls, percent of records in which they hold the truth (+ truth above them, - below)",
+         ("statistic", *symbols),
+         [(name, *map(covered, row)) for name, row in zip(LIMITED, places.transpose(1, 2, 0), strict=True)]),
         ("Noise that changes its level: variance times tau over the mean power",
          ("level", "statistic", "30 s", "300 s", "600 s", "900 s"), varying(asked.draws // 10)),
     )  # fmt: skip

@@ -33,7 +33,8 @@ def quantities_table() -> Iterator[str]:
 
 def compared_page(results: Path) -> Iterator[str]:
     """What was measured, over what the data sheet says: a column a recording."""
-    rows = [row for row in table_of(results) if row["quantity"].endswith(COMPARED)]
+    every = (row for row in table_of(results, "Data sheets") if row["file"].startswith("adis"))
+    rows = [row for row in every if row["quantity"].endswith(COMPARED)]
     files = list(dict.fromkeys(row["file"] for row in rows))
     by_cell = {(row["channel"], row["quantity"], row["file"]): row for row in rows}
     lines = []

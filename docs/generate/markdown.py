@@ -12,9 +12,10 @@ def table(headings: Iterable[str], rows: Iterable[Iterable[object]]) -> list[str
     return ["| " + " | ".join(str(cell).replace("|", r"\|") for cell in line) + " |" for line in lines] + [""]
 
 
-def table_of(results: Path) -> list[dict[str, str]]:
-    """Rows of the table of a benchmark, by heading."""
-    lines = (line for line in results.read_text(encoding="utf-8").splitlines() if line.startswith("| "))
+def table_of(results: Path, section: str) -> list[dict[str, str]]:
+    """Rows of the table of a section of a benchmark, by heading."""
+    part = results.read_text(encoding="utf-8").partition(f"\n## {section}\n")[2].partition("\n## ")[0]
+    lines = (line for line in part.splitlines() if line.startswith("| "))
     head, *rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
     return [dict(zip(head, row, strict=True)) for row in rows]
 

@@ -19,7 +19,7 @@ TRUTHS = {
     + al.R(0.002, "deg/h/s"),
     "RLG": al.Q(0.5, "arcsec") + al.N(0.18, "arcsec/sqrt(s)") + al.B(0.05, "deg/h"),
 }
-"""As in benchmarks/identification.py."""
+"""As in benchmarks/methods.py."""
 
 
 def methods_page(folder: Path) -> list[str]:
@@ -95,9 +95,9 @@ def _dots(ax, row: int, model: al.Model, fit: al.Fit) -> None:
             ax.plot(np.nan, np.nan, "o", ms=3.5, mew=0, color=color, label=t.symbol)
 
 
-def efficiencies(results: Path) -> list[str]:
-    """Error over the bound from a table of benchmarks, a row a term and a column a method."""
-    rows = table_of(results)
+def efficiencies(results: Path, section: str) -> list[str]:
+    """Error over the bound from a section of a table of benchmarks, a row a term and a column a method."""
+    rows = table_of(results, section)
     ways = list(dict.fromkeys(row["method"] for row in rows))
     keys = list(dict.fromkeys((row["sensor"], row["n"], row["term"], row["bound %"]) for row in rows))
     rmse = {(row["sensor"], row["n"], row["term"], row["bound %"], row["method"]): row["rmse"] for row in rows}

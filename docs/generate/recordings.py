@@ -1,4 +1,4 @@
-"""The table of public recordings in two parts: grades and ratios, and below them what the fit found in each file."""
+"""The table of public recordings in two parts: what is claimed beside an expert's figures, and what the fit found."""
 
 import re
 from collections.abc import Iterator
@@ -7,15 +7,16 @@ from pathlib import Path
 from generate.markdown import table, table_of
 
 FIGURES = {
-    "file": "file", "channel": "channel", "grade": "grade",
-    "N over deviation at 1 s": "N", "0.664 B over least upper limit": "0.664 B",
+    "file": "file", "channel": "channel", "grade": "grade", "unit": "unit", "N (95 %)": "N (95 %)",
+    "white level": "white level", "deviation at 1 s": "at 1 s", "last octave": "last octave", "data sheet": "sheet",
+    "verdict": "verdict",
 }  # fmt: skip
 """Columns, with the headings that fit a small screen."""
 
 
 def recordings_page(results: Path) -> Iterator[str]:
     """What is included by docs/recordings.md."""
-    rows = table_of(results)
+    rows = table_of(results, "Channels")
     yield from table(FIGURES.values(), [[_short(row[name]) for name in FIGURES] for row in rows])
     yield from ("### What was found in each channel", "")
     for row in rows:
@@ -26,5 +27,5 @@ def recordings_page(results: Path) -> Iterator[str]:
 
 
 def _short(cell: str) -> str:
-    """Without the folder, and without a ratio that there is not."""
-    return "" if cell == "nan" else cell.rpartition("/")[2]
+    """Without the folder."""
+    return re.sub(r"^\w+/(?=\w+\.)", "", cell)

@@ -54,7 +54,7 @@ def head():
     return stale.git("rev-parse", "HEAD")[:7]
 
 
-def page(commit, script="selection"):
+def page(commit, script="methods"):
     return Page(f"# A\n\n- commit {commit}, 2026-11-21, x\n- command: `python benchmarks/{script}.py`\n\n| a |\n|---|")
 
 

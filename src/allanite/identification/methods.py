@@ -44,47 +44,50 @@ class Method:
         return tuple(name for name, row in STATISTICS.items() if self.reads(row))
 
 
+def times(least: float, most: float) -> str:
+    """The efficiency of a method."""
+    return say("{least:g} to {most:g} times the Cramer-Rao bound", least=least, most=most)
+
+
 METHODS: dict[str, Method] = {
     "whittle": Method(
-        say("Whittle likelihood of binned cosine-transform powers, intervals averaged over models"), Record, pending,
-        efficiency=say("0.93 to 1.14 times the Cramer-Rao bound"),
+        say("Whittle likelihood of binned cosine-transform powers, intervals averaged over models"),
+        Record, pending, efficiency=times(0.64, 1.33),
         options=("band", "masks", "lines", "rival"), shapes=True, signed=True, synonyms=("mle", "likelihood"),
     ),
     "gls": Method(
-        say("generalized least squares of a curve with the covariance of its points under the model"), Curve, gls,
-        efficiency=say("0.96 to 1.19 times the Cramer-Rao bound"),
+        say("generalized least squares of a curve with the covariance of its points under the model"),
+        Curve, gls, efficiency=times(0.7, 1.36),
         statistic="oadev", taus="octave", reads=lambda row: row.readable and row.overlapped,
     ),
     "joint": Method(
-        say("non-negative fit of Allan and Hadamard variance together, weighted by degrees of freedom"), Record, joint,
-        efficiency=say("0.96 to 1.38 times the Cramer-Rao bound"),
+        say("non-negative fit of Allan and Hadamard variance together, weighted by degrees of freedom"),
+        Record, joint, efficiency=times(0.68, 1.57),
         statistic=say("{first} and {second}", first="oadev", second="ohdev"), taus="octave",
     ),
     "nnls": Method(
         say("non-negative least squares with equal relative weights up to T/10 (for comparison with programs)"),
-        Curve, nnls,
-        efficiency=say("1.11 to 9.73 times the Cramer-Rao bound"),
+        Curve, nnls, efficiency=times(0.77, 11.4),
         statistic="oadev", taus="log", reads=lambda row: row.readable,
     ),
     "piecewise": Method(
-        say("lines of the textbook slopes through ranges of averaging times (for comparison)"), Curve, piecewise,
-        efficiency=say("3.91 to 84.9 times the Cramer-Rao bound"),
+        say("lines of the textbook slopes through ranges of averaging times (for comparison)"),
+        Curve, piecewise, efficiency=times(3.7, 83.6),
         statistic="oadev", taus="octave", reads=lambda row: row.allan, options=("ranges",),
     ),
     "ls": Method(
-        say("unweighted least squares of the Allan variance (for comparison with papers)"), Curve, least_squares,
-        efficiency=say("1.13 to 151 times the Cramer-Rao bound"),
+        say("unweighted least squares of the Allan variance (for comparison with papers)"),
+        Curve, least_squares, efficiency=times(1.04, 138),
         statistic="oadev", taus="octave", reads=lambda row: row.allan,
     ),
     "curve": Method(
         say("unweighted non-negative least squares of the whole curve as drawn (for comparison with papers)"),
-        Curve, whole,
-        efficiency=say("1.06 to 56.2 times the Cramer-Rao bound"),
+        Curve, whole, efficiency=times(0.95, 49.6),
         statistic="oadev", taus="log", reads=lambda row: row.allan or bool(row.parts), synonyms=("whole",),
     ),
     "slopes": Method(
-        say("lines of the textbook slopes on the Allan deviation (for comparison)"), Curve, slopes,
-        efficiency=say("1.85 to 65100 times the Cramer-Rao bound"),
+        say("lines of the textbook slopes on the Allan deviation (for comparison)"),
+        Curve, slopes, efficiency=times(1.45, 48.5),
         statistic="oadev", taus="octave", reads=lambda row: row.allan, synonyms=("allan", "avar", "lines"),
     ),
 }  # fmt: skip

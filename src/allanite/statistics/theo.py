@@ -37,7 +37,7 @@ def _ramp(m: int) -> FloatArray:
 KEPT_AT = (0.06, 0.2, 0.39, 0.78, 1.0)
 KEPT = {-0.5: (0.45, 0.47, 0.70, 0.91, 0.97), 0.0: (0.66, 0.66, 0.80, 0.92, 0.94), 0.5: (0.72, 0.74, 0.79, 0.88, 0.89)}
 """EDF of TheoBR over that of Theo1 at m over the record's length, by the slope of the noise's Allan deviation: its bias
-ratio scatters too (simulated: benchmarks/hybrids.py)."""
+ratio scatters too (simulated: benchmarks/moments.py)."""
 
 
 def _kept(slope: float, share: float) -> float:

@@ -9,7 +9,7 @@ import pytest
 from tests.rows import paired, rows
 
 import allanite as al
-import independent
+import judge
 from allanite.identification.front import finished, started
 from allanite.identification.search.pooling import bases, in_common, together
 
@@ -18,15 +18,14 @@ pytestmark = pytest.mark.slow("searches of several channels")
 RATE, N = 100.0, 0.003
 SIZE = 2**13
 FILTERS = {
-    "rc": [independent.rc(0.3)], "butterworth": [independent.butterworth(0.25)], "average": [independent.average(2)],
-    "none": [],
+    "rc": judge.rc(0.3), "butterworth": judge.butterworth(0.25), "average": judge.average(2), "none": ([1.0], [1.0]),
 }  # fmt: skip
 CUTOFF = {"rc": 30.0, "butterworth": 25.0, "average": 25.0}
 
 
 def channel(kind, seed, unit="deg/s"):
-    y = independent.sensor(SIZE + 1000, RATE, np.random.default_rng(seed), N=N, B=N / 5)
-    return al.Record(independent.behind(y, FILTERS[kind])[1000:], RATE, unit, name=f"{kind} {seed}")
+    y = judge.sensor(SIZE + 1000, RATE, np.random.default_rng(seed), N=N, B=N / 5)
+    return al.Record(judge.behind(y, FILTERS[kind])[1000:], RATE, unit, name=f"{kind} {seed}")
 
 
 @cache

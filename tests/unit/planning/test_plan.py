@@ -10,9 +10,9 @@ from tests.reference import edf as published
 from tests.rows import refused, rows
 
 import allanite as al
-import bound as script
 from allanite.identification.likelihood import spectrum
 from allanite.planning.plan import properties
+from methods import dense
 
 MODELS = {
     **al.planning.SENSORS, "NBK": "N 1 rad/sqrt(s), B 0.3 rad/s, K 0.1 rad/s^1.5", "QN": "Q 1 rad, N 0.1 rad/sqrt(s)",
@@ -29,7 +29,7 @@ def test_the_bound_is_that_of_dense_matrices(name, n, rate, ramp):
     model = al.Model(MODELS[name])
     found = al.bound(model, n, rate, ramp=ramp)
     noise = al.Model(tuple(t for t in model if t.row.waveform is None))
-    errors, slope = script.dense(noise, n, rate, ramp)
+    errors, slope = dense(noise, n, rate, ramp)
     off = np.abs(found.errors[: errors.size] / errors - 1)
     assert (off < np.where(errors < 0.35, 5e-3, 5e-2)).all(), off
     if ramp:
