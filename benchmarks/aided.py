@@ -2,11 +2,11 @@
 
 A filter of a model of a gyro takes a measurement of the angle every second, during AIDED seconds; after it, the angle
 is the integral of the gyro less the bias that was estimated. Its errors are linear in the noise of the gyro, with
-weights that do not depend on data: of many filters at once they are found by one recursion, and applied to simulated
-noise or to its exact covariance.
+weights that do not depend on data: of many filters at once they are found by one recursion, and applied to noise of the
+independent simulator or to its exact covariance.
 """
 
-import table  # noqa: F401 - numpy is loaded with one thread
+from table import coefficients
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,6 +17,7 @@ import numpy as np
 import allanite as al
 from allanite.statespace.build import MarkovSum, Matrices, averaged, blocks_of, equivalent, flicker_sum, states_of
 from allanite.terms.row import Block
+from judge import sensor
 
 OUTAGES = (1, 10, 60, 300, 600, 1000)  # times without aid, s
 AIDED = 1000  # seconds of aid before
@@ -162,13 +163,10 @@ def truth(model: al.Model) -> Truth:
 
 def noise(model: al.Model, runs: int, rng: np.random.Generator) -> tuple[Array, Array]:
     """Simulated mean rates while aided, shape (runs, AIDED), and angles at the end of each outage, (runs, outages)."""
-    n = AIDED + OUTAGES[-1]
-    y = np.zeros((runs, n))
-    moving = tuple(t for t in model if not stationary(t))
-    if still := tuple(t for t in model if stationary(t)):
-        y += al.simulate(al.Model(still), runs * n, 1.0, rng=rng).values.reshape(runs, n)
-    if moving:
-        for i in range(runs):
-            drift = al.simulate(al.Model(moving), BEFORE + n, 1.0, rng=rng).values
-            y[i] += drift[BEFORE:] - drift[:BEFORE].mean()
-    return y[:, :AIDED], np.cumsum(y[:, AIDED:], axis=1)[:, np.array(OUTAGES) - 1]
+    n = BEFORE + AIDED + OUTAGES[-1]
+    still, moving = (coefficients(t for t in model if stationary(t) == kind) for kind in (True, False))
+    y = np.empty((runs, n))
+    for i in range(runs):
+        drift = sensor(n, 1.0, rng, **moving)
+        y[i] = sensor(n, 1.0, rng, **still) + drift - drift[:BEFORE].mean()
+    return y[:, BEFORE : BEFORE + AIDED], np.cumsum(y[:, BEFORE + AIDED :], axis=1)[:, np.array(OUTAGES) - 1]

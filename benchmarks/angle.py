@@ -1,17 +1,17 @@
 """Angle sensors of a gimbal: is the planned accuracy that of simulated experiments, and which range of h is best.
 
-The experiment is that of docs/angle_paper.md: latitude 60 deg, one hour from every full hour after h = 0 (or the middle
-half of it), a reading every 10 s, noise 1, harmonics 128 and 256 of h and q, prior standard deviations 3 (amplitudes)
+The experiment is that of docs/angle_paper.md: latitude 60 deg, one hour from every full hour after h = 0, a reading
+every 10 s, noise 1, harmonics 128 and 256 of h and q, prior standard deviations 3 (amplitudes)
 and 10 (rest). In a run the true constants are drawn from that prior, the errors are added to the angles, and the
-cosine is computed without linearising. Run k of every row has seed k.
+cosine is computed without linearising.
 """
 
-from table import begin, markdown
+from table import SEEDS, begin, markdown, seeded, spread
 
+import itertools
 import math
 import time
-from dataclasses import dataclass
-from multiprocessing import Pool
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,157 +22,132 @@ PRIOR = (3.0, 10.0)
 LATITUDE = math.radians(60)
 NUISANCE = ("ax", "az", "A1", "A2", "A3")
 HEADINGS = (
-    "base", "law of q", "h, deg", "min", "planned", "over best", "reference", "simulated", "over best ", "reference ",
+    "base", "law of q", "h, deg", "planned", "over best", "reference", "simulated", "over best ", "reference ",
     "worst ratio", "within 3 sigma %", "95 % cover",
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Experiment:
-    """A row of six: one for each full hour after h = 0; what it is compared with, as ratios to the best range."""
+class Experiment(NamedTuple):
+    """A row for each full hour after h = 0, and what an independent prototype gives, as ratios to the best range."""
 
     base: str
     law: str
-    minutes: int = 60
-    sway: float = 0.0
     walk: float = 0.0
-    simulated: bool = True
     planned_wanted: tuple[float, ...] = ()
     simulated_wanted: tuple[float, ...] = ()
 
-    def start(self, hour: int) -> float:
-        """First reading, s after h = 0: the interval lies in the middle of its hour."""
-        return 3600.0 * hour + 30.0 * (60 - self.minutes)
-
-    def setup(self) -> dict:
+    @property
+    def setup(self) -> dict[str, object]:
         """What plan and simulation share."""
-        sway = (math.radians(self.sway), 60.0) if self.sway else None
-        return {"latitude": LATITUDE, "q_law": self.law, "sway": sway}
+        return {"latitude": LATITUDE, "q_law": self.law}
 
 
 EXPERIMENTS = (
-    Experiment(
-        "still", "linear",
-        planned_wanted=(4.62, 1.25, 1, 1.24, 1.83, 7.69), simulated_wanted=(4.32, 1.23, 1, 1.23, 1.73, 7.0),
-    ),
-    Experiment("still", "exact", planned_wanted=(1, 1.72, 1.15, 1.30, 2.81, 9.09)),
-    Experiment("still, random walk", "linear", walk=0.1, simulated_wanted=(5.73, 1.35, 1, 1.26, 1.95, 10.9)),
-    Experiment("still", "linear", 30, simulated=False, planned_wanted=(3.34, 1.46, 1, 1.13, 1.87, 5.71)),
-    Experiment("still", "exact", 30, simulated=False),
-    Experiment("sway 0.25 deg", "linear", sway=0.25, simulated=False),
-    Experiment("sway 0.25 deg", "linear", 30, sway=0.25, simulated=False),
-    Experiment("sway 1 deg", "linear", sway=1.0, simulated=False),
-    Experiment("sway 1 deg", "linear", 30, sway=1.0, simulated=False),
-    Experiment("sway 1 deg", "exact", sway=1.0, simulated=False),
-    Experiment("sway 1 deg", "exact", 30, sway=1.0, simulated=False),
-)  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Job:
-    """One run."""
-
-    experiment: Experiment
-    hour: int
-    seed: int
+    Experiment("still", "linear", 0.0, (4.62, 1.25, 1, 1.24, 1.83, 7.69), (4.32, 1.23, 1, 1.23, 1.73, 7.0)),
+    Experiment("still", "exact", 0.0, (1, 1.72, 1.15, 1.30, 2.81, 9.09)),
+    Experiment("still, random walk", "linear", 0.1, simulated_wanted=(5.73, 1.35, 1, 1.26, 1.95, 10.9)),
+)
+HOUR, STEP = 3600.0, 10.0  # s
 
 
 def plan(experiment: Experiment, hour: int) -> al.angle.AnglePlan:
-    duration = 60.0 * experiment.minutes
-    settings = al.angle.AngleSettings(duration=duration, interval=10.0, prior=PRIOR, **experiment.setup())
-    return al.angle.plan(settings, experiment.start(hour))
+    """What is expected of the readings of an hour."""
+    settings = al.angle.AngleSettings(duration=HOUR, interval=STEP, prior=PRIOR, **experiment.setup)
+    return al.angle.plan(settings, HOUR * hour)
 
 
-def run(job: Job) -> np.ndarray:
+def run(job: tuple[Experiment, int, int]) -> np.ndarray:
     """Errors of the eight amplitudes over UNIT, and over their standard errors, shape (2, 8)."""
-    rng = np.random.default_rng(job.seed)
+    experiment, hour, number = job
+    rng = seeded(number, experiment.base, experiment.law, hour)
     true, rest = (sd * UNIT * rng.standard_normal(n) for sd, n in zip(PRIOR, (8, 5), strict=True))
     sensors = {
         name: al.angle.Harmonics.of({128: tuple(part[:2]), 256: tuple(part[2:])})
         for name, part in (("h", true[:4]), ("q", true[4:]))
     }
-    when = job.experiment.start(job.hour) + 10.0 * np.arange(6 * job.experiment.minutes)
-    gimbals = al.angle.gimbals(when, **job.experiment.setup())
+    when = HOUR * hour + np.arange(0.0, HOUR, STEP)
+    gimbals = al.angle.gimbals(when, **experiment.setup)
     z = al.angle.simulate(
         gimbals, sensors, nuisance=dict(zip(NUISANCE, rest, strict=True)),
-        sigma=UNIT, walk=job.experiment.walk * UNIT, rng=rng,
+        sigma=UNIT, walk=experiment.walk * UNIT, rng=rng,
     )  # fmt: skip
     found = al.angle.estimate(z, gimbals, sigma=UNIT, prior=(PRIOR[0] * UNIT, PRIOR[1] * UNIT)).solution
     error = found.values[:8] - true
     return np.array([error / UNIT, error / found.errors[:8]])
 
 
-def spread(errors: np.ndarray) -> np.ndarray:
+def rms(errors: np.ndarray) -> np.ndarray:
     """Root mean square about the truth of each amplitude; errors of shape (runs, 8)."""
     return np.sqrt((errors**2).mean(axis=0))
 
 
-def rows(experiment: Experiment, runs: int, first: int, pool) -> list[list[str]]:
+def rows(experiment: Experiment, runs: int) -> list[list[str]]:
+    """A line for each full hour."""
     plans = [plan(experiment, hour) for hour in range(6)]
-    totals = np.array([p.total for p in plans])
-    jobs = [Job(experiment, hour, seed) for hour in range(6) for seed in range(first, first + runs)]
-    made = np.array(pool.map(run, jobs, chunksize=25)).reshape(6, runs, 2, 8) if experiment.simulated else None
-    found = None if made is None else np.array([spread(made[hour, :, 0]).sum() for hour in range(6)])
-    table = []
-    for hour in range(6):
-        low, high = np.degrees(plans[hour].h)
-        cells = [experiment.base, experiment.law, f"{low:.1f} to {high:.1f}", str(experiment.minutes)]
-        cells += [f"{totals[hour]:.3f}", f"{totals[hour] / totals.min():.2f}", cell(experiment.planned_wanted, hour)]
-        if made is None:
-            table.append([*cells, *"------"])
-            continue
-        ratio = spread(made[hour, :, 0]) / plans[hour].errors[:8]
-        worst = ratio[np.abs(ratio - 1).argmax()]
-        cells += [f"{found[hour]:.3f}", f"{found[hour] / found.min():.2f}", cell(experiment.simulated_wanted, hour)]
-        size = np.abs(made[hour, :, 1])
-        table.append([*cells, f"{worst:.2f}", f"{100 * (size < 3).mean():.2f}", f"{100 * (size < 1.96).mean():.1f}"])
-    return table
+    made = [np.array(each) for _, each in spread(run, [(experiment, hour) for hour in range(6)], runs)]
+    planned, simulated = [p.total for p in plans], [rms(errors[:, 0]).sum() for errors in made]
+    lines = []
+    for hour, each in enumerate(plans):
+        low, high = np.degrees(each.h)
+        ratio, size = rms(made[hour][:, 0]) / each.errors[:8], np.abs(made[hour][:, 1])
+        line = [experiment.base, experiment.law, f"{low:.1f} to {high:.1f}"]
+        line += [*over(planned, hour), cell(experiment.planned_wanted, hour)]
+        line += [*over(simulated, hour), cell(experiment.simulated_wanted, hour)]
+        line += [f"{ratio[np.abs(ratio - 1).argmax()]:.2f}", f"{100 * (size < 3).mean():.2f}"]
+        lines.append([*line, f"{100 * (size < 1.96).mean():.1f}"])
+    return lines
+
+
+def over(totals: list[float], hour: int) -> tuple[str, str]:
+    """A sum, and the sum over the least of all hours."""
+    return f"{totals[hour]:.3f}", f"{totals[hour] / min(totals):.2f}"
 
 
 def cell(wanted: tuple[float, ...], hour: int) -> str:
+    """A number of an independent prototype, if it has it."""
     return f"{wanted[hour]:.2f}" if wanted else "-"
 
 
 def windows() -> list[str]:
     """The best windows, as lines."""
     lines = []
-    for law in ("linear", "exact"):
-        for minutes in (60, 30):
-            best = al.angle.scan(al.angle.AngleSettings(LATITUDE, 60.0 * minutes, 10.0, q_law=law)).best
-            low, high = np.degrees(best.h)
-            lines.append(
-                f"best {minutes} min, {law} law: h {low:.1f} to {high:.1f} deg, sum of deviations {best.total:.2f}"
-            )
+    for law, minutes in itertools.product(("linear", "exact"), (60, 30)):
+        best = al.angle.scan(al.angle.AngleSettings(LATITUDE, 60.0 * minutes, 10.0, q_law=law)).best
+        low, high = np.degrees(best.h)
+        lines.append(
+            f"best {minutes} min, {law} law: h {low:.1f} to {high:.1f} deg, sum of deviations {best.total:.2f}"
+        )
     return lines
 
 
 def speed(n: int = 1_000_000) -> tuple[float, float]:
-    """Seconds of the estimate from n readings, and the largest relative difference of the recursive from the batch."""
+    """Processor time of the estimate from n readings, s; largest relative difference of recursive and batch."""
     gimbals = al.angle.gimbals(7200 + 3600 / n * np.arange(n), latitude=LATITUDE)
     sensors = {"h": al.angle.Harmonics.of({128: (3 * UNIT, UNIT)}), "q": al.angle.Harmonics.of({256: (UNIT, -UNIT)})}
     z = al.angle.simulate(gimbals, sensors, sigma=UNIT, rng=np.random.default_rng(1))
     al.angle.estimate(z[:: n // 1000], thin(gimbals, n // 1000))  # compiled, or loaded, before the clock runs
-    start = time.perf_counter()
+    start = time.process_time()
     found = al.angle.estimate(z, gimbals).solution.values
-    seconds = time.perf_counter() - start
+    seconds = time.process_time() - start
     twin = al.angle.estimate(z, gimbals, method="batch").solution.values
     return seconds, float(np.max(np.abs(found - twin) / np.abs(twin)))
 
 
 def thin(gimbals: al.angle.Gimbals, step: int) -> al.angle.Gimbals:
+    """One of so many readings."""
     names = ("time", "h", "q", "h_polar", "q_polar", "rho")
     return al.angle.Gimbals(**{name: getattr(gimbals, name)[::step] for name in names})
 
 
 def main() -> None:
-    run = begin(__doc__, runs=300, first=1)
-    runs, first = run.asked.runs, run.asked.first
+    asked = begin(__doc__, runs=3000)
+    runs = asked.asked.runs
     seconds, difference = speed()
-    with Pool() as pool:
-        table = [row for e in EXPERIMENTS for row in rows(e, runs, first, pool)]
+    lines = []
+    for experiment in EXPERIMENTS:
+        lines += rows(experiment, runs)
     notes = [
-        f"seeds {first}..{first + runs - 1} in every row; latitude 60 deg, a reading "
-        "every 10 s, noise 1, prior 3 and 10, turn 300 s; the speed has seed 1",
+        f"{SEEDS}; {runs} runs a row; latitude 60 deg, a reading every 10 s, noise 1, prior 3 and 10, turn 300 s",
         "planned, simulated: sum over the eight amplitudes of the expected deviation, and of the root mean square "
         "error; over best: over the least of the six ranges; reference: that ratio as an independent prototype gave "
         "it; worst ratio: simulated over planned of the amplitude where it departs most; within 3 sigma, cover: of all "
@@ -180,7 +155,7 @@ def main() -> None:
         f"1000000 readings, 13 constants: {seconds:.2f} s; recursive from batch by at most {difference:.1e} relative",
         *windows(),
     ]
-    run.publish("Angle sensors: planned against simulated accuracy", notes, markdown(HEADINGS, table))
+    asked.publish("Angle sensors: planned against simulated accuracy", notes, markdown(HEADINGS, lines))
 
 
 if __name__ == "__main__":

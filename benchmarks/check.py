@@ -1,148 +1,36 @@
-"""The defects of simulators that `check` finds, the causes that it names, and its false alarms.
+"""What `check` says of simulators and of claimed filters: defects and wrong cut-offs it finds, and its false alarms.
 
 Four simulators are written out as their sources have them: the files that configure them are the claims. The recursion
-of a bias, b = phi b + s w, is that of a filter. Each of the defects is seeded into one of them, with other random
-numbers in each record; a record holds 1 h. Right records are those of the simulators without a defect.
+of a bias, b = phi b + s w, is that of a filter. Each of the defects is put into one of them; right records are those of
+the simulators without a defect. Then white noise behind a filter, or none, is held against its own cut-off and others.
 """
 
-from table import begin, section
+from table import SEEDS, begin, section, seeded, spread
 
 import math
-import sys
 import tempfile
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
-from scipy.signal import lfilter
+from scipy.signal import bessel, butter, lfilter
 
 import allanite as al
-from allanite.claims.checking import check
-from allanite.claims.claim import claim_of
+from allanite.claims.checking import check, setting_rows
+from allanite.claims.claim import CUTOFF, ClaimedSetting, claim_of
+from allanite.claims.result import DIFFERS, NOT_DECIDED
 
 RATE, SIZE = 100.0, 360_000
 Rng = np.random.Generator
+Draw = Callable[[Rng, int], np.ndarray]
 
 
-@dataclass(frozen=True)
-class Sensor:
-    """What a configuration says of a sensor, and what its simulator does with it.
-
-    `white` and `drive` draw numbers; `step` and `walk` are the exponents of the sample interval by which density and
-    random walk are multiplied; `time` is the correlation time that is used.
-    """
-
-    density: float
-    walk: float
-    time: float = math.inf
-    white: Callable[[Rng, int], np.ndarray] = lambda rng, n: rng.standard_normal(n)
-    drive: Callable[[Rng, int], np.ndarray] = lambda rng, n: rng.standard_normal(n)
-    sigma: Callable[["Sensor", float], float] = lambda s, dt: s.density / math.sqrt(dt)
-    bias: Callable[["Sensor", float], float] = lambda s, dt: (
-        s.walk * math.sqrt(dt) if math.isinf(s.time) else
-        math.sqrt(-s.walk**2 * s.time / 2 * math.expm1(-2 * dt / s.time))
-    )  # fmt: skip
-    added: bool = True
-    scale: float = 1.0
-
-    def samples(self, rng: Rng) -> np.ndarray:
-        """The output of one axis at rest."""
-        dt = 1 / RATE
-        rates = self.sigma(self, dt) * self.white(rng, SIZE)
-        if self.added:
-            phi = 1.0 if math.isinf(self.time) else math.exp(-dt / self.time)
-            rates = rates + lfilter([self.bias(self, dt)], [1.0, -phi], self.drive(rng, SIZE))
-        return self.scale * rates
-
-
-@dataclass(frozen=True)
-class Simulator:
-    """A configuration as text, and its sensors."""
-
-    name: str
-    file: str
-    gyro: Sensor
-    accelerometer: Sensor
-
-    def record(self, rng: Rng, axes: str) -> al.Recording:
-        """A recording at rest of these axes: g for one of the gyro, a for one of the accelerometer."""
-        sensors = {"g": (self.gyro, "rad/s"), "a": (self.accelerometer, "m/s^2")}
-        made = ((*sensors[letter], f"{letter}{i}") for i, letter in enumerate(axes))
-        return al.Recording(tuple(al.Record(s.samples(rng), RATE, unit, name=name) for s, unit, name in made))
-
-
-def classic(gyro: Sensor, accelerometer: Sensor) -> str:
-    """The IMU plugin of gazebo-classic, as RotorS and the SITL of PX4 have it."""
-    fields = (("NoiseDensity", "density"), ("RandomWalk", "walk"), ("BiasCorrelationTime", "time"))
-    lines = [
-        f"  <{sensor}{field}>{getattr(of, key)!r}</{sensor}{field}>"
-        for sensor, of in (("gyroscope", gyro), ("accelerometer", accelerometer))
-        for field, key in fields
-    ]
-    return "\n".join(['<plugin name="imu_plugin" filename="libgazebo_imu_plugin.so">', *lines, "</plugin>"])
-
-
-def gazebo(gyro: Sensor, accelerometer: Sensor) -> str:
-    """The noise of gz-sensors: a standard deviation per sample."""
-    parts = []
-    for element, of in (("angular_velocity", gyro), ("linear_acceleration", accelerometer)):
-        noise = (
-            f'<noise type="gaussian"><mean>0</mean><stddev>{of.density * math.sqrt(RATE)!r}</stddev>'
-            f"<dynamic_bias_stddev>{of.walk!r}</dynamic_bias_stddev>"
-            f"<dynamic_bias_correlation_time>{of.time!r}</dynamic_bias_correlation_time></noise>"
-        )
-        parts.append(f"<{element}>" + "".join(f"<{axis}>{noise}</{axis}>" for axis in "xyz") + f"</{element}>")
-    return "<imu>" + "".join(parts) + "</imu>"
-
-
-def pegasus(gyro: Sensor, accelerometer: Sensor) -> str:
-    """The IMU of Pegasus."""
-    parts = (
-        f'"{name}": {{"noise_density": {of.density!r}, "random_walk": {of.walk!r}, '
-        f'"bias_correlation_time": {of.time!r}}}'
-        for name, of in (("gyroscope", gyro), ("accelerometer", accelerometer))
-    )
-    return "{" + ", ".join(parts) + f', "update_rate": {RATE}}}'
-
-
-def kalibr(gyro: Sensor, accelerometer: Sensor) -> str:
-    """White noise and a random walk."""
-    return "\n".join(
-        f"{name}_noise_density: {of.density!r}\n{name}_random_walk: {of.walk!r}"
-        for name, of in (("gyroscope", gyro), ("accelerometer", accelerometer))
-    )
-
-
-SITL = Sensor(1.8665e-4, 3.8785e-5, 1000.0), Sensor(1.86e-3, 6e-3, 300.0)
-SHIPPED = Sensor(3.394e-4, 3.8785e-5, 1000.0), Sensor(4e-3, 6e-3, 300.0)
-ADIS16448 = Sensor(1.6968e-4, 1.9393e-5), Sensor(2e-3, 3e-3)
-SHORT = Sensor(3.394e-4, 3.8785e-5, 300.0), Sensor(4e-3, 6e-3, 30.0)
-
-RIGHT = {
-    row.name: row
-    for row in (
-        Simulator("kalibr", kalibr(*ADIS16448), *ADIS16448), Simulator("gazebo", gazebo(*SITL), *SITL),
-        Simulator("pegasus", pegasus(*SHIPPED), *SHIPPED), Simulator("gazebo-classic", classic(*SITL), *SITL),
-    )
-}  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Defect:
-    """A defect: where it was seen, the simulator with it, and what the cause must say."""
-
-    name: str
-    seen: str
-    simulator: Simulator
-    cause: str
-
-
-def wrong(name: str, *, both: bool = False, **changes: object) -> Simulator:
-    """A simulator whose gyro, or both sensors, differ from its configuration."""
-    right = RIGHT[name]
-    accelerometer = replace(right.accelerometer, **changes) if both else right.accelerometer
-    return replace(right, gyro=replace(right.gyro, **changes), accelerometer=accelerometer)
+def normal(rng: Rng, n: int) -> np.ndarray:
+    """randn()."""
+    return rng.standard_normal(n)
 
 
 def uniform(rng: Rng, n: int) -> np.ndarray:
@@ -150,113 +38,276 @@ def uniform(rng: Rng, n: int) -> np.ndarray:
     return rng.random(n)
 
 
-def timed(pair: tuple[Sensor, Sensor]) -> Simulator:
-    """Pegasus with the correlation time of the accelerometer in the gyro."""
-    gyro, accelerometer = pair
-    return Simulator("pegasus", pegasus(*pair), replace(gyro, time=accelerometer.time), accelerometer)
+@dataclass(frozen=True)
+class Sensor:
+    """What a configuration says of a sensor, and what its simulator does with it.
+
+    `white` and `drive` draw numbers, which `sigma` and `bias` scale at a sample interval; `time` is the correlation
+    time that is used.
+    """
+
+    density: float
+    walk: float
+    time: float = math.inf
+    white: Draw = normal
+    drive: Draw = normal
+    sigma: Callable[["Sensor", float], float] = lambda s, dt: s.density / math.sqrt(dt)
+    bias: Callable[["Sensor", float], float] = lambda s, dt: (
+        s.walk * math.sqrt(dt if math.isinf(s.time) else -s.time / 2 * math.expm1(-2 * dt / s.time))
+    )
+    added: bool = True
+    scale: float = 1.0
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of a sample."""
+        return self.density * math.sqrt(RATE)
+
+    def samples(self, rng: Rng) -> np.ndarray:
+        """The output of one axis at rest."""
+        dt = 1 / RATE
+        rates = self.sigma(self, dt) * self.white(rng, SIZE)
+        if self.added:
+            bias = lfilter([self.bias(self, dt)], [1.0, -math.exp(-dt / self.time)], self.drive(rng, SIZE))
+            rates = rates + bias
+        return self.scale * rates
 
 
-def squared(gyro: Sensor, accelerometer: Sensor) -> Simulator:
-    """Gazebo with white noise alone, whose variance is taken for its standard deviation."""
-    wrong = (replace(sensor, sigma=lambda s, dt: s.density**2 / dt) for sensor in (gyro, accelerometer))
-    return Simulator("gazebo", gazebo(gyro, accelerometer), *wrong)
+PLUGIN = '<plugin name="imu_plugin" filename="libgazebo_imu_plugin.so">'
+NOISE = (
+    '<noise type="gaussian"><mean>0</mean><stddev>{of.deviation!r}</stddev>'
+    "<dynamic_bias_stddev>{of.walk!r}</dynamic_bias_stddev>"
+    "<dynamic_bias_correlation_time>{of.time!r}</dynamic_bias_correlation_time></noise>"
+)
+SENSORS = ("gyroscope", "accelerometer")
+FORMS = {
+    # the IMU plugin of gazebo-classic, as RotorS and the SITL of PX4 have it
+    "gazebo-classic": (
+        PLUGIN, "</plugin>", "\n", SENSORS,
+        "<{name}NoiseDensity>{of.density!r}</{name}NoiseDensity><{name}RandomWalk>{of.walk!r}</{name}RandomWalk>"
+        "<{name}BiasCorrelationTime>{of.time!r}</{name}BiasCorrelationTime>",
+    ),
+    # gz-sensors: a standard deviation per sample
+    "gazebo": (
+        "<imu>", "</imu>", "", ("angular_velocity", "linear_acceleration"),
+        "<{name}>" + "".join(f"<{axis}>{NOISE}</{axis}>" for axis in "xyz") + "</{name}>",
+    ),
+    "pegasus": (
+        "{", f', "update_rate": {RATE}}}', ", ", SENSORS,
+        '"{name}": {{"noise_density": {of.density!r}, "random_walk": {of.walk!r}, '
+        '"bias_correlation_time": {of.time!r}}}',
+    ),
+    "kalibr": ("", "", "\n", SENSORS, "{name}_noise_density: {of.density!r}\n{name}_random_walk: {of.walk!r}"),
+}  # fmt: skip
+"""How programs write their noise: what stands before, behind and between sensors, their names, and that of each."""
 
 
-DEFECTS = (
-    Defect("correlation time of the accelerometer in the gyro, 300 s and 30 s", "PegasusSimulator#148", timed(SHORT),
-           "correlation time of the other"),
-    Defect("the same with the shipped times, 1000 s and 300 s", "PegasusSimulator#148", timed(SHIPPED),
-           "correlation time of the other"),
-    Defect("bias driven by rand()", "PegasusSimulator#148", wrong("pegasus", drive=uniform, both=True),
+@dataclass(frozen=True)
+class Simulator:
+    """The form of a configuration, the sensors that it describes, and those that are simulated."""
+
+    name: str
+    claimed: tuple[Sensor, Sensor]
+    gyro: Sensor
+    accelerometer: Sensor
+
+    def claim(self) -> object:
+        """What its file claims, recognized by its fields."""
+        before, after, between, names, each = FORMS[self.name]
+        sensors = [each.format(name=name, of=of) for name, of in zip(names, self.claimed, strict=True)]
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "noise.txt"
+            path.write_text(before + between.join(sensors) + after)
+            return claim_of(path, rate=RATE)
+
+    def check(self, rng: Rng, axes: str) -> "al.claims.ClaimCheck":
+        """What is said of a record at rest of these axes: g for one of the gyro, a for one of the accelerometer."""
+        sensors = {"g": (self.gyro, "rad/s"), "a": (self.accelerometer, "m/s^2")}
+        made = ((*sensors[letter], f"{letter}{i}") for i, letter in enumerate(axes))
+        records = (al.Record(of.samples(rng), RATE, unit, name=name) for of, unit, name in made)
+        return check(al.Recording(tuple(records)), self.claim())
+
+
+def right(name: str, pair: tuple[Sensor, Sensor], **changes: object) -> Simulator:
+    """A simulator that does what its configuration says, but for changes of the gyro."""
+    return Simulator(name, pair, replace(pair[0], **changes), pair[1])
+
+
+SITL = Sensor(1.8665e-4, 3.8785e-5, 1000.0), Sensor(1.86e-3, 6e-3, 300.0)
+SHIPPED = Sensor(3.394e-4, 3.8785e-5, 1000.0), Sensor(4e-3, 6e-3, 300.0)
+ADIS16448 = Sensor(1.6968e-4, 1.9393e-5), Sensor(2e-3, 3e-3)
+SHORT = Sensor(3.394e-4, 3.8785e-5, 300.0), Sensor(4e-3, 6e-3, 30.0)
+QUIET = Sensor(1.7e-5, 0.0), Sensor(1.7e-3, 0.0)
+
+CLAIMED = {"kalibr": ADIS16448, "gazebo": SITL, "pegasus": SHIPPED, "gazebo-classic": SITL}
+RIGHT = {name: right(name, pair) for name, pair in CLAIMED.items()}
+
+
+def wrong(name: str, pair: tuple[Sensor, Sensor] | None = None, **changes: object) -> Simulator:
+    """A simulator whose sensors differ from its configuration."""
+    made = right(name, pair or CLAIMED[name], **changes)
+    return replace(made, accelerometer=replace(made.accelerometer, **changes))
+
+
+class Defect(NamedTuple):
+    """A defect: where it was seen, the simulator with it, and what the cause must say."""
+
+    seen: str
+    simulator: Simulator
+    cause: str
+
+
+DEFECTS = {
+    "correlation time of the accelerometer in the gyro, 300 s and 30 s": Defect("PegasusSimulator#148",
+           right("pegasus", SHORT, time=SHORT[1].time), "correlation time of the other"),
+    "the same with the shipped times, 1000 s and 300 s": Defect("PegasusSimulator#148",
+           right("pegasus", SHIPPED, time=SHIPPED[1].time), "correlation time of the other"),
+    "bias driven by rand()": Defect("PegasusSimulator#148", wrong("pegasus", drive=uniform),
            "driven by rand()"),
-    Defect("white noise by rand() - 0.5", "rand for randn",
-           wrong("pegasus", white=lambda rng, n: rng.random(n) - 0.5, both=True), "rand() instead of randn()"),
-    Defect("white noise by rand(): the mean is not zero", "rand for randn", wrong("kalibr", white=uniform, both=True),
+    "white noise by rand() - 0.5": Defect("rand for randn",
+           wrong("pegasus", white=lambda rng, n: rng.random(n) - 0.5), "rand() instead of randn()"),
+    "white noise by rand(): the mean is not zero": Defect("rand for randn", wrong("kalibr", white=uniform),
            "mean is not zero"),
-    Defect("bias never added", "PegasusSimulator#148", wrong("pegasus", added=False, both=True), "bias is not added"),
-    Defect("density taken for the deviation of a sample", "PX4-gazebo-models#33",
-           wrong("gazebo-classic", sigma=lambda s, dt: s.density, both=True), "value per sample"),
-    Defect("white noise 300 times", "PX4-SITL_gazebo-classic#73",
-           wrong("gazebo-classic", sigma=lambda s, dt: 300 * s.density / math.sqrt(dt)), "300"),
-    Defect("white noise times sqrt(dt): depends on the rate", "rosflight_ros_pkgs#254",
-           wrong("gazebo-classic", sigma=lambda s, dt: s.density * math.sqrt(dt), both=True), "depends on the rate"),
-    Defect("degrees for radians", "units", wrong("kalibr", scale=180 / math.pi), "degrees and radians"),
-    Defect("deviation squared: variance for deviation", "mir_robot#99",
-           squared(Sensor(1.7e-5, 0.0), Sensor(1.7e-3, 0.0)), "is squared"),
-    Defect("random walk per sample, without sqrt(dt)", "gnss-ins-sim#19",
-           wrong("kalibr", bias=lambda s, dt: s.walk, both=True), "value per sample"),
-    Defect("sqrt(h) read as sqrt(s)", "units", wrong("kalibr", sigma=lambda s, dt: 60 * s.density / math.sqrt(dt)),
-           "sqrt(h) and"),
-    Defect("deviation of the bias for its density", "gz-sensors#616",
-           wrong("gazebo", bias=lambda s, dt: s.walk * math.sqrt(-math.expm1(-2 * dt / s.time)), both=True),
+    "bias never added": Defect("PegasusSimulator#148", wrong("pegasus", added=False), "bias is not added"),
+    "density taken for the deviation of a sample": Defect("PX4-gazebo-models#33",
+           wrong("gazebo-classic", sigma=lambda s, dt: s.density), "value per sample"),
+    "white noise 300 times": Defect("PX4-SITL_gazebo-classic#73",
+           right("gazebo-classic", SITL, sigma=lambda s, dt: 300 * s.density / math.sqrt(dt)), "300"),
+    "white noise times sqrt(dt): depends on the rate": Defect("rosflight_ros_pkgs#254",
+           wrong("gazebo-classic", sigma=lambda s, dt: s.density * math.sqrt(dt)), "depends on the rate"),
+    "degrees for radians": Defect("units", right("kalibr", ADIS16448, scale=180 / math.pi), "degrees and radians"),
+    "deviation squared: variance for deviation": Defect("mir_robot#99",
+           wrong("gazebo", QUIET, sigma=lambda s, dt: s.density**2 / dt), "is squared"),
+    "random walk per sample, without sqrt(dt)": Defect("gnss-ins-sim#19",
+           wrong("kalibr", bias=lambda s, dt: s.walk), "value per sample"),
+    "sqrt(h) read as sqrt(s)": Defect("units",
+           right("kalibr", ADIS16448, sigma=lambda s, dt: 60 * s.density / math.sqrt(dt)), "sqrt(h) and"),
+    "deviation of the bias for its density": Defect("gz-sensors#616",
+           wrong("gazebo", bias=lambda s, dt: s.walk * math.sqrt(-math.expm1(-2 * dt / s.time))),
            "standard deviation of the bias"),
-)  # fmt: skip
+}  # fmt: skip
 
 
-def checked(simulator: Simulator, rng: Rng, axes: str) -> "al.claims.ClaimCheck":
-    """What is found of one record."""
-    return check(simulator.record(rng, axes), claim(simulator))
+def defect(job: tuple[str, int]) -> tuple[bool, bool, int]:
+    """Whether a defect is found in a record of three axes of each sensor, its cause named, and how many are named."""
+    name, number = job
+    verdict = DEFECTS[name].simulator.check(seeded(number, name), "gggaaa")
+    sentences = [sentence for cause in verdict.causes for sentence in cause.sentences if sentence]
+    most = max((len(cause.names) for cause in verdict.causes), default=0)
+    return not verdict.agrees, any(DEFECTS[name].cause in sentence for sentence in sentences), most
 
 
-def claim(simulator: Simulator) -> object:
-    """What its file claims, recognized by its fields."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "noise.txt"
-        path.write_text(simulator.file)
-        return claim_of(path, rate=RATE)
+def defect_rows(records: int) -> list[list[str]]:
+    """In how many records each defect is found, and its cause named."""
+    made = ((name, *map(sum, zip(*each, strict=True))) for (name,), each in spread(defect, zip(DEFECTS), records))
+    return [
+        [name, DEFECTS[name].seen, f"{found} of {records}", f"{named} of {records}", f"{causes / records:.1f}"]
+        for name, found, named, causes in made
+    ]
 
 
-def share(count: int, of: int) -> str:
-    """A count of a number of records."""
-    return f"{count} of {of}"
+def alarm(job: tuple[str, int]) -> list[str]:
+    """What is contradicted of a right record."""
+    name, number = job
+    verdict = RIGHT[name].check(seeded(number, "right", name), "ga")
+    return [] if verdict.agrees else [row.quantity for row in verdict.terms if row.contradicts] or ["no term"]
 
 
-def defect_row(number: int, defect: Defect, records: int) -> tuple[list[str], bool, bool]:
-    """A line of the table; whether the defect is found in all records, and its cause named in more than half."""
-    found = named = names = 0
-    for seed in range(records):
-        seen = checked(defect.simulator, np.random.default_rng((1, number, seed)), "gggaaa")
-        said = [sentence for cause in seen.causes for sentence in cause.sentences if sentence]
-        found += not seen.agrees
-        named += any(defect.cause in sentence for sentence in said)
-        names += max((len(cause.names) for cause in seen.causes), default=0)
-    print(defect.name, found, named, file=sys.stderr, flush=True)
-    row = [defect.name, defect.seen, share(found, records), share(named, records), f"{names / records:.1f}"]
-    return row, found == records, named > records / 2
+def right_rows(records: int) -> list[list[str]]:
+    """In how many records each right simulator is contradicted, and in which quantities."""
+    rows = []
+    for (name,), made in spread(alarm, zip(RIGHT), records):
+        count, kinds = sum(map(bool, made)), Counter(kind for each in made for kind in each)
+        listed = ", ".join(f"{kind} {times}" for kind, times in kinds.items())
+        rows.append([name, str(records), str(count), f"{100 * count / records:.1f} %", listed])
+    return rows
 
 
-def right_row(number: int, simulator: Simulator, records: int) -> tuple[list[str], int]:
-    """A line of the table; the number of false alarms."""
-    alarms, kinds = 0, []
-    for seed in range(records):
-        seen = checked(simulator, np.random.default_rng((2, number, seed)), "ga")
-        alarms += not seen.agrees
-        kinds += [row.quantity for row in seen.terms if row.contradicts]
-    print(simulator.name, alarms, kinds, file=sys.stderr, flush=True)
-    listed = ", ".join(f"{kind} {kinds.count(kind)}" for kind in dict.fromkeys(kinds))
-    return [simulator.name, str(records), str(alarms), f"{100 * alarms / records:.1f} %", listed], alarms
+Filter = tuple[np.ndarray, np.ndarray]
+SAMPLED, LENGTH, START = 200.0, 20_000, 1000
+"""Sampling rate of filtered noise, Hz, its samples, and those before, in which a filter settles."""
+FACTORS = {"true": 1.0, "0.8 times": 0.8, "1.25 times": 1.25, "half": 0.5, "twice": 2.0}
+ABSENT = (20.0, 42.0, 60.0, 80.0, 88.0)
+"""Cut-offs, Hz, that are claimed where no filter is."""
+
+
+def poles(order: int, cutoff: float) -> Filter:
+    """RC filters one behind the other, their cut-off in cycles a sample."""
+    p = math.exp(-2 * math.pi * cutoff)
+    return np.array([(1 - p) ** order]), np.poly([p] * order)
+
+
+FILTERS: dict[str, tuple[Filter, float]] = {
+    "RC": (poles(1, 0.15), 30.0),
+    "Butterworth of order 2": (butter(2, 42.0, fs=SAMPLED), 42.0),
+    "moving average of 4 samples": ((np.full(4, 0.25), np.ones(1)), 0.443 / 4 * SAMPLED),
+    "RC twice": (poles(2, 0.12), 16.0),
+    "RC three times": (poles(3, 0.12), 12.6),
+    "Bessel of order 2": (bessel(2, 42.0, norm="mag", fs=SAMPLED), 42.0),
+    "Butterworth of order 4": (butter(4, 42.0, fs=SAMPLED), 42.0),
+}
+"""Filters and their cut-offs, Hz."""
+ROWS = 3  # so many are rows of the table of filters; the samples of the others are rounded to a fourth of a deviation
+NONE: Filter = (np.ones(1), np.ones(1))
+
+
+def outcomes(job: tuple[str, int]) -> list[str]:
+    """What is said of each claimed cut-off of one record."""
+    name, number = job
+    through, cutoff = FILTERS.get(name, (NONE, 1.0))
+    y = lfilter(*through, 1e-3 * seeded(number, name).standard_normal(LENGTH + START))[START:]
+    step = y.std() / 4
+    rounded = name in list(FILTERS)[ROWS:]
+    study = al.analyze(al.Record(step * np.round(y / step) if rounded else y, SAMPLED, "rad/s", name="gx"))
+    claimed = [factor * cutoff for factor in FACTORS.values()] if name in FILTERS else ABSENT
+    return [next(setting_rows(study, [ClaimedSetting(CUTOFF, c)], 0.05, 0.02)).outcome for c in claimed]
+
+
+def filter_rows(names: list[str], records: int) -> list[list[str]]:
+    """How often each claim is contradicted, and how often it is not decided on."""
+    rows = []
+    for (name,), said in spread(outcomes, zip(names), records):
+        counts = map(Counter, zip(*said, strict=True))
+        rows.append([name, str(records), *(f"{count[DIFFERS]} ({count[NOT_DECIDED]})" for count in counts)])
+    return rows
+
+
+def total(rows: list[list[str]], column: int, least: float = 0) -> int:
+    """How many records are counted in a column of rows; or in how many rows it has more than so many."""
+    counts = [int(row[column].split()[0]) for row in rows]
+    return sum(count > least for count in counts) if least else sum(counts)
 
 
 def main() -> None:
-    """Run what is asked for."""
-    run = begin(__doc__, records=5, right=100)
-    defects = [defect_row(i, defect, run.asked.records) for i, defect in enumerate(DEFECTS)]
-    right = [right_row(i, one, run.asked.right) for i, one in enumerate(RIGHT.values())]
-    alarms, total = sum(count for _, count in right), run.asked.right * len(right)
+    run = begin(__doc__, records=5, right=100, filters=40, others=10)
+    asked = run.asked
+    defects, rights = defect_rows(asked.records), right_rows(asked.right)
+    known = filter_rows(list(FILTERS)[:ROWS], asked.filters)
+    every, most = total(defects, 2, asked.records - 0.5), total(defects, 3, asked.records / 2)
+    alarms, right_records = total(rights, 2), asked.right * len(rights)
+    filtered = f"White noise, {LENGTH} samples at {SAMPLED:g} Hz; contradicted, and in brackets not decided."
     run.publish(
-        "Check of simulators against their configurations",
+        "Check of simulators and filters against what is claimed of them",
         (
-            "seeds: (1, defect, record) and (2, simulator, record)",
-            f"1 h at {RATE:g} Hz; three axes of each sensor with a defect, one of each without",
-            f"found in every record: {share(sum(every for _, every, _ in defects), len(defects))} defects; cause named "
-            f"in more than half of the records: {share(sum(most for _, _, most in defects), len(defects))}",
-            f"false alarms: {share(alarms, total)} right records, {100 * alarms / total:.1f} %",
+            SEEDS,
+            f"simulators: 1 h at {RATE:g} Hz; three axes of each sensor with a defect, one of each without",
+            f"found in every record: {every} of {len(defects)} defects; cause named in more than half of the records: "
+            f"{most} of {len(defects)}",
+            f"false alarms: {alarms} of {right_records} right records, {100 * alarms / right_records:.1f} %",
+            f"false alarms at the true cut-off: {total(known, 2)} of {asked.filters * ROWS} records, nominal 5 %",
         ),
-        section("Defects", ("defect", "seen in", "found", "cause named", "names"), [row for row, *_ in defects])
+        section("Defects", ("defect", "seen in", "found", "cause named", "names"), defects)
+        + section("Right records", ("simulator", "records", "false alarms", "share", "by quantity"), rights)
+        + section("Filters that are rows", ("filter", "records", *FACTORS), known, filtered)
         + section(
-            "Right records", ("simulator", "records", "false alarms", "share", "by quantity"), [r for r, _ in right]
+            "No filter", ("filter", "records", *(f"{c:g} Hz" for c in ABSENT)),
+            filter_rows(["no filter"], asked.filters),
+        )
+        + section(
+            "Filters of no row", ("filter", "records", *FACTORS), filter_rows(list(FILTERS)[ROWS:], asked.others),
+            "Rounded to a fourth of the standard deviation.",
         ),
-    )
+    )  # fmt: skip
 
 
 if __name__ == "__main__":

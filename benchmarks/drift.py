@@ -1,17 +1,18 @@
 """Drift without aid: closed form against a strapdown integration of simulated sensors.
 
-Three gyros and three accelerometers at rest; the bias of each is its mean over a minute before. Rates turn the attitude
-by Rodrigues' formula, specific forces are turned and integrated twice. Then the intervals of the heading from records
-of 2 h, whose noise is identified. Random numbers have seeds 1, 2, 3 ...
+Three gyros and three accelerometers at rest, from the independent simulator; the bias of each is its mean over a minute
+before. Rates turn the attitude by Rodrigues' formula, specific forces are turned and integrated twice. Then the
+intervals of the heading from records of 2 h, whose noise is identified.
 """
 
-from table import begin, section
+from table import SEEDS, begin, coefficients, section, seeded, spread
 
 import math
 
 import numpy as np
 
 import allanite as al
+from judge import sensor
 
 NOISES = {
     "N": ("N 0.05 deg/sqrt(h)", "N 50 ug/sqrt(Hz)"),
@@ -26,7 +27,7 @@ SPANS = ((20.0, (1.0, 10.0)), (1.0, (60.0, 600.0, 3600.0)))
 """Sampling rate, Hz, and the times without aid, s, that are read from its runs."""
 QUANTITIES = {"heading": "deg", "attitude": "deg", "velocity": "m/s", "position": "m"}
 GRAVITY, RADIUS = 9.80665, 6_371_008.8
-BATCH = 250
+BATCH = 100  # runs that are integrated together
 IDENTIFIED = tuple(
     f"N 0.3 deg/sqrt(h){more}"
     for more in ("", ", B 7 deg/h", ", K 20 deg/h/sqrt(h)", ", B 7 deg/h, K 20 deg/h/sqrt(h)")
@@ -39,11 +40,12 @@ def models(sensor: str) -> list[al.Model]:
     return [al.Model(", ".join(NOISES[symbol][i] for symbol in sensor.split())) for i in (0, 1)]
 
 
-def samples(model: al.Model, count: int, rate: float, last: float, rng: np.random.Generator) -> np.ndarray:
+def samples(model: al.Model, rate: float, last: float, rng: np.random.Generator) -> np.ndarray:
     """Errors after the calibration, less their mean during it, shape (runs, 3, samples)."""
     before, n = round(CALIBRATION * rate), round((CALIBRATION + last) * rate)
-    found = np.array([al.simulate(model, n, rate, rng=rng).rate_values for _ in range(3 * count)])
-    return (found[:, before:] - found[:, :before].mean(axis=1, keepdims=True)).reshape(count, 3, -1)
+    noise = coefficients(model)
+    made = np.array([sensor(n, rate, rng, **noise) for _ in range(3 * BATCH)])
+    return (made[:, before:] - made[:, :before].mean(axis=1, keepdims=True)).reshape(BATCH, 3, -1)
 
 
 def turned(attitude: np.ndarray, vector: np.ndarray) -> np.ndarray:
@@ -97,18 +99,14 @@ def round_earth(gyro: np.ndarray, force: np.ndarray, rate: float, times: tuple[f
     return {name: np.array(values) for name, values in found.items()}
 
 
-def simulated(sensor: str, runs: int, seed: int, integrate=strapdown) -> dict[str, np.ndarray]:
-    """Root mean squares of the errors of all runs at all times, SI."""
-    gyro, accelerometer = models(sensor)
-    rng, sums = np.random.default_rng(seed), {}
+def squares(job: tuple[str, bool, int]) -> dict[str, np.ndarray]:
+    """Mean squares of the errors of a batch of runs at all times, SI."""
+    noise, schuler, number = job
+    rng, parts = seeded(number, noise, schuler), []
     for rate, times in SPANS:
-        for start in range(0, runs, BATCH):
-            count = min(BATCH, runs - start)
-            rates, forces = (samples(model, count, rate, times[-1], rng) for model in (gyro, accelerometer))
-            for name, squares in integrate(rates, forces, rate, times).items():
-                sums[rate, name] = sums.get((rate, name), 0.0) + squares * count / runs
-    names = dict.fromkeys(name for _, name in sums)
-    return {name: np.sqrt(np.concatenate([sums[rate, name] for rate, _ in SPANS])) for name in names}
+        rates, forces = (samples(model, rate, times[-1], rng) for model in models(noise))
+        parts.append((round_earth if schuler else strapdown)(rates, forces, rate, times))
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def predicted(sensor: str, *, schuler: bool = False) -> al.Drift:
@@ -117,49 +115,56 @@ def predicted(sensor: str, *, schuler: bool = False) -> al.Drift:
     return al.drift(models(sensor), times=times, calibration=CALIBRATION, schuler=schuler)
 
 
-def compared(sensor: str, runs: int, seed: int, *, schuler: bool = False) -> list[list[str]]:
+def compared(noise: str, schuler: bool, batches: list[dict[str, np.ndarray]]) -> list[list[str]]:
     """A row for each quantity: the closed form at each time, and how far the simulation is from it."""
-    found = simulated(sensor, runs, seed, round_earth if schuler else strapdown)
-    drift = predicted(sensor, schuler=schuler)
-    rows = []
-    for name, rms in found.items():
+    drift, rows = predicted(noise, schuler=schuler), []
+    for name in batches[0]:
         course, unit = drift[name], QUANTITIES[name]
-        off = 100 * (rms / course.sigma - 1)
+        off = 100 * (np.sqrt(np.mean([batch[name] for batch in batches], axis=0)) / course.sigma - 1)
         pairs = zip(course.to(unit).tolist(), off.tolist(), strict=True)
-        rows.append([sensor, name, unit, *(f"{sigma:.4g} ({part:+.2f} %)" for sigma, part in pairs)])
+        rows.append([noise, name, unit, *(f"{sigma:.4g} ({part:+.2f} %)" for sigma, part in pairs)])
     return rows
 
 
-def covered(text: str, records: int) -> list[list[str]]:
-    """Shares of records whose interval, and whose upper limit, is right about the heading, and the median estimate."""
+def covers(job: tuple[str, int]) -> np.ndarray | None:
+    """At each time whether interval and upper limit are right about the heading, and the estimate over the truth."""
+    text, number = job
     model, (size, rate) = al.Model(text), LENGTH
     truth = al.drift(model, calibration=CALIBRATION)["heading"].sigma
-    fits = (al.identify(al.simulate(model, size, rate, rng=seed)) for seed in range(1, records + 1))
-    found = [al.drift(fit, calibration=CALIBRATION)["heading"] for fit in fits if fit.valid is not None]
-    inside = np.mean([(c.low <= truth) & (truth <= c.high) for c in found], axis=0)
-    below = np.mean([truth <= c.most for c in found], axis=0)
-    ratio = np.median([c.sigma / truth for c in found], axis=0)
-    cells = [f"{100 * a:.0f}, {100 * b:.0f}, {r:.2f}" for a, b, r in zip(inside, below, ratio, strict=True)]
-    return [[text, str(len(found)), *cells]]
+    fit = al.identify(al.Record(sensor(size, rate, seeded(number, text), **coefficients(model)), rate, "rad/s"))
+    if fit.valid is None:
+        return None
+    found = al.drift(fit, calibration=CALIBRATION)["heading"]
+    return np.array([(found.low <= truth) & (truth <= found.high), truth <= found.most, found.sigma / truth])
+
+
+def interval_row(text: str, made: list[np.ndarray | None]) -> list[str]:
+    """Shares of records in which they are, and the median estimate."""
+    kept = np.array([each for each in made if each is not None])
+    shares, ratio = 100 * kept[:, :2].mean(axis=0), np.median(kept[:, 2], axis=0)
+    return [text, str(len(kept)), *(f"{a:.0f}, {b:.0f}, {r:.2f}" for a, b, r in zip(*shares, ratio, strict=True))]
 
 
 def main() -> None:
-    run = begin(__doc__, runs=6000, records=100)
+    run = begin(__doc__, runs=3000, records=200)
     runs = run.asked.runs
     times = [f"{t:g} s" for _, span in SPANS for t in span]
-    heads = ["noise", "quantity", "unit", *times]
+    heads, rows = ["noise", "quantity", "unit", *times], {False: [], True: []}
+    for cell, made in spread(squares, [*((noise, False) for noise in SENSORS), (SENSORS[-1], True)], runs // BATCH):
+        rows[cell[1]] += compared(*cell, made)
+    intervals = [interval_row(*cell, made) for cell, made in spread(covers, zip(IDENTIFIED), run.asked.records)]
     errors = [100 / math.sqrt(2 * runs * axes) for axes in (1, 2)]
-    flat = [row for seed, sensor in enumerate(SENSORS, 1) for row in compared(sensor, runs, seed)]
-    body = section("Strapdown, flat earth", heads, flat)
-    body += section("Round earth", heads, compared(SENSORS[-1], runs, len(SENSORS) + 1, schuler=True),
+    body = section("Strapdown, flat earth", heads, rows[False])
+    body += section("Round earth", heads, rows[True],
                     "Each axis by itself: the tilt falls by the velocity over the earth's radius.")  # fmt: skip
-    rows = [row for text in IDENTIFIED for row in covered(text, run.asked.records)]
-    body += section("Intervals of the heading", ("noise", "records", *times), rows, "From identified noise: share of "
-                    "records whose 95 % interval has the truth, share whose upper limit is above it, %, and median of "
-                    "estimate over truth.")  # fmt: skip
+    body += section("Intervals of the heading", ("noise", "records", *times), intervals, "From identified noise: share "
+                    "of records whose 95 % interval has the truth, share whose upper limit is above it, %, and median "
+                    "of estimate over truth.")  # fmt: skip
     notes = [
-        f"{runs} runs a row, seeds 1, 2, 3 ...; Monte-Carlo standard error {errors[0]:.2f} % of heading, "
-        f"{errors[1]:.2f} % of the others, which are of two axes (of three on the round earth)",
+        f"{SEEDS}, which is of {BATCH} runs in the first two tables",
+        f"{runs} runs a row; Monte-Carlo standard error {errors[0]:.2f} % of heading, {errors[1]:.2f} % of the others, "
+        f"which are of two axes (of three on the round earth); of a share of 95 % of {run.asked.records} records "
+        f"{100 * math.sqrt(0.05 * 0.95 / run.asked.records):.1f} %",
         f"noise of gyros and accelerometers: {'; '.join(f'{g} and {a}' for g, a in NOISES.values())}; calibration "
         f"{CALIBRATION:g} s",
         "standard deviation in closed form, and by how much the simulated one differs from it",

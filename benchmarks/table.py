@@ -17,6 +17,7 @@ import re
 import shlex
 import subprocess
 import time
+import zlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -24,19 +25,21 @@ from datetime import date
 from functools import cached_property
 from multiprocessing import Pool
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results"
 CODE = ("src", "benchmarks/*.py", "tests/reference")  # what a figure depends on
 
 ROOMS = {
-    "angle": "applications/angle", "bags": "readers", "check": "claims",
-    "check_settings": "claims identification",
-    "comparison": "comparison", "compensation": "applications/compensation",
-    "curves": "identification statistics",
-    "consistency": "exporting", "drift": "planning",
-    "end_to_end": "cli reporting study", "environments": "",
+    "angle": "applications/angle", "bags": "readers",
+    "check": "claims identification", "comparison": "comparison",
+    "compensation": "applications/compensation",
+    "curves": "identification statistics", "consistency": "exporting",
+    "drift": "planning", "end_to_end": "cli reporting study", "environments": "",
     "grid": "identification prepare",
     "fuzz": "batch cli core readers study web", "logs": "readers",
     "methods": "identification planning/bound.py statespace", "moments": "statistics",
@@ -174,13 +177,31 @@ def least(job: Callable[[], object], rounds: int, clock: Callable[[], float] = t
     return min(times)
 
 
+SEEDS = "seeds: CRC-32 of the words of each cell, number of the record"
+
+
+def seeded(number: int, *cell: object) -> "np.random.Generator":
+    """Random numbers of a record of a cell, which no other cell has: see SEEDS."""
+    import numpy as np
+
+    return np.random.default_rng((zlib.crc32(" ".join(map(str, cell)).encode()), number))
+
+
+def coefficients(model: Iterable[Any]) -> dict[str, Any]:
+    """The terms of a model as judge.sensor takes them, SI."""
+    terms = list(model)
+    processes = [(term.value, *term.shape) for term in terms if term.symbol == "GM"]
+    return {term.symbol: term.value for term in terms if term.symbol != "GM"} | {"GM": processes}
+
+
 def spread(
     work: Callable[[Any], Any], cells: Iterable[Cell], records: int, processes: int | None = None, first: int = 0
 ) -> Iterator[tuple[Cell, list[Any]]]:
-    """Each cell with what is made, in processes, of it and the number of each record."""
+    """Each cell, which is printed, with what is made, in processes, of it and the number of each record."""
     with Pool(processes) as pool:
         for cell in cells:
             yield cell, pool.map(work, [(*cell, number) for number in range(first, first + records)], chunksize=4)
+            print(*cell, file=sys.stderr, flush=True)
 
 
 def covered(places: Iterable[int]) -> str:

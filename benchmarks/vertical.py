@@ -1,32 +1,29 @@
-"""The gyro-vertical: predicted against simulated errors, filters in scenarios, coning, speed.
+"""The gyro-vertical: closed forms, predicted against simulated errors, filters in scenarios.
 
-Random numbers have seeds 1, 2, 3 ...
+Errors are made of the noise of the independent simulator; the scenarios are those of the package, with seed 1.
 """
 
-from table import begin, section
+from table import SEEDS, begin, coefficients, section, seeded, spread
 
 import itertools
 import math
-from timeit import repeat
+from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 from scipy.signal import lfilter
 
 import allanite as al
 from allanite.applications.attitude import (
-    FILTERS,
-    Inertial,
-    Loop,
-    Setting,
+    ScenarioErrors,
     Trial,
-    attitudes,
     compare_filters,
     kalman,
     optimal_time_constant,
     predicted_error,
-    rotation_vectors,
-)
+)  # fmt: skip
 from allanite.applications.attitude.loop import GRAVITY
+from judge import sensor
 
 ARCSEC = math.pi / 648_000
 HOUR = math.pi / 180 / 3600
@@ -44,6 +41,10 @@ MODELS = (
 )  # fmt: skip
 TIMES = (0.5, 2.0, 8.0)
 RATE, HORIZON, LONGER = 10.0, 100.0, 4
+"""Sampling rate, Hz, and T, s, of predicted against simulated errors; a run has so many T."""
+WHOLE_RATE = 20.0
+QUOTED = {600.0: "0.762 s, 26.3", 3600.0: "0.691 s, 28.3"}
+"""Duration, s, and what an independent program gives for the best time constant and its error, arcsec."""
 SCENARIO_FIGURES = {
     "accelerometer": (0.0573, 2.378, 0.838), "bortz": (0.975, 0.906, 0.843), "first order, 1 s": (0.0058, 2.286, 0.507),
     "first order, 10 s": (0.0279, 1.465, 0.0439), "first order, 100 s": (0.2462, 0.328, 0.215),
@@ -56,15 +57,14 @@ FIRST_ORDER = {"first order, 1 s": 1.0, "first order, 10 s": 10.0, "first order,
 SWAY = ((math.radians(8.0), 0.12), (math.radians(10.0), 0.2))
 """Amplitude, rad, and frequency, Hz, of roll and pitch in the oscillation."""
 LEVER = 1.0
-CONE, CONE_RATE, CONE_SAMPLING = math.radians(1.0), 5.0, 200.0
-CONING_FIGURES = {"1 sample": -4.05, "2 samples, without": -16.2, "2 samples": -0.0200}
 
 
-def errors(models: tuple[str, str], tau: float, n: int, rate: float, rng: np.random.Generator) -> np.ndarray:
-    """Errors of one angle in a run, rad, by the recursion of the filter of first order."""
-    gyro, tilt = (al.simulate(al.Model(text), n, rate, rng=rng).rate_values for text in models)
+def errors(models: Sequence[str], tau: float, size: int, rate: float, rng: np.random.Generator) -> np.ndarray:
+    """Errors of one angle in a run that has settled, rad, by the recursion of the filter of first order."""
+    settle = round(10 * tau * rate)
+    gyro, tilt = (sensor(size + settle, rate, rng, **coefficients(al.Model(text))) for text in models)
     alpha = math.exp(-1 / (rate * tau))
-    return lfilter([1.0], [1.0, -alpha], alpha * gyro / rate + (1 - alpha) * tilt / GRAVITY)
+    return lfilter([1.0], [1.0, -alpha], alpha * gyro / rate + (1 - alpha) * tilt / GRAVITY)[settle:]
 
 
 def within(error: np.ndarray, rate: float, lowest: float) -> float:
@@ -76,29 +76,27 @@ def within(error: np.ndarray, rate: float, lowest: float) -> float:
     return float(power[f > lowest * 1.0001].sum() + power[np.isclose(f, lowest)].sum() / 2)
 
 
-def cell(models: tuple[str, str], tau: float, runs: int) -> tuple[float, float]:
-    """Predicted and simulated standard deviation over the horizon, arcsec."""
-    noise = [al.Model(text) for text in models]
-    predicted = predicted_error(*noise, tau, duration=HORIZON, rate=RATE).to("arcsec")
-    n = round(LONGER * HORIZON * RATE)
-    settle = round(10 * tau * RATE)
-    runs_of = (
-        errors(models, tau, n + settle, RATE, np.random.default_rng(seed))[settle:] for seed in range(1, runs + 1)
-    )
-    found = [within(e, RATE, 1 / (2 * HORIZON)) for e in runs_of]
-    return predicted, math.sqrt(np.mean(found)) / ARCSEC
+def square(job: tuple[str, str, float, int]) -> float:
+    """Mean square of the errors of a run over the horizon, rad^2."""
+    *models, tau, number = job
+    size = round(LONGER * HORIZON * RATE)
+    return within(errors(models, tau, size, RATE, seeded(number, *models, tau)), RATE, 1 / (2 * HORIZON))
 
 
-def whole(duration: float, runs: int = 30, rate: float = 20.0) -> tuple[float, float, float]:
-    """Best time constant, predicted and simulated RMS over whole runs, of flicker and random walk together."""
-    found = optimal_time_constant(*map(al.Model, WHOLE), duration=duration)
-    tau = found.time_constant
-    squares = []
-    for seed in range(1, runs + 1):
-        e = errors(WHOLE, tau, round(duration * rate), rate, np.random.default_rng(seed))[round(10 * tau * rate) :]
-        squares.append(e.var())
-    predicted = predicted_error(*map(al.Model, WHOLE), tau, duration=duration, rate=rate).to("arcsec")
-    return tau, predicted, math.sqrt(np.mean(squares)) / ARCSEC
+def whole(job: tuple[float, float, int]) -> float:
+    """Mean square of the errors about their mean in a run of so many s, of flicker and random walk together, rad^2."""
+    duration, tau, number = job
+    return float(errors(WHOLE, tau, round(duration * WHOLE_RATE), WHOLE_RATE, seeded(number, "whole", duration)).var())
+
+
+def predicted(models: Sequence[str], tau: float, duration: float, rate: float) -> float:
+    """Standard deviation, arcsec."""
+    return predicted_error(*map(al.Model, models), tau, duration=duration, rate=rate).to("arcsec")
+
+
+def rms(squares: list[float]) -> float:
+    """Of runs, arcsec."""
+    return math.sqrt(np.mean(squares)) / ARCSEC
 
 
 def kalman_error(N: float, tilt: float, K: float = 0.0) -> float:
@@ -106,41 +104,8 @@ def kalman_error(N: float, tilt: float, K: float = 0.0) -> float:
     return math.sqrt(tilt * math.sqrt(N**2 + 2 * K * tilt))
 
 
-def coning() -> dict[str, float]:
-    """Drift that is left of a coning motion, deg/h, by algorithm."""
-    w, dt, n = 2 * math.pi * CONE_RATE, 1 / CONE_SAMPLING, 12_000
-    t = np.arange(n + 1) * dt
-    # rates of the body whose rotation vector is (0, c cos wt, c sin wt)
-    steady = -2 * w * math.sin(CONE / 2) ** 2 * np.diff(t)
-    swing = math.sin(CONE)
-    increments = np.stack([steady, swing * np.diff(np.cos(w * t)), swing * np.diff(np.sin(w * t))], axis=1)
-    start = np.array([math.cos(CONE / 2), 0.0, math.sin(CONE / 2), 0.0])
-    vectors = {"1 sample": (1, increments), "2 samples": (2, rotation_vectors(increments)),
-               "2 samples, without": (2, increments.reshape(-1, 2, 3).sum(axis=1))}  # fmt: skip
-    found = {}
-    for name, (k, phi) in vectors.items():
-        end = attitudes(phi, start)[-1]
-        at = w * t[k * len(phi)]
-        true = np.array([math.cos(CONE / 2), 0, math.sin(CONE / 2) * math.cos(at), math.sin(CONE / 2) * math.sin(at)])
-        # x part of the quaternion of the error, end times the conjugate of the truth
-        x = -end[0] * true[1] + end[1] * true[0] - end[2] * true[3] + end[3] * true[2]
-        found[name] = 2 * x / (t[k * len(phi)]) / HOUR
-    return found
-
-
-def speeds(n: int = 1_000_000) -> dict[str, float]:
-    """Seconds for so many samples, by filter, after compilation: the shortest of three runs."""
-    rng = np.random.default_rng(1)
-    data = Inertial(1e-3 * rng.standard_normal((n, 3)), np.array([0, 0, GRAVITY]) + 1e-2 * rng.standard_normal((n, 3)),
-                    100.0)  # fmt: skip
-    few, found = Inertial(data.gyro[:1000], data.force[:1000], 100.0), {}
-    for name, row in FILTERS.items():
-        row.run(few, Setting(Loop(1.0, 1e-3)))
-        found[name] = min(repeat(lambda row=row: row.run(data, Setting(Loop(1.0, 1e-3))), number=1, repeat=3))
-    return found
-
-
 def closed_forms() -> list[tuple[str, ...]]:
+    """What is derived on paper beside what the package computes."""
     gyro, tilt = al.Model(GYRO), al.Model(TILT)
     N, K, a = gyro["N"].value, 20 * HOUR / 60, 1e-4
     best, loop = optimal_time_constant(gyro, tilt), kalman(N, a, K)
@@ -160,6 +125,7 @@ def closed_forms() -> list[tuple[str, ...]]:
 
 
 def losses() -> list[tuple[str, ...]]:
+    """A line for each pair of models."""
     rows = []
     for models in MODELS:
         found = optimal_time_constant(*map(al.Model, models), duration=600.0, rate=100.0)
@@ -186,48 +152,65 @@ def trial(*, instant: bool) -> Trial:
     return Trial(al.Model(GYRO), al.Model(TILT), BIAS, instant=instant)
 
 
+@cache
+def scenarios() -> tuple[ScenarioErrors, ...]:
+    """Filters in all scenarios: with mean rates, and with rates at the end of each interval."""
+    return tuple(compare_filters(trial(instant=how), rng=np.random.default_rng(1)) for how in (False, True))
+
+
 def scenario_rows() -> list[tuple[str, ...]]:
-    both = [compare_filters(trial(instant=how), rng=np.random.default_rng(1)) for how in (False, True)]
+    """A line for each filter."""
     rows = []
-    for i, name in enumerate(both[0].filters):
-        known, cells = SCENARIO_FIGURES.get(name), []
-        for j in range(3):
-            cells += [*(f"{math.degrees(s.rms[i, j]):.4f}" for s in both), "-" if known is None else f"{known[j]:.4f}"]
-        rows.append((name, *cells))
+    for i, name in enumerate(scenarios()[0].filters):
+        known, cells = SCENARIO_FIGURES.get(name, ("-",) * 3), []
+        for j, figure in enumerate(known):
+            cells += [*(f"{math.degrees(s.rms[i, j]):.4f}" for s in scenarios()), figure]
+        rows.append((name, *(cell if isinstance(cell, str) else f"{cell:.4f}" for cell in cells)))
     return rows
 
 
 def oscillation_rows() -> list[tuple[str, ...]]:
     """The closed form, with the error at rest added, beside the simulation: mean rates, then instant ones."""
-    both = [compare_filters(trial(instant=how), rng=np.random.default_rng(1)) for how in (False, True)]
     rows = []
     for name, tau in FIRST_ORDER.items():
         cells = []
-        for how, found in zip((False, True), both, strict=True):
-            rest, _, own = np.degrees(found.rms[found.filters.index(name)])
+        for how, made in zip((False, True), scenarios(), strict=True):
+            rest, _, own = np.degrees(made.rms[made.filters.index(name)])
             cells += [f"{math.hypot(rest, math.degrees(swaying(tau, instant=how))):.4f}", f"{own:.4f}"]
         rows.append((name, *cells, f"{SCENARIO_FIGURES[name][2]:.4f}"))
     return rows
 
 
+def flicker_rows(runs: int) -> list[tuple[str, ...]]:
+    """A line for each duration, at its best time constant."""
+    best = [(T, optimal_time_constant(*map(al.Model, WHOLE), duration=T).time_constant) for T in QUOTED]
+    return [
+        (f"{T:g}", f"{tau:.4g}", f"{predicted(WHOLE, tau, T, WHOLE_RATE):.4g}", f"{rms(squares):.4g}", QUOTED[T])
+        for (T, tau), squares in spread(whole, best, runs)
+    ]
+
+
+def compared_rows(runs: int) -> list[tuple[str, ...]]:
+    """A line for each pair of models and time constant."""
+    rows = []
+    for (*models, tau), squares in spread(square, [(*m, tau) for m, tau in itertools.product(MODELS, TIMES)], runs):
+        a, b = predicted(models, tau, HORIZON, RATE), rms(squares)
+        rows.append((*models, f"{tau:g}", f"{a:.2f}", f"{b:.2f}", f"{100 * (b / a - 1):+.2f} %"))
+    return rows
+
+
 def main() -> None:
-    run = begin(__doc__, runs=150)
-    quoted = {600.0: "0.762 s, 26.3", 3600.0: "0.691 s, 28.3"}
-    coloured = [(f"{T:g}", *(f"{v:.4g}" for v in whole(T)), quoted[T]) for T in quoted]
-    compared = []
-    for models, tau in itertools.product(MODELS, TIMES):
-        a, b = cell(models, tau, run.asked.runs)
-        compared.append((*models, f"{tau:g}", f"{a:.2f}", f"{b:.2f}", f"{100 * (b / a - 1):+.2f} %"))
+    run = begin(__doc__, runs=150, whole=40)
+    runs = run.asked.runs
     places, ways = ("fixed base", "acceleration", "oscillation"), ("mean", "instant", "expected")
-    drifts = coning()
     sections = (
         ("Closed forms", ("what", "here", "expected"), closed_forms()),
         ("Flicker and random walk",
-         ("T [s]", "time constant [s]", "predicted [arcsec]", "simulated [arcsec]", "expected"), coloured,
-         f"{WHOLE[0]}; {WHOLE[1]}; 30 runs."),
+         ("T [s]", "time constant [s]", "predicted [arcsec]", "simulated [arcsec]", "expected"),
+         flicker_rows(run.asked.whole), f"{WHOLE[0]}; {WHOLE[1]}; {run.asked.whole} runs."),
         ("Predicted against simulated",
-         ("gyro", "accelerometer", "time constant [s]", "predicted", "simulated", "difference"), compared,
-         f"Above 1/(2T), T = {HORIZON:g} s, {RATE:g} Hz, {run.asked.runs} runs of {LONGER} T; arcsec."),
+         ("gyro", "accelerometer", "time constant [s]", "predicted", "simulated", "difference"), compared_rows(runs),
+         f"Above 1/(2T), T = {HORIZON:g} s, {RATE:g} Hz, {runs} runs of {LONGER} T; arcsec."),
         ("Loss against the optimal causal filter",
          ("gyro", "accelerometer", "time constant [s]", "first order", "second order", "bound", "loss"), losses(),
          "T = 600 s, 100 Hz; arcsec."),
@@ -238,14 +221,9 @@ def main() -> None:
          ("filter", "mean derived", "mean simulated", "instant derived", "instant simulated", "expected"),
          oscillation_rows(), "RMS of roll and pitch, deg: lever arm and lead of the sampled rates in closed form, with "
          "the error at rest; simulated; and of the prototype."),
-        ("Coning", ("algorithm", "here", "expected"),
-         [(name, f"{drifts[name]:.4g}", f"{known:.4g}") for name, known in CONING_FIGURES.items()],
-         "Drift left of 987 deg/h, deg/h: cone of 1 deg at 5 Hz, sampled at 200 Hz."),
-        ("Speed", ("filter", "s for 1e6 samples"), [(k, f"{v:.2f}") for k, v in speeds().items()],
-         "The shortest of three runs."),
     )  # fmt: skip
     body = [line for part in sections for line in section(*part)]
-    run.publish("Gyro-vertical", ["random numbers with seeds 1, 2, 3 ..."], body)
+    run.publish("Gyro-vertical", [f"{SEEDS}; of the scenarios 1"], body)
 
 
 if __name__ == "__main__":

@@ -159,10 +159,10 @@ def test_filters_of_the_benchmark_are_those_of_the_referee(time, truth):
 
 @pytest.mark.slow("takes more than half a second")
 def test_simulated_errors_are_those_of_the_covariance():
-    """Of 1 000 runs within four standard errors, for a drift, a stationary noise, and an accurate aid."""
+    """Of 300 runs within four standard errors, for a drift, a stationary noise, and an accurate aid."""
     model = GYRO + al.GM(10, "deg/h", time_constant=100.0)
     rng, found = np.random.default_rng(11), aided.filters([aided.target(GYRO)], AID)
-    rates, angles = aided.noise(model, 1000, rng)
+    rates, angles = aided.noise(model, 300, rng)
     errors = angles + rates @ found.past[0].T + AID * rng.standard_normal(rates.shape) @ found.aid[0].T
     ratio = np.sqrt(np.mean(errors**2, axis=0)) / aided.truth(model).errors(found, AID)[0]
-    assert abs(ratio - 1).max() < 4 / math.sqrt(2000)
+    assert abs(ratio - 1).max() < 4 / math.sqrt(600)

@@ -25,7 +25,7 @@ HALF = 0.5  # power at the cut-off, over that at low frequencies: -3 dB, a defin
 
 SHAPES = COMPONENTS["filter"].grain[0]
 """Logarithm by which the limits are widened, as far as states of the search are taken for one: filters that no row has
-exactly are described by the nearest (`benchmarks/check_settings.py`)."""
+exactly are described by the nearest (`benchmarks/check.py`)."""
 
 CLOSE = 0.005  # step in the logarithm of a cut-off at which the lowest one that a record admits is known
 BROAD_SHAPE = 5.0  # quality of a resonance up to which it may describe the shape of a filter instead of vibration

@@ -80,14 +80,15 @@ def test_flicker_and_random_walk(duration, tau, rms):
 
 
 def test_flicker_and_random_walk_simulated():
-    _, predicted, simulated = benchmark.whole(600.0)
-    assert simulated == pytest.approx(predicted, rel=0.05)
+    simulated = benchmark.rms([benchmark.whole((600.0, 0.762, number)) for number in range(30)])
+    assert simulated == pytest.approx(benchmark.predicted(benchmark.WHOLE, 0.762, 600.0, 20.0), rel=0.05)
 
 
 @rows("which", [0, 3, 7, 14])
 def test_predicted_against_simulated(which):
-    predicted, simulated = benchmark.cell(benchmark.MODELS[which], 2.0, 40)
-    assert simulated == pytest.approx(predicted, rel=0.05)
+    models = benchmark.MODELS[which]
+    simulated = benchmark.rms([benchmark.square((*models, 2.0, number)) for number in range(40)])
+    assert simulated == pytest.approx(benchmark.predicted(models, 2.0, benchmark.HORIZON, benchmark.RATE), rel=0.05)
 
 
 @pytest.mark.slow("seconds of analyses")
