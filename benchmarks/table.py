@@ -31,20 +31,21 @@ RESULTS = ROOT / "benchmarks" / "results"
 CODE = ("src", "benchmarks/*.py", "tests/reference")  # what a figure depends on
 
 ROOMS = {
-    "angle": "applications/angle", "bags": "readers", "bound": "planning/bound.py statespace", "check": "claims",
+    "angle": "applications/angle", "bound": "planning/bound.py statespace", "check": "claims",
     "check_settings": "claims identification",
     "comparison": "comparison", "compensation": "applications/compensation", "confidence_coverage": "statistics",
     "consistency": "exporting", "data_sheets": "claims interpretation planning", "drift": "planning",
-    "end_to_end": "cli reporting study", "environments": "",
+    "environments": "",
     "fuzz": "batch cli core readers study web", "gaps": "identification statistics", "hybrids": "statistics",
-    "held": "prepare", "identification": "identification", "limits": "identification statistics", "logs": "readers",
-    "methods": "identification", "noise_identification": "statistics", "out_of_core": "stream statistics",
+    "held": "prepare", "identification": "identification", "kills": "cli parallel statistics",
+    "limits": "identification statistics", "logs": "readers",
+    "methods": "identification", "noise_identification": "statistics",
     "prices": "identification", "rate": "applications/constant_rate", "real_sensors": "identification prepare",
     "selection": "identification",
-    "signals": "cli parallel statistics", "simulation": "simulation", "slow_noise": "identification",
-    "speed": "identification kernels statistics", "stranger": "cli kernels", "stream": "stream",
+    "simulation": "simulation", "slow_noise": "identification",
+    "speed": "cli identification kernels readers reporting statistics study", "streams": "readers stream study",
     "terms": "identification terms", "theoh_paper": "identification statistics", "vertical": "applications/attitude",
-    "watching": "readers stream study", "window_moments": "statistics/moments",
+    "window_moments": "statistics/moments",
 }  # fmt: skip
 """Folders and files of the package that the tables of a script describe, "" all of it: see tools/stale.py."""
 

@@ -1,6 +1,6 @@
-"""Hostile requests to the page in the browser and damaged files of its folder: the target `page` of benchmarks/fuzz.py.
+"""Hostile requests to the page in the browser and damaged files of its folder: the kind `page` of benchmarks/fuzz.py.
 
-Request k has the seed "page k", damage k of a file that of `damaged.generator`. Requests go to every route of the
+Request k has the seed "page k", damage k of a file that of `tests.hostile.generator`. Requests go to every route of the
 application, with the workspaces, files and jobs that are there, and with others; a job that is begun by one is
 cancelled, or waited for. A failure is a status of 500 or more, an answer without a sentence, an internal error of a
 job, or a workspace that cannot be read any more.
@@ -15,6 +15,7 @@ from pathlib import Path
 
 import httpx
 import numpy as np
+from tests.hostile import generator, mutated
 
 from allanite.cli import jobs as verbs
 from allanite.core.choices import choices_of
@@ -26,7 +27,6 @@ from allanite.web import schema
 from allanite.web.jobs import UNFINISHED, Jobs
 from allanite.web.server import application
 from allanite.web.store import Store
-from damaged import generator, mutated
 
 RAW = (
     b"", b"{", b"[1]", b"null", b"\xff\xfe", b'{"a":NaN}', b'{"a":1e999}', b'{"a":"\\ud800"}', b'{"a":' * 90_000,
