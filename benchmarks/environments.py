@@ -28,11 +28,9 @@ ROOMS = (
 )  # fmt: skip
 """Tests of everything that meets a dependency, and of every statistic."""
 
-PLACES = (
-    "tests/conformance/test_round_trip.py",
-    "tests/conformance/test_extras.py",
-    "tests/stories/test_first_answer.py",
-)
+PLACES = tuple(f"tests/{test}.py" for test in (
+    "conformance/test_round_trip", "conformance/test_extras", "stories/test_first_answer"
+))  # fmt: skip
 """Tests of every format and of the commands, in processes of their own."""
 
 REFUSED = """
@@ -57,10 +55,8 @@ def run(*words: object, folder: Path, environ: Mapping[str, str] = {}) -> tuple[
 
 def must(*words: object, folder: Path) -> str:
     """What a command prints that has to succeed."""
-    code, said = run(*words, folder=folder)
-    if code:
-        sys.exit(said)
-    return said
+    code, printed = run(*words, folder=folder)
+    return sys.exit(printed) if code else printed
 
 
 def offline(home: Path) -> tuple[tuple[str, ...], dict[str, str]]:
@@ -111,12 +107,11 @@ KINDS = {
     "chinese": Kind("Chinese, GB 18030", environ=_speaking("zh_CN.gb18030")),
     "pre-releases": Kind("plain", dependencies="pre-release", pip=("--pre",), tests=ROOMS + PLACES),
     "binary": Kind(
-        "no compiler",
-        pip=("--only-binary", ":all:"),
+        "no compiler", pip=("--only-binary", ":all:"),
         environ={"PATH": "{bin}", "CC": "/bin/false", "CXX": "/bin/false"},
     ),
     "sdist": Kind("plain", FIRST, form="sdist", extras="none"),
-}
+}  # fmt: skip
 
 SHOWN = ("numpy", "scipy", "numba", "pyarrow", "matplotlib", "click", "h5py")  # packages whose versions the table has
 

@@ -2,11 +2,11 @@
 
     python benchmarks/fuzz.py [--targets files analysis records results inputs page] [--share 1] [--only KIND]
 
-The targets and their cases are those of tests/hostile.py, and of benchmarks/page_requests.py for the page in the
-browser. A case that fails is printed with its kind and number, which make it again. Each kind runs in a watched
-process. A failure is an error of another type than AllaniteError, a warning of a computation, a message of fewer than
-20 or more than 1000 letters, a crash, a hang, more processor time or more memory than the target allows, or an answer
-that the target says is none. Ends with exit code 1 if there is one.
+The targets and their cases are those of tests/hostile.py, and of tests/web/hostile.py for the page in the browser. A
+case that fails is printed with its kind and number, which make it again. Each kind runs in a watched process. A failure
+is an error of another type than AllaniteError, a warning of a computation, a message of fewer than 20 or more than 1000
+letters, a crash, a hang, more processor time or more memory than the target allows, or an answer that the target says
+is none. Ends with exit code 1 if there is one.
 """
 
 from table import begin, section
@@ -42,11 +42,11 @@ OPEN = contextlib.ExitStack()  # what a target has opened, which its process clo
 
 def page(name: str) -> Take:
     """Requests to the page, or damage of one of its files."""
-    import page_requests
+    from tests.web import hostile
 
-    opened, runner = page_requests.prepared(Path("page"))
+    opened, runner = hostile.prepared(Path("page"))
     OPEN.callback(opened.jobs.workers.close)
-    return page_requests.requests(opened, runner) if name == "requests" else page_requests.damage(opened, runner, name)
+    return hostile.requests(opened, runner) if name == "requests" else hostile.damage(opened, runner, name)
 
 
 class Target(NamedTuple):

@@ -21,7 +21,7 @@ import sys
 import tempfile
 import time
 import zlib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -67,23 +67,16 @@ VERBS = {f"{line} of a file": line.replace(" ", " gyro.npz ", 1) if " " in line 
          for line in PLAIN} | VERBS  # fmt: skip
 
 
-class Job(NamedTuple):
-    """A command, and how its target begins and ends when it is whole."""
-
-    words: str
-    target: str
-    whole: tuple[bytes, bytes]
-
-
 SIMULATED = "simulate {out}/s.npz --sensor mems --rate 100 --force --samples "
 JOBS = {
-    "analyze --report": Job(
-        "analyze {in}/a.npz --quiet --force --report {out}/a.html", "a.html", (b"<!DOCTYPE html>", b"</html>")
+    "analyze --report": (
+        "analyze {in}/gyro.npz --quiet --force --report {out}/a.html", "a.html", b"<!DOCTYPE html>", b"</html>"
     ),
-    "simulate .npz": Job(f"{SIMULATED}300000", "s.npz", (b"PK", b"")),
-    "simulate .npz, too large": Job(f"{SIMULATED}3000000", "s.npz", (b"PK", b"")),
-    "info of a .csv.gz": Job("info {in}/a.csv.gz --quiet --force --json {out}/i.json", "i.json", (b"{", b"}")),
-}
+    "simulate .npz": (f"{SIMULATED}300000", "s.npz", b"PK", b""),
+    "simulate .npz, too large": (f"{SIMULATED}3000000", "s.npz", b"PK", b""),
+    "info of a .csv.gz": ("info {in}/gyro.csv.gz --quiet --force --json {out}/i.json", "i.json", b"{", b"}"),
+}  # fmt: skip
+"""Commands, their target, and how it begins and ends when it is whole."""
 
 Line = tuple[list[str], list[str]]
 """The cells of a job, and what went wrong."""
@@ -144,6 +137,7 @@ def moments(
             look(),
         ]
         wrong += [f"{name}, run {k}, {signal.Signals(number).name} at {at:.3f} s: {each}" for each in why if each]
+    print(name, *wrong, sep="\n", file=sys.stderr, flush=True)
     seconds = f"{takes:.1f}" if takes < LONGEST else f"over {LONGEST:g}"
     return [name, seconds, str(runs), str(ended), f"{slowest:.2f}", str(len(wrong))], wrong
 
@@ -171,7 +165,10 @@ class Place(NamedTuple):
 
     source: Path
     disk: Path
-    job: Job
+    words: str
+    target: str
+    begins: bytes
+    ends: bytes
 
     def start(self) -> subprocess.Popen[bytes]:
         """Start it, with an old file in the place of its target."""
@@ -179,18 +176,18 @@ class Place(NamedTuple):
         for folder in (out, copies):
             shutil.rmtree(folder, ignore_errors=True)
             folder.mkdir()
-        (out / self.job.target).write_bytes(OLD)
-        words = self.job.words.replace("{in}", str(self.source)).replace("{out}", str(out))
+        (out / self.target).write_bytes(OLD)
+        words = self.words.replace("{in}", str(self.source)).replace("{out}", str(out))
         return started(words, self.disk, TMPDIR=str(copies))
 
     def wrong(self) -> str:
         """What is not as it should be once the program has ended."""
-        target = self.disk / "out" / self.job.target
-        data, (begins, ends) = target.read_bytes(), self.job.whole
+        target = self.disk / "out" / self.target
+        data = target.read_bytes()
         others = [p.name for folder in ("out", "copies") for p in (self.disk / folder).iterdir() if p != target]
         if others:
             return f"left: {', '.join(others)}"
-        whole = data.startswith(begins) and data.rstrip().endswith(ends) and readable(target)
+        whole = data.startswith(self.begins) and data.rstrip().endswith(self.ends) and readable(target)
         return "" if data == OLD or whole else f"a target of {len(data)} bytes that is not whole"
 
 
@@ -204,23 +201,12 @@ def readable(target: Path) -> bool:
 
 def files(folder: Path, samples: int, runs: int) -> Iterator[Line]:
     """The lines of jobs that write a file."""
-    source = folder / "in"
-    source.mkdir()
-    record = al.simulate(al.sensor("mems"), samples, 100.0, rng=np.random.default_rng(1))
-    al.write(record, source / "a.npz")
-    zipped(record, source / "a.csv.gz")
+    recordings(folder, samples)
     with disks(folder) as places:
         for name, job in JOBS.items():
             for disk, path in places.items():
-                place = Place(source, path, job)
+                place = Place(folder, path, *job)
                 yield moments(f"{name}, {disk}", place.start, place.wrong, SIGNALS, runs)
-
-
-def zipped(record: al.Record, path: Path) -> None:
-    """Write a record as packed text."""
-    al.write(record, path.with_suffix(""))
-    with open(path.with_suffix(""), "rb") as plain, gzip.open(path, "wb", 1) as packed:
-        shutil.copyfileobj(plain, packed)
 
 
 # --- verbs -----------------------------------------------------------------------------------------------------------
@@ -232,7 +218,8 @@ def recordings(folder: Path, samples: int) -> None:
     gyro, other = (al.simulate(al.sensor("mems"), samples, 100.0, rng=rng) for _ in range(2))
     al.write(gyro, folder / "gyro.npz")
     al.write(other, folder / "other.npz")
-    zipped(gyro, folder / "gyro.csv.gz")
+    al.write(gyro, folder / "gyro.csv")
+    (folder / "gyro.csv.gz").write_bytes(gzip.compress((folder / "gyro.csv").read_bytes(), 1))
     np.save(folder / "gyro.npy", gyro.values)
     names = ("gx [deg/s]", "gy [deg/s]", "gz [deg/s]", "ax [g]", "ay [g]", "az [g]")
     still = gyro.values[: samples // 6]
@@ -258,23 +245,15 @@ def verbs(folder: Path, samples: int, runs: int) -> Iterator[Line]:
         yield moments(name, start, str, SIGNALS[:1], runs)
 
 
-def told(lines: Iterable[Line], wrong: list[str]) -> Iterator[list[str]]:
-    """The rows of lines, which are printed as they come; what went wrong is gathered."""
-    for row, why in lines:
-        print(*row, *why, sep=" | ", file=sys.stderr, flush=True)
-        wrong += why
-        yield row
-
-
 def main() -> int:
     run = begin(__doc__, files=100, verbs=3, samples=5_000_000)
     for number in SIGNALS:  # which a shell or nohup may have let programs ignore
         signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
-    headings, wrong = ("job", "takes s", "runs", "ended by the signal", "slowest s", "failures"), list[str]()
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        of_files = list(told(files(folder, run.asked.samples // 12, run.asked.files), wrong))
-        of_verbs = list(told(verbs(folder, run.asked.samples, run.asked.verbs), wrong))
+    headings = ("job", "takes s", "runs", "ended by the signal", "slowest s", "failures")
+    with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as other:
+        of_files = list(files(Path(one), run.asked.samples // 12, run.asked.files))
+        of_verbs = list(verbs(Path(other), run.asked.samples, run.asked.verbs))
+    wrong = [each for _, why in of_files + of_verbs for each in why]
     notes = (
         "run k of a job has the seed (crc32 of its name, k); the slowest is that of all runs, to the end",
         f"a failure is more than {LIMIT:g} s, a process or a file that is left, a target that is neither the old file "
@@ -282,7 +261,8 @@ def main() -> int:
         *(f"failed: {each}" for each in wrong),
     )
     run.publish("Programs ended at random moments", notes, [
-        *section("Files, by three signals", headings, of_files), *section("Verbs, by Ctrl-C", headings, of_verbs),
+        *section("Files, by three signals", headings, [row for row, _ in of_files]),
+        *section("Verbs, by Ctrl-C", headings, [row for row, _ in of_verbs]),
     ])  # fmt: skip
     return int(bool(wrong))
 

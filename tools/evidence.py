@@ -83,8 +83,8 @@ def beside(script: Path) -> Iterator[Path]:
             known.add(path)
             yield path
             text = path.read_text("utf-8")
-            names = re.findall(r"^\s*(?:import|from) ([\w.]+)", text, re.MULTILINE)
-            names += [f"tests.{name}" for name in re.findall(r"^\s*from tests import (\w+)", text, re.MULTILINE)]
+            found = re.findall(r"^\s*(?:import|from) ([\w.]+)(?: import (\w+)$)?", text, re.MULTILINE)
+            names = [name for module, part in found for name in (module, f"{module}.{part}")]
             waiting += [root / f"{name.replace('.', '/')}.py" for name in names for root in (ROOT / "benchmarks", ROOT)]
 
 

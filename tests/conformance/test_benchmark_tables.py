@@ -1,4 +1,7 @@
-"""A part of each committed table is made again: as chance allows where records are fewer, else digit by digit."""
+"""Committed tables are of the scripts and methods of today; a part of that of the methods is made again.
+
+Parts of other tables are made again by their scripts: `PARTS` of tools/nightly.py.
+"""
 
 import table
 from table import RESULTS, read
@@ -13,7 +16,6 @@ import numpy as np
 import pytest
 from tests import ROOT
 from tests.rows import rows
-from tests.shares import binomial_tail
 
 import allanite as al
 
@@ -24,12 +26,6 @@ def rows_of(name, section="", **where):
     """Rows of a committed table whose cells are as given."""
     every = (row for part in read(name).tables(section) for row in part)
     return [row for row in every if all(row.get(heading) == cell for heading, cell in where.items())]
-
-
-def within(share, count, table_share, least, error=1e-4):
-    """Whether a share of so many records, %, is one of a table's share, which is at least so far from 0 and 1."""
-    p = min(max(float(table_share) / 100, least), 1 - least)
-    return binomial_tail(round(float(share) * count / 100), count, p) > error
 
 
 @pytest.mark.slow("loads every script")
@@ -43,34 +39,6 @@ def test_the_command_of_every_table_is_taken_by_its_script(monkeypatch):
         with pytest.raises(SystemExit) as end:
             importlib.import_module(Path(script).stem).main()
         assert end.value.code is None, now
-
-
-@again
-@rows("sensor, terms", [(sensor, terms) for sensor in ("MEMS", "FOG", "RLG") for terms in ("auto", "known")])
-def test_identification(sensor, terms):
-    from identification import Job, identified, summary, symbols
-
-    count = 25
-    jobs = [Job(terms, sensor, 65536, seed) for seed in range(1, count + 1)]
-    found = [identified(job) for job in jobs]
-    expected = rows_of("identification.md", terms=terms, sensor=sensor, n="65536")
-    assert [row["term"][0] for row in expected] == list(symbols(terms, sensor))
-    for which, row in enumerate(expected):
-        made = summary(jobs[0], row["term"][0], [record[which] for record in found])
-        for column, heading in ((5, "claimed %"), (7, "cover %"), (8, "profile %")):
-            assert within(made[column], count, row[heading], 0.002, 1e-5)
-        assert made[4] == row["bound %"] or float(made[4]) == pytest.approx(float(row["bound %"]), rel=0.03)
-
-
-@again
-def test_selection():
-    """False claims in 20 records of white noise: more than 5 of 3.5 % each have a probability of 1e-4."""
-    from selection import PURE, claimed, fitted
-
-    found = [fitted((PURE[0], seed)) for seed in range(1, 21)]
-    assert all("N" in claimed(terms) for terms, _, _ in found)
-    assert sum(bool(claimed(terms) - {"N", "R"}) for terms, _, _ in found) <= 5
-    assert sum(p < 0.05 for _, p, _ in found) <= 6
 
 
 def test_every_term_is_in_a_model_of_the_simulation():

@@ -6,6 +6,8 @@ import pytest
 from tests import ROOT
 
 import evidence
+import fuzz
+import nightly
 import stale
 from evidence import Job
 
@@ -77,7 +79,16 @@ def test_a_table_is_fresh_until_what_it_describes_changes(tmp_path, monkeypatch)
 
 def test_a_script_is_known_with_what_it_imports():
     names = {path.relative_to(ROOT).as_posix() for path in evidence.beside(ROOT / "benchmarks" / "fuzz.py")}
-    assert {"benchmarks/table.py", "benchmarks/page_requests.py", "tests/hostile.py", "tests/bag_files.py"} <= names
+    assert {"benchmarks/table.py", "tests/hostile.py", "tests/web/hostile.py", "tests/bag_files.py"} <= names
+
+
+def test_every_night_has_seeds_of_its_own():
+    words = nightly.words(nightly.PARTS["fuzz: files"])
+    first = int(words[words.index("--first") + 1])
+    assert first % nightly.SEEDS_A_NIGHT == 0
+    assert first > 0
+    most = max(count for target in fuzz.TARGETS.values() for count in target.kinds.values())
+    assert most <= nightly.SEEDS_A_NIGHT
 
 
 @pytest.mark.xfail(reason="scripts that write a table of their own are still to come", strict=True)
