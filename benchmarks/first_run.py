@@ -47,7 +47,7 @@ ALONE = ("uvx", "pipx")  # programs that install what they run
 
 def commands(readme: str) -> list[str]:
     """What the README says to type, in its order: lines of shell, and whole blocks of Python as `python -c`."""
-    found = []
+    lines_typed = []
     for language, block in re.findall(r"^```(sh|console|python)\n(.*?)^```", readme, re.DOTALL | re.MULTILINE):
         lines = block.splitlines()
         typed = {
@@ -55,8 +55,8 @@ def commands(readme: str) -> list[str]:
             "console": [line.removeprefix("$ ") for line in lines if line.startswith("$ ")],
             "python": [shlex.join(["python", "-c", block])],
         }
-        found += typed[language]
-    return found
+        lines_typed += typed[language]
+    return lines_typed
 
 
 def spent(words: list[Any], **how: Any) -> tuple[float, float, subprocess.CompletedProcess[str]]:
@@ -89,12 +89,12 @@ class Place:
         """Time of a command and of the processors, s, and what it printed; the next one is typed where it ended."""
         if not (self.folder / "FILE").exists():
             shutil.copy(self.recording, self.folder / "FILE")
-        there = self.home / "there"
-        words = ["sh", "-c", f'{line}\ncode=$?; pwd > "{there}"; exit $code']
+        where = self.home / "where"
+        words = ["sh", "-c", f'{line}\ncode=$?; pwd > "{where}"; exit $code']
         wall, used, done = spent(words, cwd=self.folder, env=self.environment | more)
         if done.returncode:
             sys.exit(f"{line}\n{done.stdout}{done.stderr}")
-        self.folder = Path(there.read_text().strip())
+        self.folder = Path(where.read_text().strip())
         return wall, used, done.stdout
 
     def row(self, line: str) -> tuple[str, float, float | None]:

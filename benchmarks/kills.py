@@ -250,9 +250,9 @@ def main() -> int:
     for number in SIGNALS:  # which a shell or nohup may have let programs ignore
         signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
     headings = ("job", "takes s", "runs", "ended by the signal", "slowest s", "failures")
-    with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as other:
-        of_files = list(files(Path(one), run.asked.samples // 12, run.asked.files))
-        of_verbs = list(verbs(Path(other), run.asked.samples, run.asked.verbs))
+    with tempfile.TemporaryDirectory() as a, tempfile.TemporaryDirectory() as b:
+        of_files = list(files(Path(a), run.asked.samples // 12, run.asked.files))
+        of_verbs = list(verbs(Path(b), run.asked.samples, run.asked.verbs))
     wrong = [each for _, why in of_files + of_verbs for each in why]
     notes = (
         "run k of a job has the seed (crc32 of its name, k); the slowest is that of all runs, to the end",

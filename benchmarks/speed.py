@@ -283,16 +283,13 @@ def peers() -> dict[str, tuple[str, float]]:
     return {name: (parts[name][0].format(k), term) for name, (k, term) in measured.items()}
 
 
-def growth(_: int) -> list[str]:
-    """How the time grows with the record."""
-    sizes = {name: [largest // 10**k for k in (3, 2, 1, 0)] for name, (_, largest) in JOBS.items()}
-    records = {n: record_of(n) for n in {1_000_000, *(n for each in sizes.values() for n in each)}}
-    for name, (job, _) in JOBS.items():
-        job(records[sizes[name][1]])
-    times = {name: [least(partial(job, records[n]), 3) for n in sizes[name]] for name, (job, _) in JOBS.items()}
-    peer, every = peers(), partial(JOBS["oadev, every tau"][0], records[1_000_000])
-    million, hundred = (
-        least(partial(by_allantools, "oadev", records[n], GRIDS["log"](n // 2)), 3) for n in (1_000_000, LONG)
+def demanded(times: dict[str, list[float]], peer: dict[str, tuple[str, float]]) -> list[Demand]:
+    """What is wanted of the times of jobs."""
+    long, million = record_of(LONG), record_of(1_000_000)
+    least_of = partial(least, rounds=3)
+    every = least_of(partial(JOBS["oadev, every tau"][0], million))
+    few, hundred = (
+        least_of(partial(by_allantools, "oadev", each, GRIDS["log"](each.size // 2))) for each in (million, long)
     )
 
     def over(what: str, ours: float, of: str, terms: float, bound: float) -> Demand:
@@ -303,34 +300,43 @@ def growth(_: int) -> list[str]:
         return Demand(what, seconds / theirs, bound, "<=", seconds, theirs)
 
     def spare(name: str) -> float:
-        return allocated(partial(JOBS[name][0], records[LONG])) / records[LONG].values.nbytes
+        return allocated(partial(JOBS[name][0], long)) / long.values.nbytes
 
-    windows = 9901 * differences(36_000, WINDOW)
-    demands = [
-        beside("oadev, every tau of 1e6, over allantools' 100", least(every, 3), million, 6),
+    theo, total = times["theo1, 100 tau"][-1], times["mtotdev, 50 tau"][2]
+    return [
+        beside("oadev, every tau of 1e6, over allantools' 100", every, few, 6),
         over("oadev, every tau of 3.6e6: allantools over ours", times["oadev, every tau"][-1], "oadev",
              differences(LONG, range(1, LONG // 2 + 1)), 1000),
-        over("theo1, every even m of 7200: allantools over ours", times["theo1, every even m"][2],
-             "theo1", theo1_terms(7_200, range(2, 7_201, 2)), 1e5),
-        beside("theo1, 100 m of 720000, over allantools' 100 tau oadev of 3.6e6", times["theo1, 100 tau"][-1],
-               hundred, 8),
+        over("theo1, every even m of 7200: allantools over ours", times["theo1, every even m"][2], "theo1",
+             theo1_terms(7_200, range(2, 7_201, 2)), 1e5),
+        beside("theo1, 100 m of 720000, over allantools' 100 tau oadev of 3.6e6", theo, hundred, 8),
         beside("theoh, 100 tau of 720000, over the same", times["theoh, 100 tau"][-1], hundred, 25),
-        over("mtotdev, 50 m of 1e5: allantools over ours", times["mtotdev, 50 tau"][2], "mtotdev",
+        over("mtotdev, 50 m of 1e5: allantools over ours", total, "mtotdev",
              mtot_terms(100_000, log_factors(100_000 // 3, 50)), 1e5),
         over("dynamic oadev, 9901 windows x 46 tau of 3.6e6: numpy per window over ours",
-             times["dynamic oadev, 9901 windows"][-1], "numpy per window", windows, 100),
+             times["dynamic oadev, 9901 windows"][-1], "numpy per window", 9901 * differences(36_000, WINDOW), 100),
         *(Demand(f"memory of {name} of 3.6e6, over the record", spare(name), 10)
           for name in ("oadev, every tau", "oadev, 100 tau")),
         Demand("oadev, every tau of 3.6e6 [s]", times["oadev, every tau"][-1], 2),
-        Demand("theo1, 100 m of 720000 [s]", times["theo1, 100 tau"][-1], 2),
-        Demand("mtotdev, 50 m of 1e5 [s]", times["mtotdev, 50 tau"][2], 3),
+        Demand("theo1, 100 m of 720000 [s]", theo, 2),
+        Demand("mtotdev, 50 m of 1e5 [s]", total, 3),
     ]  # fmt: skip
+
+
+def growth(_: int) -> list[str]:
+    """How the time grows with the record."""
+    sizes = {name: [largest // 10**k for k in (3, 2, 1, 0)] for name, (_, largest) in JOBS.items()}
+    records = {n: record_of(n) for each in sizes.values() for n in each}
+    for name, (job, _) in JOBS.items():
+        job(records[sizes[name][1]])
+    times = {name: [least(partial(job, records[n]), 3) for n in sizes[name]] for name, (job, _) in JOBS.items()}
+    peer = peers()
     rows = [(name, str(sizes[name][-1]), *(f"{seconds:.3g}" for seconds in times[name])) for name in JOBS]
     return [
-        *judged("Growth with the record", demands),
+        *judged("Growth with the record", demanded(times, peer)),
         *section("Peers, extrapolated by their inner terms: a difference, squared and summed",
                  ("job", "ns a term", "from"), [(name, f"{1e9 * s:.3g}", part) for name, (part, s) in peer.items()]),
-        *section("Time by samples, s", ("job", "n", "n/1000", "n/100", "n/10", "n"), rows),
+        *section("Time by samples, s", ("job", "n", "n/1000", "n/100", "n/10", "all"), rows),
     ]  # fmt: skip
 
 

@@ -82,9 +82,9 @@ def read(path: Path, options: dict) -> al.Recording:
     try:
         return al.read(path, **options)
     except al.AllaniteError as error:
-        said = str(error).removeprefix(str(path))
-        if "does not fit into memory" in said or len(said) <= 20:
-            raise AssertionError(f"no way to refuse a file: {said}") from error
+        words = str(error).removeprefix(str(path))
+        if "does not fit into memory" in words or len(words) <= 20:
+            raise AssertionError(f"no way to refuse a file: {words}") from error
         raise
 
 
@@ -210,14 +210,14 @@ EXPORTED, OTHER = ("Study", "Fit", "Channel"), al.Model("N 60 ug/sqrt(Hz), K 20 
 
 def places(data: Any, most: int = 4000) -> list[tuple[Any, Any]]:
     """Containers and keys of the parts of plain data; of a long list the first and last ones."""
-    found: list[tuple[Any, Any]] = []
+    parts: list[tuple[Any, Any]] = []
     waiting = [data]
-    while waiting and len(found) < most:
+    while waiting and len(parts) < most:
         part = waiting.pop(0)
         keys = list(part) if isinstance(part, dict) else sorted({0, 1, len(part) - 1} & set(range(len(part))))
-        found += [(part, key) for key in keys]
+        parts += [(part, key) for key in keys]
         waiting += [part[key] for key in keys if isinstance(part[key], (dict, list))]
-    return found
+    return parts
 
 
 def changed(data: dict[str, Any], rng: np.random.Generator) -> Any:
@@ -243,9 +243,9 @@ def _change(part: Any, key: Any, way: str, listed: list[tuple[Any, Any]], rng: n
     elif way == "cut" and isinstance(value, (list, str)):
         part[key] = value[: len(value) // 2]
     elif way == "swap":
-        other, there = listed[rng.integers(len(listed))]
-        if there in other if isinstance(other, dict) else there < len(other):
-            part[key] = copy.deepcopy(other[there])
+        other, place = listed[rng.integers(len(listed))]
+        if place in other if isinstance(other, dict) else place < len(other):
+            part[key] = copy.deepcopy(other[place])
     elif way == "scale" and isinstance(value, (int, float)) and not isinstance(value, bool):
         part[key] = value * float(rng.choice([-1.0, 0.0, 1e-300, 1e300]))
     else:
@@ -363,7 +363,7 @@ def calls(name: str) -> Take:
     def take(k: int) -> object:
         rng = generator(name, k)
         function, parameter = parameters[rng.integers(len(parameters))]
-        fits = [one for one in OTHERS if not misfit(one, declared(function).get(parameter, Any))]
+        fits = [value for value in OTHERS if not misfit(value, declared(function).get(parameter, Any))]
         chosen = fits if fits and rng.random() < 0.5 else OTHERS
         value = chosen[rng.integers(len(chosen))]
         if expected := misfit(value, declared(function).get(parameter, Any)):

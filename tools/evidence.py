@@ -83,8 +83,8 @@ def beside(script: Path) -> Iterator[Path]:
             known.add(path)
             yield path
             text = path.read_text("utf-8")
-            found = re.findall(r"^\s*(?:import|from) ([\w.]+)(?: import (\w+)$)?", text, re.MULTILINE)
-            names = [name for module, part in found for name in (module, f"{module}.{part}")]
+            imports = re.findall(r"^\s*(?:import|from) ([\w.]+)(?: import (\w+)$)?", text, re.MULTILINE)
+            names = [name for module, part in imports for name in (module, f"{module}.{part}")]
             waiting += [root / f"{name.replace('.', '/')}.py" for name in names for root in (ROOT / "benchmarks", ROOT)]
 
 

@@ -97,19 +97,19 @@ class Page:
 
     async def ended(self, job: str) -> dict:
         """A job that is over."""
-        while (found := self.jobs.job(job))["state"] in UNFINISHED:
+        while (job_now := self.jobs.job(job))["state"] in UNFINISHED:
             await asyncio.sleep(0.02)
-        return found
+        return job_now
 
     def drawn(self, rng: random.Random) -> tuple[str, str, str, dict, bytes]:
         """A request: its route, method, path, query and body."""
         route, method, row = rng.choice(self.routes)
         own = {"/api/jobs": self.job, "/api/workspaces": self.home}
         name = next((one for begin, one in own.items() if route.startswith(begin)), "")
-        there = {"name": name, "file": self.file, "rest:path": "x"}
+        parts = {"name": name, "file": self.file, "rest:path": "x"}
         drops = method == "DELETE"
         path = route
-        for key, one in there.items():
+        for key, one in parts.items():
             junk = rng.choice(("0" * 16, "x", "..", "%00", "%ff", f"{'0' * 16}-{'0' * 16}", "a" * 3000, self.file))
             path = path.replace(f"{{{key}}}", junk if drops or rng.random() < 0.1 else one)
         query = [p.alias for p in row.dependant.query_params] + ["name"]
