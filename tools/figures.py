@@ -131,8 +131,8 @@ SENTENCES = [
     ("docs/data_sheet.md", "the in-run stabilities are {:.2f} to {:.2f} and", lambda: beside("Gyro", *STABLE)),
     ("docs/data_sheet.md", "and {:.2f} to {:.2f} times the printed ones", lambda: beside("Accel", *STABLE)),
     ("docs/recordings.md", "is {:.2f} to {:.2f} times what it states", lambda: beside("Gyro", *WALK)),
-    ("docs/stream.md", "of about {:.0f} kB", lambda: [stated("stream.md", r"holds (\d+) bytes")[0] / 1000]),
-    ("docs/stream.md", "are {:.2f} to {:.2f} times", lambda: span(figures("stream.md", "Coeff", "stream / bound"))),
+    ("docs/stream.md", "of about {:.0f} kB", lambda: [stated("streams.md", r"holds (\d+) bytes")[0] / 1000]),
+    ("docs/stream.md", "are {:.2f} to {:.2f} times", lambda: span(figures("streams.md", "Coeff", "stream / bound"))),
     ("docs/compare.md", "between {:.2f} and {:.0f} times the one seen (95 %)", lambda: [
         chdtri(1, tail) ** -0.5 for tail in (0.025, 0.975)]),
     ("docs/compare.md", "calls {:.2f} to {:.2f} % of {:g} pairs", lambda: [
