@@ -291,6 +291,8 @@ def counted(page: str, text: str, problems: list[str]) -> str:
             continue
         READ.clear()
         new = filled(sentence, numbers)
+        if UNKNOWN in new and page.startswith("src/"):  # the source keeps the number that it has
+            continue
         link = r"benchmarks/(?:results/)?{0}.md|known\.md|\[{0}, not made yet"
         stems = {name.removesuffix(".md"): name for name in READ}
         lacking = [name for stem, name in stems.items() if not re.search(link.format(stem), text)]
