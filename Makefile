@@ -3,6 +3,7 @@
 # make test       what must hold after every change
 # make ci         what continuous integration runs
 # make nightly    everything that must hold, with all examples
+# make evidence   every table of the benchmarks, of the code as it is
 # make docs       the documentation site
 # Each sets up what it needs in .venv first; python3 (3.11 or later), pip and make are enough.
 
@@ -10,6 +11,7 @@ PYTHON  ?= python3
 FILE    ?= examples/tactical_gyro.csv
 ARGS    ?=
 NIGHT   ?=
+TABLES  ?=
 SINCE   ?= HEAD
 PYTHONS ?= $(foreach v,3.11 3.12 3.13 3.14,$(if $(shell command -v python$(v)),python$(v)))
 OUT     := build/demo
@@ -25,7 +27,7 @@ export FILE
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo quick test ci nightly lint docs pages catalogues matrix release article setup clean
+.PHONY: help demo quick test ci nightly evidence lint docs pages catalogues matrix release article setup clean
 
 help:
 	@echo "make demo              find the noise of an embedded sample"
@@ -34,6 +36,7 @@ help:
 	@echo "make test              lint, types, layers and the tests that every change has to pass"
 	@echo "make ci                the same, and long records, processes, the page in a browser and the site"
 	@echo "make nightly           everything, with all examples: hours; NIGHT='browser site' for parts"
+	@echo "make evidence          make every table of the benchmarks again: hours; TABLES='speed fuzz' for some, TABLES=--all for all"
 	@echo "make lint              lint, types and layers only"
 	@echo "make docs              build the documentation site into build/site"
 	@echo "make matrix            try the wheel with other Pythons and dependencies: build/environments.md"
@@ -73,6 +76,9 @@ ci: .venv/test
 
 nightly: .venv/test
 	$(BIN)/python tools/nightly.py $(NIGHT)
+
+evidence: .venv/test
+	$(BIN)/python tools/evidence.py $(TABLES)
 
 lint: .venv/test
 	@$(LINT)

@@ -28,11 +28,9 @@ ROOMS = (
 )  # fmt: skip
 """Tests of everything that meets a dependency, and of every statistic."""
 
-PLACES = (
-    "tests/conformance/test_round_trip.py",
-    "tests/conformance/test_extras.py",
-    "tests/stories/test_first_answer.py",
-)
+PLACES = tuple(f"tests/{test}.py" for test in (
+    "conformance/test_round_trip", "conformance/test_extras", "stories/test_first_answer"
+))  # fmt: skip
 """Tests of every format and of the commands, in processes of their own."""
 
 REFUSED = """
@@ -57,10 +55,8 @@ def run(*words: object, folder: Path, environ: Mapping[str, str] = {}) -> tuple[
 
 def must(*words: object, folder: Path) -> str:
     """What a command prints that has to succeed."""
-    code, said = run(*words, folder=folder)
-    if code:
-        sys.exit(said)
-    return said
+    code, printed = run(*words, folder=folder)
+    return sys.exit(printed) if code else printed
 
 
 def offline(home: Path) -> tuple[tuple[str, ...], dict[str, str]]:
@@ -111,12 +107,11 @@ KINDS = {
     "chinese": Kind("Chinese, GB 18030", environ=_speaking("zh_CN.gb18030")),
     "pre-releases": Kind("plain", dependencies="pre-release", pip=("--pre",), tests=ROOMS + PLACES),
     "binary": Kind(
-        "no compiler",
-        pip=("--only-binary", ":all:"),
+        "no compiler", pip=("--only-binary", ":all:"),
         environ={"PATH": "{bin}", "CC": "/bin/false", "CXX": "/bin/false"},
     ),
     "sdist": Kind("plain", FIRST, form="sdist", extras="none"),
-}
+}  # fmt: skip
 
 SHOWN = ("numpy", "scipy", "numba", "pyarrow", "matplotlib", "click", "h5py")  # packages whose versions the table has
 
@@ -156,8 +151,8 @@ def install(kind: Kind, python: str, home: Path, made: Mapping[str, Path]) -> tu
     environ = _environ(kind, home)
     pip = (home / "bin" / "python", "-m", "pip", "install", "-q", "-c", limits)
     must(python, "-m", "venv", home, folder=folder)
-    code, said = run(*pip, *kind.pip, which, folder=folder, environ=environ)
-    return (code, said) if code else run(*pip, *tools(kind.extras), folder=folder, environ=environ)
+    code, printed = run(*pip, *kind.pip, which, folder=folder, environ=environ)
+    return (code, printed) if code else run(*pip, *tools(kind.extras), folder=folder, environ=environ)
 
 
 def _environ(kind: Kind, home: Path) -> dict[str, str]:
@@ -173,18 +168,18 @@ def tried(kind: Kind, home: Path, sources: Path) -> tuple[list[str], bool]:
     pytest = (own, "-m", "pytest", "-q", "-n", "2", "--dist", "worksteal", "-p", "no:cacheprovider", "-m", "not slow")
     try:
         environ = _environ(kind, home) | more
-        code, said = run(*before, *pytest, *kind.tests, folder=sources, environ=environ)
+        code, printed = run(*before, *pytest, *kind.tests, folder=sources, environ=environ)
     finally:
         must("chmod", "-R", "u+w", home, folder=home.parent)
-    print(said, flush=True)
+    print(printed, flush=True)
     what = [version, kind.dependencies, kind.form, kind.extras, kind.place]
-    return [*what, *(listed.get(name, "") for name in SHOWN), said.strip().splitlines()[-1].strip("= ")], code == 0
+    return [*what, *(listed.get(name, "") for name in SHOWN), printed.strip().splitlines()[-1].strip("= ")], code == 0
 
 
-def failed(kind: Kind, python: str, said: str) -> list[str]:
+def failed(kind: Kind, python: str, printed: str) -> list[str]:
     """The line of an environment into which something cannot be installed."""
-    print(said, flush=True)
-    return [python, *kind[2:5], kind.place, *("" for _ in SHOWN), said.strip().splitlines()[-1]]
+    print(printed, flush=True)
+    return [python, *kind[2:5], kind.place, *("" for _ in SHOWN), printed.strip().splitlines()[-1]]
 
 
 def at_hand(python: str) -> bool:
@@ -221,9 +216,9 @@ def main() -> None:
         sources, made = built(Path(name))
         for python, kinds in installations(pythons, names):
             home = Path(name, "environment")
-            code, said = install(kinds[0][1], python, home, made)
+            code, printed = install(kinds[0][1], python, home, made)
             for which, kind in kinds:
-                row, passed = tried(kind, home, sources) if code == 0 else (failed(kind, python, said), False)
+                row, passed = tried(kind, home, sources) if code == 0 else (failed(kind, python, printed), False)
                 rows.append([which, *row])
                 good &= passed
             must("rm", "-rf", home, folder=sources)

@@ -35,20 +35,19 @@ RESULTS = ROOT / "benchmarks" / "results"
 CODE = ("src", "benchmarks/*.py", "tests/reference")  # what a figure depends on
 
 ROOMS = {
-    "angle": "applications/angle", "bags": "readers", "check": "claims identification",
-    "comparison": "comparison", "compensation": "applications/compensation",
-    "curves": "identification statistics",
-    "consistency": "exporting", "drift": "planning",
-    "end_to_end": "cli reporting study", "environments": "",
+    "angle": "applications/angle",
+    "check": "claims identification", "comparison": "comparison",
+    "compensation": "applications/compensation",
+    "curves": "identification statistics", "consistency": "exporting",
+    "drift": "planning", "environments": "",
     "grid": "identification prepare",
     "fuzz": "batch cli core readers study web", "logs": "readers",
     "methods": "identification planning/bound.py statespace", "moments": "statistics",
-    "out_of_core": "stream statistics", "prices": "identification", "rate": "applications/constant_rate",
-    "recordings": "claims identification interpretation planning prepare", "signals": "cli parallel statistics",
+    "kills": "cli parallel statistics", "prices": "identification", "rate": "applications/constant_rate",
+    "recordings": "claims identification interpretation planning prepare",
     "simulation": "simulation",
-    "speed": "identification kernels statistics", "stranger": "cli kernels", "stream": "stream",
+    "speed": "cli identification kernels readers reporting statistics study", "streams": "readers stream study",
     "theoh_paper": "identification statistics", "vertical": "applications/attitude",
-    "watching": "readers stream study",
 }  # fmt: skip
 """Folders and files of the package that the tables of a script describe, "" all of it: see tools/stale.py."""
 

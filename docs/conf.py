@@ -36,14 +36,14 @@ html_math_renderer = "mathml"
 html_static_path = ["static"]
 templates_path = ["templates"]
 MOVED = {
-    "accuracy": "measured.html", "compensation_method": "compensation.html#why-not-ordinary-least-squares",
+    "accuracy": "known.html", "compensation_method": "compensation.html#why-not-ordinary-least-squares",
     "changelog": "https://github.com/allanite/allanite/blob/main/CHANGELOG.md",
     "data_sheets": "generated/data_sheets.html", "devices": "generated/terms/devices.html",
     "gyro_vertical": "vertical.html#the-best-time-constant",
     "json": "command.html#json-and-csv-output", "languages": "command.html#other-languages",
     "plugins": "architecture.html#plug-ins", "rate_and_angle": "rate_paper.html",
     "reference_data": "published_formulas.html#reference-data", "ros": "kalibr.html",
-    "speed": "measured.html#speed", "vertical_recording": "vertical.html#an-adis16405-at-rest",
+    "measured": "known.html", "speed": "known.html#running", "vertical_recording": "vertical.html#an-adis16405-at-rest",
     "will_not": "https://github.com/allanite/allanite/blob/main/VISION.md",
 }  # fmt: skip
 """Former addresses of pages, and the present ones."""

@@ -20,7 +20,7 @@ def _marked(table: nodes.table) -> None:
     table["classes"].append("stacked")
     for row in body:
         for title, cell in zip(head[1:], row[1:], strict=False):
-            if cell.children and title.astext():
+            if cell.astext() and title.astext():
                 label = nodes.inline("", f"{title.astext()}: ", classes=["heading"])
                 cell.children[0].insert(0, label)
 
@@ -37,5 +37,5 @@ def _longest(cell: nodes.entry) -> int:
 
 def _of_words(rows: list[list[nodes.entry]]) -> bool:
     """Whether most cells hold no number; columns of numbers are to be compared, and scroll instead."""
-    cells = [cell.astext() for row in rows for cell in row[1:]]
+    cells = [text for row in rows for cell in row[1:] if (text := cell.astext())]
     return sum(text.strip(" <>−+-%.0123456789") != "" for text in cells) > 0.7 * len(cells)

@@ -2,87 +2,62 @@
 
     python tools/figures.py [--check]
 
-Renews the numbers of every sentence of `SENTENCES`, and the date and commit behind each link to a table. What it cannot
-renew ends with exit code 1, with --check also what would be renewed: a sentence that a page does not have, a table that
-a page quotes without a link to it, a row or a cell that no table has, a measured number that is not tied to a table.
+Renews the numbers of every sentence of `SENTENCES`, the rows of docs/known.md (tools/promises.py), and the date and
+commit behind each link to a table. What no table has yet is shown as such. What cannot be renewed ends with exit code
+1, with --check also what would be renewed: a sentence that a page does not have, a table that a page quotes without a
+link to it, a row or a cell that no table has, a measured number that is not tied to a table.
 """
 
 # ruff: noqa: D103  what a helper of the table below reads stands in its name and its one line
 
+import cells
+from cells import (  # first: it sets the number of threads
+    READ,
+    RESULTS,
+    ROOT,
+    NotMadeError,
+    Page,
+    figures,
+    read,
+    single,
+    span,
+    stated,
+)
+
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / "benchmarks"), str(ROOT / "tools")]
+from scipy.special import chdtri
 
-import table  # noqa: E402  the number of threads
-from table import RESULTS, Page  # noqa: E402
-
-from scipy.special import chdtri  # noqa: E402
-
-from aided import OUTAGES  # noqa: E402
-from allanite.exporting.exports import EXPORTS  # noqa: E402
-from stale import stamp  # noqa: E402
-
-READ: list[str] = []  # tables that have been read since it was emptied
-
-
-def read(name: str) -> Page:
-    """A committed table, which is noted."""
-    READ.append(name)
-    return table.read(name)
-
-
-def figures(file, section, column, /, **where):
-    """A column of a table as numbers: the first of each cell, of the rows whose cells are as given."""
-    rows = [
-        row for rows in read(file).tables(section) for row in rows if column in row and row[column] not in ("", "-")
-    ]
-    kept = [row for row in rows if all(row[name.replace("_", " ")] in wanted for name, wanted in where.items())]
-    return [float(re.findall(r"[-+]?[\d.]+(?:e[-+]?\d+)?", row[column])[0]) for row in kept if row[column] != "nan"]
-
-
-def span(numbers):
-    return min(numbers), max(numbers)
-
-
-def one(*cell, **where):
-    (number,) = figures(*cell, **where)
-    return number
-
-
-def stated(file, pattern):
-    """Numbers in what a page says above its table."""
-    return [float(number) for number in re.search(pattern, read(file).text).groups()]
+import promises
+from aided import OUTAGES
+from allanite.exporting.exports import EXPORTS
+from stale import stamp
 
 
 def theoh(column, statistic, method="gls"):
-    return one("theoh_paper.md", "Coefficients", column, method=[method], statistic=[statistic])
+    return single("theoh_paper.md", "Coefficients", column, method=[method], statistic=[statistic])
 
 
 def held(term, statistic):
-    return one("theoh_paper.md", "95 % limits", term, statistic=[statistic])
+    return single("theoh_paper.md", "95 % limits", term, statistic=[statistic])
 
 
 def gained(term, statistic):
     return 100 * (1 - theoh(term, statistic) / theoh(term, "oadev"))
 
 
-def curves(column, sensor, term, *methods):
-    return [one("methods.md", "Curves", column, sensor=[sensor], term=[term], method=[f"gls of {m}"]) for m in methods]
-
-
 def efficiency(method):
     """Least and most error over the bound of well determined terms, where the bound is at most 12 %."""
-    rows = read("methods.md").rows("Each method")
+    rows = cells.rows("methods.md", "Each method", "rmse")
     return span([float(r["rmse"]) for r in rows if r["method"] == method and float(r["bound %"]) <= 12])
 
 
 def exact(method):
-    return one("rate.md", "The paper's experiment", "exact covariance", method=[method])
+    return single("rate.md", "The paper's experiment", "exact covariance", method=[method])
 
 
 ADIS = [f"adis_16405_imu{k}.rda" for k in (1, 2, 3)]
@@ -97,7 +72,7 @@ def n_off(files, channels):
 
 def corners():
     """Of the low-passes of the x and y axes of the ADIS16405."""
-    rows = [row for row in read("recordings.md").rows("Channels") if row["file"] in ADIS]
+    rows = [row for row in cells.rows("recordings.md", "Channels", "read") if row["file"] in ADIS]
     read_of = [row["read"] for row in rows if row["channel"] in ("Gyro. X", "Gyro. Y")]
     return span([float(re.search(r"-3 dB at ([\d.]+)", text)[1]) for text in read_of])
 
@@ -114,15 +89,15 @@ def filters(what, cover, until, *targets):
 
 
 def closed(what, column="here"):
-    return one("vertical.md", "Closed forms", column, what=[what])
+    return single("vertical.md", "Closed forms", column, what=[what])
 
 
 def flicker(column, seconds):
-    return one("vertical.md", "Flicker and random walk", column, **{"T [s]": [seconds]})
+    return single("vertical.md", "Flicker and random walk", column, **{"T [s]": [seconds]})
 
 
 def loss(gyro, accelerometer, column="loss"):
-    return one("vertical.md", "Loss", column, gyro=[gyro], accelerometer=[accelerometer])
+    return single("vertical.md", "Loss", column, gyro=[gyro], accelerometer=[accelerometer])
 
 
 def beside(sensor, *quantities):
@@ -132,12 +107,7 @@ def beside(sensor, *quantities):
 
 
 WALK, STABLE = ("Angular Random Walk", "Velocity Random Walk"), ("In-Run Bias Stability",)
-FIRST, GROWTH, SPEED, LISTED = (
-    "stranger.md",
-    "growth.md",
-    "speed.md",
-    "N 0.3 deg/sqrt(h), B 10 deg/h, K 20 deg/h/sqrt(h)",
-)
+SPEED, LISTED = "speed.md", "N 0.3 deg/sqrt(h), B 10 deg/h, K 20 deg/h/sqrt(h)"
 METHODS = "src/allanite/identification/methods.py"
 FITS = {
     "whittle": "pending", "gls": "gls", "joint": "joint", "nnls": "nnls", "piecewise": "piecewise",
@@ -146,9 +116,12 @@ FITS = {
 """Function of each method, before its efficiency."""
 
 FIT = "src/allanite/applications/compensation/fit.py"
-KERNELS = r"(\d+) kernels and parts take ([\d.]+) s"
 
 SENTENCES = [
+    ("README.md", "hold the truth in {:.0f} to {:.0f} % of records, by term", lambda: span(
+        figures("grid.md", "Terms", "covers %"))),
+    ("README.md", "is claimed in at most {:.1f} % of records", lambda: [
+        max(figures("grid.md", "Terms", "claimed where absent %"))]),
     ("README.md", "Allan deviation in {:g} ms", lambda: stated(SPEED, r"the job (\d+) ms")),
     ("README.md", "analysis in {:.1f} s, with one", lambda: [stated(SPEED, r"analysis (\d+) ms")[0] / 1000]),
     ("README.md", "of {} in all", lambda: [len(EXPORTS) - 2]),  # data sheet and matrices are no filter and no simulator
@@ -158,19 +131,8 @@ SENTENCES = [
     ("docs/data_sheet.md", "the in-run stabilities are {:.2f} to {:.2f} and", lambda: beside("Gyro", *STABLE)),
     ("docs/data_sheet.md", "and {:.2f} to {:.2f} times the printed ones", lambda: beside("Accel", *STABLE)),
     ("docs/recordings.md", "is {:.2f} to {:.2f} times what it states", lambda: beside("Gyro", *WALK)),
-    ("docs/measured.md", "Allan deviation take {:g} ms", lambda: stated(SPEED, r"the job (\d+) ms")),
-    ("docs/measured.md", "analysis {:.1f} s, with one", lambda: [stated(SPEED, r"analysis (\d+) ms")[0] / 1000]),
-    ("docs/measured.md", "720 000 samples {:.1f} s", lambda: stated(
-        GROWTH, r"theo1, 100 m of 720000 \[s\][ |]+([\d.]+)")),
-    ("docs/measured.md", "times {:.2f} s. All", lambda: stated(GROWTH, r"mtotdev, 50 m of 1e5 \[s\][ |]+([\d.]+)")),
-    ("docs/measured.md", "{:g} kernels and parts take {:g} s", lambda: stated(FIRST, KERNELS)),
-    ("docs/measured.md", "takes {:g} s, the second {:g} s", lambda: figures(
-        FIRST, "First run", "median", run=["first", "second"])),
-    ("docs/measured.md", "report in {:.0f} s from nothing", lambda: stated(FIRST, r"`uvx [^`]*` \| ([\d.]+)")),
-    ("docs/measured.md", "in {:.0f} s when they are", lambda: stated(FIRST, r"`uvx [^`]*` \| [\d.]+ \| ([\d.]+)")),
-    ("docs/measured.md", "takes {:.1f} to {:.1f} times as", lambda: span(figures(FIRST, "For this", "ratio"))),
-    ("docs/stream.md", "of about {:.0f} kB", lambda: [stated("stream.md", r"holds (\d+) bytes")[0] / 1000]),
-    ("docs/stream.md", "are {:.2f} to {:.2f} times", lambda: span(figures("stream.md", "Coeff", "stream / bound"))),
+    ("docs/stream.md", "of about {:.0f} kB", lambda: [stated("streams.md", r"holds (\d+) bytes")[0] / 1000]),
+    ("docs/stream.md", "are {:.2f} to {:.2f} times", lambda: span(figures("streams.md", "Coeff", "stream / bound"))),
     ("docs/compare.md", "between {:.2f} and {:.0f} times the one seen (95 %)", lambda: [
         chdtri(1, tail) ** -0.5 for tail in (0.025, 0.975)]),
     ("docs/compare.md", "calls {:.2f} to {:.2f} % of {:g} pairs", lambda: [
@@ -198,13 +160,6 @@ SENTENCES = [
     ("docs/theoh_paper.md", "in {:.0f} % of 240 records and those of R in {:.0f} %", lambda:
         [held(s, "oadev") for s in "KR"]),
     ("docs/theoh_paper.md", "in {:.0f} and {:.0f} % by TheoH", lambda: [held(s, "theoh") for s in "KR"]),
-    ("docs/methods.md", "has {:.2f} times the bound by theoh and {:.2f} by oadev", lambda:
-        curves("rmse", "MEMS", "K", "theoh", "oadev")),
-    ("docs/methods.md", "B {:g} and {:g}, R", lambda: curves("rmse", "MEMS", "B", "theoh", "oadev")),
-    ("docs/methods.md", "is {:.0f} %, {:g} and {:g}.", lambda: [
-        *curves("bound %", "FOG", "R", "oadev"), *curves("rmse", "FOG", "R", "theoh", "oadev")]),
-    ("docs/methods.md", "is {:g} to {:g} % here", lambda:
-        span(figures("methods.md", "Curves", "cover %", sensor=["MEMS"], term=["N"]))),
     *((METHODS, f" {fit}, efficiency=times({{:.3g}}, {{:.3g}})", partial(efficiency, name))
       for name, fit in FITS.items()),
     ("docs/vertical.md", "{:.3f} s and {:.1f} arcsec. A", lambda: [
@@ -250,6 +205,8 @@ SENTENCES = [
 ]  # fmt: skip
 """Page, sentence, and the numbers of its braces from the tables."""
 
+SENTENCES += [(promises.PAGE, sentence, numbers) for sentence, numbers in promises.NUMBERS]
+
 
 ROWS = [
     ("docs/theoh_paper.md", "theoh_paper.md", "Coefficients"),
@@ -278,7 +235,7 @@ def as_printed(number, cell):
 MEASURED = re.compile(r"\d[\d.]* (?:%|times|ms\b|kB\b|s of)(?! intervals?\b| level)")
 """A number that somebody may have measured."""
 
-TIED = ("README.md", "docs/measured.md", "docs/compensation.md", "docs/theoh_paper.md", "docs/compare.md")
+TIED = ("README.md", "docs/compensation.md", "docs/theoh_paper.md", "docs/compare.md")
 """Pages on which each such number belongs to a sentence above, but for those of definitions."""
 
 DEFINED = re.compile(
@@ -317,10 +274,25 @@ def noted(page: str, text: str) -> str:
     return LINK.sub(link, text)
 
 
+UNKNOWN = "…"
+"""In the place of a number whose table has not been made."""
+
+
 def pattern(sentence: str) -> re.Pattern[str]:
     """A sentence with any numbers in its braces, however its lines are broken."""
     parts = [r"\s+".join(map(re.escape, part.split(" "))) for part in re.split(r"\{[^}]*\}", sentence)]
-    return re.compile(r"[-+\d.e]*\d".join(parts))
+    kinds = (
+        r"[^|]+?" if kind == "{:s}" else rf"(?:[-+\d.e]*\d|{UNKNOWN})" for kind in re.findall(r"\{[^}]*\}", sentence)
+    )
+    return re.compile("".join(part + kind for part, kind in zip(parts, (*kinds, ""), strict=True)))
+
+
+def filled(sentence: str, numbers: Callable[[], Iterable[float]]) -> str:
+    """A sentence with its numbers, or without those of a table that has not been made."""
+    try:
+        return sentence.format(*numbers())
+    except NotMadeError:
+        return re.sub(r"\{[^}]*\}", UNKNOWN, sentence)
 
 
 def counted(page: str, text: str, problems: list[str]) -> str:
@@ -329,8 +301,12 @@ def counted(page: str, text: str, problems: list[str]) -> str:
         if where != page:
             continue
         READ.clear()
-        new = sentence.format(*numbers())
-        (*lacking,) = (name for name in dict.fromkeys(READ) if not re.search(rf"benchmarks/(?:results/)?{name}", text))
+        new = filled(sentence, numbers)
+        if UNKNOWN in new and page.startswith("src/"):  # the source keeps the number that it has
+            continue
+        link = r"benchmarks/(?:results/)?{0}.md|known\.md|\[{0}, not made yet"
+        stems = {name.removesuffix(".md"): name for name in READ}
+        lacking = [name for stem, name in stems.items() if not re.search(link.format(stem), text)]
         if not page.startswith("src/"):
             problems += [f"{page}: {sentence[:40]!r} quotes {name} without a link to it" for name in lacking]
         found = list(pattern(sentence).finditer(text))
@@ -365,7 +341,8 @@ def lost_cells() -> Iterator[str]:
 def untied() -> Iterator[str]:
     """Measured numbers on pages that belong to no sentence."""
     for page in TIED:
-        left = " ".join(re.sub(r"```.*?```", "", (ROOT / page).read_text("utf-8"), flags=re.DOTALL).split())
+        written = (ROOT / page).read_text("utf-8")
+        left = " ".join(re.sub(r"```.*?```", "", written, flags=re.DOTALL).split())
         for where, sentence, _ in SENTENCES:
             left = pattern(sentence).sub("", left) if where == page else left
         yield from (f"{page}: {number!r} is of no table" for number in MEASURED.findall(DEFINED.sub("", left)))
@@ -376,10 +353,10 @@ def renewed() -> tuple[dict[str, str], list[str]]:
     problems, texts = [], {}
     for page in dict.fromkeys((*pages(), *(page for page, _, _ in SENTENCES))):
         text = (ROOT / page).read_text("utf-8")
-        new = counted(page, noted(page, text), problems)
+        new = counted(page, noted(page, promises.arrived(text) if page == promises.PAGE else text), problems)
         if new != text:
             texts[page] = new
-    return texts, [*problems, *lost_rows(), *lost_cells(), *untied()]
+    return texts, [*problems, *lost_rows(), *lost_cells(), *untied(), *promises.broken()]
 
 
 def main(words: list[str]) -> None:
@@ -391,6 +368,7 @@ def main(words: list[str]) -> None:
         for page, text in texts.items():
             (ROOT / page).write_text(text, "utf-8")
             print(f"{page}: renewed")
+        print(*promises.waiting(), sep="\n")
     if problems:
         sys.exit("\n".join(problems))
 

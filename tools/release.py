@@ -6,7 +6,7 @@ The bill of materials (CycloneDX, JSON) lists the wheel and all that it needs, w
 as they are installed into an environment of its own. benchmarks/environments.py tries the wheel with other versions,
 tools/advisories.py looks the versions up in a folder of advisories. Every sentence of the reports has to be translated,
 every fragment of the changelog joined (tools/changes.py), and every table of the benchmarks made of the code as it is
-(tools/stale.py).
+(tools/stale.py), with a number for each promise of docs/known.md (tools/promises.py).
 """
 
 import hashlib
@@ -33,6 +33,7 @@ def unfinished() -> list[str]:
     import allanite
     import catalogues
     import changes
+    import promises
     import stale
 
     found = catalogues.templates()
@@ -40,7 +41,7 @@ def unfinished() -> list[str]:
     lines = [f"{line}: run make catalogues, and translate them" for line in english if line]
     if changes.fragments() or f"\n## {allanite.__version__} (" not in changes.LOG.read_text("utf-8"):
         lines.append(f"CHANGELOG.md lacks changes of {allanite.__version__}: run python tools/changes.py")
-    return lines + stale.unfit()
+    return lines + promises.waiting() + stale.unfit()
 
 
 def built(folder: Path) -> tuple[Path, Path]:

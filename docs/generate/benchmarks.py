@@ -25,8 +25,8 @@ def _index(results: Path, names: Iterable[str]) -> list[str]:
         rows.append((f"[{title[1] if title else name}]({name}.md)", f"`{command[1]}`" if command else ""))
     return [
         "# Benchmarks", "",
-        "Every claim of accuracy, coverage or speed has a script that measures it and a table that it wrote. Each "
-        "table names the commit, the machine, the command and the seeds. Nightly tests make a part of each again.", "",
+        "What they show: [How well is it known](../../known.md). Each table was written by a script, and names the "
+        "commit, the machine, the command and the seeds. A nightly run makes a part of each again.", "",
         *table(("table", "made by"), rows),
         "```{toctree}", ":hidden:", "", *names, "```",
     ]  # fmt: skip

@@ -1,4 +1,7 @@
-"""A part of each committed table is made again: as chance allows where records are fewer, else digit by digit."""
+"""Committed tables are of the scripts and methods of today; a part of that of the methods is made again.
+
+Parts of other tables are made again by their scripts: `PARTS` of tools/nightly.py.
+"""
 
 import table
 from table import RESULTS, read

@@ -11,10 +11,10 @@ import pytest
 from tests import ROOT
 from tests.commands import run
 from tests.rows import rows
+from tests.sound_files import SEEDS
 
 import allanite as al
 from allanite.core.errors import cure, requirements
-from damaged import SEEDS
 
 SAMPLE = ROOT / "examples" / "tactical_gyro.csv"
 FOLDER = shlex.quote(str(SAMPLE.parent))

@@ -444,10 +444,10 @@ def made(name):
 @rows("name", thinned(MAKERS, 5))
 def test_whatever_is_changed_it_is_read_or_refused_in_words(name):
     """The first mutants of which `benchmarks/fuzz.py` tries many more; what is read is exported, too."""
-    import fuzz
+    from tests import hostile
 
-    for k, changed in fuzz.mutants(name, json.loads(text_of(made(name))), 25):
-        assert fuzz.judged(fuzz.taken_back, changed, k) in {"taken", "refused"}, k
+    for k, changed in hostile.mutants(name, json.loads(text_of(made(name))), 25):
+        assert hostile.judged(hostile.taken_back, changed, k) in {"taken", "refused"}, k
 
 
 @pytest.mark.slow("makes a result of every kind")

@@ -1,4 +1,4 @@
-"""What a change of the record that means nothing does to the results: the digits that docs/measured.md promises.
+"""What a change of the record that means nothing does to the results: the digits that docs/command.md promises.
 
 Every number of a result is compared by its place in the JSON; it may grow with a power of the scale from -2 to 2.
 """

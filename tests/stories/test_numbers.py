@@ -1,5 +1,6 @@
 """Measured numbers of README and documentation are those of the committed tables, and tables name a known commit."""
 
+import cells
 from table import Page
 
 import re
@@ -8,22 +9,41 @@ import pytest
 
 import allanite as al
 import figures
+import promises
 import stale
 
 
 def test_a_figure_that_was_changed_is_brought_back():
-    page, sentence, numbers = next(row for row in figures.SENTENCES if row[0] == "docs/data_sheet.md")
-    right = f"{sentence.format(*numbers())} (benchmarks/results/recordings.md)."
-    wrong = re.sub(r"\b[\d.]+ to", "12 to", right.replace(" times", "\n  times"))
-    assert "12 to" in wrong
+    page, sentence, numbers = next(row for row in figures.SENTENCES if row[1].startswith("squares: "))
+    right = f"{sentence.format(*numbers())} (benchmarks/results/compensation.md)."
+    wrong = re.sub(r"\d+ to \d+", "12 to\n  13", right)
     assert figures.counted(page, wrong, []) == right
 
 
+def test_a_number_whose_table_has_not_been_made_is_shown_as_such():
+    def numbers():
+        return cells.figures("never.md", "", "share")
+
+    assert figures.filled("in {:g} to {:.0f} % of records", numbers) == "in … to … % of records"
+    assert figures.pattern("in {:g} to {:s} %").search("in … to N and B %")
+
+
+def test_a_link_to_a_table_that_has_not_been_made_leads_to_the_index():
+    made, coming = "[rate](generated/benchmarks/rate.md)", "[never](generated/benchmarks/never.md)"
+    shown = promises.arrived(f"{made}, {coming}")
+    assert shown == f"{made}, [never, not made yet](generated/benchmarks/index.md)"
+    assert promises.arrived(shown.replace("never", "rate")).count(made) == 2
+
+
+def test_promises_are_on_the_pages_that_are_said_to_make_them():
+    assert list(promises.broken()) == []
+
+
 def test_a_link_says_what_its_table_is_of():
-    commit, date = stale.stamp(figures.table.read("methods.md"))
-    link = "[a](benchmarks/results/methods.md)"
+    commit, date = stale.stamp(cells.read("rate.md"))
+    link = "[a](benchmarks/results/rate.md)"
     noted = figures.noted("README.md", link)
-    assert noted == f"[a, measured {date} at {commit}](benchmarks/results/methods.md)"
+    assert noted == f"[a, measured {date} at {commit}](benchmarks/results/rate.md)"
     assert figures.noted("README.md", noted) == noted
 
 

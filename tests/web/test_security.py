@@ -1,7 +1,6 @@
 """Who may come in, and what hostile input cannot do."""
 
 import http.client
-import importlib.util
 import re
 import socket
 import stat
@@ -9,19 +8,16 @@ from itertools import product
 
 import numpy as np
 import pytest
-from tests import ROOT
 from tests.commands import run
+from tests.hostile import generator, mutated, options_of
 from tests.rows import rows
+from tests.sound_files import SEEDS
 
 from allanite.cli.front import EXCEEDED
 from allanite.reporting.digits import printable
 from allanite.web.server import MAX_LINK_AGE_S, MAX_LINKS, ROUTES, Door
 
 from .served import Client, apart, served
-
-spec = importlib.util.spec_from_file_location("damaged", ROOT / "benchmarks" / "damaged.py")
-damaged = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(damaged)
 
 LIMIT, QUOTA = 1_000_000, 3_000_000
 
@@ -318,13 +314,13 @@ def words(text, name):
 @rows("name", DAMAGED)
 @pytest.mark.nightly("damaged files at the page, and at the command line")
 def test_a_damaged_file_is_answered_in_the_words_of_the_command_line(client, tmp_path, name):
-    workspace, seed = client.workspace(), damaged.SEEDS[name]
+    workspace, seed = client.workspace(), SEEDS[name]
     data = seed.make()
     for k in range(8):
-        rng = damaged.generator(name, k)
+        rng = generator(name, k)
         path = tmp_path / name
-        path.write_bytes(damaged.mutated(rng, data))
-        recipe = damaged.options_of(rng, seed.options)
+        path.write_bytes(mutated(rng, data))
+        recipe = options_of(rng, seed.options)
         _, (kind, told) = client.run(workspace, "analyze", [client.upload(workspace, path)], recipe)
         choices = [part for key, value in recipe.items() for part in (f"--{key}", str(value))]
         result = run("analyze", path, "--quiet", *choices)

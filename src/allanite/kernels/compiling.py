@@ -11,7 +11,7 @@ Most of the time of compiling goes into types and wrappers, not into loops. What
 has no wrapper for Python: called from there it ends the process. What Python calls as well is `shared`. What one kernel
 calls at one place is `once`: it is put there before types are inferred, and its sums are reordered if its caller's are.
 An array expression, an assignment to a slice or a function of numpy brings code for every shape and error with it: in
-kernels that a first run compiles, loops are written instead (docs/measured.md).
+kernels that a first run compiles, loops are written instead (docs/architecture.md).
 """
 
 from contextlib import suppress

@@ -7,19 +7,18 @@ import sys
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests import thinned
+from tests import bag_files, thinned
 
 pytest.importorskip("rosbags", reason="pip install 'allanite[ros]'")
 
+from tests.bag_files import FORMS, IMU, Topic, file_of, imu, imu_topic, packed, types, write
 from tests.rows import paired, refused, rows
 
 import allanite as al
-import bag_files
 from allanite.cli import main
 from allanite.core.errors import DataError, UsageError
 from allanite.readers.sandbox.bag_messages import Definition
 from allanite.study.channels import open_recording
-from bag_files import FORMS, IMU, Topic, file_of, imu, imu_topic, packed, types, write
 
 RNG = np.random.default_rng(8)
 VALUES = RNG.normal(size=(400, 6))

@@ -4,11 +4,10 @@ import struct
 
 import numpy as np
 import pytest
+from tests.hostile import generator, judged, mutated, read
 from tests.rows import refused, rows
 
 import allanite as al
-from damaged import generator, mutated, read
-from fuzz import judged
 
 RNG = np.random.default_rng(7)
 KINDS = {

@@ -8,13 +8,13 @@ from types import SimpleNamespace
 
 import pytest
 from tests import ALL, thinned
+from tests.hostile import generator, judged, mutated, options_of, read
 from tests.rows import rows
+from tests.sound_files import IMPORTED, SEEDS
 
 from allanite.readers.formats.registry import readable, reader_for, reader_of_type
 from allanite.readers.options import channel_names
 from allanite.testing import check_reader
-from damaged import IMPORTED, SEEDS, generator, mutated, options_of, read
-from fuzz import judged
 
 
 @pytest.mark.slow("takes more than half a second")

@@ -169,7 +169,7 @@ def test_losses_are_gaps_wherever_the_parts_end(tmp_path_factory, holes, size):
 @pytest.mark.slow("takes more than half a second")
 @rows("form", ["bag", "db3", "mcap"])
 def test_a_bag_is_read_in_parts(tmp_path, form):
-    bag_files = pytest.importorskip("bag_files", reason="pip install 'allanite[ros]'")
+    bag_files = pytest.importorskip("tests.bag_files", reason="pip install 'allanite[ros]'")
     start, many = 1_700_000_000_999_999_990, 9000
     values = np.random.default_rng(2).normal(size=(many, 6))
     rows = [

@@ -1,4 +1,4 @@
-"""Ctrl-C is answered while a compiled loop goes on; benchmarks/signals.py measures it for every verb."""
+"""Ctrl-C is answered while a compiled loop goes on; benchmarks/kills.py measures it for every verb."""
 
 import os
 import signal

@@ -31,7 +31,7 @@ def test_as_accurate_as_the_bound(name, rate, terms):
         errors.append([abs((fit[s].value or 0.0) / model[s].value) - 1 for s in terms])
     bound = [al.bound(model, 2**18, rate)[s] for s in terms]
     rms = np.sqrt(np.mean(np.square(errors), axis=0)) / bound
-    # 24 records know an rms to 14 %; benchmarks/stream.py has 200
+    # 24 records know an rms to 14 %; benchmarks/streams.py has 200
     assert np.exp(np.log(rms).mean()) < 1.25
     assert rms.max() < 1.6
 

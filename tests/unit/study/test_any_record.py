@@ -6,12 +6,12 @@ The first records of which `benchmarks/fuzz.py` takes many more; and those in wh
 import numpy as np
 import pytest
 from tests import thinned
+from tests.hostile import judged, worked
 from tests.rows import refused, rows
 
 import allanite as al
 from allanite.prepare.stillness import level
 from allanite.prepare.view import View
-from fuzz import judged, worked
 
 
 @pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")

@@ -1,4 +1,4 @@
-"""Sound files of every format, and what may be done to them: mutation k of a file is always the same."""
+"""Sound files of every format, for tests and for what damages them."""
 
 import binascii
 import bz2
@@ -8,7 +8,6 @@ import lzma
 import struct
 import tempfile
 import zipfile
-import zlib
 from pathlib import Path
 from typing import NamedTuple
 
@@ -25,11 +24,6 @@ NUMBERS = _numbers(40)  # what all files hold
 
 ASKED = {"rate": 100.0, "unit": "deg/s"}
 RAW = {"dtype": "<i2", "columns": 3, "scale": "0.01deg/s", "rate": 100.0}
-SNIPPETS = [
-    b"\n", b"\r", b",", b";", b'"', b"#", b"nan", b"-", b"\0", b"\xff", b"1e999", b"[", b"O", b"%", b"\t", b"  ",
-]  # fmt: skip
-EXTREMES = [0, 1, 0x7F, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0xFFFFFFFF, 0x80000000, (1 << 63) - 1, (1 << 64) - 1]
-
 IMPORTED = {".h5": "h5py", ".mat": "scipy.io", ".rda": "rdata.parser", ".rds": "rdata.parser", ".ulg": "pyulog"}
 IMPORTED |= {".xlsx": "openpyxl", ".tdms": "nptdms", ".mf4": "asammdf"}
 IMPORTED |= dict.fromkeys((".bag", ".db3", ".mcap"), "rosbags.typesys.stores.ros2_humble")
@@ -216,7 +210,7 @@ def _kfgins() -> bytes:
 
 
 def _bag(form: str, compression: str = "") -> bytes:
-    import bag_files
+    from tests import bag_files
 
     topic = bag_files.imu_topic(form, np.tile(NUMBERS, 2), frame="imu")
     with tempfile.TemporaryDirectory() as folder:
@@ -291,50 +285,3 @@ SEEDS = {
     "gyro.csv.bz2": Seed(lambda: bz2.compress(_text(",")), ASKED, 8_000),
     "gyro.csv.xz": Seed(lambda: lzma.compress(_text(",")), ASKED, 8_000),
 }
-
-
-def generator(name: str, k: int) -> np.random.Generator:
-    """The generator of mutation `k` of a seed file."""
-    return np.random.default_rng((zlib.crc32(name.encode()), k))
-
-
-def mutated(rng: np.random.Generator, data: bytes) -> bytes:
-    """`data` with one to five damages: bytes changed, zeroed, removed, inserted, repeated, extreme sizes, a cut."""
-    changed = bytearray(data)
-    for _ in range(rng.integers(1, 6)):
-        at, way, size = int(rng.integers(0, max(1, len(changed)))), int(rng.integers(0, 8)), int(rng.integers(1, 60))
-        if way == 0 and changed:
-            changed[at % len(changed)] = int(rng.integers(0, 256))
-        elif way == 1 and changed:
-            changed[at % len(changed)] ^= 1 << int(rng.integers(0, 8))
-        elif way == 2:
-            changed[at : at + size] = bytes(len(changed[at : at + size]))
-        elif way == 3:
-            del changed[at : at + size]
-        elif way == 4:
-            changed[at:at] = SNIPPETS[int(rng.integers(0, len(SNIPPETS)))]
-        elif way == 5:
-            changed[at:at] = changed[max(0, at - size) : at]
-        elif way == 6:
-            width, order = int(rng.choice([1, 2, 4, 8])), str(rng.choice(["little", "big"]))
-            number = EXTREMES[int(rng.integers(0, len(EXTREMES)))] % (1 << 8 * width)
-            changed[at : at + width] = number.to_bytes(width, order)
-        elif rng.random() < 0.2:
-            del changed[at:]
-    return bytes(changed)
-
-
-def options_of(rng: np.random.Generator, usual: dict) -> dict:
-    """The options of the seed, or fewer, or more: each way leads through other code."""
-    return (usual, usual, usual | ASKED, {k: v for k, v in usual.items() if k == "dtype"})[rng.integers(0, 4)]
-
-
-def read(path: Path, options: dict) -> al.Recording:
-    """A file that is read, or refused in words."""
-    try:
-        return al.read(path, **options)
-    except al.AllaniteError as error:
-        said = str(error).removeprefix(str(path))
-        if "does not fit into memory" in said or len(said) <= 20:
-            raise AssertionError(f"no way to refuse a file: {said}") from error
-        raise

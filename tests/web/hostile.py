@@ -1,6 +1,6 @@
-"""Hostile requests to the page in the browser and damaged files of its folder: the target `page` of benchmarks/fuzz.py.
+"""Hostile requests to the page in the browser and damaged files of its folder: the kind `page` of benchmarks/fuzz.py.
 
-Request k has the seed "page k", damage k of a file that of `damaged.generator`. Requests go to every route of the
+Request k has the seed "page k", damage k of a file that of `tests.hostile.generator`. Requests go to every route of the
 application, with the workspaces, files and jobs that are there, and with others; a job that is begun by one is
 cancelled, or waited for. A failure is a status of 500 or more, an answer without a sentence, an internal error of a
 job, or a workspace that cannot be read any more.
@@ -15,6 +15,7 @@ from pathlib import Path
 
 import httpx
 import numpy as np
+from tests.hostile import generator, mutated
 
 from allanite.cli import jobs as verbs
 from allanite.core.choices import choices_of
@@ -26,7 +27,6 @@ from allanite.web import schema
 from allanite.web.jobs import UNFINISHED, Jobs
 from allanite.web.server import application
 from allanite.web.store import Store
-from damaged import generator, mutated
 
 RAW = (
     b"", b"{", b"[1]", b"null", b"\xff\xfe", b'{"a":NaN}', b'{"a":1e999}', b'{"a":"\\ud800"}', b'{"a":' * 90_000,
@@ -97,19 +97,19 @@ class Page:
 
     async def ended(self, job: str) -> dict:
         """A job that is over."""
-        while (found := self.jobs.job(job))["state"] in UNFINISHED:
+        while (job_now := self.jobs.job(job))["state"] in UNFINISHED:
             await asyncio.sleep(0.02)
-        return found
+        return job_now
 
     def drawn(self, rng: random.Random) -> tuple[str, str, str, dict, bytes]:
         """A request: its route, method, path, query and body."""
         route, method, row = rng.choice(self.routes)
         own = {"/api/jobs": self.job, "/api/workspaces": self.home}
         name = next((one for begin, one in own.items() if route.startswith(begin)), "")
-        there = {"name": name, "file": self.file, "rest:path": "x"}
+        parts = {"name": name, "file": self.file, "rest:path": "x"}
         drops = method == "DELETE"
         path = route
-        for key, one in there.items():
+        for key, one in parts.items():
             junk = rng.choice(("0" * 16, "x", "..", "%00", "%ff", f"{'0' * 16}-{'0' * 16}", "a" * 3000, self.file))
             path = path.replace(f"{{{key}}}", junk if drops or rng.random() < 0.1 else one)
         query = [p.alias for p in row.dependant.query_params] + ["name"]

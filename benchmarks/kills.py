@@ -1,15 +1,15 @@
 """Programs that are ended at random moments: soon, whole or not at all, and without anything that is left behind.
 
-targets: SIGINT, SIGTERM and SIGHUP by turns, on a usual disk and, by the superuser, on one of 5 MB in memory, which is
-too small for some jobs; the target has to be the old file or a whole new one, and nothing else may be left.
-verbs: Ctrl-C in every verb and every statistic.
+Files: SIGINT, SIGTERM and SIGHUP by turns, on a usual disk and, by the superuser, on one of 5 MB in memory, too small
+for some jobs; the target has to be the old file or a whole new one, and nothing else may remain. Verbs: Ctrl-C in every
+verb and every statistic.
 
 The moment is drawn from the time that the job takes, at most the first 10 s, after the time that the interpreter needs
 to begin. Run k of a job has the seed (crc32 of its name, k). Ends with exit code 1 if a program needs more than 1 s to
 end, leaves a process or a file behind, or ends in the words of a defect.
 """
 
-from table import Run, begin, markdown
+from table import begin, section
 
 import contextlib
 import gzip
@@ -38,64 +38,48 @@ ENDED, FINISHED = {-2, 129, 130, 143}, {0, 4, 5}
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 OLD = b"what was there before\n"
 SMALL = "5m"
-
 MODEL = ("--model", "N 0.01 deg/sqrt(h), B 0.1 deg/h, K 0.1 deg/h^1.5")
 
 VERBS = {
-    "info": "info gyro.npz",
-    "analyze": "analyze gyro.npz",
-    "analyze --report": "analyze gyro.npz --report page.html --force",
+    "deviation --threads 2, mtotdev": "deviation gyro.npz --statistic mtotdev --threads 2",
+    "deviation --taus all, mtie": "deviation gyro.npz --statistic mtie --taus all",
     "analyze of a .csv": "analyze gyro.csv",
     "analyze of a .csv.gz": "analyze gyro.csv.gz",
     "analyze --memory": "analyze gyro.npy --rate 100 --unit deg/s --memory 20MB",
-    "analyze --method gls": "analyze gyro.npz --method gls",
-    "deviation --taus all": "deviation gyro.npz --taus all",
-    "deviation --taus all, mtie": "deviation gyro.npz --statistic mtie --taus all",
-    "deviation --threads 2, mtotdev": "deviation gyro.npz --statistic mtotdev --threads 2",
-    "spectrum": "spectrum gyro.npz",
-    "spectrum --estimator multitaper": "spectrum gyro.npz --estimator multitaper",
-    "dynamic": "dynamic gyro.npz",
-    "dynamic --statistic theo1": "dynamic gyro.npz --statistic theo1",
-    "compare": "compare gyro.npz other.npz",
-    "compare --part": "compare gyro.npz --part 10000",
-    "rate": "rate gyro.npz",
     "compensate": "compensate warm.npz --rate 100 --regressors temperature --degree 3",
     "vertical": "vertical six.npz --rate 100",
     "export": ("export", "gyro.npz", "--to", "kalibr", "--model", "N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)"),
-    "statespace": "statespace gyro.npz",
-    "plan of a file": "plan gyro.npz",
-    "selfcheck of a file": "selfcheck gyro.npz --records 50",
     "batch": "batch folder --out results",
     "simulate": ("simulate", "made.npz", *MODEL, "--rate", "100", "--samples", "{samples}", "--force"),
     "plan": ("plan", *MODEL, "--rate", "100", "--durations", "50000,500000"),
     "selfcheck": ("selfcheck", *MODEL, "--rate", "100", "--samples", "{samples}", "--records", "50"),
     "example": "example 000 papers --force",
 }
-VERBS = {
-    f"deviation --statistic {name}": f"deviation gyro.npz --statistic {name}" for name in al.statistics.STATISTICS
-} | VERBS
+PLAIN = (
+    "info", "analyze", "analyze --report page.html --force", "analyze --method gls", "deviation --taus all", "spectrum",
+    "spectrum --estimator multitaper", "dynamic", "dynamic --statistic theo1", "compare other.npz",
+    "compare --part 10000", "rate", "statespace", "plan", "selfcheck --records 50",
+    *(f"deviation --statistic {name}" for name in al.statistics.STATISTICS),
+)  # fmt: skip
+"""Verbs and options of which nothing else is asked: the record stands between them."""
 
-
-class Job(NamedTuple):
-    """A command, and how its target begins and ends when it is whole."""
-
-    words: str
-    target: str
-    whole: tuple[bytes, bytes]
+VERBS = {f"{line} of a file": line.replace(" ", " gyro.npz ", 1) if " " in line else f"{line} gyro.npz"
+         for line in PLAIN} | VERBS  # fmt: skip
 
 
 SIMULATED = "simulate {out}/s.npz --sensor mems --rate 100 --force --samples "
 JOBS = {
-    "analyze --report": Job(
-        "analyze {in}/a.npz --quiet --force --report {out}/a.html", "a.html", (b"<!DOCTYPE html>", b"</html>")
+    "analyze --report": (
+        "analyze {in}/gyro.npz --quiet --force --report {out}/a.html", "a.html", b"<!DOCTYPE html>", b"</html>"
     ),
-    "simulate .npz": Job(f"{SIMULATED}300000", "s.npz", (b"PK", b"")),
-    "simulate .npz, too large": Job(f"{SIMULATED}3000000", "s.npz", (b"PK", b"")),
-    "info of a .csv.gz": Job("info {in}/a.csv.gz --quiet --force --json {out}/i.json", "i.json", (b"{", b"}")),
-}
+    "simulate .npz": (f"{SIMULATED}300000", "s.npz", b"PK", b""),
+    "simulate .npz, too large": (f"{SIMULATED}3000000", "s.npz", b"PK", b""),
+    "info of a .csv.gz": ("info {in}/gyro.csv.gz --quiet --force --json {out}/i.json", "i.json", b"{", b"}"),
+}  # fmt: skip
+"""Commands, their target, and how it begins and ends when it is whole."""
 
-
-# --- a run -----------------------------------------------------------------------------------------------------------
+Line = tuple[list[str], list[str]]
+"""The cells of a job, and what went wrong."""
 
 
 def started(words: str | Sequence[str], folder: Path, **more: str) -> subprocess.Popen[bytes]:
@@ -117,19 +101,24 @@ def alone(group: int) -> bool:
     return False
 
 
-def moments(
-    name: str, start: Callable[[], subprocess.Popen[bytes]], look: Callable[[], str], signals: Sequence[int], runs: int
-) -> tuple[list[str], list[str]]:
-    """The line of a job that is started anew for each run, and what went wrong; `look` tells what is left."""
+def undisturbed(start: Callable[[], subprocess.Popen[bytes]]) -> tuple[float, int, list[str]]:
+    """How long a job takes if nothing ends it, its exit code, and the last line of its errors."""
     begun, running = time.perf_counter(), start()
     try:
-        said = running.communicate(timeout=LONGEST)[1].decode().strip().splitlines()
-        takes, usual = time.perf_counter() - begun, running.returncode
+        words = running.communicate(timeout=LONGEST)[1].decode().strip().splitlines()
     except subprocess.TimeoutExpired:
         os.killpg(running.pid, signal.SIGKILL)
         running.communicate()
-        takes, usual, said = LONGEST, 0, []
-    wrong = [f"{name}: {said[-1:]}"] if signals == SIGNALS[:1] and usual not in FINISHED else []
+        return LONGEST, 0, []
+    return time.perf_counter() - begun, running.returncode, words[-1:]
+
+
+def moments(
+    name: str, start: Callable[[], subprocess.Popen[bytes]], look: Callable[[], str], signals: Sequence[int], runs: int
+) -> Line:
+    """The line of a job that is started anew for each run; `look` tells what is left."""
+    takes, usual, words = undisturbed(start)
+    wrong = [f"{name}: {words}"] if signals == SIGNALS[:1] and usual not in FINISHED else []
     ended, slowest = 0, 0.0
     for k in range(runs):
         rng = np.random.default_rng((zlib.crc32(name.encode()), k))
@@ -138,21 +127,22 @@ def moments(
         time.sleep(at)
         sent = time.perf_counter()
         running.send_signal(number)
-        words, took = running.communicate()[1], time.perf_counter() - sent
+        printed, took = running.communicate()[1], time.perf_counter() - sent
         ended, slowest = ended + (running.returncode in ENDED), max(slowest, took)
         why = [
             f"{took:.2f} s" if took > LIMIT else "",
             "" if running.returncode in {*ENDED, *FINISHED, usual} else f"exit code {running.returncode}",
-            "words of a defect" if b"Traceback" in words or b"internal error" in words else "",
+            "words of a defect" if b"Traceback" in printed or b"internal error" in printed else "",
             "" if alone(running.pid) else "a process is left",
             look(),
         ]
-        wrong += [f"{name}, run {k}, {signal.Signals(number).name} at {at:.3f} s: {one}" for one in why if one]
+        wrong += [f"{name}, run {k}, {signal.Signals(number).name} at {at:.3f} s: {each}" for each in why if each]
+    print(name, *wrong, sep="\n", file=sys.stderr, flush=True)
     seconds = f"{takes:.1f}" if takes < LONGEST else f"over {LONGEST:g}"
     return [name, seconds, str(runs), str(ended), f"{slowest:.2f}", str(len(wrong))], wrong
 
 
-# --- targets ---------------------------------------------------------------------------------------------------------
+# --- files -----------------------------------------------------------------------------------------------------------
 
 
 @contextlib.contextmanager
@@ -175,7 +165,10 @@ class Place(NamedTuple):
 
     source: Path
     disk: Path
-    job: Job
+    words: str
+    target: str
+    begins: bytes
+    ends: bytes
 
     def start(self) -> subprocess.Popen[bytes]:
         """Start it, with an old file in the place of its target."""
@@ -183,18 +176,18 @@ class Place(NamedTuple):
         for folder in (out, copies):
             shutil.rmtree(folder, ignore_errors=True)
             folder.mkdir()
-        (out / self.job.target).write_bytes(OLD)
-        words = self.job.words.replace("{in}", str(self.source)).replace("{out}", str(out))
+        (out / self.target).write_bytes(OLD)
+        words = self.words.replace("{in}", str(self.source)).replace("{out}", str(out))
         return started(words, self.disk, TMPDIR=str(copies))
 
     def wrong(self) -> str:
         """What is not as it should be once the program has ended."""
-        target = self.disk / "out" / self.job.target
-        data, (begins, ends) = target.read_bytes(), self.job.whole
+        target = self.disk / "out" / self.target
+        data = target.read_bytes()
         others = [p.name for folder in ("out", "copies") for p in (self.disk / folder).iterdir() if p != target]
         if others:
             return f"left: {', '.join(others)}"
-        whole = data.startswith(begins) and data.rstrip().endswith(ends) and readable(target)
+        whole = data.startswith(self.begins) and data.rstrip().endswith(self.ends) and readable(target)
         return "" if data == OLD or whole else f"a target of {len(data)} bytes that is not whole"
 
 
@@ -206,19 +199,14 @@ def readable(target: Path) -> bool:
         return False
 
 
-def targets(run: Run, folder: Path) -> Iterator[tuple[list[str], list[str]]]:
+def files(folder: Path, samples: int, runs: int) -> Iterator[Line]:
     """The lines of jobs that write a file."""
-    source = folder / "in"
-    source.mkdir()
-    record = al.simulate(al.sensor("mems"), 400_000, 100.0, rng=np.random.default_rng(1))
-    al.write(record, source / "a.npz")
-    lines = "".join(f"{value:.9f}\n" for value in record.values.tolist())
-    (source / "a.csv.gz").write_bytes(gzip.compress(("# rate: 100\ngx [rad/s]\n" + lines).encode()))
-    with disks(folder) as found:
+    recordings(folder, samples)
+    with disks(folder) as places:
         for name, job in JOBS.items():
-            for disk, path in found.items():
-                place = Place(source, path, job)
-                yield moments(f"{name}, {disk}", place.start, place.wrong, SIGNALS, run.asked.runs)
+            for disk, path in places.items():
+                place = Place(folder, path, *job)
+                yield moments(f"{name}, {disk}", place.start, place.wrong, SIGNALS, runs)
 
 
 # --- verbs -----------------------------------------------------------------------------------------------------------
@@ -231,8 +219,7 @@ def recordings(folder: Path, samples: int) -> None:
     al.write(gyro, folder / "gyro.npz")
     al.write(other, folder / "other.npz")
     al.write(gyro, folder / "gyro.csv")
-    with open(folder / "gyro.csv", "rb") as plain, gzip.open(folder / "gyro.csv.gz", "wb", 1) as packed:
-        shutil.copyfileobj(plain, packed)
+    (folder / "gyro.csv.gz").write_bytes(gzip.compress((folder / "gyro.csv").read_bytes(), 1))
     np.save(folder / "gyro.npy", gyro.values)
     names = ("gx [deg/s]", "gy [deg/s]", "gz [deg/s]", "ax [g]", "ay [g]", "az [g]")
     still = gyro.values[: samples // 6]
@@ -244,41 +231,41 @@ def recordings(folder: Path, samples: int) -> None:
         os.link(folder / name, folder / "folder" / name)
 
 
-def verbs(run: Run, folder: Path) -> Iterator[tuple[list[str], list[str]]]:
+def verbs(folder: Path, samples: int, runs: int) -> Iterator[Line]:
     """The lines of verbs and statistics."""
-    recordings(folder, run.asked.samples)
+    recordings(folder, samples)
     for name, line in VERBS.items():
         words = line.split() if isinstance(line, str) else line
-        words = [word.replace("{samples}", str(run.asked.samples)) for word in words]
+        words = [word.replace("{samples}", str(samples)) for word in words]
 
         def start(words: Sequence[str] = words) -> subprocess.Popen[bytes]:
             shutil.rmtree(folder / "results", ignore_errors=True)  # a batch goes on where it has stopped
             return started(words, folder)
 
-        yield moments(name, start, str, SIGNALS[:1], run.asked.runs)
+        yield moments(name, start, str, SIGNALS[:1], runs)
 
 
-def main() -> None:
-    run = begin(__doc__, what=("targets", "verbs"), runs=3, samples=5_000_000)
+def main() -> int:
+    run = begin(__doc__, files=100, verbs=3, samples=5_000_000)
     for number in SIGNALS:  # which a shell or nohup may have let programs ignore
         signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
-    rows, wrong = [], []
-    with tempfile.TemporaryDirectory() as name:
-        for row, why in {"targets": targets, "verbs": verbs}[run.asked.what](run, Path(name)):
-            rows.append(row)
-            wrong += why
-            print(*row, *why, sep=" | ", file=sys.stderr, flush=True)
+    headings = ("job", "takes s", "runs", "ended by the signal", "slowest s", "failures")
+    with tempfile.TemporaryDirectory() as a, tempfile.TemporaryDirectory() as b:
+        of_files = list(files(Path(a), run.asked.samples // 12, run.asked.files))
+        of_verbs = list(verbs(Path(b), run.asked.samples, run.asked.verbs))
+    wrong = [each for _, why in of_files + of_verbs for each in why]
     notes = (
         "run k of a job has the seed (crc32 of its name, k); the slowest is that of all runs, to the end",
         f"a failure is more than {LIMIT:g} s, a process or a file that is left, a target that is neither the old file "
-        "nor a whole new one, or the words of a defect",
-        *(f"failed: {one}" for one in wrong),
+        f"nor a whole new one, or the words of a defect: {len(wrong)}",
+        *(f"failed: {each}" for each in wrong),
     )
-    titles = {"targets": "Programs ended at random moments", "verbs": "Ctrl-C in every verb and every statistic"}
-    headings = ("job", "takes s", "runs", "ended by the signal", "slowest s", "failures")
-    run.publish(titles[run.asked.what], notes, markdown(headings, rows))
-    sys.exit(bool(wrong))
+    run.publish("Programs ended at random moments", notes, [
+        *section("Files, by three signals", headings, [row for row, _ in of_files]),
+        *section("Verbs, by Ctrl-C", headings, [row for row, _ in of_verbs]),
+    ])  # fmt: skip
+    return int(bool(wrong))
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())
