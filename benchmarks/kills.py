@@ -131,7 +131,9 @@ def moments(
         ended, slowest = ended + (running.returncode in ENDED), max(slowest, took)
         why = [
             f"{took:.2f} s" if took > LIMIT else "",
-            "" if running.returncode in {*ENDED, *FINISHED, usual} else f"exit code {running.returncode}",
+            ""
+            if running.returncode in {*ENDED, *FINISHED, usual}
+            else f"exit code {running.returncode}: {printed!r:.200}",
             "words of a defect" if b"Traceback" in printed or b"internal error" in printed else "",
             "" if alone(running.pid) else "a process is left",
             look(),
