@@ -128,10 +128,11 @@ def moments(
         sent = time.perf_counter()
         running.send_signal(number)
         printed, took = running.communicate()[1], time.perf_counter() - sent
-        ended, slowest = ended + (running.returncode in ENDED), max(slowest, took)
+        code, slowest = running.returncode, max(slowest, took)
+        ended += code in ENDED
         why = [
             f"{took:.2f} s" if took > LIMIT else "",
-            "" if running.returncode in {*ENDED, *FINISHED, usual} else f"exit code {running.returncode}",
+            "" if code in {*ENDED, *FINISHED, usual} else f"exit code {code}: {printed!r:.200}",
             "words of a defect" if b"Traceback" in printed or b"internal error" in printed else "",
             "" if alone(running.pid) else "a process is left",
             look(),
