@@ -4,8 +4,8 @@
     python benchmarks/grid.py again [--share 0.02] [--night 20270101]
 
 `make` adds rounds to benchmarks/results/grid.csv, a record of each cell in each, until there are N: a run that was
-broken off goes on where it was, and counts of other code are refused. Records come from judge.py; seeds are the CRC-32
-of the cell's name and the number of the record. `again` makes new records, which follow those counted, of a share of
+broken off goes on where it was, and begins again if the code has changed. Records come from judge.py; seeds are the
+CRC-32 of the cell's name and the number of the record. `again` makes new records, which follow those counted, of a share of
 the cells, chosen by the date, and ends with exit code 1 if a share of an answer has moved by more than its error.
 """
 
@@ -13,6 +13,7 @@ from table import RESULTS, ROOMS, Row, begin, moved, section, unchanged
 
 import csv
 import math
+import sys
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -48,7 +49,7 @@ CODES = {
 
 VERDICTS = {
     "right": "every claim holds, and no sentence says what is not so",
-    "honest": "the record is refused with a reason: no model explains it",
+    "refused": "the record is refused with a reason: no model explains it",
     "wrong": "a term that is there is claimed with a 99.7 % interval that does not hold it",
     "false": "a term is claimed that is not there",
     "misleading": "the terms are right, a sentence is not",
@@ -82,7 +83,7 @@ def answer(job: tuple[str, str, int, int]) -> tuple[str, dict[str, list[str]], l
     channel = al.analyze(record).channels[0]
     fit = channel.fit
     if fit is None or fit.validity == "unexplained":
-        return "honest", {}, []
+        return "refused", {}, []
     names = {f.name for f in (*channel.warnings, *fit.findings)} | ({"lines"} if fit.lines else set())
     misleading = sorted((names & ASSERTED) - DISTURBANCES[disturbance].names)
     codes = {symbol: codes_of(fit, symbol, truth[symbol]) for symbol in TERMS}
@@ -126,12 +127,13 @@ CELLS = list(product(SENSORS, DISTURBANCES, LENGTHS))
 
 
 def read_counts(commit: str) -> list[Cell]:
-    """The cells with what was counted, none of it if the file is missing; counts of other code are refused."""
+    """The cells with what was counted; nothing if there is no file, or, for counts of a commit, it is of other code."""
     if not COUNTS.exists():
         return [Cell(name) for name in CELLS]
     stamp, *lines = COUNTS.read_text("utf-8").splitlines()
     if commit and not unchanged(stamp.removeprefix("# commit "), ROOMS["grid"]):
-        raise SystemExit(f"{COUNTS.name} has counts of {stamp[2:]}, and the code has changed since: remove it first")
+        print(f"begun again: {COUNTS.name} has counts of {stamp[2:]}, and the code has changed", file=sys.stderr)
+        return [Cell(name) for name in CELLS]
     rows = {(r[0], r[1], int(r[2])): r[3:] for r in csv.reader(lines[1:])}
     return [Cell(name, int(r[0]), *map(_counts, r[1:])) for name, r in ((n, rows[n]) for n in CELLS)]
 

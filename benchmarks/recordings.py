@@ -15,7 +15,7 @@ computed here by numpy alone, from the samples as they are in the file:
 A claimed N is wrong if its 95 % interval and the expert's have no point in common, an upper limit if it lies below the
 expert's interval; any claimed term is wrong if its own Allan deviation, with the lower limit of its coefficient,
 exceeds the upper limit (3 standard errors) of the measured one somewhere. What is neither wrong nor confirmed, as there
-is no flat part, is called open; honest is an answer that claims no N.
+is no flat part, is called open; refused is an answer that claims no N.
 """
 
 from table import Row, begin, section
@@ -190,7 +190,7 @@ def expert_of(record: al.Record) -> Expert:
 def verdict(channel: Channel, expert: Expert) -> tuple[str, str]:
     """Right, honest, open or wrong, and why it is wrong."""
     if channel.fit is None:
-        return "honest", ""
+        return "refused", ""
     for e in channel.fit:
         if e.claimed and e.symbol in TERMS:
             tau = expert.above(e.symbol, e.interval(0.95)[0])
@@ -198,14 +198,14 @@ def verdict(channel: Channel, expert: Expert) -> tuple[str, str]:
                 return "wrong", f"{e.symbol} is above the curve at {tau:.3g} s"
     N, white = channel.fit["N"], expert.white
     if white is None:
-        return ("open" if N.claimed else "honest"), ""
+        return ("open" if N.claimed else "refused"), ""
     low, high = N.interval(0.95)
     below, above = white[0] * (1 - white[1]), white[0] * (1 + white[1])
     if N.claimed and low > above:
         return "wrong", "N is above the white level"
     if high < below:
         return "wrong", "N is below the white level"
-    return ("right" if N.claimed else "honest"), ""
+    return ("right" if N.claimed else "refused"), ""
 
 
 def row_of(name: str, sheet: str, channel: Channel) -> Row:
@@ -272,7 +272,7 @@ def main() -> None:
     verdicts, grades = (Counter(row[i].partition(":")[0] for row in rows) for i in (12, 3))
     notes = [
         "no random numbers",
-        f"{len(rows)} channels; " + ", ".join(f"{w}: {verdicts[w]}" for w in ("wrong", "open", "honest", "right")),
+        f"{len(rows)} channels; " + ", ".join(f"{w}: {verdicts[w]}" for w in ("wrong", "open", "refused", "right")),
         ", ".join(f"{grade}: {n}" for grade, n in grades.items()),
         "N, white level, deviation and data sheet in the unit of the row; last octave: density of the last third of an "
         "octave over that of the one an octave below",

@@ -119,7 +119,7 @@ NUMBERS = [
     ("a term that is absent is claimed in {:g} to {:g} %", lambda: terms("claimed where absent %")),
     ("claimed most often: {:s}, {:g} %", lambda: extreme("Terms", "claimed where absent %", max)),
     ("right {:g} %, refused {:g} %, wrong {:g} %, false {:g} %", lambda: [
-        grid(f"{verdict} %") for verdict in ("right", "honest", "wrong", "false")]),
+        grid(f"{verdict} %") for verdict in ("right", "refused", "wrong", "false")]),
     ("cells above 6 %: {:s}; all", worst_cells),
     ("misleading {:g} % of records", lambda: [grid("misleading %")]),
     ("most often with {:s}: {:g} %", lambda: extreme("By disturbance", "misleading %", max)),
