@@ -5,7 +5,7 @@
 
 `make` adds rounds to benchmarks/results/grid.csv, a record of each cell in each, until there are N: a run that was
 broken off goes on where it was, and begins again if the code has changed. Records come from judge.py; seeds are the
-CRC-32 of the cell's name and the number of the record. `again` makes new records, which follow those counted, of a share of
+CRC-32 of the cell's name and the number of the record. `again` makes new records, beyond those counted, of some of
 the cells, chosen by the date, and ends with exit code 1 if a share of an answer has moved by more than its error.
 """
 

@@ -188,7 +188,7 @@ def expert_of(record: al.Record) -> Expert:
 
 
 def verdict(channel: Channel, expert: Expert) -> tuple[str, str]:
-    """Right, honest, open or wrong, and why it is wrong."""
+    """Right, refused, open or wrong, and why it is wrong."""
     if channel.fit is None:
         return "refused", ""
     for e in channel.fit:
