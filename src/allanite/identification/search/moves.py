@@ -15,7 +15,7 @@ from .components import (  # isort: skip
     MOST_PERIODS, PERIODS, QUICKEST_MARKOV, SHORTEST_WARM_UP, Part, cost_of
 )  # fmt: skip
 from .fitting import Fitted, fitted
-from .frame import LOW, Frame
+from .frame import LOW, Frame, starts_of
 from .refining import CANDIDATES, FAR, MISSED, Local, Move
 from .state import State
 
@@ -253,6 +253,7 @@ def filters(at: Local) -> Iterator[State]:
     frame, state = at.f.frame, at.f.state
     if state.filter is not None:
         return
+    yield from _hiding_angle(at.f)
     tries, logs = frame.log_gains
     gain = at.gains(logs * (at.f.inside / at.f.m), signed=True)
     cost = COMPONENTS["filter"].cost(frame.size)
@@ -267,6 +268,18 @@ def filters(at: Local) -> Iterator[State]:
         best[row] = min(best.get(row, (math.inf, 0.0)), (value, cutoff))
     for row in sorted(best, key=lambda row: best[row])[: 5 if not state.of("resonance") else 2]:
         yield state.having(Part("filter", row, (best[row][1],)))
+
+
+def _hiding_angle(f: Fitted) -> Iterator[State]:
+    """A low-pass filter behind which angle noise is nearly white, so that neither gains without the other."""
+    frame, angle = f.frame, f.theta[: f.frame.angle.size][f.frame.angle]
+    if not angle.size or angle.any() or any(p.name not in LOOSE for p in f.state):
+        return
+    cutoffs = [c for c in starts_of("rc") if c > HIDING]
+    tries = [fitted(frame, f.state.having(Part("filter", "rc", (c,)))) for c in cutoffs]
+    best = min(tries, key=lambda g: g.value)
+    if best.theta[: frame.angle.size][frame.angle].any():
+        yield best.state
 
 
 def peaks(at: Local) -> list[tuple[float, Part]]:
