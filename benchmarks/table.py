@@ -34,8 +34,10 @@ ROOMS = {
     "angle": "applications/angle", "bags": "readers", "bound": "planning/bound.py statespace", "check": "claims",
     "check_settings": "claims identification",
     "comparison": "comparison", "compensation": "applications/compensation", "confidence_coverage": "statistics",
+    "curves": "identification statistics",
     "consistency": "exporting", "data_sheets": "claims interpretation planning", "drift": "planning",
     "end_to_end": "cli reporting study", "environments": "",
+    "grid": "identification prepare",
     "fuzz": "batch cli core readers study web", "gaps": "identification statistics", "hybrids": "statistics",
     "held": "prepare", "identification": "identification", "limits": "identification statistics", "logs": "readers",
     "methods": "identification", "noise_identification": "statistics", "out_of_core": "stream statistics",
@@ -62,6 +64,14 @@ def commit() -> str:
     """The commit of the code that runs, and whether files differ from it."""
     changed = _git("status", "--porcelain", "--", *CODE)
     return _git("rev-parse", "--short=7", "HEAD") + (" + uncommitted changes" if changed else "")
+
+
+def unchanged(since: str, rooms: str) -> bool:
+    """Whether rooms of the package are what they were at a commit."""
+    if "+" in since:
+        return False
+    folders = [f"src/allanite/{room}" for room in rooms.split()] or ["src"]
+    return not _git("diff", "--name-only", since, "--", *folders)
 
 
 def processor() -> str:
@@ -143,6 +153,16 @@ def shared(hits: Sequence[bool]) -> str:
     """A share with its standard error, %."""
     p = sum(map(bool, hits)) / len(hits)
     return f"{100 * p:.1f} ± {100 * math.sqrt(max(p * (1 - p), 1e-4) / len(hits)):.1f}"
+
+
+MOVED = 1e-4  # probability of a difference between two counts by chance, below which a share has moved
+
+
+def moved(hits: int, records: int, others: int, of: int) -> bool:
+    """Whether two shares are not of one population: Fisher's exact test."""
+    total, both = math.comb(records + of, hits + others), hits + others
+    ways = [math.comb(records, k) * math.comb(of, both - k) / total for k in range(both + 1)]
+    return sum(p for p in ways if p <= ways[hits] * (1 + 1e-9)) < MOVED
 
 
 def least(job: Callable[[], object], rounds: int, clock: Callable[[], float] = time.process_time) -> float:
