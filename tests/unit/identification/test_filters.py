@@ -136,7 +136,7 @@ def decimated(order, cutoff, step, seed, *, times=6, n=2**16):
 
 @rows("seed", [1, 2, 3])
 def test_n_behind_a_low_pass_is_not_what_is_left_of_angle_noise(seed):
-    """The gain of an RC and the rise of angle noise end in a plateau, which was called N: 0.58 of it, with 4 % limits."""
+    """The gain of an RC and the rise of angle noise end in a plateau, called N: 0.58 of it, with limits of 4 %."""
     model, p = al.Q(2e-4, "deg") + al.N(0.002, "deg/sqrt(s)"), math.exp(-math.pi / 6)
     y = al.simulate(model, 4096 + 512, RATE, rng=np.random.default_rng(seed)).values
     fit = al.identify(al.Record(lfilter([1 - p], [1, -p], y)[512:], RATE, "rad/s"))

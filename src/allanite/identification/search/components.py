@@ -58,7 +58,7 @@ SHORTEST_WARM_UP, LONGEST_WARM_UP = 0.001, 0.37
 """Shares of the record from which a warm-up is looked for, and up to which it differs from a ramp with a parabola."""
 
 FEWEST_PERIODS, MOST_PERIODS = 1.5, 8.0
-"""Periods of a wave in a record: of fewer it is a ramp with a parabola, of more a sinusoid that stands out by itself."""
+"""Periods of a wave in a record: of fewer it is a ramp with a parabola, of more a sinusoid that stands out alone."""
 
 INSIDE = 1.05  # factor by which what is tried first stays inside its bounds
 SIZES = (0.004, 6.0)  # least and greatest size of a factor, RMS of the logarithm of the power
@@ -227,7 +227,7 @@ COMPONENTS: dict[str, Component] = {
             bounds=lambda frame, part: [(SHORTEST_WARM_UP * frame.size, LONGEST_WARM_UP * frame.size)], ending=True,
         ),
         Component(
-            "wave", 0.005, lambda n: 20, freedom=2.0, signed=True, grain=(0.1,),
+            "wave", 0.003, lambda n: 40, freedom=2.0, signed=True, grain=(0.1,),
             bounds=lambda frame, part: [(FEWEST_PERIODS, MOST_PERIODS)], ending=True,
         ),
         Component("sinusoid", 0.01, lambda n: n / 2, freedom=2.0, signed=True, most=12),

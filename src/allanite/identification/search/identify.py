@@ -37,7 +37,8 @@ from .moves import MOVES, filters, floors, less, markov, resonances, warm_ups_of
 from .pooling import Together, behind
 from .refining import Move, pruned
 from .search import Searched, search, shows_white
-from .slow import (
+
+from .slow import (  # isort: skip
     RESONANCES, WarmUp, exponent_finding, steps_finding, vibration_finding, warm_up_estimate, wave_finding, wave_of
 )  # fmt: skip
 from .state import State
