@@ -57,8 +57,8 @@ EXPONENTS = (0.7, 1.6)
 SHORTEST_WARM_UP, LONGEST_WARM_UP = 0.001, 0.37
 """Shares of the record from which a warm-up is looked for, and up to which it differs from a ramp with a parabola."""
 
-FEWEST_PERIODS, MOST_PERIODS = 1.5, 8.0
-"""Periods of a wave in a record: of fewer it is a ramp with a parabola, of more a sinusoid that stands out alone."""
+FEWEST_PERIODS, MOST_PERIODS = 2.0, 8.0
+"""Periods of a wave in a record: of fewer it is what a random walk does, of more a sinusoid that stands out alone."""
 
 INSIDE = 1.05  # factor by which what is tried first stays inside its bounds
 SIZES = (0.004, 6.0)  # least and greatest size of a factor, RMS of the logarithm of the power

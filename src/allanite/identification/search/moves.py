@@ -16,7 +16,7 @@ from .components import (  # isort: skip
 )  # fmt: skip
 from .fitting import Fitted, fitted
 from .frame import LOW, Frame, starts_of
-from .refining import CANDIDATES, FAR, MISSED, Local, Move
+from .refining import CANDIDATES, FAR, MISSED, Local, Move, refined
 from .state import State
 
 PLACES, FINE_PLACES = 512, 61  # places at which a step is looked for, and places between the neighbours of the best
@@ -110,7 +110,7 @@ def warm_ups(at: Local) -> Iterator[State]:
         yield _tuned_warm_up(at.f, rest, parts[int(gain.argmax())])
 
 
-WAVES = 27  # numbers of periods of a wave that are tried, a quarter apart
+WAVES = 25  # numbers of periods of a wave that are tried, a quarter apart
 
 
 def waves(at: Local) -> Iterator[State]:
@@ -272,13 +272,15 @@ def filters(at: Local) -> Iterator[State]:
 
 def _hiding_angle(f: Fitted) -> Iterator[State]:
     """A low-pass filter behind which angle noise is nearly white, so that neither gains without the other."""
-    frame, angle = f.frame, f.theta[: f.frame.angle.size][f.frame.angle]
-    if not angle.size or angle.any() or any(p.name not in LOOSE for p in f.state):
+    # White noise stands beside it, and is resolved below the cut-off: alone it would be white noise by another name.
+    frame, angle = f.frame, f.frame.angle
+    bare = not f.theta[: angle.size][angle].any() and all(p.name in LOOSE for p in f.state)
+    if frame.white is None or not angle.any() or not bare or frame.size * HIDING < PERIODS:
         return
     cutoffs = [c for c in starts_of("rc") if c > HIDING]
     tries = [fitted(frame, f.state.having(Part("filter", "rc", (c,)))) for c in cutoffs]
-    best = min(tries, key=lambda g: g.value)
-    if best.theta[: frame.angle.size][frame.angle].any():
+    best = refined(min(tries, key=lambda g: g.value))
+    if best.theta[frame.white] > 0 and best.theta[: angle.size][angle].any():
         yield best.state
 
 
