@@ -26,8 +26,8 @@ to 1 (`identification.search.components.CLAIMED`)."""
 class Component(Value):
     """A part of the model of a record beside its terms."""
 
-    # a fixed keyword for programs: "filter", "resonance", "step", "warm-up", "exponent", "noise" for Gauss-Markov
-    # noise, "floor" for white noise behind a filter, "factor" for power that nothing describes
+    # a fixed keyword for programs: "filter", "resonance", "step", "warm-up", "wave", "exponent", "noise" for
+    # Gauss-Markov noise, "floor" for white noise behind a filter, "factor" for power that nothing describes
     name: str
     weight: float  # of the models that hold it, of all that are consistent with the record
     words: str = ""  # what it is, with numbers

@@ -219,9 +219,10 @@ def lines(view: View) -> Finding | None:
     frequency, power, segments = _periodogram(view)
     if frequency.size < 64 or not segments:
         return None
-    # median of the octave around each bin, interpolated log-linearly between half-octave centres
-    centres = 2 ** np.arange(2.5, math.log2(power.size), 0.5)
-    levels = [np.median(power[int(c / 1.42) : max(int(c * 1.42), int(c / 1.42) + 5)]) for c in centres]
+    # median of the half octave around each bin, interpolated log-linearly between quarter-octave centres: within an
+    # octave of the stop band of a filter the power falls to a tenth and less
+    centres = 2 ** np.arange(2.5, math.log2(power.size), 0.25)
+    levels = [np.median(power[int(c / 1.19) : max(int(c * 1.19), int(c / 1.19) + 5)]) for c in centres]
     floor = np.maximum(np.array(levels), 1e-300)
     around = np.exp(np.interp(np.log(np.arange(1, power.size + 1)), np.log(centres), np.log(floor)))
     threshold = 1.25 * float(scipy.special.gammaincinv(segments, 1 - 1e-4 / power.size)) / segments

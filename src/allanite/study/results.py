@@ -193,11 +193,13 @@ class Channel(ChannelResult):
         # not repeated if the residuals name it; removed or excluded lines need no warning
         settled = {finding.name for finding in self.residuals.findings} if self.residuals else set()
         scope = self.fit.scope if self.fit else None
-        met = self.fit is not None and (self.fit.lines or (scope is not None and (scope.masks or scope.limited)))
+        vibrates = any(c.name == "resonance" and c.claimed for c in (self.fit.components if self.fit else ()))
+        bounded = scope is not None and (scope.masks or scope.limited)
+        met = self.fit is not None and (self.fit.lines or vibrates or bounded)
         shaped = [TERMS[e.symbol] for e in self.fit or () if e.claimed and e.shape]
         if self.explained and (met or any(row.period for row in shaped)):
             settled.add("lines")
-        if self.explained and (shaped or (scope is not None and scope.filter)):  # the curve may have any slope
+        if self.explained and (shaped or vibrates or (scope and scope.filter)):  # the curve may have any slope
             settled.add("slope")
         return tuple(finding for finding in self.quality.warnings if finding.name not in settled)
 

@@ -134,6 +134,17 @@ def decimated(order, cutoff, step, seed, *, times=6, n=2**16):
     return al.Record(np.round(y / step) * step if step else y, RATE, "deg/s"), al.N(N, "deg/sqrt(s)").value
 
 
+@rows("seed", [1, 2, 3])
+def test_n_behind_a_low_pass_is_not_what_is_left_of_angle_noise(seed):
+    """The gain of an RC and the rise of angle noise end in a plateau, called N: 0.58 of it, with limits of 4 %."""
+    model, p = al.Q(2e-4, "deg") + al.N(0.002, "deg/sqrt(s)"), math.exp(-math.pi / 6)
+    y = al.simulate(model, 4096 + 512, RATE, rng=np.random.default_rng(seed)).values
+    fit = al.identify(al.Record(lfilter([1 - p], [1, -p], y)[512:], RATE, "rad/s"))
+    low, high = fit["N"].interval(0.9973)
+    assert low < model["N"].value < high
+    assert "filter" in [c.name for c in fit.components]
+
+
 @rows("order, cutoff, step", [(2, 0.12, 0.0), (2, 0.12, 1.5), (2, 0.3, 4.0), (1, 0.35, 0.0), (1, 0.2, 2.0)])
 def test_white_noise_behind_a_low_pass_is_no_other_noise(order, cutoff, step):
     """It was called a damped oscillation, and N was a small part of what it is."""

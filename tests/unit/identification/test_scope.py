@@ -34,6 +34,15 @@ def test_no_vibration_is_looked_for_where_all_frequencies_are_asked_for():
     assert fit.validity == "unexplained"
 
 
+def test_a_slope_that_vibration_explains_is_no_warning():
+    rng, n = np.random.default_rng(1), 2**15
+    shaking = lfilter([0.0158], [1, -1.853, 0.949], rng.standard_normal(n + 500))[500:]  # at 5 Hz, of quality 6
+    (channel,) = al.analyze(al.Record(rng.standard_normal(n) + 10 * shaking, RATE, "deg/s")).channels
+    assert channel.explained
+    assert "slope" in channel.quality.names
+    assert "slope" not in {finding.name for finding in channel.warnings}
+
+
 @pytest.mark.slow("takes more than half a second")
 @rows("seed", [1, 2])
 def test_what_no_component_describes_is_a_factor_and_the_noise_is_that_below_it(seed):

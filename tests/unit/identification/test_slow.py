@@ -5,12 +5,13 @@ import re
 
 import numpy as np
 import pytest
+import scipy
 from tests.rows import paired, rows
 
 import allanite as al
 from allanite.identification.checks.residuals import _normal, jumps
 from allanite.identification.likelihood.spectrum import spectrum
-from allanite.identification.likelihood.whittle import likelihood, with_warm_up
+from allanite.identification.likelihood.whittle import likelihood, wave_directions, with_warm_up
 from allanite.study.noise import noise_of
 
 N, B, K = al.N(0.005, "deg/sqrt(s)"), al.B(0.002, "deg/s"), al.K(3e-4, "deg/s/sqrt(s)")
@@ -118,6 +119,33 @@ def test_the_size_of_a_burst_in_white_noise_and_outliers_are_none():
     u = np.random.default_rng(1).standard_normal(2**15).astype(np.float32)
     u[8000:8004] += 60  # outliers
     assert jumps(u, al.Model((al.N(0.001, "rad/sqrt(s)"),)), RATE) is None
+
+
+@rows("periods", [1.7, 3.0, 3.5, 6.2])
+def test_the_directions_of_a_wave_are_its_cosine_transforms(periods):
+    n = 3000
+    seen = spectrum(record_of(N, n), detrend=True)
+    phase = 2 * math.pi * periods / n * (np.arange(n) + 0.5 - n / 2)
+    for (even, odd), wave in zip(wave_directions(seen, periods), (np.cos(phase), np.sin(phase)), strict=True):
+        known = scipy.fft.dct(wave, norm="ortho")[1:65]
+        assert np.where(seen.first[:64] % 2, odd[:64], even[:64]) == pytest.approx(known, abs=1e-3)
+
+
+@rows("lost", [0, 2000])
+def test_a_slow_wave_is_named_and_is_no_random_walk(lost):
+    """In white noise it was K in 93 % of records, and K was wrong in three of four that have it."""
+    n, amplitude = 2**14, 3.5e-4
+    t = (np.arange(n) + 0.5) / RATE
+    y = record_of(al.Model((N,)), n, 3).values + amplitude * np.sin(2 * np.pi * 0.019 * t + 0.7)
+    y[5000 : 5000 + lost] = np.nan
+    record = al.Record(y, RATE, "rad/s")
+    fit = al.identify(record)
+    (line,), (finding,) = fit.lines, fit.findings
+    assert finding.name == "wave"
+    assert abs(line.amplitude - amplitude) < 3 * line.standard_error
+    assert (line.frequency, line.phase) == (pytest.approx(0.019, rel=0.02), pytest.approx(0.7, abs=0.2))
+    assert [e.symbol for e in fit if e.claimed] == ["N"]
+    assert al.residuals(record, fit).explained
 
 
 def test_a_warm_up_is_named_and_taken_off_the_noise():

@@ -61,6 +61,27 @@ def warm_up_direction(spectrum: BinnedSpectrum, tau: float) -> Pair:
     return smooth * (1 - remaining), smooth * (1 + remaining)
 
 
+ASIDE = 1e-5  # coefficients by which a frequency is moved away from that of one, whose direction has no other
+
+
+def wave_directions(spectrum: BinnedSpectrum, cycles: float) -> tuple[Pair, Pair]:
+    """The coefficients of a cosine and a sine about the middle of the record, of so many periods in it."""
+    n = spectrum.size
+    if spectrum.times.size:  # with gaps, as a warm-up
+        middle = (spectrum.times[0] + spectrum.times[-1]) / 2
+        phase = 2 * math.pi * cycles / n * (spectrum.times - middle)
+        lowest = scipy.fft.dct(np.array((np.cos(phase), np.sin(phase))), norm="ortho")[:, 1 : SINGLE + 1]
+        cosine, sine = lowest * math.sqrt(n / phase.size)
+        return in_bins(spectrum, cosine), in_bins(spectrum, sine)
+    k = spectrum.first + (spectrum.count - 1) / 2
+    near = float(2 * cycles - k[np.abs(2 * cycles - k).argmin()])
+    turn = (math.pi * cycles + math.pi / 2 * (math.copysign(ASIDE, near) - near) * (abs(near) < ASIDE)) / n
+    half = math.pi / (2 * n) * k
+    smooth = math.sqrt(2 / n) * math.sin(turn) * np.cos(half) / (np.sin(turn + half) * np.sin(turn - half))
+    zero = np.zeros_like(smooth)
+    return (smooth * math.sin(turn * n), zero), (zero, smooth * math.cos(turn * n))
+
+
 def directions_of(spectrum: BinnedSpectrum, with_ramp: bool, more: Sequence[Pair] = ()) -> Pair:
     """Products of the loose directions: both halves of the first sample, a warm-up, steps at long gaps, the ramp."""
     # The first sample has the coefficients a_k = sqrt(2/n) cos(pi k / 2n), the last one (-1)^k a_k; their even and odd

@@ -57,6 +57,9 @@ EXPONENTS = (0.7, 1.6)
 SHORTEST_WARM_UP, LONGEST_WARM_UP = 0.001, 0.37
 """Shares of the record from which a warm-up is looked for, and up to which it differs from a ramp with a parabola."""
 
+FEWEST_PERIODS, MOST_PERIODS = 2.0, 8.0
+"""Periods of a wave in a record: of fewer it is what a random walk does, of more a sinusoid that stands out alone."""
+
 INSIDE = 1.05  # factor by which what is tried first stays inside its bounds
 SIZES = (0.004, 6.0)  # least and greatest size of a factor, RMS of the logarithm of the power
 
@@ -223,10 +226,17 @@ COMPONENTS: dict[str, Component] = {
             "warm-up", 0.002, lambda n: 24, signed=True, grain=(0.3,),
             bounds=lambda frame, part: [(SHORTEST_WARM_UP * frame.size, LONGEST_WARM_UP * frame.size)], ending=True,
         ),
+        Component(
+            "wave", 0.003, lambda n: 40, freedom=2.0, signed=True, grain=(0.1,),
+            bounds=lambda frame, part: [(FEWEST_PERIODS, MOST_PERIODS)], ending=True,
+        ),
         Component("sinusoid", 0.01, lambda n: n / 2, freedom=2.0, signed=True, most=12),
     )
 }  # fmt: skip
 """Every component by its name."""
+
+LOOSE = ("step", "warm-up", "wave")
+"""Components that change the mean of the coefficients, not their power: loose directions, in the order of the parts."""
 
 FACTORS = {"all": 4.0, "above": 5.0, "step above": 5.0, "between": 10.0}
 """Prices of the kinds of a factor. The determinant of its information pays for most of the search

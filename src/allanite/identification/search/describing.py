@@ -176,6 +176,8 @@ def _words(answer: Answer, f: Fitted, part: Part) -> str:  # noqa: PLR0911 - one
         return say("step at {time:.4g} s", time=f.frame.spectrum.cut + part.shape[0] / rate)
     if part.name == "warm-up":
         return say("warm-up with a time constant of {time:.3g} s", time=part.shape[0] / rate)
+    if part.name == "wave":
+        return say("slow wave with a period of {time:.3g} s", time=f.frame.spectrum.size / part.shape[0] / rate)
     return _factor_words(f)
 
 

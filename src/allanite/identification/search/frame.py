@@ -17,7 +17,8 @@ from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.spectrum import BinnedSpectrum
 
 from allanite.identification.likelihood.whittle import (  # isort: skip
-    Pair, column, directions_of, gain_of, in_bins, likelihood, step_coefficients, table_column, warm_up_direction
+    Pair, column, directions_of, gain_of, in_bins, likelihood, step_coefficients, table_column, warm_up_direction,
+    wave_directions
 )  # fmt: skip
 from allanite.terms import TERMS, WHITE
 
@@ -250,22 +251,26 @@ class Frame(Portable):
         return self.remembered("plain", lambda: likelihood(self.spectrum, [*self.powers, *self.ramps]).only(self.used))
 
     def beside(self, more: tuple[tuple[str, float], ...]) -> Likelihood:
-        """The same with more loose directions: ("step", sample) or ("warm-up", time constant in samples)."""
+        """The same with more loose directions: steps at a sample, a warm-up, its time constant in samples, a wave."""
         if not more:
             return self.plain
         return self.remembered(("beside", more), lambda: self._beside(more))
 
     def _beside(self, more: tuple[tuple[str, float], ...]) -> Likelihood:
-        UU, Uc = directions_of(self.spectrum, bool(self.ramps), [self._direction(*each) for each in more])
+        pairs = [pair for each in more for pair in self.directions(*each)]
+        UU, Uc = directions_of(self.spectrum, bool(self.ramps), pairs)
         plain = likelihood(self.spectrum, [*self.powers, *self.ramps])
-        at = np.full(len(more), np.count_nonzero(~plain.flat))
+        at = np.full(len(pairs), np.count_nonzero(~plain.flat))
         part = replace(plain, UU=UU, Uc=Uc, W=np.insert(plain.W, at, 0.0, axis=0), flat=np.insert(plain.flat, at, True))
         return part.only(self.used)
 
-    def _direction(self, name: str, value: float) -> Pair:
+    def directions(self, name: str, value: float) -> Sequence[Pair]:
+        """The loose directions of a part: a wave has two."""
+        if name == "wave":
+            return wave_directions(self.spectrum, value)
         if name == "warm-up":
-            return warm_up_direction(self.spectrum, value)
-        return in_bins(self.spectrum, step_coefficients(self.size, value))
+            return (warm_up_direction(self.spectrum, value),)
+        return (in_bins(self.spectrum, step_coefficients(self.size, value)),)
 
     def column(self, symbol: str, shape: tuple[float, ...]) -> FloatArray:
         """Expected power of a noise term with a shape, in samples, for theta = 1, shape (bins,)."""

@@ -37,7 +37,10 @@ from .moves import MOVES, filters, floors, less, markov, resonances, warm_ups_of
 from .pooling import Together, behind
 from .refining import Move, pruned
 from .search import Searched, search, shows_white
-from .slow import RESONANCES, WarmUp, exponent_finding, steps_finding, vibration_finding, warm_up_estimate
+
+from .slow import (  # isort: skip
+    RESONANCES, WarmUp, exponent_finding, steps_finding, vibration_finding, warm_up_estimate, wave_finding, wave_of
+)  # fmt: skip
 from .state import State
 
 SMOOTH: tuple[Move, ...] = (less, floors, markov, filters)
@@ -244,6 +247,10 @@ def _concluded(
     findings: list[Finding] = [warm.finding] if warm else []
     if weights.get("step", 0.0) >= CLAIMED and best.state.of("step"):
         findings.append(steps_finding(answer, best))
+    lines = taken
+    if weights.get("wave", 0.0) >= CLAIMED and best.state.of("wave"):
+        lines = (wave := wave_of(answer, best), *taken)
+        findings.append(wave_finding(wave))
     if weights.get("exponent", 0.0) >= CLAIMED and best.state.of("exponent"):
         findings.append(exponent_finding(answer, best))
         a = best.state.of("exponent")[0].shape[0]
@@ -254,9 +261,9 @@ def _concluded(
     model = _model(estimates, answer)
     deterministic_terms = tuple(t for t in model if t.row.waveform is not None and t.row.scatters)
     return Fit(estimates=tuple(estimates.values()), method="whittle", signal=answer.scale.signal, name=name,
-               model=Model((*model, *(line.term for line in taken))), goodness=_goodness(answer, taken),
+               model=Model((*model, *(line.term for line in lines))), goodness=_goodness(answer, taken),
                correlation=_correlation(list(estimates), answer.shown),
-               notes=(*(f.what for f in findings), *notes_of(answer, estimates)), lines=taken,
+               notes=(*(f.what for f in findings), *notes_of(answer, estimates)), lines=lines,
                rivals=Remembered(partial(alternatives, answer)),
                nodes=Remembered(partial(answer.nodes, deterministic_terms)), scope=scope, findings=tuple(findings),
                warm_up=warm.term if warm else None, components=components_of(answer),

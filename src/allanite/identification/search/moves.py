@@ -8,15 +8,15 @@ import scipy
 
 from allanite.core.arrays import FloatArray
 from allanite.identification.likelihood.filters import FILTERS
-from allanite.identification.likelihood.whittle import step_coefficients, warm_up_direction
+from allanite.identification.likelihood.whittle import step_coefficients
 
 from .components import (  # isort: skip
-    AT_BOUND, BROAD, COMPONENTS, HIDING, INSIDE, LEAST_MARKOV, LONGEST_MARKOV, LONGEST_WARM_UP, PERIODS,
-    QUICKEST_MARKOV, SHORTEST_WARM_UP, Part, cost_of
+    AT_BOUND, BROAD, COMPONENTS, FEWEST_PERIODS, HIDING, INSIDE, LEAST_MARKOV, LONGEST_MARKOV, LONGEST_WARM_UP, LOOSE,
+    MOST_PERIODS, PERIODS, QUICKEST_MARKOV, SHORTEST_WARM_UP, Part, cost_of
 )  # fmt: skip
 from .fitting import Fitted, fitted
-from .frame import LOW, Frame
-from .refining import CANDIDATES, FAR, MISSED, Local, Move
+from .frame import LOW, Frame, starts_of
+from .refining import CANDIDATES, FAR, MISSED, Local, Move, refined
 from .state import State
 
 PLACES, FINE_PLACES = 512, 61  # places at which a step is looked for, and places between the neighbours of the best
@@ -28,14 +28,20 @@ def _lowest(at: Local) -> tuple[FloatArray, FloatArray, FloatArray]:
     frame = at.f.frame
     k = min(LOW, frame.count.size)
     c, root = (frame.spectrum.even + frame.spectrum.odd)[:k], np.sqrt(at.f.m[:k])
-    loose = [step_coefficients(frame.size, p.shape[0])[:k] for p in at.f.state.of("step")]
-    loose += [np.add(*warm_up_direction(frame.spectrum, p.shape[0]))[:k] for p in at.f.state.of("warm-up")]
+    parts = (p for p in at.f.state if p.name in LOOSE)
+    loose = [each for p in parts for each in _low(frame, p, k)]
     if frame.ramps:
         ramp = np.zeros(k)
         ramp[: min(k, frame.spectrum.ramp.size)] = frame.spectrum.ramp[:k]
         loose.append(ramp)
     Q = np.linalg.qr((np.array(loose) / root).T)[0] if loose else np.zeros((k, 0))
     return c / root, root, Q
+
+
+def _low(frame: Frame, part: Part, k: int) -> list[FloatArray]:
+    """The lowest coefficients of the directions of a part."""
+    odd = frame.spectrum.first[:k] % 2 > 0
+    return [np.where(odd, at_odd[:k], at_even[:k]) for at_even, at_odd in frame.directions(part.name, part.shape[0])]
 
 
 def _gains(D: FloatArray, y: FloatArray, Q: FloatArray) -> FloatArray:
@@ -98,10 +104,46 @@ def warm_ups(at: Local) -> Iterator[State]:
         yield _tuned_warm_up(at.f, rest, own[0])
         return
     y, root, Q = _lowest(at)
-    D = np.array([np.add(*warm_up_direction(frame.spectrum, part.shape[0]))[: y.size] for part in parts]) / root
+    D = np.concatenate([_low(frame, part, y.size) for part in parts]) / root
     gain = _gains(D, y, Q)
     if at.able(float(gain.max()), COMPONENTS["warm-up"].cost(frame.size)):
         yield _tuned_warm_up(at.f, rest, parts[int(gain.argmax())])
+
+
+WAVES = 25  # numbers of periods of a wave that are tried, a quarter apart
+
+
+def waves(at: Local) -> Iterator[State]:
+    """A slow wave, or that of the state with another period."""
+    frame, state = at.f.frame, at.f.state
+    if not frame.able_to_warm_up:
+        return
+    rest = state.lacking(*state.of("wave"))
+    if rest != state:
+        yield _tuned_wave(at.f, rest, state.of("wave")[0].shape[0])
+        return
+    y, root, Q = _lowest(at)
+    periods = np.linspace(FEWEST_PERIODS, MOST_PERIODS, WAVES + 1)[1:-1].tolist()
+    gain = [_gain_together(np.array(_low(frame, Part("wave", "", (c,)), y.size)) / root, y, Q) for c in periods]
+    if at.able(max(gain), COMPONENTS["wave"].cost(frame.size)):
+        yield _tuned_wave(at.f, rest, periods[int(np.argmax(gain))])
+
+
+def _gain_together(D: FloatArray, y: FloatArray, Q: FloatArray) -> float:
+    """Gain of several directions together beside what is loose."""
+    basis = np.linalg.qr((D - D @ Q @ Q.T).T)[0]
+    return float(((y @ basis) ** 2).sum())
+
+
+def _tuned_wave(f: Fitted, rest: State, periods: float) -> State:
+    """The state with the best period near that of a wave."""
+
+    def value(x: float) -> float:
+        return fitted(f.frame, rest.having(Part("wave", "", (x,))), f.free).value
+
+    bounds = max(periods - 0.3, FEWEST_PERIODS), min(periods + 0.3, MOST_PERIODS)
+    best = scipy.optimize.minimize_scalar(value, bounds=bounds, method="bounded", options={"xatol": 1e-3})
+    return rest.having(Part("wave", "", (float(best.x),)))
 
 
 PER_DECADE, PROMISING = 4, 2  # time constants a decade that are tried, and how many of them are fitted
@@ -211,6 +253,7 @@ def filters(at: Local) -> Iterator[State]:
     frame, state = at.f.frame, at.f.state
     if state.filter is not None:
         return
+    yield from _hiding_angle(at.f)
     tries, logs = frame.log_gains
     gain = at.gains(logs * (at.f.inside / at.f.m), signed=True)
     cost = COMPONENTS["filter"].cost(frame.size)
@@ -225,6 +268,20 @@ def filters(at: Local) -> Iterator[State]:
         best[row] = min(best.get(row, (math.inf, 0.0)), (value, cutoff))
     for row in sorted(best, key=lambda row: best[row])[: 5 if not state.of("resonance") else 2]:
         yield state.having(Part("filter", row, (best[row][1],)))
+
+
+def _hiding_angle(f: Fitted) -> Iterator[State]:
+    """A low-pass filter behind which angle noise is nearly white, so that neither gains without the other."""
+    # White noise stands beside it, and is resolved below the cut-off: alone it would be white noise by another name.
+    frame, angle = f.frame, f.frame.angle
+    bare = not f.theta[: angle.size][angle].any() and all(p.name in LOOSE for p in f.state)
+    if frame.white is None or not angle.any() or not bare or frame.size * HIDING < PERIODS:
+        return
+    cutoffs = [c for c in starts_of("rc") if c > HIDING]
+    tries = [fitted(frame, f.state.having(Part("filter", "rc", (c,)))) for c in cutoffs]
+    best = refined(min(tries, key=lambda g: g.value))
+    if best.theta[frame.white] > 0 and best.theta[: angle.size][angle].any():
+        yield best.state
 
 
 def peaks(at: Local) -> list[tuple[float, Part]]:
@@ -286,5 +343,5 @@ def _apart(part: Part, other: Part) -> bool:
     return abs(math.log(part.shape[0] / other.shape[0])) > 0.08 or not 1 / 3 < ratio < 3
 
 
-MOVES: tuple[Move, ...] = (less, exchanged, floors, steps, warm_ups, markov, exponents, resonances, filters)
+MOVES: tuple[Move, ...] = (less, exchanged, floors, steps, warm_ups, waves, markov, exponents, resonances, filters)
 """All ways from a state to its neighbours. Their order decides nothing."""

@@ -9,6 +9,7 @@ import scipy
 
 from allanite.core.arrays import FloatArray
 from allanite.core.estimate import WEAK, Estimate
+from allanite.core.fit import Line
 from allanite.core.limits import NormalMixture, Remembered, quantile
 from allanite.core.model import Term, coefficient_factor
 from allanite.core.plain import Portable
@@ -17,7 +18,7 @@ from allanite.core.validity import Finding
 from allanite.phrases.phrase import join, longest_without, say, spelled
 from allanite.terms import TERMS
 
-from .components import COMPONENTS, Part
+from .components import COMPONENTS, LOOSE, Part
 from .estimates import Answer, profile_ends
 from .fitting import Fitted, column_of_part, fitted
 from .moves import PLACES
@@ -32,8 +33,8 @@ TIME_CONSTANTS = 24  # time constants over which the size of a warm-up is averag
 
 
 def sizes_of(f: Fitted, name: str) -> tuple[FloatArray, FloatArray]:
-    """Sizes of the steps or of the warm-up of a fit, and their standard errors, in the unit of the spectrum."""
-    names = [p.name for p in f.state if p.name in ("step", "warm-up")]
+    """Sizes of the loose directions of a component, and their standard errors, in the unit of the spectrum."""
+    names = [p.name for p in f.state if p.name in LOOSE for _ in f.frame.directions(p.name, p.shape[0])]
     eta, V, _ = f.trusted.directions(f.theta)
     at = int(np.count_nonzero(~f.trusted.flat)) + np.flatnonzero([n == name for n in names])
     return eta[at], np.sqrt(np.diag(V)[at])
@@ -159,6 +160,28 @@ def warm_up_estimate(symbol: str, warm: WarmUp | None, answer: Answer) -> Estima
     limits = Remembered(law)
     return Estimate(symbol, signal, value, error, status, law.upper(0.95), "whittle", limits, limits, value,
                     shape=(warm.tau,), shape_limits=Remembered(along))  # fmt: skip
+
+
+def wave_of(answer: Answer, f: Fitted) -> Line:
+    """The slow wave of a fit as a sinusoid."""
+    spectrum, rate, factor = f.frame.spectrum, answer.scale.rate, answer.scale.factor
+    turn = 2 * math.pi * f.state.of("wave")[0].shape[0] / spectrum.size  # radians a sample
+    (cosine, sine), error = sizes_of(f, "wave")
+    middle = (spectrum.times[0] + spectrum.times[-1] + 1) / 2 if spectrum.times.size else spectrum.size / 2
+    phase = math.remainder(math.atan2(cosine, sine) - turn * middle, 2 * math.pi)
+    frequency, size = turn * rate / (2 * math.pi), math.hypot(cosine, sine)
+    return Line(frequency, size * factor, float(error.max()) * factor, phase, answer.scale.signal)
+
+
+def wave_finding(wave: Line) -> Finding:
+    """The finding about a slow wave."""
+    return Finding(
+        "wave",
+        say("the bias follows a slow wave with a period of {period:.3g} s: {wave}", period=1 / wave.frequency,
+            wave=wave.words()),
+        say("the coefficients are those of the noise without it; B and K are less certain"),
+        say("look for cycles of the temperature, or record for longer"),
+    )  # fmt: skip
 
 
 def steps_finding(answer: Answer, f: Fitted) -> Finding:
