@@ -74,6 +74,7 @@ def resonant(n: int, rng: judge.Rng) -> judge.Values:
 ROWS: dict[str, tuple[Move, str]] = {
     "noise": (moves.markov, ""), "filter": (moves.filters, ""), "floor": (moves.floors, ""),
     "resonance": (moves.resonances, ""), "step": (moves.steps, ""), "warm-up": (moves.warm_ups, ""),
+    "wave": (moves.waves, ""),
     "exponent": (moves.exponents, ""), **{f"factor: {kind}": (search.factors, kind) for kind in FACTORS},
 }  # fmt: skip
 """Rows of the table of components by what is listed, how they are added, and the kind of a factor."""
