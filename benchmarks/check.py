@@ -13,7 +13,6 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from scipy.signal import bessel, butter, lfilter
@@ -26,16 +25,7 @@ from allanite.claims.result import DIFFERS, NOT_DECIDED
 RATE, SIZE = 100.0, 360_000
 Rng = np.random.Generator
 Draw = Callable[[Rng, int], np.ndarray]
-
-
-def normal(rng: Rng, n: int) -> np.ndarray:
-    """randn()."""
-    return rng.standard_normal(n)
-
-
-def uniform(rng: Rng, n: int) -> np.ndarray:
-    """rand(): between 0 and 1."""
-    return rng.random(n)
+NORMAL, UNIFORM = Rng.standard_normal, Rng.random  # randn() and rand(), which is between 0 and 1
 
 
 @dataclass(frozen=True)
@@ -49,8 +39,8 @@ class Sensor:
     density: float
     walk: float
     time: float = math.inf
-    white: Draw = normal
-    drive: Draw = normal
+    white: Draw = NORMAL
+    drive: Draw = NORMAL
     sigma: Callable[["Sensor", float], float] = lambda s, dt: s.density / math.sqrt(dt)
     bias: Callable[["Sensor", float], float] = lambda s, dt: (
         s.walk * math.sqrt(dt if math.isinf(s.time) else -s.time / 2 * math.expm1(-2 * dt / s.time))
@@ -68,8 +58,7 @@ class Sensor:
         dt = 1 / RATE
         rates = self.sigma(self, dt) * self.white(rng, SIZE)
         if self.added:
-            bias = lfilter([self.bias(self, dt)], [1.0, -math.exp(-dt / self.time)], self.drive(rng, SIZE))
-            rates = rates + bias
+            rates += lfilter([self.bias(self, dt)], [1.0, -math.exp(-dt / self.time)], self.drive(rng, SIZE))
         return self.scale * rates
 
 
@@ -149,59 +138,53 @@ def wrong(name: str, pair: tuple[Sensor, Sensor] | None = None, **changes: objec
     return replace(made, accelerometer=replace(made.accelerometer, **changes))
 
 
-class Defect(NamedTuple):
-    """A defect: where it was seen, the simulator with it, and what the cause must say."""
-
-    seen: str
-    simulator: Simulator
-    cause: str
-
-
 DEFECTS = {
-    "correlation time of the accelerometer in the gyro, 300 s and 30 s": Defect("PegasusSimulator#148",
+    "correlation time of the accelerometer in the gyro, 300 s and 30 s": ("PegasusSimulator#148",
            right("pegasus", SHORT, time=SHORT[1].time), "correlation time of the other"),
-    "the same with the shipped times, 1000 s and 300 s": Defect("PegasusSimulator#148",
+    "the same with the shipped times, 1000 s and 300 s": ("PegasusSimulator#148",
            right("pegasus", SHIPPED, time=SHIPPED[1].time), "correlation time of the other"),
-    "bias driven by rand()": Defect("PegasusSimulator#148", wrong("pegasus", drive=uniform),
+    "bias driven by rand()": ("PegasusSimulator#148", wrong("pegasus", drive=UNIFORM),
            "driven by rand()"),
-    "white noise by rand() - 0.5": Defect("rand for randn",
+    "white noise by rand() - 0.5": ("rand for randn",
            wrong("pegasus", white=lambda rng, n: rng.random(n) - 0.5), "rand() instead of randn()"),
-    "white noise by rand(): the mean is not zero": Defect("rand for randn", wrong("kalibr", white=uniform),
+    "white noise by rand(): the mean is not zero": ("rand for randn", wrong("kalibr", white=UNIFORM),
            "mean is not zero"),
-    "bias never added": Defect("PegasusSimulator#148", wrong("pegasus", added=False), "may not have added it"),
-    "density taken for the deviation of a sample": Defect("PX4-gazebo-models#33",
+    "bias never added": ("PegasusSimulator#148", wrong("pegasus", added=False), "may not have added it"),
+    "density taken for the deviation of a sample": ("PX4-gazebo-models#33",
            wrong("gazebo-classic", sigma=lambda s, dt: s.density), "value per sample"),
-    "white noise 300 times": Defect("PX4-SITL_gazebo-classic#73",
+    "white noise 300 times": ("PX4-SITL_gazebo-classic#73",
            right("gazebo-classic", SITL, sigma=lambda s, dt: 300 * s.density / math.sqrt(dt)), "300"),
-    "white noise times sqrt(dt): depends on the rate": Defect("rosflight_ros_pkgs#254",
+    "white noise times sqrt(dt): depends on the rate": ("rosflight_ros_pkgs#254",
            wrong("gazebo-classic", sigma=lambda s, dt: s.density * math.sqrt(dt)), "depends on the rate"),
-    "degrees for radians": Defect("units", right("kalibr", ADIS16448, scale=180 / math.pi), "degrees and radians"),
-    "deviation squared: variance for deviation": Defect("mir_robot#99",
+    "degrees for radians": ("units", right("kalibr", ADIS16448, scale=180 / math.pi), "degrees and radians"),
+    "deviation squared: variance for deviation": ("mir_robot#99",
            wrong("gazebo", QUIET, sigma=lambda s, dt: s.density**2 / dt), "is squared"),
-    "random walk per sample, without sqrt(dt)": Defect("gnss-ins-sim#19",
+    "random walk per sample, without sqrt(dt)": ("gnss-ins-sim#19",
            wrong("kalibr", bias=lambda s, dt: s.walk), "value per sample"),
-    "sqrt(h) read as sqrt(s)": Defect("units",
+    "sqrt(h) read as sqrt(s)": ("units",
            right("kalibr", ADIS16448, sigma=lambda s, dt: 60 * s.density / math.sqrt(dt)), "sqrt(h) and"),
-    "deviation of the bias for its density": Defect("gz-sensors#616",
+    "deviation of the bias for its density": ("gz-sensors#616",
            wrong("gazebo", bias=lambda s, dt: s.walk * math.sqrt(-math.expm1(-2 * dt / s.time))),
            "standard deviation of the bias"),
 }  # fmt: skip
+"""Where a defect was seen, the simulator with it, and what the cause must say."""
 
 
 def defect(job: tuple[str, int]) -> tuple[bool, bool, int]:
     """Whether a defect is found in a record of three axes of each sensor, its cause named, and how many are named."""
     name, number = job
-    verdict = DEFECTS[name].simulator.check(seeded(number, name), "gggaaa")
+    _, simulator, wanted = DEFECTS[name]
+    verdict = simulator.check(seeded(number, name), "gggaaa")
     sentences = [sentence for cause in verdict.causes for sentence in cause.sentences if sentence]
     most = max((len(cause.names) for cause in verdict.causes), default=0)
-    return not verdict.agrees, any(DEFECTS[name].cause in sentence for sentence in sentences), most
+    return not verdict.agrees, any(wanted in sentence for sentence in sentences), most
 
 
 def defect_rows(records: int) -> list[list[str]]:
     """In how many records each defect is found, and its cause named."""
     made = ((name, *map(sum, zip(*each, strict=True))) for (name,), each in spread(defect, zip(DEFECTS), records))
     return [
-        [name, DEFECTS[name].seen, f"{found} of {records}", f"{named} of {records}", f"{causes / records:.1f}"]
+        [name, DEFECTS[name][0], f"{found} of {records}", f"{named} of {records}", f"{causes / records:.1f}"]
         for name, found, named, causes in made
     ]
 
@@ -272,29 +255,26 @@ def filter_rows(names: list[str], records: int) -> list[list[str]]:
     return rows
 
 
-def total(rows: list[list[str]], column: int, least: float = 0) -> int:
-    """How many records are counted in a column of rows; or in how many rows it has more than so many."""
-    counts = [int(row[column].split()[0]) for row in rows]
-    return sum(count > least for count in counts) if least else sum(counts)
-
-
 def main() -> None:
     run = begin(__doc__, records=5, right=100, filters=40, others=10)
     asked = run.asked
     defects, rights = defect_rows(asked.records), right_rows(asked.right)
     known = filter_rows(list(FILTERS)[:ROWS], asked.filters)
-    every, most = total(defects, 2, asked.records - 0.5), total(defects, 3, asked.records / 2)
-    alarms, right_records = total(rights, 2), asked.right * len(rights)
+    found, named, alarms, contradicted = (
+        np.array([int(row[column].split()[0]) for row in rows])
+        for rows, column in ((defects, 2), (defects, 3), (rights, 2), (known, 2))
+    )
+    records = asked.right * len(rights)
     filtered = f"White noise, {LENGTH} samples at {SAMPLED:g} Hz; contradicted, and in brackets not decided."
     run.publish(
         "Check of simulators and filters against what is claimed of them",
         (
             SEEDS,
             f"simulators: 1 h at {RATE:g} Hz; three axes of each sensor with a defect, one of each without",
-            f"found in every record: {every} of {len(defects)} defects; cause named in more than half of the records: "
-            f"{most} of {len(defects)}",
-            f"false alarms: {alarms} of {right_records} right records, {100 * alarms / right_records:.1f} %",
-            f"false alarms at the true cut-off: {total(known, 2)} of {asked.filters * ROWS} records, nominal 5 %",
+            f"found in every record: {sum(found == asked.records)} of {len(defects)} defects; cause named in more than "
+            f"half of the records: {sum(named > asked.records / 2)} of {len(defects)}",
+            f"false alarms: {sum(alarms)} of {records} right records, {100 * sum(alarms) / records:.1f} %",
+            f"false alarms at the true cut-off: {sum(contradicted)} of {asked.filters * ROWS} records, nominal 5 %",
         ),
         section("Defects", ("defect", "seen in", "found", "cause named", "names"), defects)
         + section("Right records", ("simulator", "records", "false alarms", "share", "by quantity"), rights)
