@@ -5,12 +5,12 @@ of a bias, b = phi b + s w, is that of a filter. Each of the defects is put into
 the simulators without a defect. Then white noise behind a filter, or none, is held against its own cut-off and others.
 """
 
-from table import SEEDS, begin, section, seeded, spread
+from table import SEEDS, Row, begin, section, seeded, spread
 
 import math
 import tempfile
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -93,16 +93,15 @@ FORMS = {
 
 @dataclass(frozen=True)
 class Simulator:
-    """The form of a configuration, the sensors that it describes, and those that are simulated."""
+    """The form of a configuration, the gyro and accelerometer that it describes, and those that are simulated."""
 
-    name: str
+    form: str
     claimed: tuple[Sensor, Sensor]
-    gyro: Sensor
-    accelerometer: Sensor
+    simulated: tuple[Sensor, Sensor]
 
     def claim(self) -> object:
         """What its file claims, recognized by its fields."""
-        before, after, between, names, each = FORMS[self.name]
+        before, after, between, names, each = FORMS[self.form]
         sensors = [each.format(name=name, of=of) for name, of in zip(names, self.claimed, strict=True)]
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "noise.txt"
@@ -111,7 +110,7 @@ class Simulator:
 
     def check(self, rng: Rng, axes: str) -> "al.claims.ClaimCheck":
         """What is said of a record at rest of these axes: g for one of the gyro, a for one of the accelerometer."""
-        sensors = {"g": (self.gyro, "rad/s"), "a": (self.accelerometer, "m/s^2")}
+        sensors = dict(zip("ga", zip(self.simulated, ("rad/s", "m/s^2"), strict=True), strict=True))
         made = ((*sensors[letter], f"{letter}{i}") for i, letter in enumerate(axes))
         records = (al.Record(of.samples(rng), RATE, unit, name=name) for of, unit, name in made)
         return check(al.Recording(tuple(records)), self.claim())
@@ -119,7 +118,7 @@ class Simulator:
 
 def right(name: str, pair: tuple[Sensor, Sensor], **changes: object) -> Simulator:
     """A simulator that does what its configuration says, but for changes of the gyro."""
-    return Simulator(name, pair, replace(pair[0], **changes), pair[1])
+    return Simulator(name, pair, (replace(pair[0], **changes), pair[1]))
 
 
 SITL = Sensor(1.8665e-4, 3.8785e-5, 1000.0), Sensor(1.86e-3, 6e-3, 300.0)
@@ -134,8 +133,8 @@ RIGHT = {name: right(name, pair) for name, pair in CLAIMED.items()}
 
 def wrong(name: str, pair: tuple[Sensor, Sensor] | None = None, **changes: object) -> Simulator:
     """A simulator whose sensors differ from its configuration."""
-    made = right(name, pair or CLAIMED[name], **changes)
-    return replace(made, accelerometer=replace(made.accelerometer, **changes))
+    described = pair or CLAIMED[name]
+    return Simulator(name, described, tuple(replace(sensor, **changes) for sensor in described))
 
 
 DEFECTS = {
@@ -170,48 +169,26 @@ DEFECTS = {
 """Where a defect was seen, the simulator with it, and what the cause must say."""
 
 
-def defect(job: tuple[str, int]) -> tuple[bool, bool, int]:
-    """Whether a defect is found in a record of three axes of each sensor, its cause named, and how many are named."""
+def defect(job: tuple[str, int]) -> tuple[bool, bool]:
+    """Whether a defect is found in a record of three axes of each sensor, and its cause named."""
     name, number = job
     _, simulator, wanted = DEFECTS[name]
     verdict = simulator.check(seeded(number, name), "gggaaa")
-    sentences = [sentence for cause in verdict.causes for sentence in cause.sentences if sentence]
-    most = max((len(cause.names) for cause in verdict.causes), default=0)
-    return not verdict.agrees, any(wanted in sentence for sentence in sentences), most
+    said = [sentence for cause in verdict.causes for sentence in cause.sentences if sentence]
+    return not verdict.agrees, any(wanted in sentence for sentence in said)
 
 
-def defect_rows(records: int) -> list[list[str]]:
-    """In how many records each defect is found, and its cause named."""
-    made = ((name, *map(sum, zip(*each, strict=True))) for (name,), each in spread(defect, zip(DEFECTS), records))
-    return [
-        [name, DEFECTS[name][0], f"{found} of {records}", f"{named} of {records}", f"{causes / records:.1f}"]
-        for name, found, named, causes in made
-    ]
-
-
-def alarm(job: tuple[str, int]) -> list[str]:
-    """What is contradicted of a right record."""
+def alarm(job: tuple[str, int]) -> bool:
+    """Whether a right record is contradicted."""
     name, number = job
-    verdict = RIGHT[name].check(seeded(number, "right", name), "ga")
-    return [] if verdict.agrees else [row.quantity for row in verdict.terms if row.contradicts] or ["no term"]
-
-
-def right_rows(records: int) -> list[list[str]]:
-    """In how many records each right simulator is contradicted, and in which quantities."""
-    rows = []
-    for (name,), made in spread(alarm, zip(RIGHT), records):
-        count, kinds = sum(map(bool, made)), Counter(kind for each in made for kind in each)
-        listed = ", ".join(f"{kind} {times}" for kind, times in kinds.items())
-        rows.append([name, str(records), str(count), f"{100 * count / records:.1f} %", listed])
-    return rows
+    return not RIGHT[name].check(seeded(number, "right", name), "ga").agrees
 
 
 Filter = tuple[np.ndarray, np.ndarray]
 SAMPLED, LENGTH, START = 200.0, 20_000, 1000
 """Sampling rate of filtered noise, Hz, its samples, and those before, in which a filter settles."""
 FACTORS = {"true": 1.0, "0.8 times": 0.8, "1.25 times": 1.25, "half": 0.5, "twice": 2.0}
-ABSENT = (20.0, 42.0, 60.0, 80.0, 88.0)
-"""Cut-offs, Hz, that are claimed where no filter is."""
+ABSENT = (20.0, 42.0, 60.0, 80.0, 88.0)  # cut-offs, Hz, that are claimed where no filter is
 
 
 def poles(order: int, cutoff: float) -> Filter:
@@ -224,70 +201,65 @@ FILTERS: dict[str, tuple[Filter, float]] = {
     "RC": (poles(1, 0.15), 30.0),
     "Butterworth of order 2": (butter(2, 42.0, fs=SAMPLED), 42.0),
     "moving average of 4 samples": ((np.full(4, 0.25), np.ones(1)), 0.443 / 4 * SAMPLED),
+}
+"""Filters that are rows of the table of filters, and their cut-offs, Hz."""
+OTHERS: dict[str, tuple[Filter, float]] = {
     "RC twice": (poles(2, 0.12), 16.0),
     "RC three times": (poles(3, 0.12), 12.6),
     "Bessel of order 2": (bessel(2, 42.0, norm="mag", fs=SAMPLED), 42.0),
     "Butterworth of order 4": (butter(4, 42.0, fs=SAMPLED), 42.0),
 }
-"""Filters and their cut-offs, Hz."""
-ROWS = 3  # so many are rows of the table of filters; the samples of the others are rounded to a fourth of a deviation
-NONE: Filter = (np.ones(1), np.ones(1))
+"""Filters that are not; their samples are rounded to a fourth of a deviation."""
+NONE: dict[str, tuple[Filter, float]] = {"no filter": ((np.ones(1), np.ones(1)), 0.0)}
 
 
 def outcomes(job: tuple[str, int]) -> list[str]:
     """What is said of each claimed cut-off of one record."""
     name, number = job
-    through, cutoff = FILTERS.get(name, (NONE, 1.0))
+    through, cutoff = (FILTERS | OTHERS | NONE)[name]
     y = lfilter(*through, 1e-3 * seeded(number, name).standard_normal(LENGTH + START))[START:]
     step = y.std() / 4
-    rounded = name in list(FILTERS)[ROWS:]
-    study = al.analyze(al.Record(step * np.round(y / step) if rounded else y, SAMPLED, "rad/s", name="gx"))
-    claimed = [factor * cutoff for factor in FACTORS.values()] if name in FILTERS else ABSENT
+    study = al.analyze(al.Record(step * np.round(y / step) if name in OTHERS else y, SAMPLED, "rad/s", name="gx"))
+    claimed = [factor * cutoff for factor in FACTORS.values()] if cutoff else ABSENT
     return [next(setting_rows(study, [ClaimedSetting(CUTOFF, c)], 0.05, 0.02)).outcome for c in claimed]
 
 
-def filter_rows(names: list[str], records: int) -> list[list[str]]:
+def filter_rows(filters: Iterable[str], records: int) -> list[Row]:
     """How often each claim is contradicted, and how often it is not decided on."""
     rows = []
-    for (name,), said in spread(outcomes, zip(names), records):
+    for cell, said in spread(outcomes, zip(filters), records):
         counts = map(Counter, zip(*said, strict=True))
-        rows.append([name, str(records), *(f"{count[DIFFERS]} ({count[NOT_DECIDED]})" for count in counts)])
+        rows.append((*cell, str(records), *(f"{count[DIFFERS]} ({count[NOT_DECIDED]})" for count in counts)))
     return rows
 
 
 def main() -> None:
     run = begin(__doc__, records=5, right=100, filters=40, others=10)
-    asked = run.asked
-    defects, rights = defect_rows(asked.records), right_rows(asked.right)
-    known = filter_rows(list(FILTERS)[:ROWS], asked.filters)
-    found, named, alarms, contradicted = (
-        np.array([int(row[column].split()[0]) for row in rows])
-        for rows, column in ((defects, 2), (defects, 3), (rights, 2), (known, 2))
+    n, right, filters, others = (getattr(run.asked, name) for name in ("records", "right", "filters", "others"))
+    sums = {name: np.sum(made, axis=0) for (name,), made in spread(defect, zip(DEFECTS), n)}
+    defects = [(name, DEFECTS[name][0], *(f"{count} of {n}" for count in counts)) for name, counts in sums.items()]
+    found, named = np.array(list(sums.values())).T
+    alarms = {name: sum(made) for (name,), made in spread(alarm, zip(RIGHT), right)}
+    rights = [(name, str(right), str(count), f"{100 * count / right:.1f} %") for name, count in alarms.items()]
+    known, wrongly, records = filter_rows(FILTERS, filters), sum(alarms.values()), right * len(alarms)
+    notes = (
+        SEEDS,
+        f"simulators: 1 h at {RATE:g} Hz; three axes of each sensor with a defect, one of each without",
+        f"found in every record: {sum(found == n)} of {len(found)} defects; cause named in more than half of the "
+        f"records: {sum(named > n / 2)} of {len(found)}",
+        f"false alarms: {wrongly} of {records} right records, {100 * wrongly / records:.1f} %",
+        f"false alarms at the true cut-off: {sum(int(row[2].split()[0]) for row in known)} of {filters * len(known)} "
+        "records, nominal 5 %",
     )
-    records = asked.right * len(rights)
+    heads, absent = ("filter", "records", *FACTORS), ("filter", "records", *(f"{c:g} Hz" for c in ABSENT))
     filtered = f"White noise, {LENGTH} samples at {SAMPLED:g} Hz; contradicted, and in brackets not decided."
-    run.publish(
-        "Check of simulators and filters against what is claimed of them",
-        (
-            SEEDS,
-            f"simulators: 1 h at {RATE:g} Hz; three axes of each sensor with a defect, one of each without",
-            f"found in every record: {sum(found == asked.records)} of {len(defects)} defects; cause named in more than "
-            f"half of the records: {sum(named > asked.records / 2)} of {len(defects)}",
-            f"false alarms: {sum(alarms)} of {records} right records, {100 * sum(alarms) / records:.1f} %",
-            f"false alarms at the true cut-off: {sum(contradicted)} of {asked.filters * ROWS} records, nominal 5 %",
-        ),
-        section("Defects", ("defect", "seen in", "found", "cause named", "names"), defects)
-        + section("Right records", ("simulator", "records", "false alarms", "share", "by quantity"), rights)
-        + section("Filters that are rows", ("filter", "records", *FACTORS), known, filtered)
-        + section(
-            "No filter", ("filter", "records", *(f"{c:g} Hz" for c in ABSENT)),
-            filter_rows(["no filter"], asked.filters),
-        )
-        + section(
-            "Filters of no row", ("filter", "records", *FACTORS), filter_rows(list(FILTERS)[ROWS:], asked.others),
-            "Rounded to a fourth of the standard deviation.",
-        ),
-    )  # fmt: skip
+    body = section("Defects", ("defect", "seen in", "found", "cause named"), defects)
+    body += section("Right records", ("simulator", "records", "false alarms", "share"), rights)
+    body += section("Filters that are rows", heads, known, filtered)
+    body += section("No filter", absent, filter_rows(NONE, filters))
+    rounded = "Rounded to a fourth of the standard deviation."
+    body += section("Filters of no row", heads, filter_rows(OTHERS, others), rounded)
+    run.publish("Check of simulators and filters against what is claimed of them", notes, body)
 
 
 if __name__ == "__main__":
