@@ -92,10 +92,8 @@ def windows() -> list[str]:
     lines = []
     for law, minutes in itertools.product(("linear", "exact"), (60, 30)):
         best = al.angle.scan(al.angle.AngleSettings(LATITUDE, 60.0 * minutes, 10.0, q_law=law)).best
-        low, high = np.degrees(best.h)
-        lines.append(
-            f"best {minutes} min, {law} law: h {low:.1f} to {high:.1f} deg, sum of deviations {best.total:.2f}"
-        )
+        window = "h {:.1f} to {:.1f} deg, sum of deviations".format(*np.degrees(best.h))
+        lines.append(f"best {minutes} min, {law} law: {window} {best.total:.2f}")
     return lines
 
 

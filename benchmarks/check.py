@@ -48,11 +48,6 @@ class Sensor:
     added: bool = True
     scale: float = 1.0
 
-    @property
-    def deviation(self) -> float:
-        """Standard deviation of a sample."""
-        return self.density * math.sqrt(RATE)
-
     def samples(self, rng: Rng) -> np.ndarray:
         """The output of one axis at rest."""
         dt = 1 / RATE
@@ -64,7 +59,7 @@ class Sensor:
 
 PLUGIN = '<plugin name="imu_plugin" filename="libgazebo_imu_plugin.so">'
 NOISE = (
-    '<noise type="gaussian"><mean>0</mean><stddev>{of.deviation!r}</stddev>'
+    '<noise type="gaussian"><mean>0</mean><stddev>{deviation!r}</stddev>'
     "<dynamic_bias_stddev>{of.walk!r}</dynamic_bias_stddev>"
     "<dynamic_bias_correlation_time>{of.time!r}</dynamic_bias_correlation_time></noise>"
 )
@@ -102,7 +97,10 @@ class Simulator:
     def claim(self) -> object:
         """What its file claims, recognized by its fields."""
         before, after, between, names, each = FORMS[self.form]
-        sensors = [each.format(name=name, of=of) for name, of in zip(names, self.claimed, strict=True)]
+        sensors = [
+            each.format(name=name, of=of, deviation=of.density * math.sqrt(RATE))
+            for name, of in zip(names, self.claimed, strict=True)
+        ]
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "noise.txt"
             path.write_text(before + between.join(sensors) + after)

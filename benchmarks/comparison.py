@@ -11,7 +11,7 @@ import numpy as np
 import allanite as al
 from allanite.comparison.change import holm
 from allanite.comparison.common_likelihood import Joint, joint
-from allanite.comparison.contrast import Contrast, chi_square, homogeneity, partly_common
+from allanite.comparison.contrast import Contrast, homogeneity, partly_common
 from allanite.comparison.ratio import RatioLaw, ratio_law
 from judge import sensor
 
@@ -34,13 +34,13 @@ def pair_of(rng: np.random.Generator, model: str, change: float = 0.0) -> list[a
 
 
 def verdict(job: tuple[str, int]) -> dict[str, float]:
-    """P of the verdict, the same by plain chi-square, and of each coefficient of the model."""
+    """P of the verdict, and of each coefficient of the model."""
     model, number = job
     rng = seeded(number, "verdict", model)
     both = joint(pair_of(rng, model), "QNBKR")
-    test = homogeneity(both, rng)
-    p = {"verdict": test.p, "chi-square": chi_square(test.statistic, test.dof)}
-    return p | {t.symbol: Contrast(both, both.symbols.index(t.symbol)).p for t in MODELS[model]}
+    return {"verdict": homogeneity(both, rng).p} | {
+        t.symbol: Contrast(both, both.symbols.index(t.symbol)).p for t in MODELS[model]
+    }
 
 
 def supposed(both: Joint) -> list[al.Model]:
@@ -102,8 +102,8 @@ def main() -> None:
     ]
     body = section(
         "Equal devices", VERDICT, equal,
-        "verdict: the likelihood ratio with its law drawn, as printed; chi-square: the same likelihood ratio by "
-        "chi-square; symbols: one coefficient by its profile, not adjusted.",
+        "verdict: the likelihood ratio with its law drawn, as printed; symbols: one coefficient by its "
+        "profile, not adjusted.",
     )  # fmt: skip
     body += section(
         "Ratio of variances by averaging time", RATIO, rows,

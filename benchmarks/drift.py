@@ -1,7 +1,7 @@
 """Drift without aid: closed form against a strapdown integration of simulated sensors.
 
 Three gyros and three accelerometers at rest, from the independent simulator; the bias of each is its mean over a minute
-before. Rates turn the attitude by Rodrigues' formula, specific forces are turned and integrated twice. Then the
+before. Rates turn the attitude as rotation vectors, specific forces are turned and integrated twice. Then the
 intervals of the heading from records of 2 h, whose noise is identified.
 """
 
@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 import allanite as al
 from judge import sensor
@@ -48,24 +49,13 @@ def samples(model: al.Model, rate: float, last: float, rng: np.random.Generator)
     return (made[:, before:] - made[:, :before].mean(axis=1, keepdims=True)).reshape(BATCH, 3, -1)
 
 
-def turned(attitude: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """Attitudes, shape (runs, 3, 3), after a rotation by a vector in the axes of the body."""
-    angle = np.linalg.norm(vector, axis=1)[:, None, None]
-    x, y, z = vector.T
-    zero = np.zeros_like(x)
-    cross = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
-    safe = np.where(angle > 0, angle, 1.0)
-    step = np.eye(3) + np.sin(angle) / safe * cross + (1 - np.cos(angle)) / safe**2 * (cross @ cross)
-    return attitude @ step
-
-
 def strapdown(gyro: np.ndarray, force: np.ndarray, dt: float) -> Iterator[Errors]:
     """Errors after each sample: of the yaw, of roll and pitch, of horizontal velocity and position."""
     attitude = np.broadcast_to(np.eye(3), (len(gyro), 3, 3))
     velocity, position = np.zeros((2, len(gyro), 3))
     down = np.array([0.0, 0.0, GRAVITY])
     for rate, felt in zip(np.moveaxis(gyro, 2, 0), np.moveaxis(force, 2, 0), strict=True):
-        after = turned(attitude, rate * dt)
+        after = attitude @ Rotation.from_rotvec(rate * dt).as_matrix()
         moved = ((attitude + after) / 2 @ (felt + down)[:, :, None])[:, :, 0] - down
         position = position + velocity * dt + moved * dt**2 / 2
         velocity, attitude = velocity + moved * dt, after

@@ -2,9 +2,8 @@
 
 Each method is asked for the true terms and no others, and the likelihood reads all frequencies: a record in a hundred
 fails the test by chance, and would be read in a band. A term that a method does not find counts as 0, or as what its
-model has of it. On the first of each cell's records, generalized least squares also reads the curves of the other
-statistics. The bound is checked against full matrices: a referee makes the covariance of the differences of the rates,
-and the information tr(P C_i P C_j) / 2 from it.
+model has of it. The bound is checked against full matrices: a referee makes the covariance of the differences of the
+rates, and the information tr(P C_i P C_j) / 2 from it.
 """
 
 from table import SEEDS, Row, begin, section, seeded, spread
@@ -102,12 +101,11 @@ def bound_rows(n: int) -> Iterator[Row]:
         for rate, ramp in product((1.0, RATE) if name in al.planning.SENSORS else (1.0,), (False, True)):
             errors, slope = dense(noise, n, rate, ramp)
             bound = al.bound(noise, n, rate, ramp=ramp)
-            pairs = list(zip(bound.names, errors, bound.errors, strict=True))
-            if ramp:
-                pairs.append(("R", slope / 1e-6, (bound.ramp or math.nan) / 1e-6))
-            head = (name, f"{rate:g}", "unknown" if ramp else "none")
-            for parameter, a, b in pairs:
-                yield (*head, parameter, f"{100 * a:.4g}", f"{100 * b:.4g}", f"{b / a:.4f}")
+            rows = list(zip(bound.names, errors, bound.errors, strict=True))
+            rows += [("R", slope / 1e-6, bound.ramp / 1e-6)] if ramp else []
+            for parameter, a, b in rows:
+                cells = f"{100 * a:.4g}", f"{100 * b:.4g}", f"{b / a:.4f}"
+                yield name, f"{rate:g}", "unknown" if ramp else "none", parameter, *cells
 
 
 def main() -> None:

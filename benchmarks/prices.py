@@ -165,14 +165,10 @@ def places_of(row: str, gain: np.ndarray, share: float) -> float:
 
 def gains_rows(lines: Sequence[Line]) -> list[Row]:
     """Quantiles of what each row gains, its price, and the places that follow."""
-    rows = []
-    for row, n in product(
-        dict.fromkeys(row for _, gains in lines for row in gains), dict.fromkeys(n for n, _ in lines)
-    ):
-        gain, kind = (
-            np.array([gains[row] for size, gains in lines if size == n and row in gains]),
-            row.partition(": ")[2],
-        )
+    rows, names = [], dict.fromkeys(row for _, gains in lines for row in gains)
+    for row, n in product(names, dict.fromkeys(n for n, _ in lines)):
+        gain = np.array([gains[row] for size, gains in lines if size == n and row in gains])
+        kind = row.partition(": ")[2]
         price = FACTORS[kind] if kind else COMPONENTS[row].price(n)
         levels = (*np.quantile(gain, (0.5, 0.9, 0.97, 0.99)), gain.max(), price)
         places = (f"{places_of(row, gain, share):.2g}" for share in TAILS)

@@ -13,14 +13,7 @@ import numpy as np
 from scipy.linalg import matmul_toeplitz, solve_toeplitz
 
 import allanite as al
-from allanite.applications.constant_rate import (
-    RATE_ESTIMATORS,
-    EstimatorSettings,
-    Experiment,
-    ExperimentSettings,
-    experiment,
-    predicted_standard_error,
-)  # fmt: skip
+from allanite.applications.constant_rate import RATE_ESTIMATORS, EstimatorSettings, Experiment, ExperimentSettings
 from allanite.applications.constant_rate.run import task_of
 from allanite.simulation.record import GL1
 
@@ -34,10 +27,7 @@ LINEAR = {"mean": "mean", "hamming": "hamming", "regression": "regression", "bou
 SWINGS = ((0.52, 30), (0.14, 46), (0.25, 84))  # arcsec, s
 RHO = (0, 0.03, 0.1, 0.3, 1, 3, 10, 100)
 NOISES = (0.0, 0.05, 0.5, 1.0, 2.0, 5.0)  # white noise of the angle, pulses
-SEARCHES = {
-    name: EstimatorSettings(**more)
-    for name, more in {"default": {}, "certified": {"certified": True}, "descent": {"descent": 100}}.items()
-}
+SEARCHES = {"default": {}, "certified": {"certified": True}, "descent": {"descent": 100}}
 STEPS = (0, 1, 2, 3, 5, 10, 20, 100)
 FIGURE = ROOT / "docs" / "figures" / "rate_paper.svg"
 
@@ -54,7 +44,7 @@ def laser(seed: int) -> al.Record:
 def made(seed: int, **more: object) -> Experiment:
     """The paper's experiment."""
     settings = ExperimentSettings(**more) if more else ExperimentSettings(reference=(TRUE + GL1.bias) * ARCSEC)
-    return experiment(laser(seed), GL1.model, settings)
+    return al.constant_rate.experiment(laser(seed), GL1.model, settings)
 
 
 def deviations(job: tuple[int]) -> list[float]:
@@ -65,7 +55,7 @@ def deviations(job: tuple[int]) -> list[float]:
 
 def exact(method: str, model: al.Model = GL1.model, options: EstimatorSettings | None = OPTIONS) -> float:
     """Standard deviation from the covariance alone, deg/h."""
-    return predicted_standard_error(method, model, size=N, rate=RATE, options=options) / ARCSEC
+    return al.constant_rate.predicted_standard_error(method, model, size=N, rate=RATE, options=options) / ARCSEC
 
 
 def acceptance(runs: int) -> Table:
@@ -130,7 +120,7 @@ def searched(job: tuple[float, int]) -> list[float]:
     record, found, times = noisy(sigma, truth, rng), {}, []
     for name, options in SEARCHES.items():
         start = time.process_time()
-        found[name] = al.constant_rate.estimate(record, "staircase", options=options)
+        found[name] = al.constant_rate.estimate(record, "staircase", options=EstimatorSettings(**options))
         times.append(1e3 * (time.process_time() - start))
     least = found["certified"].details["misfit"]
     if found["certified"].details["least possible misfit"] != least:

@@ -21,7 +21,6 @@ from table import Row, begin, section
 
 import math
 import os
-import sys
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -87,23 +86,22 @@ class Expert:
         return np.arange(3, size // 2) * self.rate / size, density[:, 3 : size // 2]
 
     @cached_property
-    def bands(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Upper ends, Hz, logarithms of the levels and their standard errors; the highest band first."""
+    def bands(self) -> tuple[np.ndarray, np.ndarray]:
+        """Logarithms of the levels and their standard errors; the highest band first."""
         f, density = self.periodogram
-        ends, levels, errors = [], [], []
+        levels, errors = [], []
         for k in range(int(BANDS * math.log2(self.rate / 2 / f[0]))):
             end = self.rate / 2 * 2.0 ** (-k / BANDS)
             some = density[:, (f <= end) & (f > end * 2.0 ** (-1 / BANDS))]
             if some.size >= FEWEST:
-                ends.append(end)
                 levels.append(math.log(float(np.median(some)) / math.log(2)))
                 errors.append(math.sqrt(HANN / some.size) / math.log(2))
-        return np.array(ends), np.array(levels), np.array(errors)
+        return np.array(levels), np.array(errors)
 
     @cached_property
-    def white(self) -> tuple[float, float, float, float] | None:
-        """N, its relative error (2 sigma), and the ends of the flat part, Hz."""
-        ends, levels, errors = self.bands
+    def white(self) -> tuple[float, float] | None:
+        """N, and its relative error (2 sigma)."""
+        levels, errors = self.bands
         best = None
         for first, stop in combinations(range(levels.size + 1), 2):
             weight = errors[first:stop] ** -2
@@ -116,17 +114,16 @@ class Expert:
             change = (stop - first - 1) * abs(weight @ (at * off)) / spread
             if change < FLAT + (stop - first - 1) / math.sqrt(spread) and np.all(np.abs(off) < FLAT + 2 * weight**-0.5):
                 scatter = 1 + max(weight @ off**2 - (stop - first - 1), 0.0)
-                best = weight.sum(), level, scatter, stop - 1, first
+                best = weight.sum(), level, scatter
         if best is None:
             return None
-        total, level, scatter, last, first = best
-        low, high = ends[last] * 2.0 ** (-1 / BANDS), ends[first]
-        return math.exp(level / 2), math.hypot(math.sqrt(scatter / total), FLAT / 2), float(low), float(high)
+        total, level, scatter = best
+        return math.exp(level / 2), math.hypot(math.sqrt(scatter / total), FLAT / 2)
 
     @cached_property
     def top(self) -> str:
         """What the density does over the last octave."""
-        _, levels, errors = self.bands
+        levels, errors = self.bands
         if levels.size <= BANDS:
             return ""
         ratio, error = math.exp(levels[0] - levels[BANDS]), math.hypot(errors[0], errors[BANDS])
@@ -207,15 +204,14 @@ def row_of(name: str, sheet: str, channel: Channel) -> Row:
         ratio = f"{estimate.value / second:.3f}" if estimate.claimed else ""
     white = expert.white
     level = f"{factor * white[0]:.4g} ± {factor * white[0] * white[1]:.2g}" if white else "no flat part"
-    flat = f"{white[2]:.3g} .. {white[3]:.3g}" if white else ""
     stated = al.planning.data_sheet_named(sheet).model(signal) if sheet else None
     printed = f"{factor * stated['N'].value:.3g}" if stated else ""
-    shown = (grade, N, level, flat, f"{factor * second:.4g}", ratio, expert.top, printed)
+    shown = (grade, N, level, f"{factor * second:.4g}", ratio, expert.top, printed)
     return (name, channel.record.name, unit, *shown, f"{judged}: {why}" if why else judged, read)
 
 
 HEADINGS = (
-    "file", "channel", "unit", "grade", "N (95 %)", "white level", "flat part, Hz", "deviation at 1 s",
+    "file", "channel", "unit", "grade", "N (95 %)", "white level", "deviation at 1 s",
     "N over deviation at 1 s", "last octave", "data sheet", "verdict", "read",
 )  # fmt: skip
 
@@ -238,7 +234,6 @@ def rows_of(name: str, choices: dict[str, Any], sheet: str) -> tuple[list[Row], 
     """The rows of a file in both tables."""
     study = al.analyze(Path(os.environ["ALLANITE_RECORDINGS"]) / name, al.Recipe(**choices))
     rows = [row_of(name, sheet, channel) for channel in study.channels]
-    print(*rows, sep="\n", file=sys.stderr, flush=True)
     return rows, list(beside(name, study, al.planning.data_sheet_named(sheet))) if sheet else []
 
 
@@ -248,13 +243,12 @@ def main() -> None:
     with Pool(run.asked.processes) as pool:
         parts = pool.starmap(rows_of, RECORDINGS, chunksize=1)
     rows, printed = (list(chain.from_iterable(part)) for part in zip(*parts, strict=True))
-    verdicts, grades = (Counter(row[i].partition(":")[0] for row in rows) for i in (11, 3))
+    verdicts, grades = (Counter(row[i].partition(":")[0] for row in rows) for i in (10, 3))
     notes = [
         "no random numbers",
         f"{len(rows)} channels; " + ", ".join(f"{w}: {verdicts[w]}" for w in ("wrong", "open", "honest", "right")),
         ", ".join(f"{grade}: {n}" for grade, n in grades.items()),
-        "N, white level, deviation and data sheet in the unit of the row; last octave: density of the last third of an "
-        "octave over that of the one an octave below",
+        "last octave: density of its last third over that of the third an octave below",
     ]
     sheets = (al.planning.data_sheet_named(sheet) for sheet in sorted({row[2] for row in RECORDINGS} - {""}))
     about = "; ".join(f"{sheet.maker} {sheet.document}" for sheet in sheets)

@@ -14,14 +14,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 import allanite as al
-from allanite.applications.attitude import (
-    ScenarioErrors,
-    Trial,
-    compare_filters,
-    kalman,
-    optimal_time_constant,
-    predicted_error,
-)  # fmt: skip
+from allanite.applications.attitude import ScenarioErrors, Trial, kalman, optimal_time_constant
 from allanite.applications.attitude.loop import GRAVITY
 from judge import sensor
 
@@ -91,7 +84,7 @@ def whole(job: tuple[float, float, int]) -> float:
 
 def predicted(models: Sequence[str], tau: float, duration: float, rate: float) -> float:
     """Standard deviation, arcsec."""
-    return predicted_error(*map(al.Model, models), tau, duration=duration, rate=rate).to("arcsec")
+    return al.attitude.predicted_error(*map(al.Model, models), tau, duration=duration, rate=rate).to("arcsec")
 
 
 def rms(squares: list[float]) -> float:
@@ -154,7 +147,7 @@ def trial(*, instant: bool) -> Trial:
 @cache
 def scenarios() -> tuple[ScenarioErrors, ...]:
     """Filters in all scenarios: with mean rates, and with rates at the end of each interval."""
-    return tuple(compare_filters(trial(instant=how), rng=np.random.default_rng(1)) for how in (False, True))
+    return tuple(al.attitude.compare_filters(trial(instant=how), rng=np.random.default_rng(1)) for how in (False, True))
 
 
 def scenario_rows() -> list[Row]:
@@ -198,22 +191,23 @@ def compared_rows(runs: int) -> list[Row]:
     return rows
 
 
+PAIR, WAYS = ("gyro", "accelerometer", "time constant [s]"), ("mean", "instant", "expected")
+
+
 def main() -> None:
     run = begin(__doc__, runs=150, whole=40)
     runs = run.asked.runs
-    places, ways = ("fixed base", "acceleration", "oscillation"), ("mean", "instant", "expected")
+    scenes = [f"{place} {how}" for place in ("fixed base", "acceleration", "oscillation") for how in WAYS]
     sections = (
         ("Closed forms", ("what", "here", "expected"), closed_forms()),
         ("Flicker and random walk",
          ("T [s]", "time constant [s]", "predicted [arcsec]", "simulated [arcsec]", "expected"),
          flicker_rows(run.asked.whole), f"{WHOLE[0]}; {WHOLE[1]}; {run.asked.whole} runs."),
-        ("Predicted against simulated",
-         ("gyro", "accelerometer", "time constant [s]", "predicted", "simulated", "difference"), compared_rows(runs),
+        ("Predicted against simulated", (*PAIR, "predicted", "simulated", "difference"), compared_rows(runs),
          f"Above 1/(2T), T = {HORIZON:g} s, {RATE:g} Hz, {runs} runs of {LONGER} T; arcsec."),
-        ("Loss against the optimal causal filter",
-         ("gyro", "accelerometer", "time constant [s]", "first order", "bound", "loss"), losses(),
+        ("Loss against the optimal causal filter", (*PAIR, "first order", "bound", "loss"), losses(),
          "T = 600 s, 100 Hz; arcsec."),
-        ("Scenarios", ("filter", *(f"{place} {how}" for place in places for how in ways)), scenario_rows(),
+        ("Scenarios", ("filter", *scenes), scenario_rows(),
          "RMS of roll and pitch, deg: with mean rates, with rates at the end of each interval, and of an independent "
          "prototype with these."),
         ("Oscillation in closed form",
