@@ -6,12 +6,11 @@ and 10 (rest). In a run the true constants are drawn from that prior, the errors
 cosine is computed without linearising.
 """
 
-from table import SEEDS, begin, markdown, seeded, spread
+from table import SEEDS, begin, least, markdown, seeded, spread
 
 import itertools
 import math
-import time
-from typing import NamedTuple
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -27,49 +26,34 @@ HEADINGS = (
 )  # fmt: skip
 
 
-class Experiment(NamedTuple):
-    """A row for each full hour after h = 0, and what an independent prototype gives, as ratios to the best range."""
-
-    base: str
-    law: str
-    walk: float = 0.0
-    planned_wanted: tuple[float, ...] = ()
-    simulated_wanted: tuple[float, ...] = ()
-
-    @property
-    def setup(self) -> dict[str, object]:
-        """What plan and simulation share."""
-        return {"latitude": LATITUDE, "q_law": self.law}
-
-
-EXPERIMENTS = (
-    Experiment("still", "linear", 0.0, (4.62, 1.25, 1, 1.24, 1.83, 7.69), (4.32, 1.23, 1, 1.23, 1.73, 7.0)),
-    Experiment("still", "exact", 0.0, (1, 1.72, 1.15, 1.30, 2.81, 9.09)),
-    Experiment("still, random walk", "linear", 0.1, simulated_wanted=(5.73, 1.35, 1, 1.26, 1.95, 10.9)),
-)
+EXPERIMENTS = {
+    ("still", "linear", 0.0): ((4.62, 1.25, 1, 1.24, 1.83, 7.69), (4.32, 1.23, 1, 1.23, 1.73, 7.0)),
+    ("still", "exact", 0.0): ((1, 1.72, 1.15, 1.30, 2.81, 9.09), ()),
+    ("still, random walk", "linear", 0.1): ((), (5.73, 1.35, 1, 1.26, 1.95, 10.9)),
+}
+"""Base, law of q, and random walk; what an independent prototype plans and simulates, over the best range."""
 HOUR, STEP = 3600.0, 10.0  # s
 
 
-def plan(experiment: Experiment, hour: int) -> al.angle.AnglePlan:
+def plan(law: str, hour: int) -> al.angle.AnglePlan:
     """What is expected of the readings of an hour."""
-    settings = al.angle.AngleSettings(duration=HOUR, interval=STEP, prior=PRIOR, **experiment.setup)
+    settings = al.angle.AngleSettings(LATITUDE, HOUR, interval=STEP, prior=PRIOR, q_law=law)
     return al.angle.plan(settings, HOUR * hour)
 
 
-def run(job: tuple[Experiment, int, int]) -> np.ndarray:
+def run(job: tuple[str, str, float, int, int]) -> np.ndarray:
     """Errors of the eight amplitudes over UNIT, and over their standard errors, shape (2, 8)."""
-    experiment, hour, number = job
-    rng = seeded(number, experiment.base, experiment.law, hour)
+    base, law, walk, hour, number = job
+    rng = seeded(number, base, law, hour)
     true, rest = (sd * UNIT * rng.standard_normal(n) for sd, n in zip(PRIOR, (8, 5), strict=True))
     sensors = {
         name: al.angle.Harmonics.of({128: tuple(part[:2]), 256: tuple(part[2:])})
         for name, part in (("h", true[:4]), ("q", true[4:]))
     }
-    when = HOUR * hour + np.arange(0.0, HOUR, STEP)
-    gimbals = al.angle.gimbals(when, **experiment.setup)
+    gimbals = al.angle.gimbals(HOUR * hour + np.arange(0.0, HOUR, STEP), latitude=LATITUDE, q_law=law)
     z = al.angle.simulate(
         gimbals, sensors, nuisance=dict(zip(NUISANCE, rest, strict=True)),
-        sigma=UNIT, walk=experiment.walk * UNIT, rng=rng,
+        sigma=UNIT, walk=walk * UNIT, rng=rng,
     )  # fmt: skip
     found = al.angle.estimate(z, gimbals, sigma=UNIT, prior=(PRIOR[0] * UNIT, PRIOR[1] * UNIT)).solution
     error = found.values[:8] - true
@@ -81,31 +65,26 @@ def rms(errors: np.ndarray) -> np.ndarray:
     return np.sqrt((errors**2).mean(axis=0))
 
 
-def rows(experiment: Experiment, runs: int) -> list[list[str]]:
+def rows(experiment: tuple[str, str, float], runs: int) -> list[tuple[str, ...]]:
     """A line for each full hour."""
-    plans = [plan(experiment, hour) for hour in range(6)]
-    made = [np.array(each) for _, each in spread(run, [(experiment, hour) for hour in range(6)], runs)]
-    planned, simulated = [p.total for p in plans], [rms(errors[:, 0]).sum() for errors in made]
+    base, law, _ = experiment
+    plans = [plan(law, hour) for hour in range(6)]
+    made = [np.array(each) for _, each in spread(run, [(*experiment, hour) for hour in range(6)], runs)]
+    totals = [p.total for p in plans], [rms(errors[:, 0]).sum() for errors in made]
     lines = []
-    for hour, each in enumerate(plans):
+    for each, errors, *beside in zip(plans, made, *map(compared, totals, EXPERIMENTS[experiment]), strict=True):
         low, high = np.degrees(each.h)
-        ratio, size = rms(made[hour][:, 0]) / each.errors[:8], np.abs(made[hour][:, 1])
-        line = [experiment.base, experiment.law, f"{low:.1f} to {high:.1f}"]
-        line += [*over(planned, hour), cell(experiment.planned_wanted, hour)]
-        line += [*over(simulated, hour), cell(experiment.simulated_wanted, hour)]
-        line += [f"{ratio[np.abs(ratio - 1).argmax()]:.2f}", f"{100 * (size < 3).mean():.2f}"]
-        lines.append([*line, f"{100 * (size < 1.96).mean():.1f}"])
+        ratio, size = rms(errors[:, 0]) / each.errors[:8], np.abs(errors[:, 1])
+        shares = f"{100 * (size < 3).mean():.2f}", f"{100 * (size < 1.96).mean():.1f}"
+        worst = f"{ratio[np.abs(ratio - 1).argmax()]:.2f}"
+        lines.append((base, law, f"{low:.1f} to {high:.1f}", *beside[0], *beside[1], worst, *shares))
     return lines
 
 
-def over(totals: list[float], hour: int) -> tuple[str, str]:
-    """A sum, and the sum over the least of all hours."""
-    return f"{totals[hour]:.3f}", f"{totals[hour] / min(totals):.2f}"
-
-
-def cell(wanted: tuple[float, ...], hour: int) -> str:
-    """A number of an independent prototype, if it has it."""
-    return f"{wanted[hour]:.2f}" if wanted else "-"
+def compared(totals: Sequence[float], wanted: Sequence[float]) -> list[tuple[str, str, str]]:
+    """Of each hour: a sum, the sum over the least of all hours, and that of an independent prototype, if it has it."""
+    ratios = [f"{each:.2f}" for each in wanted] or ["-"] * len(totals)
+    return [(f"{each:.3f}", f"{each / min(totals):.2f}", ratio) for each, ratio in zip(totals, ratios, strict=True)]
 
 
 def windows() -> list[str]:
@@ -113,39 +92,31 @@ def windows() -> list[str]:
     lines = []
     for law, minutes in itertools.product(("linear", "exact"), (60, 30)):
         best = al.angle.scan(al.angle.AngleSettings(LATITUDE, 60.0 * minutes, 10.0, q_law=law)).best
-        low, high = np.degrees(best.h)
-        lines.append(
-            f"best {minutes} min, {law} law: h {low:.1f} to {high:.1f} deg, sum of deviations {best.total:.2f}"
-        )
+        window = "h {:.1f} to {:.1f} deg, sum of deviations".format(*np.degrees(best.h))
+        lines.append(f"best {minutes} min, {law} law: {window} {best.total:.2f}")
     return lines
 
 
 def speed(n: int = 1_000_000) -> tuple[float, float]:
     """Processor time of the estimate from n readings, s; largest relative difference of recursive and batch."""
-    gimbals = al.angle.gimbals(7200 + 3600 / n * np.arange(n), latitude=LATITUDE)
+
+    def simulated(size: int) -> tuple[np.ndarray, al.angle.Gimbals]:
+        gimbals = al.angle.gimbals(7200 + 3600 / size * np.arange(size), latitude=LATITUDE)
+        return al.angle.simulate(gimbals, sensors, sigma=UNIT, rng=np.random.default_rng(1)), gimbals
+
     sensors = {"h": al.angle.Harmonics.of({128: (3 * UNIT, UNIT)}), "q": al.angle.Harmonics.of({256: (UNIT, -UNIT)})}
-    z = al.angle.simulate(gimbals, sensors, sigma=UNIT, rng=np.random.default_rng(1))
-    al.angle.estimate(z[:: n // 1000], thin(gimbals, n // 1000))  # compiled, or loaded, before the clock runs
-    start = time.process_time()
-    found = al.angle.estimate(z, gimbals).solution.values
-    seconds = time.process_time() - start
-    twin = al.angle.estimate(z, gimbals, method="batch").solution.values
+    al.angle.estimate(*simulated(1000))  # compiled, or loaded, before the clock runs
+    made = simulated(n)
+    seconds = least(lambda: al.angle.estimate(*made), 1)
+    found, twin = (al.angle.estimate(*made, **how).solution.values for how in ({}, {"method": "batch"}))
     return seconds, float(np.max(np.abs(found - twin) / np.abs(twin)))
-
-
-def thin(gimbals: al.angle.Gimbals, step: int) -> al.angle.Gimbals:
-    """One of so many readings."""
-    names = ("time", "h", "q", "h_polar", "q_polar", "rho")
-    return al.angle.Gimbals(**{name: getattr(gimbals, name)[::step] for name in names})
 
 
 def main() -> None:
     asked = begin(__doc__, runs=3000)
     runs = asked.asked.runs
     seconds, difference = speed()
-    lines = []
-    for experiment in EXPERIMENTS:
-        lines += rows(experiment, runs)
+    lines = [line for experiment in EXPERIMENTS for line in rows(experiment, runs)]
     notes = [
         f"{SEEDS}; {runs} runs a row; latitude 60 deg, a reading every 10 s, noise 1, prior 3 and 10, turn 300 s",
         "planned, simulated: sum over the eight amplitudes of the expected deviation, and of the root mean square "

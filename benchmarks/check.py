@@ -5,15 +5,14 @@ of a bias, b = phi b + s w, is that of a filter. Each of the defects is put into
 the simulators without a defect. Then white noise behind a filter, or none, is held against its own cut-off and others.
 """
 
-from table import SEEDS, begin, section, seeded, spread
+from table import SEEDS, Row, begin, section, seeded, spread
 
 import math
 import tempfile
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from scipy.signal import bessel, butter, lfilter
@@ -26,16 +25,7 @@ from allanite.claims.result import DIFFERS, NOT_DECIDED
 RATE, SIZE = 100.0, 360_000
 Rng = np.random.Generator
 Draw = Callable[[Rng, int], np.ndarray]
-
-
-def normal(rng: Rng, n: int) -> np.ndarray:
-    """randn()."""
-    return rng.standard_normal(n)
-
-
-def uniform(rng: Rng, n: int) -> np.ndarray:
-    """rand(): between 0 and 1."""
-    return rng.random(n)
+NORMAL, UNIFORM = Rng.standard_normal, Rng.random  # randn() and rand(), which is between 0 and 1
 
 
 @dataclass(frozen=True)
@@ -49,8 +39,8 @@ class Sensor:
     density: float
     walk: float
     time: float = math.inf
-    white: Draw = normal
-    drive: Draw = normal
+    white: Draw = NORMAL
+    drive: Draw = NORMAL
     sigma: Callable[["Sensor", float], float] = lambda s, dt: s.density / math.sqrt(dt)
     bias: Callable[["Sensor", float], float] = lambda s, dt: (
         s.walk * math.sqrt(dt if math.isinf(s.time) else -s.time / 2 * math.expm1(-2 * dt / s.time))
@@ -58,24 +48,18 @@ class Sensor:
     added: bool = True
     scale: float = 1.0
 
-    @property
-    def deviation(self) -> float:
-        """Standard deviation of a sample."""
-        return self.density * math.sqrt(RATE)
-
     def samples(self, rng: Rng) -> np.ndarray:
         """The output of one axis at rest."""
         dt = 1 / RATE
         rates = self.sigma(self, dt) * self.white(rng, SIZE)
         if self.added:
-            bias = lfilter([self.bias(self, dt)], [1.0, -math.exp(-dt / self.time)], self.drive(rng, SIZE))
-            rates = rates + bias
+            rates += lfilter([self.bias(self, dt)], [1.0, -math.exp(-dt / self.time)], self.drive(rng, SIZE))
         return self.scale * rates
 
 
 PLUGIN = '<plugin name="imu_plugin" filename="libgazebo_imu_plugin.so">'
 NOISE = (
-    '<noise type="gaussian"><mean>0</mean><stddev>{of.deviation!r}</stddev>'
+    '<noise type="gaussian"><mean>0</mean><stddev>{deviation!r}</stddev>'
     "<dynamic_bias_stddev>{of.walk!r}</dynamic_bias_stddev>"
     "<dynamic_bias_correlation_time>{of.time!r}</dynamic_bias_correlation_time></noise>"
 )
@@ -104,17 +88,19 @@ FORMS = {
 
 @dataclass(frozen=True)
 class Simulator:
-    """The form of a configuration, the sensors that it describes, and those that are simulated."""
+    """The form of a configuration, the gyro and accelerometer that it describes, and those that are simulated."""
 
-    name: str
+    form: str
     claimed: tuple[Sensor, Sensor]
-    gyro: Sensor
-    accelerometer: Sensor
+    simulated: tuple[Sensor, Sensor]
 
     def claim(self) -> object:
         """What its file claims, recognized by its fields."""
-        before, after, between, names, each = FORMS[self.name]
-        sensors = [each.format(name=name, of=of) for name, of in zip(names, self.claimed, strict=True)]
+        before, after, between, names, each = FORMS[self.form]
+        sensors = [
+            each.format(name=name, of=of, deviation=of.density * math.sqrt(RATE))
+            for name, of in zip(names, self.claimed, strict=True)
+        ]
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "noise.txt"
             path.write_text(before + between.join(sensors) + after)
@@ -122,7 +108,7 @@ class Simulator:
 
     def check(self, rng: Rng, axes: str) -> "al.claims.ClaimCheck":
         """What is said of a record at rest of these axes: g for one of the gyro, a for one of the accelerometer."""
-        sensors = {"g": (self.gyro, "rad/s"), "a": (self.accelerometer, "m/s^2")}
+        sensors = dict(zip("ga", zip(self.simulated, ("rad/s", "m/s^2"), strict=True), strict=True))
         made = ((*sensors[letter], f"{letter}{i}") for i, letter in enumerate(axes))
         records = (al.Record(of.samples(rng), RATE, unit, name=name) for of, unit, name in made)
         return check(al.Recording(tuple(records)), self.claim())
@@ -130,7 +116,7 @@ class Simulator:
 
 def right(name: str, pair: tuple[Sensor, Sensor], **changes: object) -> Simulator:
     """A simulator that does what its configuration says, but for changes of the gyro."""
-    return Simulator(name, pair, replace(pair[0], **changes), pair[1])
+    return Simulator(name, pair, (replace(pair[0], **changes), pair[1]))
 
 
 SITL = Sensor(1.8665e-4, 3.8785e-5, 1000.0), Sensor(1.86e-3, 6e-3, 300.0)
@@ -145,90 +131,62 @@ RIGHT = {name: right(name, pair) for name, pair in CLAIMED.items()}
 
 def wrong(name: str, pair: tuple[Sensor, Sensor] | None = None, **changes: object) -> Simulator:
     """A simulator whose sensors differ from its configuration."""
-    made = right(name, pair or CLAIMED[name], **changes)
-    return replace(made, accelerometer=replace(made.accelerometer, **changes))
-
-
-class Defect(NamedTuple):
-    """A defect: where it was seen, the simulator with it, and what the cause must say."""
-
-    seen: str
-    simulator: Simulator
-    cause: str
+    described = pair or CLAIMED[name]
+    return Simulator(name, described, tuple(replace(sensor, **changes) for sensor in described))
 
 
 DEFECTS = {
-    "correlation time of the accelerometer in the gyro, 300 s and 30 s": Defect("PegasusSimulator#148",
+    "correlation time of the accelerometer in the gyro, 300 s and 30 s": ("PegasusSimulator#148",
            right("pegasus", SHORT, time=SHORT[1].time), "correlation time of the other"),
-    "the same with the shipped times, 1000 s and 300 s": Defect("PegasusSimulator#148",
+    "the same with the shipped times, 1000 s and 300 s": ("PegasusSimulator#148",
            right("pegasus", SHIPPED, time=SHIPPED[1].time), "correlation time of the other"),
-    "bias driven by rand()": Defect("PegasusSimulator#148", wrong("pegasus", drive=uniform),
+    "bias driven by rand()": ("PegasusSimulator#148", wrong("pegasus", drive=UNIFORM),
            "driven by rand()"),
-    "white noise by rand() - 0.5": Defect("rand for randn",
+    "white noise by rand() - 0.5": ("rand for randn",
            wrong("pegasus", white=lambda rng, n: rng.random(n) - 0.5), "rand() instead of randn()"),
-    "white noise by rand(): the mean is not zero": Defect("rand for randn", wrong("kalibr", white=uniform),
+    "white noise by rand(): the mean is not zero": ("rand for randn", wrong("kalibr", white=UNIFORM),
            "mean is not zero"),
-    "bias never added": Defect("PegasusSimulator#148", wrong("pegasus", added=False), "may not have added it"),
-    "density taken for the deviation of a sample": Defect("PX4-gazebo-models#33",
+    "bias never added": ("PegasusSimulator#148", wrong("pegasus", added=False), "may not have added it"),
+    "density taken for the deviation of a sample": ("PX4-gazebo-models#33",
            wrong("gazebo-classic", sigma=lambda s, dt: s.density), "value per sample"),
-    "white noise 300 times": Defect("PX4-SITL_gazebo-classic#73",
+    "white noise 300 times": ("PX4-SITL_gazebo-classic#73",
            right("gazebo-classic", SITL, sigma=lambda s, dt: 300 * s.density / math.sqrt(dt)), "300"),
-    "white noise times sqrt(dt): depends on the rate": Defect("rosflight_ros_pkgs#254",
+    "white noise times sqrt(dt): depends on the rate": ("rosflight_ros_pkgs#254",
            wrong("gazebo-classic", sigma=lambda s, dt: s.density * math.sqrt(dt)), "depends on the rate"),
-    "degrees for radians": Defect("units", right("kalibr", ADIS16448, scale=180 / math.pi), "degrees and radians"),
-    "deviation squared: variance for deviation": Defect("mir_robot#99",
+    "degrees for radians": ("units", right("kalibr", ADIS16448, scale=180 / math.pi), "degrees and radians"),
+    "deviation squared: variance for deviation": ("mir_robot#99",
            wrong("gazebo", QUIET, sigma=lambda s, dt: s.density**2 / dt), "is squared"),
-    "random walk per sample, without sqrt(dt)": Defect("gnss-ins-sim#19",
+    "random walk per sample, without sqrt(dt)": ("gnss-ins-sim#19",
            wrong("kalibr", bias=lambda s, dt: s.walk), "value per sample"),
-    "sqrt(h) read as sqrt(s)": Defect("units",
+    "sqrt(h) read as sqrt(s)": ("units",
            right("kalibr", ADIS16448, sigma=lambda s, dt: 60 * s.density / math.sqrt(dt)), "sqrt(h) and"),
-    "deviation of the bias for its density": Defect("gz-sensors#616",
+    "deviation of the bias for its density": ("gz-sensors#616",
            wrong("gazebo", bias=lambda s, dt: s.walk * math.sqrt(-math.expm1(-2 * dt / s.time))),
            "standard deviation of the bias"),
 }  # fmt: skip
+"""Where a defect was seen, the simulator with it, and what the cause must say."""
 
 
-def defect(job: tuple[str, int]) -> tuple[bool, bool, int]:
-    """Whether a defect is found in a record of three axes of each sensor, its cause named, and how many are named."""
+def defect(job: tuple[str, int]) -> tuple[bool, bool]:
+    """Whether a defect is found in a record of three axes of each sensor, and its cause named."""
     name, number = job
-    verdict = DEFECTS[name].simulator.check(seeded(number, name), "gggaaa")
-    sentences = [sentence for cause in verdict.causes for sentence in cause.sentences if sentence]
-    most = max((len(cause.names) for cause in verdict.causes), default=0)
-    return not verdict.agrees, any(DEFECTS[name].cause in sentence for sentence in sentences), most
+    _, simulator, wanted = DEFECTS[name]
+    verdict = simulator.check(seeded(number, name), "gggaaa")
+    said = [sentence for cause in verdict.causes for sentence in cause.sentences if sentence]
+    return not verdict.agrees, any(wanted in sentence for sentence in said)
 
 
-def defect_rows(records: int) -> list[list[str]]:
-    """In how many records each defect is found, and its cause named."""
-    made = ((name, *map(sum, zip(*each, strict=True))) for (name,), each in spread(defect, zip(DEFECTS), records))
-    return [
-        [name, DEFECTS[name].seen, f"{found} of {records}", f"{named} of {records}", f"{causes / records:.1f}"]
-        for name, found, named, causes in made
-    ]
-
-
-def alarm(job: tuple[str, int]) -> list[str]:
-    """What is contradicted of a right record."""
+def alarm(job: tuple[str, int]) -> bool:
+    """Whether a right record is contradicted."""
     name, number = job
-    verdict = RIGHT[name].check(seeded(number, "right", name), "ga")
-    return [] if verdict.agrees else [row.quantity for row in verdict.terms if row.contradicts] or ["no term"]
-
-
-def right_rows(records: int) -> list[list[str]]:
-    """In how many records each right simulator is contradicted, and in which quantities."""
-    rows = []
-    for (name,), made in spread(alarm, zip(RIGHT), records):
-        count, kinds = sum(map(bool, made)), Counter(kind for each in made for kind in each)
-        listed = ", ".join(f"{kind} {times}" for kind, times in kinds.items())
-        rows.append([name, str(records), str(count), f"{100 * count / records:.1f} %", listed])
-    return rows
+    return not RIGHT[name].check(seeded(number, "right", name), "ga").agrees
 
 
 Filter = tuple[np.ndarray, np.ndarray]
 SAMPLED, LENGTH, START = 200.0, 20_000, 1000
 """Sampling rate of filtered noise, Hz, its samples, and those before, in which a filter settles."""
 FACTORS = {"true": 1.0, "0.8 times": 0.8, "1.25 times": 1.25, "half": 0.5, "twice": 2.0}
-ABSENT = (20.0, 42.0, 60.0, 80.0, 88.0)
-"""Cut-offs, Hz, that are claimed where no filter is."""
+ABSENT = (20.0, 42.0, 60.0, 80.0, 88.0)  # cut-offs, Hz, that are claimed where no filter is
 
 
 def poles(order: int, cutoff: float) -> Filter:
@@ -241,73 +199,65 @@ FILTERS: dict[str, tuple[Filter, float]] = {
     "RC": (poles(1, 0.15), 30.0),
     "Butterworth of order 2": (butter(2, 42.0, fs=SAMPLED), 42.0),
     "moving average of 4 samples": ((np.full(4, 0.25), np.ones(1)), 0.443 / 4 * SAMPLED),
+}
+"""Filters that are rows of the table of filters, and their cut-offs, Hz."""
+OTHERS: dict[str, tuple[Filter, float]] = {
     "RC twice": (poles(2, 0.12), 16.0),
     "RC three times": (poles(3, 0.12), 12.6),
     "Bessel of order 2": (bessel(2, 42.0, norm="mag", fs=SAMPLED), 42.0),
     "Butterworth of order 4": (butter(4, 42.0, fs=SAMPLED), 42.0),
 }
-"""Filters and their cut-offs, Hz."""
-ROWS = 3  # so many are rows of the table of filters; the samples of the others are rounded to a fourth of a deviation
-NONE: Filter = (np.ones(1), np.ones(1))
+"""Filters that are not; their samples are rounded to a fourth of a deviation."""
+NONE: dict[str, tuple[Filter, float]] = {"no filter": ((np.ones(1), np.ones(1)), 0.0)}
 
 
 def outcomes(job: tuple[str, int]) -> list[str]:
     """What is said of each claimed cut-off of one record."""
     name, number = job
-    through, cutoff = FILTERS.get(name, (NONE, 1.0))
+    through, cutoff = (FILTERS | OTHERS | NONE)[name]
     y = lfilter(*through, 1e-3 * seeded(number, name).standard_normal(LENGTH + START))[START:]
     step = y.std() / 4
-    rounded = name in list(FILTERS)[ROWS:]
-    study = al.analyze(al.Record(step * np.round(y / step) if rounded else y, SAMPLED, "rad/s", name="gx"))
-    claimed = [factor * cutoff for factor in FACTORS.values()] if name in FILTERS else ABSENT
+    study = al.analyze(al.Record(step * np.round(y / step) if name in OTHERS else y, SAMPLED, "rad/s", name="gx"))
+    claimed = [factor * cutoff for factor in FACTORS.values()] if cutoff else ABSENT
     return [next(setting_rows(study, [ClaimedSetting(CUTOFF, c)], 0.05, 0.02)).outcome for c in claimed]
 
 
-def filter_rows(names: list[str], records: int) -> list[list[str]]:
+def filter_rows(filters: Iterable[str], records: int) -> list[Row]:
     """How often each claim is contradicted, and how often it is not decided on."""
     rows = []
-    for (name,), said in spread(outcomes, zip(names), records):
+    for cell, said in spread(outcomes, zip(filters), records):
         counts = map(Counter, zip(*said, strict=True))
-        rows.append([name, str(records), *(f"{count[DIFFERS]} ({count[NOT_DECIDED]})" for count in counts)])
+        rows.append((*cell, str(records), *(f"{count[DIFFERS]} ({count[NOT_DECIDED]})" for count in counts)))
     return rows
-
-
-def total(rows: list[list[str]], column: int, least: float = 0) -> int:
-    """How many records are counted in a column of rows; or in how many rows it has more than so many."""
-    counts = [int(row[column].split()[0]) for row in rows]
-    return sum(count > least for count in counts) if least else sum(counts)
 
 
 def main() -> None:
     run = begin(__doc__, records=5, right=100, filters=40, others=10)
-    asked = run.asked
-    defects, rights = defect_rows(asked.records), right_rows(asked.right)
-    known = filter_rows(list(FILTERS)[:ROWS], asked.filters)
-    every, most = total(defects, 2, asked.records - 0.5), total(defects, 3, asked.records / 2)
-    alarms, right_records = total(rights, 2), asked.right * len(rights)
+    n, right, filters, others = (getattr(run.asked, name) for name in ("records", "right", "filters", "others"))
+    sums = {name: np.sum(made, axis=0) for (name,), made in spread(defect, zip(DEFECTS), n)}
+    defects = [(name, DEFECTS[name][0], *(f"{count} of {n}" for count in counts)) for name, counts in sums.items()]
+    found, named = np.array(list(sums.values())).T
+    alarms = {name: sum(made) for (name,), made in spread(alarm, zip(RIGHT), right)}
+    rights = [(name, str(right), str(count), f"{100 * count / right:.1f} %") for name, count in alarms.items()]
+    known, wrongly, records = filter_rows(FILTERS, filters), sum(alarms.values()), right * len(alarms)
+    notes = (
+        SEEDS,
+        f"simulators: 1 h at {RATE:g} Hz; three axes of each sensor with a defect, one of each without",
+        f"found in every record: {sum(found == n)} of {len(found)} defects; cause named in more than half of the "
+        f"records: {sum(named > n / 2)} of {len(found)}",
+        f"false alarms: {wrongly} of {records} right records, {100 * wrongly / records:.1f} %",
+        f"false alarms at the true cut-off: {sum(int(row[2].split()[0]) for row in known)} of {filters * len(known)} "
+        "records, nominal 5 %",
+    )
+    heads, absent = ("filter", "records", *FACTORS), ("filter", "records", *(f"{c:g} Hz" for c in ABSENT))
     filtered = f"White noise, {LENGTH} samples at {SAMPLED:g} Hz; contradicted, and in brackets not decided."
-    run.publish(
-        "Check of simulators and filters against what is claimed of them",
-        (
-            SEEDS,
-            f"simulators: 1 h at {RATE:g} Hz; three axes of each sensor with a defect, one of each without",
-            f"found in every record: {every} of {len(defects)} defects; cause named in more than half of the records: "
-            f"{most} of {len(defects)}",
-            f"false alarms: {alarms} of {right_records} right records, {100 * alarms / right_records:.1f} %",
-            f"false alarms at the true cut-off: {total(known, 2)} of {asked.filters * ROWS} records, nominal 5 %",
-        ),
-        section("Defects", ("defect", "seen in", "found", "cause named", "names"), defects)
-        + section("Right records", ("simulator", "records", "false alarms", "share", "by quantity"), rights)
-        + section("Filters that are rows", ("filter", "records", *FACTORS), known, filtered)
-        + section(
-            "No filter", ("filter", "records", *(f"{c:g} Hz" for c in ABSENT)),
-            filter_rows(["no filter"], asked.filters),
-        )
-        + section(
-            "Filters of no row", ("filter", "records", *FACTORS), filter_rows(list(FILTERS)[ROWS:], asked.others),
-            "Rounded to a fourth of the standard deviation.",
-        ),
-    )  # fmt: skip
+    body = section("Defects", ("defect", "seen in", "found", "cause named"), defects)
+    body += section("Right records", ("simulator", "records", "false alarms", "share"), rights)
+    body += section("Filters that are rows", heads, known, filtered)
+    body += section("No filter", absent, filter_rows(NONE, filters))
+    rounded = "Rounded to a fourth of the standard deviation."
+    body += section("Filters of no row", heads, filter_rows(OTHERS, others), rounded)
+    run.publish("Check of simulators and filters against what is claimed of them", notes, body)
 
 
 if __name__ == "__main__":

@@ -2,19 +2,15 @@
 
 Each method is asked for the true terms and no others, and the likelihood reads all frequencies: a record in a hundred
 fails the test by chance, and would be read in a band. A term that a method does not find counts as 0, or as what its
-model has of it. On the first of each cell's records, generalized least squares also reads the curves of the other
-statistics. The bound is checked against full matrices: a referee makes the covariance of the differences of the rates,
-and the information tr(P C_i P C_j) / 2 from it. The seed is the CRC-32 of "methods/SENSOR/n", and the number of the
-record.
+model has of it. The bound is checked against full matrices: a referee makes the covariance of the differences of the
+rates, and the information tr(P C_i P C_j) / 2 from it.
 """
 
-from table import Row, begin, section, spread
+from table import SEEDS, Row, begin, section, seeded, spread
 
 import math
-import sys
 from collections.abc import Iterator
 from itertools import product
-from zlib import crc32
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, toeplitz
@@ -52,8 +48,7 @@ BOUND_HEADINGS = ("model", "rate, Hz", "ramp", "parameter", "full matrices, %", 
 def identified(job: tuple[str, str, int, int]) -> Found:
     """(value, low, high) of every term, by way."""
     title, sensor, n, number = job
-    rng, every = np.random.default_rng((crc32(f"methods/{sensor}/{n}".encode()), number)), {}
-    record = al.simulate(SENSORS[sensor], n, RATE, rng=rng)
+    record, every = al.simulate(SENSORS[sensor], n, RATE, rng=seeded(number, "methods", sensor, n)), {}
     terms = "".join(t.symbol for t in SENSORS[sensor])
     for way, (method, statistic) in WAYS[title].items():
         band = "all" if "band" in al.identification.METHODS[method].options else None
@@ -106,36 +101,31 @@ def bound_rows(n: int) -> Iterator[Row]:
         for rate, ramp in product((1.0, RATE) if name in al.planning.SENSORS else (1.0,), (False, True)):
             errors, slope = dense(noise, n, rate, ramp)
             bound = al.bound(noise, n, rate, ramp=ramp)
-            pairs = list(zip(bound.names, errors, bound.errors, strict=True))
-            if ramp:
-                pairs.append(("R", slope / 1e-6, (bound.ramp or math.nan) / 1e-6))
-            head = (name, f"{rate:g}", "unknown" if ramp else "none")
-            for parameter, a, b in pairs:
-                yield (*head, parameter, f"{100 * a:.4g}", f"{100 * b:.4g}", f"{b / a:.4f}")
+            rows = list(zip(bound.names, errors, bound.errors, strict=True))
+            rows += [("R", slope / 1e-6, bound.ramp / 1e-6)] if ramp else []
+            for parameter, a, b in rows:
+                cells = f"{100 * a:.4g}", f"{100 * b:.4g}", f"{b / a:.4f}"
+                yield name, f"{rate:g}", "unknown" if ramp else "none", parameter, *cells
 
 
 def main() -> None:
-    run = begin(__doc__ or "", sensors=list(SENSORS), sizes=[2**16, 2**18], records=100, curves=40, readings=2048,
-                processes=2)  # fmt: skip
+    sizes = [2**16, 2**18]
+    run = begin(__doc__ or "", sensors=list(SENSORS), sizes=sizes, records=100, curves=40, readings=2048, processes=2)
     asked, body = run.asked, []
-    sizes = zip(WAYS, (asked.sizes, asked.sizes[:1]), (asked.records, asked.curves), strict=True)
-    for title, lengths, records in sizes:
+    for title, lengths, records in zip(
+        WAYS, (asked.sizes, asked.sizes[:1]), (asked.records, asked.curves), strict=True
+    ):
         rows: list[Row] = []
         for cell, answers in spread(identified, product([title], asked.sensors, lengths), records, asked.processes):
             rows += rows_of(*cell[1:], answers)
-            print(*cell, file=sys.stderr, flush=True)
         body += section(title, HEADINGS, rows, f"{records} records a cell.")
     bounds = list(bound_rows(asked.readings))
-    errors = " and ".join(
-        f"{100 / math.sqrt(2 * count):.0f} % of an rmse, {100 * math.sqrt(0.05 * 0.95 / count):.0f} % of a coverage"
-        for count in (asked.records, asked.curves)
-    )
     notes = [
-        'seeds: the CRC-32 of "methods/SENSOR/n", and the number of the record from 0; of the bound none',
-        "the same records for every method; 100 Hz; the true terms are known",
+        f"{SEEDS}; the same records for every method; 100 Hz; the true terms are known",
         "rmse, bias: of the coefficient, over the bound; cover: the 95 % interval as printed holds the truth (from 0 "
         "to the one-sided limit for a term not found), - for a method without intervals",
-        f"Monte-Carlo standard error, by method and by curve: {errors}",
+        f"standard error with {asked.records} records: {100 / math.sqrt(2 * asked.records):.0f} % of an rmse, "
+        f"{100 * math.sqrt(0.05 * 0.95 / asked.records):.0f} % of a coverage",
     ]
     off = max(abs(float(row[-1]) - 1) for row in bounds)
     about = f"{asked.readings} readings; standard errors (1 sigma), %. Largest deviation of a ratio from 1: {off:.4f}."

@@ -3,25 +3,17 @@
 With --write, the errors of the first run are drawn as figure 10 of the paper, for the page about it.
 """
 
-from table import ROOT, SEEDS, begin, section, seeded, shared, spread
+from table import ROOT, SEEDS, Row, begin, section, seeded, shared, spread
 
 import math
 import time
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 from scipy.linalg import matmul_toeplitz, solve_toeplitz
 
 import allanite as al
-from allanite.applications.constant_rate import (
-    RATE_ESTIMATORS,
-    EstimatorSettings,
-    Experiment,
-    ExperimentSettings,
-    experiment,
-    predicted_standard_error,
-)  # fmt: skip
+from allanite.applications.constant_rate import RATE_ESTIMATORS, EstimatorSettings, Experiment, ExperimentSettings
 from allanite.applications.constant_rate.run import task_of
 from allanite.simulation.record import GL1
 
@@ -35,51 +27,46 @@ LINEAR = {"mean": "mean", "hamming": "hamming", "regression": "regression", "bou
 SWINGS = ((0.52, 30), (0.14, 46), (0.25, 84))  # arcsec, s
 RHO = (0, 0.03, 0.1, 0.3, 1, 3, 10, 100)
 NOISES = (0.0, 0.05, 0.5, 1.0, 2.0, 5.0)  # white noise of the angle, pulses
-SEARCHES = {
-    name: EstimatorSettings(**more)
-    for name, more in {"default": {}, "certified": {"certified": True}, "descent": {"descent": 100}}.items()
-}
+SEARCHES = {"default": {}, "certified": {"certified": True}, "descent": {"descent": 100}}
 STEPS = (0, 1, 2, 3, 5, 10, 20, 100)
 FIGURE = ROOT / "docs" / "figures" / "rate_paper.svg"
 
-Table = tuple[tuple[str, ...], list[tuple[str, ...]]]
+Table = tuple[Row, list[Row]]
 
 
 @cache
-def laser(seed: int, warm_up: float = 0.0) -> al.Record:
+def laser(seed: int) -> al.Record:
     """94 intervals of two minutes."""
-    gyro, rng = replace(GL1, warm_up=warm_up), np.random.default_rng(seed)
-    return al.simulation.simulate_ring_laser(gyro, TRUE, 94 * N, RATE, rng=rng, name="GL-1, simulated")
+    rng = np.random.default_rng(seed)
+    return al.simulation.simulate_ring_laser(GL1, TRUE, 94 * N, RATE, rng=rng, name="GL-1, simulated")
 
 
-def made(seed: int, warm_up: float = 0.0) -> Experiment:
+def made(seed: int, **more: object) -> Experiment:
     """The paper's experiment."""
-    return experiment(laser(seed, warm_up), GL1.model, ExperimentSettings(reference=(TRUE + GL1.bias) * ARCSEC))
+    settings = ExperimentSettings(**more) if more else ExperimentSettings(reference=(TRUE + GL1.bias) * ARCSEC)
+    return al.constant_rate.experiment(laser(seed), GL1.model, settings)
 
 
-def deviations(job: tuple[float, int]) -> list[float]:
+def deviations(job: tuple[int]) -> list[float]:
     """Scatter of each method in a run, deg/h."""
-    warm_up, seed = job
-    run = made(seed, warm_up)
+    run = made(*job)
     return [run.scatter(method).deviation / ARCSEC for method in RATE_ESTIMATORS]
 
 
 def exact(method: str, model: al.Model = GL1.model, options: EstimatorSettings | None = OPTIONS) -> float:
     """Standard deviation from the covariance alone, deg/h."""
-    return predicted_standard_error(method, model, size=N, rate=RATE, options=options) / ARCSEC
+    return al.constant_rate.predicted_standard_error(method, model, size=N, rate=RATE, options=options) / ARCSEC
 
 
 def acceptance(runs: int) -> Table:
-    """The paper's experiment, without and with warm-up."""
-    parts = [np.array(part) for _, part in spread(deviations, [(0.0,), (-0.01,)], runs, first=1)]
+    """The paper's experiment."""
+    ((_, found),) = spread(deviations, [()], runs, first=1)
     rows = []
-    for i, method in enumerate(RATE_ESTIMATORS):
-        cells = [method, PAPER.get(method, "-"), f"{exact(method):.5f}", f"{parts[0][0, i]:.5f}"]
-        for column in (part[:, i] for part in parts):
-            rms = math.sqrt(float(np.square(column).mean()))
-            cells.append(f"{rms:.5f} ({column.min():.5f} .. {column.max():.5f})")
-        rows.append(tuple(cells))
-    return ("method", "paper", "exact covariance", "seed 1", f"{runs} runs", "with warm-up"), rows
+    for method, column in zip(RATE_ESTIMATORS, np.transpose(found), strict=True):
+        rms = math.sqrt(np.square(column).mean())
+        cell = f"{rms:.5f} ({column.min():.5f} .. {column.max():.5f})"
+        rows.append((method, PAPER.get(method, "-"), f"{exact(method):.5f}", cell))
+    return ("method", "paper", "exact covariance", f"{runs} runs"), rows
 
 
 def correlated_angle(sigma: float, seconds: float) -> list[float]:
@@ -94,8 +81,8 @@ def correlated_angle(sigma: float, seconds: float) -> list[float]:
 
 def fitting() -> Table:
     """Stationary noise that fits rows of the paper's table 3."""
-    rates = [f"GM2 {a * math.pi * 2**0.5 / period} deg/h {1 / period} Hz 1e-6" for a, period in SWINGS]
-    swinging = al.Model(f"N 1.67e-4 deg/sqrt(h), {', '.join(rates)}")
+    rates = (f", GM2 {a * math.pi * 2**0.5 / period} deg/h {1 / period} Hz 1e-6" for a, period in SWINGS)
+    swinging = al.Model("N 1.67e-4 deg/sqrt(h)" + "".join(rates))
     models = {
         "random walk and white angle noise (GL1.model)": [exact(method) for method in LINEAR.values()],
         "angle noise of 0.286 arcsec, correlated over 3.3 s": correlated_angle(0.286, 3.3),
@@ -125,46 +112,42 @@ def noisy(sigma: float, truth: float, rng: np.random.Generator) -> al.Record:
     return al.Record(np.diff(y).astype(int), rate=RATE, unit="arcsec", kind="count", scale=PULSE)
 
 
-def searched(job: tuple[float, int]) -> dict[str, float]:
-    """Misfits above the least, times in ms, and errors in deg/h of a record."""
+def searched(job: tuple[float, int]) -> list[float]:
+    """Of a record: the least misfit, misfits above it, times in ms, and errors in deg/h."""
     sigma, number = job
     rng = seeded(number, "search", sigma)
     truth = rng.uniform(0.09, 0.1)
-    record, found, result = noisy(sigma, truth, rng), {}, {}
+    record, found, times = noisy(sigma, truth, rng), {}, []
     for name, options in SEARCHES.items():
         start = time.process_time()
-        found[name] = al.constant_rate.estimate(record, "staircase", options=options)
-        result[f"{name}, ms"] = 1e3 * (time.process_time() - start)
+        found[name] = al.constant_rate.estimate(record, "staircase", options=EstimatorSettings(**options))
+        times.append(1e3 * (time.process_time() - start))
     least = found["certified"].details["misfit"]
     if found["certified"].details["least possible misfit"] != least:
         raise RuntimeError(f"not certified: noise {sigma}, record {number}")
-    regression = al.constant_rate.estimate(record, "regression")
-    errors = {"staircase": found["certified"], "regression": regression}
-    above = {name: found[name].details["misfit"] - least for name in ("default", "descent")}
-    return (
-        result | above | {name: e.to("deg/h") - truth * RATE * PULSE for name, e in errors.items()} | {"least": least}
-    )
+    above = [found[name].details["misfit"] - least for name in ("default", "descent")]
+    ends = found["certified"], al.constant_rate.estimate(record, "regression")
+    return [least, *above, *times, *(e.to("deg/h") - truth * RATE * PULSE for e in ends)]
 
 
 def search(records: int) -> Table:
     """Noise of the angle, and what each search makes of it."""
     rows = []
     for (sigma,), results in spread(searched, [(sigma,) for sigma in NOISES], records):
-        every = {name: np.array([each[name] for each in results]) for name in results[0]}
-        cells = [f"{sigma:g}", f"{every['least'][-1]:.0f}", f"{every['default'].max():.0f}"]
-        cells += [f"{every['descent'].mean():.0f}", *(f"{np.median(every[f'{name}, ms']):.0f}" for name in SEARCHES)]
-        cells += [f"{math.sqrt(np.mean(every[name] ** 2)):.1e}" for name in ("staircase", "regression")]
-        rows.append(tuple(cells))
-    headings = ("noise, pulses", "least misfit", "default above, most", "descent above, mean", "default, ms")
-    return (*headings, "certified, ms", "descent, ms", "staircase rms, deg/h", "regression rms, deg/h"), rows
+        least, default, descent, *others = np.transpose(results)
+        cells = [least[-1], default.max(), descent.mean(), *map(np.median, others[:-2])]
+        rms = (f"{math.sqrt(np.mean(each**2)):.1e}" for each in others[-2:])
+        rows.append((f"{sigma:g}", *(f"{cell:.0f}" for cell in cells), *rms))
+    heads = ("noise, pulses", "least misfit", "default above, most", "descent above, mean")
+    return (*heads, *(f"{name}, ms" for name in SEARCHES), "staircase rms, deg/h", "regression rms, deg/h"), rows
 
 
 def descents() -> Table:
     """Scatter after so many steps of the paper's descent, and of methods without it, in the run of seed 1."""
 
     def deviation(method: str, steps: int | None = None) -> str:
-        settings = ExperimentSettings(methods=(method,), options=EstimatorSettings(descent=steps))
-        return f"{experiment(laser(1), GL1.model, settings).scatter(method).deviation / ARCSEC:.5f}"
+        run = made(1, methods=(method,), options=EstimatorSettings(descent=steps))
+        return f"{run.scatter(method).deviation / ARCSEC:.5f}"
 
     rows = [(f"{steps} steps", deviation("staircase", steps)) for steps in STEPS]
     others = ("mean", "regression", "staircase", "optimal")
@@ -193,8 +176,7 @@ def predictions(records: int) -> Table:
     """Standard deviation over that predicted, and coverage of the 95 % interval."""
     ((_, results),) = spread(errors, [()], records)
     rows = []
-    for method, pairs in zip(RATE_ESTIMATORS, np.array(results).transpose(1, 2, 0), strict=True):
-        off, sigma = pairs
+    for method, (off, sigma) in zip(RATE_ESTIMATORS, np.array(results).transpose(1, 2, 0), strict=True):
         ratio = math.sqrt(float(np.square(off / sigma).mean()))
         rows.append((method, f"{sigma[0]:.5f}", f"{ratio:.3f}", shared(np.abs(off) < 1.959964 * sigma)))
     return ("method", "predicted, deg/h", "rms error over it", "cover of 95 %"), rows
@@ -202,11 +184,11 @@ def predictions(records: int) -> Table:
 
 def main() -> None:
     run = begin(__doc__, runs=6, records=1000, searches=20)
-    runs, records, searches = run.asked.runs, run.asked.records, run.asked.searches
+    records, searches = run.asked.records, run.asked.searches
     parts = (
-        ("The paper's experiment", acceptance(runs),
+        ("The paper's experiment", acceptance(run.asked.runs),
          "Standard deviations of 94 two-minute errors of the simulated GL-1, deg/h (numerically '/min). Runs: the root "
-         "mean square of their deviations, least and largest. Warm-up: -0.01 deg/h at the start, 10 min."),
+         "mean square of their deviations, least and largest."),
         ("Noise that fits the paper", fitting(), "Exact standard deviations of two-minute errors, deg/h."),
         ("The paper's descent", descents(),
          "Standard deviation of 94 two-minute errors, seed 1, after at most so many steps from the interval's own "
@@ -220,9 +202,8 @@ def main() -> None:
          f"{searches} records of 48 000 counts with white angle noise, for each noise; misfit above the least there "
          "is, which the certified search proves and which is printed of the last record."),
     )  # fmt: skip
-    notes = [f"{SEEDS}; of runs their numbers, 1 to {runs}"]
     body = [line for title, table, about in parts for line in section(title, *table, about)]
-    run.publish("A constant rate in two minutes", notes, body)
+    run.publish("A constant rate in two minutes", [f"{SEEDS}; of runs their numbers from 1 on"], body)
     if run.asked.write:
         al.plot(made(1), path=FIGURE, force=True)
 

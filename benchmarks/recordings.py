@@ -6,10 +6,9 @@ The recordings are not part of the project; INDEX.md of the folder says where ea
 computed here by numpy alone, from the samples as they are in the file:
 
 - white level: the median of all periodogram ordinates (Hann window, pieces of a sixteenth of the record) in each third
-  of an octave, over ln 2, so that neither lines nor bursts count. Of all runs of bands of at least an octave whose
-  levels are equal and do not slope (6 % of the density, beside chance) the flat part is the one with the most
-  ordinates; its level, that is N before a low-pass filter, is the mean by weight. Its error (2 sigma) is of chance, of
-  what scatters beyond it, and of what such a slope leaves open, 3 % of N.
+  of an octave, over ln 2. The flat part has the most ordinates of all runs of bands of at least an octave whose levels
+  are equal and do not slope (6 % of the density, beside chance); its level, that is N before a low-pass filter, is the
+  mean by weight. Its error (2 sigma) is of chance, of scatter beyond it, and of what such a slope leaves open, 3 %.
 - Allan deviation, overlapping, whose value at 1 s is N where white noise alone is there.
 
 A claimed N is wrong if its 95 % interval and the expert's have no point in common, an upper limit if it lies below the
@@ -22,7 +21,6 @@ from table import Row, begin, section
 
 import math
 import os
-import sys
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -61,7 +59,6 @@ PIECES, BANDS = 16, 3  # pieces of a periodogram, at least; bands an octave
 FEWEST = 40  # ordinates of a band
 HANN = 1.5  # neighbouring ordinates of a Hann window for one independent ordinate
 FLAT = 0.06  # relative difference and change of the density in a flat part, beside 2 and 1 standard errors
-FALSE_LINES = 1e-3  # of a record of white noise
 TOP = 0.2  # relative change of the density over the last octave that is called falling or rising, beside 3 sigma
 TERMS = {"N": (1.0, -0.5), "B": (math.sqrt(2 * math.log(2) / math.pi), 0.0), "K": (1 / math.sqrt(3), 0.5)}
 """Allan deviation of a term of size 1 at 1 s, and the power of the averaging time (IEEE Std 952)."""
@@ -89,23 +86,22 @@ class Expert:
         return np.arange(3, size // 2) * self.rate / size, density[:, 3 : size // 2]
 
     @cached_property
-    def bands(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Upper ends, Hz, logarithms of the levels and their standard errors; the highest band first."""
+    def bands(self) -> tuple[np.ndarray, np.ndarray]:
+        """Logarithms of the levels and their standard errors; the highest band first."""
         f, density = self.periodogram
-        ends, levels, errors = [], [], []
+        levels, errors = [], []
         for k in range(int(BANDS * math.log2(self.rate / 2 / f[0]))):
             end = self.rate / 2 * 2.0 ** (-k / BANDS)
             some = density[:, (f <= end) & (f > end * 2.0 ** (-1 / BANDS))]
             if some.size >= FEWEST:
-                ends.append(end)
                 levels.append(math.log(float(np.median(some)) / math.log(2)))
                 errors.append(math.sqrt(HANN / some.size) / math.log(2))
-        return np.array(ends), np.array(levels), np.array(errors)
+        return np.array(levels), np.array(errors)
 
     @cached_property
-    def white(self) -> tuple[float, float, float, float] | None:
-        """N, its relative error (2 sigma), and the ends of the flat part, Hz."""
-        ends, levels, errors = self.bands
+    def white(self) -> tuple[float, float] | None:
+        """N, and its relative error (2 sigma)."""
+        levels, errors = self.bands
         best = None
         for first, stop in combinations(range(levels.size + 1), 2):
             weight = errors[first:stop] ** -2
@@ -118,17 +114,16 @@ class Expert:
             change = (stop - first - 1) * abs(weight @ (at * off)) / spread
             if change < FLAT + (stop - first - 1) / math.sqrt(spread) and np.all(np.abs(off) < FLAT + 2 * weight**-0.5):
                 scatter = 1 + max(weight @ off**2 - (stop - first - 1), 0.0)
-                best = weight.sum(), level, scatter, stop - 1, first
+                best = weight.sum(), level, scatter
         if best is None:
             return None
-        total, level, scatter, last, first = best
-        low, high = ends[last] * 2.0 ** (-1 / BANDS), ends[first]
-        return math.exp(level / 2), math.hypot(math.sqrt(scatter / total), FLAT / 2), float(low), float(high)
+        total, level, scatter = best
+        return math.exp(level / 2), math.hypot(math.sqrt(scatter / total), FLAT / 2)
 
     @cached_property
     def top(self) -> str:
         """What the density does over the last octave."""
-        _, levels, errors = self.bands
+        levels, errors = self.bands
         if levels.size <= BANDS:
             return ""
         ratio, error = math.exp(levels[0] - levels[BANDS]), math.hypot(errors[0], errors[BANDS])
@@ -136,22 +131,6 @@ class Expert:
         if abs(math.log(ratio)) > change:
             return f"{'falls' if ratio < 1 else 'rises'}, × {ratio:.2f}"
         return f"{'flat' if abs(ratio - 1) < TOP else 'unclear'}, × {ratio:.2f}"
-
-    @cached_property
-    def lines(self) -> list[float]:
-        """Frequencies at which the mean periodogram stands out of its band more than chance allows, largest first."""
-        f, density = self.periodogram
-        ends, levels, _ = self.bands
-        if not ends.size:
-            return []
-        band = np.clip(np.floor(BANDS * np.log2(self.rate / 2 / f)), 0, levels.size - 1).astype(int)
-        ratio = density.mean(axis=0) / np.exp(levels[band])
-        excess = density.shape[0] * (ratio - 1 - np.log(ratio)) * (ratio > 1)  # Chernoff's bound of a mean of so many
-        above = excess > math.log(f.size / FALSE_LINES)
-        starts = np.flatnonzero(above & ~np.concatenate(([False], above[:-1])))
-        stops = np.flatnonzero(above & ~np.concatenate((above[1:], [False])))
-        peaks = [a + int(np.argmax(ratio[a : b + 1])) for a, b in zip(starts, stops, strict=True)]
-        return [float(f[i]) for i in sorted(peaks, key=lambda i: -ratio[i])]
 
     def deviation(self, m: int) -> float:
         """Overlapping Allan deviation at an averaging factor."""
@@ -182,9 +161,8 @@ def expert_of(record: al.Record) -> Expert:
     y = np.asarray(record.values, dtype=np.float64) * record.factor
     y *= {"rate": 1.0, "increment": record.rate, "count": record.rate}[record.kind]
     inside = np.concatenate(([False], np.isfinite(y), [False]))
-    starts, stops = np.flatnonzero(inside[1:] & ~inside[:-1]), np.flatnonzero(inside[:-1] & ~inside[1:])
-    longest = int(np.argmax(stops - starts))
-    return Expert(y[starts[longest] : stops[longest]], record.rate)
+    start, stop = max(np.flatnonzero(np.diff(inside)).reshape(-1, 2).tolist(), key=lambda ends: ends[1] - ends[0])
+    return Expert(y[start:stop], record.rate)
 
 
 def verdict(channel: Channel, expert: Expert) -> tuple[str, str]:
@@ -226,18 +204,15 @@ def row_of(name: str, sheet: str, channel: Channel) -> Row:
         ratio = f"{estimate.value / second:.3f}" if estimate.claimed else ""
     white = expert.white
     level = f"{factor * white[0]:.4g} ± {factor * white[0] * white[1]:.2g}" if white else "no flat part"
-    flat = f"{white[2]:.3g} .. {white[3]:.3g}" if white else ""
-    lines, more = ", ".join(f"{f:.3g}" for f in expert.lines[:3]), len(expert.lines) - 3
-    lines += f" and {more} more" if more > 0 else ""
     stated = al.planning.data_sheet_named(sheet).model(signal) if sheet else None
     printed = f"{factor * stated['N'].value:.3g}" if stated else ""
-    shown = (grade, N, level, flat, f"{factor * second:.4g}", ratio, expert.top, lines, printed)
+    shown = (grade, N, level, f"{factor * second:.4g}", ratio, expert.top, printed)
     return (name, channel.record.name, unit, *shown, f"{judged}: {why}" if why else judged, read)
 
 
 HEADINGS = (
-    "file", "channel", "unit", "grade", "N (95 %)", "white level", "flat part, Hz", "deviation at 1 s",
-    "N over deviation at 1 s", "last octave", "lines, Hz", "data sheet", "verdict", "read",
+    "file", "channel", "unit", "grade", "N (95 %)", "white level", "deviation at 1 s",
+    "N over deviation at 1 s", "last octave", "data sheet", "verdict", "read",
 )  # fmt: skip
 
 
@@ -259,7 +234,6 @@ def rows_of(name: str, choices: dict[str, Any], sheet: str) -> tuple[list[Row], 
     """The rows of a file in both tables."""
     study = al.analyze(Path(os.environ["ALLANITE_RECORDINGS"]) / name, al.Recipe(**choices))
     rows = [row_of(name, sheet, channel) for channel in study.channels]
-    print(*rows, sep="\n", file=sys.stderr, flush=True)
     return rows, list(beside(name, study, al.planning.data_sheet_named(sheet))) if sheet else []
 
 
@@ -269,13 +243,12 @@ def main() -> None:
     with Pool(run.asked.processes) as pool:
         parts = pool.starmap(rows_of, RECORDINGS, chunksize=1)
     rows, printed = (list(chain.from_iterable(part)) for part in zip(*parts, strict=True))
-    verdicts, grades = (Counter(row[i].partition(":")[0] for row in rows) for i in (12, 3))
+    verdicts, grades = (Counter(row[i].partition(":")[0] for row in rows) for i in (10, 3))
     notes = [
         "no random numbers",
         f"{len(rows)} channels; " + ", ".join(f"{w}: {verdicts[w]}" for w in ("wrong", "open", "refused", "right")),
         ", ".join(f"{grade}: {n}" for grade, n in grades.items()),
-        "N, white level, deviation and data sheet in the unit of the row; last octave: density of the last third of an "
-        "octave over that of the one an octave below",
+        "last octave: density of its last third over that of the third an octave below",
     ]
     sheets = (al.planning.data_sheet_named(sheet) for sheet in sorted({row[2] for row in RECORDINGS} - {""}))
     about = "; ".join(f"{sheet.maker} {sheet.document}" for sheet in sheets)

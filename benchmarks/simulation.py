@@ -1,14 +1,12 @@
 """Is a simulated record what it is said to be: expected over simulated Allan variance and spectrum, every octave.
 
 Records of 4096 readings of every term and of mixtures; sinusoids with a random phase. Each cell is the mean over the
-records less the exact expectation, in standard errors of that mean (from the scatter of the records). The seed is the
-CRC-32 of "simulation/NOISE", and the number of the record.
+records less the exact expectation, in standard errors of that mean (from the scatter of the records).
 """
 
-from table import begin, markdown
+from table import SEEDS, begin, markdown, seeded, spread
 
 import math
-from zlib import crc32
 
 import numpy as np
 from scipy.fft import dct
@@ -49,18 +47,13 @@ def with_phase(model: al.Model, phase: float) -> al.Model:
     )
 
 
-def simulated(name: str, records: int) -> tuple[np.ndarray, np.ndarray]:
-    """Allan variances and mean powers of octaves of the cosine transform, shapes (records, 12)."""
-    model = al.Model(MODELS[name])
-    curves, powers = [], []
+def simulated(job: tuple[str, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Allan variances and mean powers of octaves of the cosine transform of a record."""
+    model, rng = al.Model(MODELS[job[0]]), seeded(job[1], "simulation", job[0])
     noise = al.Model(tuple(t for t in model if t.row.waveform is None))
-    for number in range(records):
-        rng = np.random.default_rng((crc32(f"simulation/{name}".encode()), number))
-        record = al.simulate(with_phase(model, rng.uniform(0, 2 * math.pi)), SIZE, RATE, rng=rng)
-        curves.append(al.deviation(record, "oadev", m=OCTAVES).variance)
-        values = al.simulate(noise, SIZE, RATE, rng=rng).values
-        powers.append(bands(dct(values, norm="ortho")[1:] ** 2))
-    return np.array(curves), np.array(powers)
+    record = al.simulate(with_phase(model, rng.uniform(0, 2 * math.pi)), SIZE, RATE, rng=rng)
+    values = al.simulate(noise, SIZE, RATE, rng=rng).values
+    return al.deviation(record, "oadev", m=OCTAVES).variance, bands(dct(values, norm="ortho")[1:] ** 2)
 
 
 def bands(power: np.ndarray) -> np.ndarray:
@@ -79,22 +72,18 @@ def expected(name: str) -> tuple[np.ndarray, np.ndarray]:
     return al.expected(model, "oadev", np.array(OCTAVES) / RATE, rate=RATE, size=SIZE), bands(power)
 
 
-def made(name: str, records: int) -> list[tuple[str, ...]]:
-    """The two rows of a model."""
-    rows = []
-    for what, seen, wanted in zip(("oadev", "spectrum"), simulated(name, records), expected(name), strict=True):
-        z = (seen.mean(axis=0) - wanted) / (seen.std(axis=0, ddof=1) / math.sqrt(records))
-        rows.append((name, what, *(f"{value:+.2f}" for value in z), f"{np.abs(z).max():.2f}"))
-    return rows
-
-
 def main() -> None:
     run = begin(__doc__, records=200)
-    rows = [row for name in MODELS for row in made(name, run.asked.records)]
-    z = np.array([[float(cell) for cell in row[2:-1]] for row in rows])
+    rows, every = [], []
+    for (name,), made in spread(simulated, zip(MODELS), run.asked.records):
+        seen = np.array(made)
+        z = (seen.mean(axis=0) - expected(name)) / (seen.std(axis=0, ddof=1) / math.sqrt(run.asked.records))
+        for what, each in zip(("oadev", "spectrum"), z, strict=True):
+            rows.append((name, what, *(f"{value:+.2f}" for value in each), f"{np.abs(each).max():.2f}"))
+        every.append(z)
+    z = np.array(every)
     notes = [
-        f'seeds: the CRC-32 of "simulation/NOISE", and the number of the record, 0..{run.asked.records - 1}; {SIZE} '
-        f"readings at {RATE:g} Hz",
+        f"{SEEDS}; {run.asked.records} records of {SIZE} readings at {RATE:g} Hz",
         "cells: (mean over the records - exact expectation) / standard error of the mean. of oadev: at averaging "
         "factors; of spectrum: mean power of the cosine transform's coefficients k to 2k - 1, noise terms alone.",
         f"beyond 3 standard errors: {int((np.abs(z) > 3).sum())} of {z.size} cells ({0.0027 * z.size:.1f} are "

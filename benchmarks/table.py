@@ -151,9 +151,9 @@ def section(title: str, headings: Sequence[str], rows: Iterable[Sequence[str]], 
 
 
 def shared(hits: Sequence[bool]) -> str:
-    """A share with its standard error, %."""
-    p = sum(map(bool, hits)) / len(hits)
-    return f"{100 * p:.1f} ± {100 * math.sqrt(max(p * (1 - p), 1e-4) / len(hits)):.1f}"
+    """A share with its standard error, that of one hit in a record more where there is none, %."""
+    n, p = len(hits), sum(map(bool, hits)) / len(hits)
+    return f"{100 * p:.1f} ± {100 * math.sqrt(max(p * (1 - p), n / (n + 1) ** 2) / n):.1f}"
 
 
 MOVED = 1e-4  # probability of a difference between two counts by chance, below which a share has moved

@@ -1,15 +1,11 @@
 """The claims of a paper on TheoH for optical gyros, measured on simulated records.
 
-Tang, Cheng and Gao, Acta Armamentarii 36 (2015) 1688: two hours at 1 Hz, five noise terms. The seed of a cell is the
-CRC-32 of "theoh_paper/CELL", and the number of the record.
+Tang, Cheng and Gao, Acta Armamentarii 36 (2015) 1688: two hours at 1 Hz, five noise terms.
 """
 
-from table import Row, begin, covered, section
+from table import SEEDS, Row, begin, covered, section, seeded, spread
 
 import math
-from itertools import product
-from multiprocessing import Pool
-from zlib import crc32
 
 import numpy as np
 
@@ -46,21 +42,10 @@ PROFILES = {
 """Standard deviation of white noise over the record."""
 
 
-def random_of(cell: str, number: int = 0) -> np.random.Generator:
-    """Random numbers of a record of a cell."""
-    return np.random.default_rng((crc32(f"theoh_paper/{cell}".encode()), number))
-
-
-def spread(name: str, m: int, draws: int) -> tuple[float, float]:
-    """Relative standard deviation of the Allan deviation of white noise: exact, and of simulated records."""
+def scatter(name: str, m: int) -> str:
+    """Relative standard deviation of the Allan deviation of white noise, percent."""
     found = properties(name, SIZE, m=[m])
-    edf = found.edf[0, found.symbols.index("N")]
-    white = random_of(f"spread/{name}").standard_normal((draws, SIZE))
-    total = np.concatenate((np.zeros((draws, 1)), np.cumsum(white, axis=1)), axis=1)
-    step = m if name == "adev" else 1
-    second = (total[:, 2 * m :] - 2 * total[:, m:-m] + total[:, : -2 * m])[:, ::step]
-    variance = (second**2).mean(axis=1)
-    return 1 / math.sqrt(2 * edf), float(variance.std() / variance.mean()) / 2
+    return f"{100 / math.sqrt(2 * found.edf[0, found.symbols.index('N')]):.2f}"
 
 
 def joint() -> list[Row]:
@@ -75,21 +60,20 @@ def joint() -> list[Row]:
     return rows
 
 
-def fitted(number: int) -> list[list[list[float]]]:
-    """Coefficients over the truth by fit: those of its model, and those that it claims, the others 0."""
-    record = al.simulate(FOG, SIZE, 1.0, rng=random_of("fits", number))
-    found = []
+def fitted(job: tuple[str, int]) -> list[list[list[float]]]:
+    """Relative errors by fit: of the coefficients of its model, and of those that it claims, the others 0."""
+    record, errors = al.simulate(FOG, SIZE, 1.0, rng=seeded(job[-1], "fits")), []
     for method, statistic in FITS:
         fit = al.identify(record, method, terms="QNBKR", statistic=statistic)
-        model = {t.symbol: abs(t.value) for t in fit.model}
-        claimed = {e.symbol: abs(e.value or 0.0) for e in fit}
-        found.append([[values.get(t.symbol, 0.0) / abs(t.value) for t in FOG] for values in (model, claimed)])
-    return found
+        sizes = {t.symbol: abs(t.value) for t in fit.model}, {e.symbol: abs(e.value or 0.0) for e in fit}
+        errors.append([[each.get(t.symbol, 0.0) / abs(t.value) - 1 for t in FOG] for each in sizes])
+    return errors
 
 
-def whole(truth: str, number: int) -> list[list[float]]:
+def whole(job: tuple[str, int]) -> list[list[float]]:
     """Errors of the unweighted fits of whole curves of a record, in `UNITS`."""
-    record, errors = al.simulate(TRUTHS[truth], SIZE, 1.0, rng=random_of(f"curves/{truth}", number)), []
+    truth, number = job
+    record, errors = al.simulate(TRUTHS[truth], SIZE, 1.0, rng=seeded(number, "curves", truth)), []
     for statistic, bias in CURVES:
         curve = al.deviation(record, statistic, taus="log", noise="identified" if bias else None, bias=bias)
         fit, true = (
@@ -100,21 +84,18 @@ def whole(truth: str, number: int) -> list[list[float]]:
     return errors
 
 
-def wholes(errors: np.ndarray) -> list[Row]:
-    """Root mean square and mean errors by truth and curve."""
-    rms, mean = np.sqrt((errors**2).mean(axis=1)), errors.mean(axis=1)
-    return [
-        (
-            truth, statistic, bias or ("own ratio" if statistic == "theoh" else "-"),
-            *(f"{x:.2g} ({m:+.2g})" for x, m in zip(rms[i, j], mean[i, j], strict=True)),
-        )
-        for i, truth in enumerate(TRUTHS) for j, (statistic, bias) in enumerate(CURVES)
-    ]  # fmt: skip
+def whole_rows(truth: str, errors: list[list[list[float]]]) -> list[Row]:
+    """Root mean square and mean errors by curve."""
+    rows = []
+    for (statistic, bias), each in zip(CURVES, np.array(errors).transpose(1, 2, 0), strict=True):
+        sizes = (f"{math.sqrt((term**2).mean()):.2g} ({term.mean():+.2g})" for term in each)
+        rows.append((truth, statistic, bias or ("own ratio" if statistic == "theoh" else "-"), *sizes))
+    return rows
 
 
-def held(number: int) -> list[list[int]]:
+def held(job: tuple[str, int]) -> list[list[int]]:
     """Place of the truth by statistic and term, beside the limits of gls: -1 below, 0 within, 1 above."""
-    record = al.simulate(FOG, SIZE, 1.0, rng=random_of("limits", number))
+    record = al.simulate(FOG, SIZE, 1.0, rng=seeded(job[-1], "limits"))
     found = []
     for statistic in LIMITED:
         fit = al.identify(record, "gls", terms="QNBKR", statistic=statistic)
@@ -128,7 +109,7 @@ def varying(draws: int) -> list[Row]:
     rows, n = [], 1200
     t = (np.arange(n) + 0.5) / n
     for name, profile in PROFILES.items():
-        rng, scale = random_of(f"levels/{name}"), profile(t)
+        rng, scale = seeded(0, "levels", name), profile(t)
         records = [al.Record(scale * rng.standard_normal(n), 1.0, "rad/s") for _ in range(draws)]
         for statistic, taus in (("oadev", (30.0, 300.0, 600.0)), ("theo1", (30.0, 300.0, 600.0, 900.0))):
             each = np.mean([al.deviation(r, statistic, taus=taus, noise=None).variance for r in records], axis=0)
@@ -140,41 +121,37 @@ def varying(draws: int) -> list[Row]:
 def main() -> None:
     run = begin(__doc__ or "", records=60, curves=200, limits=240, draws=2000, processes=2)
     asked = run.asked
-    with Pool(asked.processes) as pool:
-        errors = np.array(pool.map(fitted, range(asked.records), chunksize=4)) - 1
-        drawn = pool.starmap(whole, product(TRUTHS, range(asked.curves)), chunksize=4)
-        places = np.array(pool.map(held, range(asked.limits), chunksize=4))
-    rmse = np.sqrt((errors**2).mean(axis=0))
-    symbols = [t.symbol for t in FOG]
-    fits = [
-        (
-            method, statistic or "-", *(f"{x:.2f}" for x in row[0]),
-            *(f"{x:.2f}" if method in CLAIMS else "-" for x in row[1][-2:]),
-        )
-        for (method, statistic), row in zip(FITS, rmse, strict=True)
+    ((_, fits),) = spread(fitted, [("fits",)], asked.records, asked.processes)
+    ((_, places),) = spread(held, [("limits",)], asked.limits, asked.processes)
+    curves = [
+        row for (truth,), errors in spread(whole, zip(TRUTHS), asked.curves, asked.processes)
+        for row in whole_rows(truth, errors)
     ]  # fmt: skip
-    curves = wholes(np.array(drawn).reshape(len(TRUTHS), asked.curves, len(CURVES), -1))
-    k = [("formula of the paper, 1/sqrt(2 (k - 1))", f"{100 / math.sqrt(2 * 71):.2f}", "-")]
-    k += [(name, *(f"{100 * x:.2f}" for x in spread(name, 100, asked.draws))) for name in ("adev", "oadev")]
+    symbols, coefficients = [t.symbol for t in FOG], []
+    for (method, statistic), (model, claimed) in zip(FITS, np.sqrt(np.square(fits).mean(axis=0)), strict=True):
+        absent = [f"{x:.2f}" if method in CLAIMS else "-" for x in claimed[-2:]]
+        coefficients.append((method, statistic or "-", *(f"{x:.2f}" for x in model), *absent))
+    windows = [("formula of the paper, 1/sqrt(2 (k - 1))", f"{100 / math.sqrt(2 * 71):.2f}")]
+    windows += [(name, scatter(name, 100)) for name in ("adev", "oadev")]
     notes = [
-        'seeds: the CRC-32 of "theoh_paper/CELL", and the number of the record from 0: '
-        f"{asked.records} records for fits, {asked.curves} for those of whole curves, {asked.limits} for limits",
+        f"{SEEDS}; records: {asked.records} for fits, {asked.curves} for those of whole curves, "
+        f"{asked.limits} for limits",
         f"{SIZE} samples at 1 Hz of " + "; ".join(f"{name}: {model}" for name, model in TRUTHS.items()),
         f"Monte-Carlo standard error: {100 / math.sqrt(2 * asked.records):.0f} % of an rmse, "
         f"{100 / math.sqrt(2 * asked.curves):.0f} % of one of whole curves, "
         f"{100 * math.sqrt(0.05 * 0.95 / asked.limits):.1f} % of a coverage of 95 %",
     ]
     sections = (
-        ("Error of the Allan deviation, 72 windows of 100 s, percent", ("", "exact", f"{asked.draws} records"), k),
+        ("Error of the Allan deviation, 72 windows of 100 s, percent", ("", "exact"), windows),
         ("Expected TheoBR over the Allan deviation; from 1500 s on it is TheoH", ("tau, s", *TRUTHS), joint()),
         ("Coefficients: rmse over the truth",
-         ("method", "statistic", *symbols, *(f"{s}, 0 if not claimed" for s in symbols[-2:])), fits),
+         ("method", "statistic", *symbols, *(f"{s}, 0 if not claimed" for s in symbols[-2:])), coefficients),
         ("Unweighted fit of the whole curve (method curve): rms error (mean error)",
          ("truth", "statistic", "bias removed by", "Q, arcsec", "N, deg/√h", "B, deg/h", "K, deg/h/√h", "R, deg/h²"),
          curves),
         ("95 % limits of gls, percent of records in which they hold the truth (+ truth above them, - below)",
          ("statistic", *symbols),
-         [(name, *map(covered, row)) for name, row in zip(LIMITED, places.transpose(1, 2, 0), strict=True)]),
+         [(name, *map(covered, row)) for name, row in zip(LIMITED, np.array(places).transpose(1, 2, 0), strict=True)]),
         ("Noise that changes its level: variance times tau over the mean power",
          ("level", "statistic", "30 s", "300 s", "600 s", "900 s"), varying(asked.draws // 10)),
     )  # fmt: skip

@@ -3,25 +3,18 @@
 Errors are made of the noise of the independent simulator; the scenarios are those of the package, with seed 1.
 """
 
-from table import SEEDS, begin, coefficients, section, seeded, spread
+from table import SEEDS, Row, begin, coefficients, section, seeded, spread
 
-import itertools
 import math
 from collections.abc import Sequence
 from functools import cache
+from itertools import chain, product
 
 import numpy as np
 from scipy.signal import lfilter
 
 import allanite as al
-from allanite.applications.attitude import (
-    ScenarioErrors,
-    Trial,
-    compare_filters,
-    kalman,
-    optimal_time_constant,
-    predicted_error,
-)  # fmt: skip
+from allanite.applications.attitude import ScenarioErrors, Trial, kalman, optimal_time_constant
 from allanite.applications.attitude.loop import GRAVITY
 from judge import sensor
 
@@ -91,7 +84,7 @@ def whole(job: tuple[float, float, int]) -> float:
 
 def predicted(models: Sequence[str], tau: float, duration: float, rate: float) -> float:
     """Standard deviation, arcsec."""
-    return predicted_error(*map(al.Model, models), tau, duration=duration, rate=rate).to("arcsec")
+    return al.attitude.predicted_error(*map(al.Model, models), tau, duration=duration, rate=rate).to("arcsec")
 
 
 def rms(squares: list[float]) -> float:
@@ -104,7 +97,7 @@ def kalman_error(N: float, tilt: float, K: float = 0.0) -> float:
     return math.sqrt(tilt * math.sqrt(N**2 + 2 * K * tilt))
 
 
-def closed_forms() -> list[tuple[str, ...]]:
+def closed_forms() -> list[Row]:
     """What is derived on paper beside what the package computes."""
     gyro, tilt = al.Model(GYRO), al.Model(TILT)
     N, K, a = gyro["N"].value, 20 * HOUR / 60, 1e-4
@@ -124,14 +117,13 @@ def closed_forms() -> list[tuple[str, ...]]:
     ]  # fmt: skip
 
 
-def losses() -> list[tuple[str, ...]]:
+def losses() -> list[Row]:
     """A line for each pair of models."""
     rows = []
     for models in MODELS:
         found = optimal_time_constant(*map(al.Model, models), duration=600.0, rate=100.0)
-        second = "-" if found.second is None else f"{found.second.to('arcsec'):.2f}"
-        rows.append((*models, f"{found.time_constant:.3g}", f"{found.first.to('arcsec'):.2f}", second,
-                     f"{found.bound / ARCSEC:.2f}", f"{100 * found.loss:.2f} %"))  # fmt: skip
+        cells = f"{found.first.to('arcsec'):.2f}", f"{found.bound / ARCSEC:.2f}", f"{100 * found.loss:.2f} %"
+        rows.append((*models, f"{found.time_constant:.3g}", *cells))
     return rows
 
 
@@ -155,33 +147,33 @@ def trial(*, instant: bool) -> Trial:
 @cache
 def scenarios() -> tuple[ScenarioErrors, ...]:
     """Filters in all scenarios: with mean rates, and with rates at the end of each interval."""
-    return tuple(compare_filters(trial(instant=how), rng=np.random.default_rng(1)) for how in (False, True))
+    return tuple(al.attitude.compare_filters(trial(instant=how), rng=np.random.default_rng(1)) for how in (False, True))
 
 
-def scenario_rows() -> list[tuple[str, ...]]:
+def scenario_rows() -> list[Row]:
     """A line for each filter."""
     rows = []
     for i, name in enumerate(scenarios()[0].filters):
-        known, cells = SCENARIO_FIGURES.get(name, ("-",) * 3), []
-        for j, figure in enumerate(known):
-            cells += [*(f"{math.degrees(s.rms[i, j]):.4f}" for s in scenarios()), figure]
-        rows.append((name, *(cell if isinstance(cell, str) else f"{cell:.4f}" for cell in cells)))
+        own = np.degrees([made.rms[i] for made in scenarios()]).T
+        known = [f"{figure:.4f}" for figure in SCENARIO_FIGURES.get(name, ())] or ["-"] * 3
+        cells = ((*(f"{rms:.4f}" for rms in pair), figure) for pair, figure in zip(own, known, strict=True))
+        rows.append((name, *chain.from_iterable(cells)))
     return rows
 
 
-def oscillation_rows() -> list[tuple[str, ...]]:
+def oscillation_rows() -> list[Row]:
     """The closed form, with the error at rest added, beside the simulation: mean rates, then instant ones."""
     rows = []
     for name, tau in FIRST_ORDER.items():
         cells = []
         for how, made in zip((False, True), scenarios(), strict=True):
             rest, _, own = np.degrees(made.rms[made.filters.index(name)])
-            cells += [f"{math.hypot(rest, math.degrees(swaying(tau, instant=how))):.4f}", f"{own:.4f}"]
-        rows.append((name, *cells, f"{SCENARIO_FIGURES[name][2]:.4f}"))
+            cells += [math.hypot(rest, math.degrees(swaying(tau, instant=how))), own]
+        rows.append((name, *(f"{cell:.4f}" for cell in (*cells, SCENARIO_FIGURES[name][2]))))
     return rows
 
 
-def flicker_rows(runs: int) -> list[tuple[str, ...]]:
+def flicker_rows(runs: int) -> list[Row]:
     """A line for each duration, at its best time constant."""
     best = [(T, optimal_time_constant(*map(al.Model, WHOLE), duration=T).time_constant) for T in QUOTED]
     return [
@@ -190,31 +182,32 @@ def flicker_rows(runs: int) -> list[tuple[str, ...]]:
     ]
 
 
-def compared_rows(runs: int) -> list[tuple[str, ...]]:
+def compared_rows(runs: int) -> list[Row]:
     """A line for each pair of models and time constant."""
     rows = []
-    for (*models, tau), squares in spread(square, [(*m, tau) for m, tau in itertools.product(MODELS, TIMES)], runs):
+    for (*models, tau), squares in spread(square, [(*m, tau) for m, tau in product(MODELS, TIMES)], runs):
         a, b = predicted(models, tau, HORIZON, RATE), rms(squares)
         rows.append((*models, f"{tau:g}", f"{a:.2f}", f"{b:.2f}", f"{100 * (b / a - 1):+.2f} %"))
     return rows
 
 
+PAIR, WAYS = ("gyro", "accelerometer", "time constant [s]"), ("mean", "instant", "expected")
+
+
 def main() -> None:
     run = begin(__doc__, runs=150, whole=40)
     runs = run.asked.runs
-    places, ways = ("fixed base", "acceleration", "oscillation"), ("mean", "instant", "expected")
+    scenes = [f"{place} {how}" for place in ("fixed base", "acceleration", "oscillation") for how in WAYS]
     sections = (
         ("Closed forms", ("what", "here", "expected"), closed_forms()),
         ("Flicker and random walk",
          ("T [s]", "time constant [s]", "predicted [arcsec]", "simulated [arcsec]", "expected"),
          flicker_rows(run.asked.whole), f"{WHOLE[0]}; {WHOLE[1]}; {run.asked.whole} runs."),
-        ("Predicted against simulated",
-         ("gyro", "accelerometer", "time constant [s]", "predicted", "simulated", "difference"), compared_rows(runs),
+        ("Predicted against simulated", (*PAIR, "predicted", "simulated", "difference"), compared_rows(runs),
          f"Above 1/(2T), T = {HORIZON:g} s, {RATE:g} Hz, {runs} runs of {LONGER} T; arcsec."),
-        ("Loss against the optimal causal filter",
-         ("gyro", "accelerometer", "time constant [s]", "first order", "second order", "bound", "loss"), losses(),
+        ("Loss against the optimal causal filter", (*PAIR, "first order", "bound", "loss"), losses(),
          "T = 600 s, 100 Hz; arcsec."),
-        ("Scenarios", ("filter", *(f"{place} {how}" for place in places for how in ways)), scenario_rows(),
+        ("Scenarios", ("filter", *scenes), scenario_rows(),
          "RMS of roll and pitch, deg: with mean rates, with rates at the end of each interval, and of an independent "
          "prototype with these."),
         ("Oscillation in closed form",

@@ -33,8 +33,8 @@ from pathlib import Path
 from scipy.special import chdtri
 
 import promises
-from aided import OUTAGES
 from allanite.exporting.exports import EXPORTS
+from consistency import OUTAGES
 from stale import stamp
 
 

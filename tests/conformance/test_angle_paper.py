@@ -14,7 +14,7 @@ from tests.rows import rows
 from tests.shares import binomial_tail
 
 import allanite as al
-from angle import Experiment, plan, run
+from angle import plan, run
 
 PAGE = (ROOT / "docs" / "angle_paper.md").read_text(encoding="utf-8")
 TABLE = read("angle.md")
@@ -75,11 +75,10 @@ def test_speed_and_equality_are_as_demanded():
 @pytest.mark.nightly("a part of a committed table made again")
 def test_a_part_made_again_agrees(law, hour):
     """The first 20 runs: share within one planned deviation against that of normal errors, error probability 1e-5."""
-    experiment = Experiment("still", law)
     row = [row for row in SIMULATED if row["law of q"] == law][hour]
-    planned = plan(experiment, hour)
+    planned = plan(law, hour)
     assert f"{planned.total:.3f}" == row["planned"]
-    errors = np.array([run((experiment, hour, number))[0] for number in range(20)]) / planned.errors[:8]
+    errors = np.array([run(("still", law, 0.0, hour, number))[0] for number in range(20)]) / planned.errors[:8]
     # eight amplitudes of a run are correlated: each is tested by itself
     for inside in (np.abs(errors) < 1.0).sum(axis=0):
         assert binomial_tail(int(inside), 20, 0.683) > 1e-5

@@ -1,5 +1,7 @@
 """What targets make of their files: angles that grow as those of the sensor, errors as the filter predicts."""
 
+from table import coefficients
+
 import math
 
 import numpy as np
@@ -8,11 +10,11 @@ from tests.reference.aided import drift, judge
 from tests.rows import paired, rows
 from tests.unit.exporting.parsers import PARSERS, propagated, simulated
 
-import aided
 import allanite as al
-from aided import AIDED, OUTAGES
+import judge as simulator
 from allanite.exporting.content import number
 from allanite.exporting.imported import noise_in
+from consistency import AIDED, BEFORE, OUTAGES, best, errors, filters, stationary, target
 
 DURATION = 100.0
 RATES = (100.0, 200.0)
@@ -114,8 +116,8 @@ def truth():
     N, B = GYRO["N"].value, GYRO["B"].value
     n = AIDED + OUTAGES[-1]
     flicker = drift(lambda t: -((B * t) ** 2) * np.log(np.where(t > 0, t, 1.0)) / np.pi, n)
-    best = aided.truth(GYRO).errors(aided.filters([aided.best(GYRO)], AID), AID)[0]
-    return flicker + N**2 * np.eye(n), best
+    least = errors(GYRO, filters([best(GYRO)], AID), AID)[0]
+    return flicker + N**2 * np.eye(n), least
 
 
 def judged(name, cover, truth):
@@ -124,8 +126,8 @@ def judged(name, cover, truth):
     text = al.export(BOTH, name, rate=RATE, cover=cover).text
     model = noise_in(text, row, RATE).gyro
     if any(t.symbol == "B" for t in model):
-        found = aided.filters([aided.target(model)], AID)
-        return found.sigma[0], aided.truth(GYRO).errors(found, AID)[0]
+        found = filters([target(model)], AID)
+        return found[0][0], errors(GYRO, found, AID)[0]
     dt = row.step or 1 / RATE
     white, decay, walk = PARSERS[name](text)["gyro"](dt)
     time = -dt / math.log(decay) if decay < 1 else math.inf
@@ -151,18 +153,30 @@ def test_a_random_walk_at_its_limit_is_over_confident(truth):
 def test_filters_of_the_benchmark_are_those_of_the_referee(time, truth):
     N, K = GYRO["N"], al.K(40, "deg/h/sqrt(h)")
     decaying = al.Term("GM", K.value * math.sqrt(time / 2), K.signal, (time,))
-    found = aided.filters([aided.target(al.Model((N, K if time == math.inf else decaying)))], AID)
+    found = filters([target(al.Model((N, K if time == math.inf else decaying)))], AID)
     predicted, actual = judge(N.value, K.value, truth[0], time=time, aid=AID, outages=OUTAGES)
-    assert found.sigma[0] == pytest.approx(predicted, rel=1e-9)
-    assert aided.truth(GYRO).errors(found, AID)[0] == pytest.approx(actual, rel=1e-9)
+    assert found[0][0] == pytest.approx(predicted, rel=1e-9)
+    assert errors(GYRO, found, AID)[0] == pytest.approx(actual, rel=1e-9)
+
+
+def simulated_rates(model, runs, rng):
+    """Mean rates while aided, shape (runs, AIDED), and angles at the end of each outage, (runs, outages)."""
+    n = BEFORE + AIDED + OUTAGES[-1]
+    still, moving = (coefficients(t for t in model if stationary(t) == kind) for kind in (True, False))
+    y = np.empty((runs, n))
+    for i in range(runs):
+        drifting = simulator.sensor(n, 1.0, rng, **moving)
+        y[i] = simulator.sensor(n, 1.0, rng, **still) + drifting - drifting[:BEFORE].mean()
+    return y[:, BEFORE : BEFORE + AIDED], np.cumsum(y[:, BEFORE + AIDED :], axis=1)[:, np.array(OUTAGES) - 1]
 
 
 @pytest.mark.slow("takes more than half a second")
 def test_simulated_errors_are_those_of_the_covariance():
     """Of 1 000 runs within four standard errors, for a drift, a stationary noise, and an accurate aid."""
     model = GYRO + al.GM(10, "deg/h", time_constant=100.0)
-    rng, found = np.random.default_rng(11), aided.filters([aided.target(GYRO)], AID)
-    rates, angles = aided.noise(model, 1000, rng)
-    errors = angles + rates @ found.past[0].T + AID * rng.standard_normal(rates.shape) @ found.aid[0].T
-    ratio = np.sqrt(np.mean(errors**2, axis=0)) / aided.truth(model).errors(found, AID)[0]
+    rng, found = np.random.default_rng(11), filters([target(GYRO)], AID)
+    rates, angles = simulated_rates(model, 1000, rng)
+    _, past, aid = found
+    made = angles + rates @ past[0].T + AID * rng.standard_normal(rates.shape) @ aid[0].T
+    ratio = np.sqrt(np.mean(made**2, axis=0)) / errors(model, found, AID)[0]
     assert abs(ratio - 1).max() < 4 / math.sqrt(2000)
