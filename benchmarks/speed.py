@@ -1,26 +1,29 @@
-"""How fast: beside the machine's own limit, peers and start-up of numpy; by the record's length; jobs; the first run.
+"""How fast: beside the machine's own limit, peers and numpy; by the record's length; from a file; the first run.
 
 One thread and processor time, the least of several rounds of one run, unless said otherwise; only ratios are to be
-trusted. What a peer needs is extrapolated by the number of its inner terms from a part that takes at least 5 s. Ends
-with exit code 1 if a demand is missed.
+trusted. The time of a peer is that of a part of its job, by the number of their inner terms. Ends with exit code 1 if a
+demand is missed.
 
 u is the time of one difference of order 2 or 3, squared and summed, over 1000 neighbouring samples of an array that the
 first-level cache holds. The in-cache bound of a job is u times its differences; its share is the bound over the job's
 whole time, with integration.
+
+Jobs and the first run are commands, each a new process with nothing set; their times are of the wall.
 """
 
-from table import begin, least, section
+from table import ROOT, begin, least, section
 
 import os
-import resource
 import subprocess
 import sys
 import tempfile
+import time
 import tracemalloc
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from statistics import median
 from typing import NamedTuple
 
 import allantools
@@ -30,7 +33,6 @@ from numba import njit
 from pyarrow import csv
 
 import allanite as al
-import first_run
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.search.identify import searched
 from allanite.statistics.grids import GRIDS
@@ -38,7 +40,6 @@ from allanite.statistics.grids import GRIDS
 RATE = 100.0
 MODEL = al.N(0.01, "deg/sqrt(h)") + al.B(0.1, "deg/h") + al.K(0.1, "deg/h/sqrt(h)")
 INCORE = 1000
-ENOUGH = 5.0  # seconds that a part of a peer's job takes at least before it is extrapolated
 ORDERS = {"oadev": 2, "mdev": 3, "ohdev": 3}
 """Order of the differences; mdev takes those of the angle's running sum."""
 
@@ -124,17 +125,14 @@ def share(record: al.Record, statistic: str) -> tuple[float, float, float]:
     return u * differences(record.size, m, order) / job, u, job
 
 
-def startups(*commands: list[str]) -> list[float]:
-    """Least processor time of each command, by turns, s."""
-
-    def clock() -> float:
-        used = resource.getrusage(resource.RUSAGE_CHILDREN)
-        return used.ru_utime + used.ru_stime
-
-    def run(command: list[str]) -> object:
-        return subprocess.run(command, capture_output=True, check=True)
-
-    return np.min([[least(partial(run, each), 1, clock) for each in commands] for _ in range(11)], axis=0).tolist()
+def spent(*words: object, **more: str) -> tuple[float, float]:
+    """Time of a command with nothing set but a few variables, and that of the processors in it, s."""
+    unset = {"PYTHONDONTWRITEBYTECODE", *(name for name in os.environ if name.endswith("_NUM_THREADS"))}
+    kept = {name: value for name, value in os.environ.items() if name not in unset}
+    start, before = time.perf_counter(), os.times()
+    subprocess.run([str(word) for word in words], env=kept | more, capture_output=True, check=True)
+    wall, after = time.perf_counter() - start, os.times()
+    return wall, after.children_user - before.children_user + after.children_system - before.children_system
 
 
 def allocated(job: Callable[[], object]) -> int:
@@ -144,20 +142,6 @@ def allocated(job: Callable[[], object]) -> int:
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     return peak
-
-
-def read_csv(rows: int = 1_000_000) -> tuple[float, float]:
-    """Times of reading stamps and three channels from text: with everything that is checked, and by pyarrow alone."""
-    pa.set_cpu_count(1)
-    values = np.random.default_rng(1).standard_normal((3, rows)).round(6)
-    names = ("time [s]", "gx [deg/s]", "gy [deg/s]", "gz [deg/s]")
-    text = pa.table(dict(zip(names, (np.arange(rows) * 0.01, *values), strict=True)))
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "gyro.csv")
-        csv.write_csv(text, path)
-        times = [(least(lambda: al.read(path), 1), least(lambda: csv.read_csv(path), 1)) for _ in range(7)]
-    ours, theirs = np.min(times, axis=0).tolist()
-    return ours, theirs
 
 
 def ratios(samples: int) -> list[str]:
@@ -174,12 +158,12 @@ def ratios(samples: int) -> list[str]:
     rounds = [[least(job, 1) for job in jobs] for _ in range(8)][1:]
     allan, selected, identified, analysis = np.min(rounds, axis=0).tolist()
     peer = least(lambda: by_allantools("oadev", record, m), 3)
-    program = str(Path(sys.executable).with_name("allanite"))
-    numpy_alone, importing, helping = startups(
-        *([sys.executable, "-c", f"import {name}"] for name in ("numpy", "allanite")), [program, "--help"]
-    )
+    single = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+    commands = [(sys.executable, "-c", f"import {name}") for name in ("numpy", "allanite")]
+    commands.append((Path(sys.executable).with_name("allanite"), "--help"))
+    begins = [[spent(*each, **single)[1] for each in commands] for _ in range(11)]
+    numpy_alone, importing, helping = np.min(begins, axis=0).tolist()
     memory = allocated(lambda: al.analyze(replace(record))) / record.values.nbytes
-    reading, parsing = read_csv()
     bound = "{} at {} tau, with integration: share of the in-cache bound"
     return judged("Ratios", [
         *(Demand(bound.format(name, len(m)), bounds[name][0], 0.8, ">=") for name in ORDERS),
@@ -187,7 +171,6 @@ def ratios(samples: int) -> list[str]:
         Demand("identification: transform, every subset of terms, selection, over oadev", selected / allan, 1.0),
         Demand("the same with outliers, search for sinusoids, limits, over oadev", identified / allan, 3.0),
         Demand("whole analysis of one channel over oadev", analysis / allan, 6.0, ours=analysis),
-        Demand("reading a CSV of 1000000 rows with stamps over pyarrow's own", reading / parsing, 2.0),
         Demand("`import allanite` over `import numpy`", importing / numpy_alone, 1.3),
         Demand("`allanite --help` over `import numpy`", helping / numpy_alone, 2.2),
         Demand("memory of the analysis over the record", memory, 6.0),
@@ -254,36 +237,22 @@ def per_window(values: np.ndarray) -> list[float]:
     return [float(d @ d) / (2.0 * m * m * d.size) for d, m in second]
 
 
-def term_of(job: Callable[[int], object], terms: Callable[[int], float]) -> tuple[int, float]:
-    """How many steps of a job take long enough, and what a term of it takes, s."""
-    k = 1
-    while (seconds := least(partial(job, k), 1)) < ENOUGH:
-        k = max(k + 1, int(np.ceil(1.3 * k * ENOUGH / max(seconds, 0.05))))
-    return k, seconds / terms(k)
-
-
-def peers() -> dict[str, tuple[str, float]]:
-    """From what part the time of a peer's inner term is known, and that time, s."""
-    records = {n: record_of(n) for n in (LONG, 36_000, 7_200, 1_500)}
-    evenly = lambda k: np.linspace(1, LONG // 2, k + 1).astype(int)[:-1] + 1  # noqa: E731
-    steps = lambda k: list(range(100, 100 + 20 * k, 20))  # noqa: E731
-    short = lambda k: list(range(10, 10 + 10 * k, 10))  # noqa: E731
-    own = differences(36_000, WINDOW)
+def peers() -> dict[str, float]:
+    """What an inner term of a peer takes, known from a part of its job, s."""
+    evenly, theo, total = np.linspace(1, LONG // 2, 400).astype(int), range(100, 300, 20), range(10, 160, 10)
+    window = record_of(36_000)
     parts = {
-        "oadev": ("{} m evenly of 3600000 samples", lambda k: by_allantools("oadev", records[LONG], evenly(k)),
-                  lambda k: differences(LONG, evenly(k))),
-        "theo1": ("{} m from 100 in steps of 20 of 7200", lambda k: by_allantools("theo1", records[7_200], steps(k)),
-                  lambda k: theo1_terms(7_200, steps(k))),
-        "mtotdev": ("{} m from 10 in steps of 10 of 1500", lambda k: by_allantools("mtotdev", records[1_500], short(k)),
-                    lambda k: mtot_terms(1_500, short(k))),
-        "numpy per window": ("{} windows of 36000", lambda k: [per_window(records[36_000].values) for _ in range(k)],
-                             lambda k: k * own),
+        "oadev": (partial(by_allantools, "oadev", record_of(LONG), evenly), differences(LONG, evenly)),
+        "theo1": (partial(by_allantools, "theo1", record_of(7_200), theo), theo1_terms(7_200, theo)),
+        "mtotdev": (partial(by_allantools, "mtotdev", record_of(1_500), total), mtot_terms(1_500, total)),
+        "numpy per window": (
+            lambda: [per_window(window.values) for _ in range(500)], 500 * differences(36_000, WINDOW)
+        ),
     }  # fmt: skip
-    measured = {name: term_of(job, terms) for name, (_, job, terms) in parts.items()}
-    return {name: (parts[name][0].format(k), term) for name, (k, term) in measured.items()}
+    return {name: least(job, 1) / terms for name, (job, terms) in parts.items()}
 
 
-def demanded(times: dict[str, list[float]], peer: dict[str, tuple[str, float]]) -> list[Demand]:
+def demanded(times: dict[str, list[float]], peer: dict[str, float]) -> list[Demand]:
     """What is wanted of the times of jobs."""
     long, million = record_of(LONG), record_of(1_000_000)
     least_of = partial(least, rounds=3)
@@ -293,7 +262,7 @@ def demanded(times: dict[str, list[float]], peer: dict[str, tuple[str, float]]) 
     )
 
     def over(what: str, ours: float, of: str, terms: float, bound: float) -> Demand:
-        theirs = peer[of][1] * terms
+        theirs = peer[of] * terms
         return Demand(what, theirs / ours, bound, ">=", ours, theirs)
 
     def beside(what: str, seconds: float, theirs: float, bound: float) -> Demand:
@@ -330,26 +299,71 @@ def growth(_: int) -> list[str]:
     for name, (job, _) in JOBS.items():
         job(records[sizes[name][1]])
     times = {name: [least(partial(job, records[n]), 3) for n in sizes[name]] for name, (job, _) in JOBS.items()}
-    peer = peers()
     rows = [(name, str(sizes[name][-1]), *(f"{seconds:.3g}" for seconds in times[name])) for name in JOBS]
     return [
-        *judged("Growth with the record", demanded(times, peer)),
-        *section("Peers, extrapolated by their inner terms: a difference, squared and summed",
-                 ("job", "ns a term", "from"), [(name, f"{1e9 * s:.3g}", part) for name, (part, s) in peer.items()]),
+        *judged("Growth with the record", demanded(times, peers())),
         *section("Time by samples, s", ("job", "n", "n/1000", "n/100", "n/10", "all"), rows),
     ]  # fmt: skip
 
 
-def jobs(_: int) -> list[str]:
+# --- commands --------------------------------------------------------------------------------------------------------
+
+SENSORS = {
+    "gyro": ("deg/s", "N 0.5 deg/sqrt(h), B 5 deg/h, K 20 deg/h/sqrt(h)"),
+    "accel": ("m/s^2", "N 100 ug/sqrt(Hz), B 20 ug"),
+}
+
+
+def six(path: Path, samples: int) -> None:
+    """Write stamps, three gyroscopes and three accelerometers."""
+    columns = {"time [s]": np.arange(samples) / RATE}
+    for name, (unit, model) in SENSORS.items():
+        for i, axis in enumerate("xyz"):
+            rng = np.random.default_rng([1, i + 3 * (name == "accel")])
+            values = al.simulate(al.Model(model), samples, RATE, rng=rng).values
+            columns[f"{name}_{axis} [{unit}]"] = np.round(np.degrees(values) if name == "gyro" else values, 9)
+    csv.write_csv(pa.table(columns), path, csv.WriteOptions(quoting_style="none"))
+
+
+def jobs(samples: int) -> list[str]:
     """From a file to a page."""
-    rows, about = first_run.jobs(1_000_000, 3)
-    headings = ("command", "time [s]", "of the processors [s]", "--threads 1 [s]", "over the read", "wanted", "")
-    return section("From a file to a page", headings, rows, about)
+    pa.set_cpu_count(1)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "six.csv")
+        six(path, min(samples, 1_000_000))
+        rounds = [(least(lambda: al.read(path), 1), least(lambda: csv.read_csv(path), 1)) for _ in range(4)]
+        read = least(partial(csv.read_csv, path), 4, time.perf_counter)
+        words = (sys.executable, "-m", "allanite.cli", "analyze", path, "--force")
+        page, plain = (
+            min(spent(*words, option, Path(folder, "made"))[0] for _ in range(3)) for option in ("--report", "--json")
+        )
+    ours, theirs = np.min(rounds, axis=0).tolist()
+    return judged("From a file to a page", [
+        Demand("reading, of the processor, over pyarrow's own", ours / theirs, 2.0, "<=", ours, theirs),
+        Demand("analyze --report, over the read by pyarrow", page / read, 10.0, "<=", page, read),
+        Demand("analyze --json, over the read by pyarrow", plain / read, 6.0, "<=", plain, read),
+    ], f"{min(samples, 1_000_000)} samples of six channels with stamps; pyarrow has one thread.")  # fmt: skip
 
 
-PARTS: dict[str, Callable[[int], list[str]]] = {
-    "ratios": ratios, "growth": growth, "jobs": jobs, "first": lambda _: first_run.sections(5),
-}  # fmt: skip
+def first(_: int, rounds: int = 5) -> list[str]:
+    """The first run of the README, and the second."""
+    words, runs = (sys.executable, "-m", "allanite.cli", "analyze", ROOT / "examples" / "tactical_gyro.csv"), []
+    for _ in range(rounds):
+        with tempfile.TemporaryDirectory() as cache:
+            runs.append([spent(*words, NUMBA_CACHE_DIR=cache) for _ in range(2)])
+    rows = []
+    for name, times in zip(("first", "second"), zip(*runs, strict=True), strict=True):
+        walls, used = zip(*times, strict=True)
+        rows.append((name, *(f"{seconds:.1f}" for seconds in (min(walls), median(walls), median(used)))))
+    shortest = min(wall for (wall, _), _ in runs)
+    return [
+        *section("First run", ("run", "shortest", "median", "median, of the processors"), rows,
+                 f"The sample, {rounds} times with an empty cache of kernels and with the one that this run left, s."),
+        *judged("Demand of the first run", [Demand("shortest first run, on two idle processors [s]", shortest, 8.0)]),
+    ]  # fmt: skip
+
+
+PARTS: dict[str, Callable[[int], list[str]]] = {"ratios": ratios, "growth": growth, "jobs": jobs, "first": first}
 
 
 def main() -> int:
