@@ -27,18 +27,18 @@ ROOMS = (
 )  # fmt: skip
 """Tests of everything that meets a dependency, and of every statistic."""
 
-PLACES = tuple(f"tests/{test}.py" for test in (
-    "conformance/test_round_trip", "conformance/test_extras", "stories/test_first_answer"
-))  # fmt: skip
+PLACES = (
+    "tests/conformance/test_round_trip.py", "tests/conformance/test_extras.py", "tests/stories/test_first_answer.py",
+)  # fmt: skip
 """Tests of every format and of the commands, in processes of their own."""
 
 REFUSED = """
 import socket
 
-def _refuse(self, address):
+def refuse(self, address):
     raise OSError(101, "Network is unreachable")
 
-socket.socket.connect = socket.socket.connect_ex = _refuse
+socket.socket.connect = socket.socket.connect_ex = refuse
 """
 """What Python begins with where the system cannot take the network away."""
 
@@ -46,9 +46,8 @@ socket.socket.connect = socket.socket.connect_ex = _refuse
 def run(*words: object, folder: Path, environ: Mapping[str, str] = {}) -> tuple[int, str]:
     """The exit code of a command, and what it printed."""
     kept = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "NUMBA_CACHE_DIR")}
-    done = subprocess.run(
-        [str(word) for word in words], cwd=folder, env=kept | environ, capture_output=True, check=False
-    )
+    command = [str(word) for word in words]
+    done = subprocess.run(command, cwd=folder, env=kept | environ, capture_output=True, check=False)
     return done.returncode, (done.stdout + done.stderr).decode(errors="replace")
 
 
