@@ -176,14 +176,11 @@ def versions(home: Path) -> list[str]:
     return [python, *(found.get(name, "") for name in SHOWN)]
 
 
-def at_hand(python: str) -> bool:
-    """Whether a Python can be started."""
-    return shutil.which(python) is not None and run(python, "--version", folder=ROOT)[0] == 0
-
-
 def main() -> None:
     asked = begin(__doc__, pythons=PYTHONS, kinds=list(KINDS))
-    pythons, shared = [python for python in asked.asked.pythons if at_hand(python)], dict[tuple[str, str], list[str]]()
+    shared = dict[tuple[str, str], list[str]]()
+    found = (python for python in asked.asked.pythons if shutil.which(python))
+    pythons = [python for python in found if run(python, "--version", folder=ROOT)[0] == 0]
     for name in asked.asked.kinds:
         for python in pythons[KINDS[name].pythons]:
             shared.setdefault((python, str(KINDS[name].made)), []).append(name)
@@ -200,8 +197,7 @@ def main() -> None:
                 rows.append([name, KINDS[name].place, *versions(home), last])
                 good &= code == 0
             must("rm", "-rf", home, folder=sources)
-    missing = sorted({*asked.asked.pythons} - {*pythons})
-    notes = [f"not at hand: {', '.join(missing)}"] if missing else []
+    notes = [f"not at hand: {python}" for python in asked.asked.pythons if python not in pythons]
     headings = ("kind", "place", "Python", *SHOWN, "tests")
     asked.publish("Versions of Python and of dependencies, and places", notes, markdown(headings, rows))
     sys.exit(not good)

@@ -11,7 +11,7 @@ whole time, with integration.
 Jobs and the first run are commands, each a new process with nothing set; their times are of the wall.
 """
 
-from table import ROOT, begin, least, section
+from table import ROOT, Row, begin, least, section
 
 import os
 import subprocess
@@ -24,7 +24,6 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from statistics import median
-from typing import NamedTuple
 
 import allantools
 import numpy as np
@@ -76,29 +75,29 @@ def differences(size: int, m: Iterable[int], order: int = 2) -> float:
     return float(np.sum(size + 1 - order * np.asarray(m, dtype=np.float64)))
 
 
-class Demand(NamedTuple):
-    """What was measured, and what was wanted of it."""
-
-    what: str
-    value: float
-    bound: float
-    sense: str = "<="
-    ours: float = 0.0
-    peer: float = 0.0
-
-    @property
-    def met(self) -> bool:
-        """Whether it is as wanted."""
-        return self.value <= self.bound if self.sense == "<=" else self.value >= self.bound
+WANTED = ("what", "ours [s]", "peer [s]", "measured", "wanted", "")
 
 
-def judged(title: str, demands: Iterable[Demand], *about: str) -> list[str]:
-    """The section of demands; one that is missed says so."""
-    rows = []
-    for d in demands:
-        times = (f"{seconds:.3g}" if seconds else "" for seconds in (d.ours, d.peer))
-        rows.append((d.what, *times, f"{d.value:.3g}", f"{d.sense} {d.bound:g}", "met" if d.met else "MISSED"))
-    return section(title, ("what", "ours [s]", "peer [s]", "measured", "wanted", ""), rows, *about)
+def wanted(what: str, value: float, bound: float, sense: str = "<=", times: Iterable[float] = ()) -> Row:
+    """The row of what was measured, and of what was wanted of it."""
+    met = value <= bound if sense == "<=" else value >= bound
+    shown = [f"{seconds:.3g}" for seconds in times] or ["", ""]
+    return what, *shown, f"{value:.3g}", f"{sense} {bound:g}", "met" if met else "MISSED"
+
+
+def below(what: str, ours: float, peer: float, bound: float) -> Row:
+    """The row of a time that may be a multiple of a peer's."""
+    return wanted(what, ours / peer, bound, "<=", (ours, peer))
+
+
+def above(what: str, ours: float, peer: float, bound: float) -> Row:
+    """The row of a time of which that of a peer has to be a multiple."""
+    return wanted(what, peer / ours, bound, ">=", (ours, peer))
+
+
+def by_turns(rounds: int, *jobs: Callable[[], object]) -> list[float]:
+    """Least time of each of several jobs, s."""
+    return np.min([[least(job, 1) for job in jobs] for _ in range(rounds)], axis=0).tolist()
 
 
 def record_of(size: int) -> al.Record:
@@ -114,15 +113,15 @@ def by_allantools(statistic: str, record: al.Record, m: Sequence[int]) -> object
 # --- ratios ----------------------------------------------------------------------------------------------------------
 
 
-def share(record: al.Record, statistic: str) -> tuple[float, float, float]:
-    """Share of the in-cache bound at the tau of the log grid, u and the job's time, s; measured by turns.
+def bounded(record: al.Record, statistic: str) -> tuple[float, float, float]:
+    """The job's time at the tau of the log grid, its in-cache bound and u, s; measured by turns.
 
     Here and below `replace` makes a record of which no curve is known.
     """
     order, m = ORDERS[statistic], al.deviation(record, statistic, taus="log").m.tolist()
-    times = [(unit(order), least(lambda: al.deviation(replace(record), statistic, m=m), 2)) for _ in range(7)]
-    u, job = np.min(times, axis=0).tolist()
-    return u * differences(record.size, m, order) / job, u, job
+    times = [(least(lambda: al.deviation(replace(record), statistic, m=m), 2), unit(order)) for _ in range(7)]
+    job, u = np.min(times, axis=0).tolist()
+    return job, u * differences(record.size, m, order), u
 
 
 def spent(*words: object, **more: str) -> tuple[float, float]:
@@ -149,14 +148,13 @@ def ratios(samples: int) -> list[str]:
     record = record_of(samples)
     m = al.deviation(record, "oadev", taus="log").m.tolist()
     al.analyze(record)
-    bounds = {name: share(record, name) for name in ORDERS}
-    jobs = [
+    bounds = {name: bounded(record, name) for name in ORDERS}
+    jobs = (
         lambda: al.deviation(replace(record), "oadev", m=m),
         lambda: searched(spectrum(replace(record), detrend=True), "QNBKR", "auto", rival=True),
         lambda: al.identify(replace(record)), lambda: al.analyze(replace(record)),
-    ]  # fmt: skip
-    rounds = [[least(job, 1) for job in jobs] for _ in range(8)][1:]
-    allan, selected, identified, analysis = np.min(rounds, axis=0).tolist()
+    )  # fmt: skip
+    allan, selected, identified, analysis = by_turns(8, *jobs)
     peer = least(lambda: by_allantools("oadev", record, m), 3)
     single = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
     commands = [(sys.executable, "-c", f"import {name}") for name in ("numpy", "allanite")]
@@ -165,20 +163,18 @@ def ratios(samples: int) -> list[str]:
     numpy_alone, importing, helping = np.min(begins, axis=0).tolist()
     memory = allocated(lambda: al.analyze(replace(record))) / record.values.nbytes
     bound = "{} at {} tau, with integration: share of the in-cache bound"
-    return judged("Ratios", [
-        *(Demand(bound.format(name, len(m)), bounds[name][0], 0.8, ">=") for name in ORDERS),
-        Demand("allantools' oadev over ours, same 100 tau", peer / allan, 8.0, ">=", allan, peer),
-        Demand("identification: transform, every subset of terms, selection, over oadev", selected / allan, 1.0),
-        Demand("the same with outliers, search for sinusoids, limits, over oadev", identified / allan, 3.0),
-        Demand("whole analysis of one channel over oadev", analysis / allan, 6.0, ours=analysis),
-        Demand("`import allanite` over `import numpy`", importing / numpy_alone, 1.3),
-        Demand("`allanite --help` over `import numpy`", helping / numpy_alone, 2.2),
-        Demand("memory of the analysis over the record", memory, 6.0),
-    ], "; ".join(f"{name}: u = {1e9 * u:.3f} ns; the job {1e3 * job:.0f} ms" for name, (_, u, job) in bounds.items()),
+    return section("Ratios", WANTED, [
+        *(above(bound.format(name, len(m)), *bounds[name][:2], 0.8) for name in ORDERS),
+        above("allantools' oadev over ours, same 100 tau", allan, peer, 8),
+        below("identification: transform, every subset of terms, selection, over oadev", selected, allan, 1),
+        below("the same with outliers, search for sinusoids, limits, over oadev", identified, allan, 3),
+        below("whole analysis of one channel over oadev", analysis, allan, 6),
+        below("`import allanite` over `import numpy`", importing, numpy_alone, 1.3),
+        below("`allanite --help` over `import numpy`", helping, numpy_alone, 2.2),
+        wanted("memory of the analysis over the record", memory, 6),
+    ], "; ".join(f"{name}: u = {1e9 * u:.3f} ns; the job {1e3 * job:.0f} ms" for name, (job, _, u) in bounds.items()),
         f"identification {1e3 * selected:.0f} ms, overlapped Allan beside it {1e3 * allan:.0f} ms; analysis "
         f"{1e3 * analysis:.0f} ms; import numpy {1e3 * numpy_alone:.0f} ms",
-        "Rows of large averaging factors do not fit the second-level cache; the running sum of mdev is made anew for "
-        "every factor of 36; of the identification, the cosine transform alone passes through memory five times.",
     )  # fmt: skip
 
 
@@ -238,57 +234,47 @@ def per_window(values: np.ndarray) -> list[float]:
 
 
 def peers() -> dict[str, float]:
-    """What an inner term of a peer takes, known from a part of its job, s."""
+    """The time of each job of a peer by that of a part of it, s."""
     evenly, theo, total = np.linspace(1, LONG // 2, 400).astype(int), range(100, 300, 20), range(10, 160, 10)
-    window = record_of(36_000)
+    window, own = record_of(36_000), differences(36_000, WINDOW)
     parts = {
-        "oadev": (partial(by_allantools, "oadev", record_of(LONG), evenly), differences(LONG, evenly)),
-        "theo1": (partial(by_allantools, "theo1", record_of(7_200), theo), theo1_terms(7_200, theo)),
-        "mtotdev": (partial(by_allantools, "mtotdev", record_of(1_500), total), mtot_terms(1_500, total)),
-        "numpy per window": (
-            lambda: [per_window(window.values) for _ in range(500)], 500 * differences(36_000, WINDOW)
-        ),
+        "oadev": (partial(by_allantools, "oadev", record_of(LONG), evenly), differences(LONG, evenly),
+                  differences(LONG, range(1, LONG // 2 + 1))),
+        "theo1": (partial(by_allantools, "theo1", record_of(7_200), theo), theo1_terms(7_200, theo),
+                  theo1_terms(7_200, range(2, 7_201, 2))),
+        "mtotdev": (partial(by_allantools, "mtotdev", record_of(1_500), total), mtot_terms(1_500, total),
+                    mtot_terms(100_000, log_factors(100_000 // 3, 50))),
+        "dynamic": (lambda: [per_window(window.values) for _ in range(500)], 500 * own, 9901 * own),
     }  # fmt: skip
-    return {name: least(job, 1) / terms for name, (job, terms) in parts.items()}
+    return {name: least(job, 1) * terms / part for name, (job, part, terms) in parts.items()}
 
 
-def demanded(times: dict[str, list[float]], peer: dict[str, float]) -> list[Demand]:
+def demanded(times: dict[str, list[float]], peer: dict[str, float]) -> list[Row]:
     """What is wanted of the times of jobs."""
     long, million = record_of(LONG), record_of(1_000_000)
-    least_of = partial(least, rounds=3)
-    every = least_of(partial(JOBS["oadev, every tau"][0], million))
+    every = least(partial(JOBS["oadev, every tau"][0], million), 3)
     few, hundred = (
-        least_of(partial(by_allantools, "oadev", each, GRIDS["log"](each.size // 2))) for each in (million, long)
+        least(partial(by_allantools, "oadev", each, GRIDS["log"](each.size // 2)), 3) for each in (million, long)
     )
-
-    def over(what: str, ours: float, of: str, terms: float, bound: float) -> Demand:
-        theirs = peer[of] * terms
-        return Demand(what, theirs / ours, bound, ">=", ours, theirs)
-
-    def beside(what: str, seconds: float, theirs: float, bound: float) -> Demand:
-        return Demand(what, seconds / theirs, bound, "<=", seconds, theirs)
 
     def spare(name: str) -> float:
         return allocated(partial(JOBS[name][0], long)) / long.values.nbytes
 
-    theo, total = times["theo1, 100 tau"][-1], times["mtotdev, 50 tau"][2]
+    whole, theo, total = times["oadev, every tau"][-1], times["theo1, 100 tau"][-1], times["mtotdev, 50 tau"][2]
+    windows = "dynamic oadev, 9901 windows"
     return [
-        beside("oadev, every tau of 1e6, over allantools' 100", every, few, 6),
-        over("oadev, every tau of 3.6e6: allantools over ours", times["oadev, every tau"][-1], "oadev",
-             differences(LONG, range(1, LONG // 2 + 1)), 1000),
-        over("theo1, every even m of 7200: allantools over ours", times["theo1, every even m"][2], "theo1",
-             theo1_terms(7_200, range(2, 7_201, 2)), 1e5),
-        beside("theo1, 100 m of 720000, over allantools' 100 tau oadev of 3.6e6", theo, hundred, 8),
-        beside("theoh, 100 tau of 720000, over the same", times["theoh, 100 tau"][-1], hundred, 25),
-        over("mtotdev, 50 m of 1e5: allantools over ours", total, "mtotdev",
-             mtot_terms(100_000, log_factors(100_000 // 3, 50)), 1e5),
-        over("dynamic oadev, 9901 windows x 46 tau of 3.6e6: numpy per window over ours",
-             times["dynamic oadev, 9901 windows"][-1], "numpy per window", 9901 * differences(36_000, WINDOW), 100),
-        *(Demand(f"memory of {name} of 3.6e6, over the record", spare(name), 10)
+        below("oadev, every tau of 1e6, over allantools' 100", every, few, 6),
+        above("oadev, every tau of 3.6e6: allantools over ours", whole, peer["oadev"], 1000),
+        above("theo1, every even m of 7200: allantools over ours", times["theo1, every even m"][2], peer["theo1"], 1e5),
+        below("theo1, 100 m of 720000, over allantools' 100 tau oadev of 3.6e6", theo, hundred, 8),
+        below("theoh, 100 tau of 720000, over the same", times["theoh, 100 tau"][-1], hundred, 25),
+        above("mtotdev, 50 m of 1e5: allantools over ours", total, peer["mtotdev"], 1e5),
+        above(f"{windows} x 46 tau of 3.6e6: numpy per window over ours", times[windows][-1], peer["dynamic"], 100),
+        *(wanted(f"memory of {name} of 3.6e6, over the record", spare(name), 10)
           for name in ("oadev, every tau", "oadev, 100 tau")),
-        Demand("oadev, every tau of 3.6e6 [s]", times["oadev, every tau"][-1], 2),
-        Demand("theo1, 100 m of 720000 [s]", theo, 2),
-        Demand("mtotdev, 50 m of 1e5 [s]", total, 3),
+        wanted("oadev, every tau of 3.6e6 [s]", whole, 2),
+        wanted("theo1, 100 m of 720000 [s]", theo, 2),
+        wanted("mtotdev, 50 m of 1e5 [s]", total, 3),
     ]  # fmt: skip
 
 
@@ -301,7 +287,7 @@ def growth(_: int) -> list[str]:
     times = {name: [least(partial(job, records[n]), 3) for n in sizes[name]] for name, (job, _) in JOBS.items()}
     rows = [(name, str(sizes[name][-1]), *(f"{seconds:.3g}" for seconds in times[name])) for name in JOBS]
     return [
-        *judged("Growth with the record", demanded(times, peers())),
+        *section("Growth with the record", WANTED, demanded(times, peers())),
         *section("Time by samples, s", ("job", "n", "n/1000", "n/100", "n/10", "all"), rows),
     ]  # fmt: skip
 
@@ -331,17 +317,15 @@ def jobs(samples: int) -> list[str]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "six.csv")
         six(path, min(samples, 1_000_000))
-        rounds = [(least(lambda: al.read(path), 1), least(lambda: csv.read_csv(path), 1)) for _ in range(4)]
+        ours, theirs = by_turns(4, partial(al.read, path), partial(csv.read_csv, path))
         read = least(partial(csv.read_csv, path), 4, time.perf_counter)
         words = (sys.executable, "-m", "allanite.cli", "analyze", path, "--force")
-        page, plain = (
-            min(spent(*words, option, Path(folder, "made"))[0] for _ in range(3)) for option in ("--report", "--json")
-        )
-    ours, theirs = np.min(rounds, axis=0).tolist()
-    return judged("From a file to a page", [
-        Demand("reading, of the processor, over pyarrow's own", ours / theirs, 2.0, "<=", ours, theirs),
-        Demand("analyze --report, over the read by pyarrow", page / read, 10.0, "<=", page, read),
-        Demand("analyze --json, over the read by pyarrow", plain / read, 6.0, "<=", plain, read),
+        targets = (("--report", path.with_suffix(".html")), ("--json", path.with_suffix(".json")))
+        page, plain = (min(spent(*words, *target)[0] for _ in range(3)) for target in targets)
+    return section("From a file to a page", WANTED, [
+        below("reading, of the processor, over pyarrow's own", ours, theirs, 2),
+        below("analyze --report, over the read by pyarrow", page, read, 10),
+        below("analyze --json, over the read by pyarrow", plain, read, 6),
     ], f"{min(samples, 1_000_000)} samples of six channels with stamps; pyarrow has one thread.")  # fmt: skip
 
 
@@ -352,14 +336,14 @@ def first(_: int, rounds: int = 5) -> list[str]:
         with tempfile.TemporaryDirectory() as cache:
             runs.append([spent(*words, NUMBA_CACHE_DIR=cache) for _ in range(2)])
     rows = []
-    for name, times in zip(("first", "second"), zip(*runs, strict=True), strict=True):
-        walls, used = zip(*times, strict=True)
+    for name, number in (("first", 0), ("second", 1)):
+        walls, used = zip(*(run[number] for run in runs), strict=True)
         rows.append((name, *(f"{seconds:.1f}" for seconds in (min(walls), median(walls), median(used)))))
-    shortest = min(wall for (wall, _), _ in runs)
+    shortest = min(run[0][0] for run in runs)
     return [
         *section("First run", ("run", "shortest", "median", "median, of the processors"), rows,
                  f"The sample, {rounds} times with an empty cache of kernels and with the one that this run left, s."),
-        *judged("Demand of the first run", [Demand("shortest first run, on two idle processors [s]", shortest, 8.0)]),
+        *section("Demand of the first run", WANTED, [wanted("shortest, on two idle processors [s]", shortest, 8)]),
     ]  # fmt: skip
 
 

@@ -2,7 +2,7 @@
 
 Speed: processor time of the thread, the least of several, beside allantools.realtime and the whole record at once.
 Coefficients: simulated records pushed in 16 chunks, and as a whole; root mean square errors over the Cramer-Rao bound.
-Large files: each is made, read alone, analyzed and deleted; its pages are dropped from memory before it is read.
+Large files: each is made, analyzed and deleted; its pages are dropped from memory before it is read.
 Processor time is of user and system, of all threads.
 """
 
@@ -88,12 +88,6 @@ def coefficients(records: int) -> Rows:
 CHUNK = 5_000_000  # samples that are made at a time
 subprocess._USE_VFORK = False  # else the peak memory of a command is at least that of this process
 MEMORY = "500MB"  # what the analysis is given, so that it reads in parts
-BYTES = "buffer = bytearray(8 << 20)\nwith open(path, 'rb', buffering=0) as f:\n    while f.readinto(buffer): pass"
-BATCHES = (
-    "from pyarrow import parquet\n"
-    "for batch in parquet.ParquetFile(path, pre_buffer=False, buffer_size=1 << 20).iter_batches(1 << 20, "
-    "use_threads=False): pass"
-)
 
 
 def chunks(count: int) -> Iterator[np.ndarray]:
@@ -123,33 +117,31 @@ def columns(path: Path, count: int) -> None:
         os.fsync(file.fileno())
 
 
-FILES = {".npy": (binary, ("--rate", "1000", "--unit", "deg/h"), BYTES), ".parquet": (columns, (), BATCHES)}
-"""By the suffix: what makes a file, options with which it is analyzed, and what reads it alone."""
-
-
-def cost(path: Path, *command: object) -> tuple[float, float, int]:
-    """Wall and processor time and peak resident memory of a command, the pages of the file dropped before, s, bytes."""
-    with path.open("rb") as file:
-        os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
-    words = [sys.executable, *map(str, command)]
-    begun, process = time.perf_counter(), subprocess.Popen(words, stdout=subprocess.DEVNULL)
-    _, status, used = os.wait4(process.pid, 0)
-    if status:
-        raise RuntimeError(f"{command} ended with status {status}")
-    return time.perf_counter() - begun, used.ru_utime + used.ru_stime, used.ru_maxrss * 1024
+FILES = {".npy": (binary, ("--rate", "1000", "--unit", "deg/h")), ".parquet": (columns, ())}
+"""By the suffix: what makes a file, and options with which it is analyzed."""
 
 
 def large(suffix: str, folder: Path, count: int) -> list[str]:
     """The row of a file."""
-    make, options, alone = FILES[suffix]
+    make, options = FILES[suffix]
     path = folder / f"a{suffix}"
     make(path, count)
-    reading, *_ = cost(path, "-c", f"path = {str(path)!r}\n{alone}")
-    analyze = ("-m", "allanite.cli", "analyze", path, *options, "--memory", MEMORY)
-    wall, busy, peak = cost(path, *analyze, "--json", os.devnull, "--force", "--quiet")
-    size = path.stat().st_size / 1e6
+    with path.open("rb") as file:
+        os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
+    words = ("analyze", path, *options, "--memory", MEMORY, "--json", os.devnull, "--force", "--quiet")
+    command = [sys.executable, "-m", "allanite.cli", *map(str, words)]
+    begun, process = time.perf_counter(), subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    _, status, used = os.wait4(process.pid, 0)
+    wall, size = time.perf_counter() - begun, path.stat().st_size / 1e6
+    if status:
+        raise RuntimeError(f"{command} ended with status {status}")
     path.unlink()
-    numbers = (size / reading, size / wall, busy / count * 1e9, wall / count * 1e9, peak / 1e6)
+    numbers = (
+        size / wall,
+        (used.ru_utime + used.ru_stime) / count * 1e9,
+        wall / count * 1e9,
+        used.ru_maxrss * 1.024e-3,
+    )
     return [suffix, f"{count / 1e6:g}", f"{size / 1e3:.2f}", *(f"{number:.0f}" for number in numbers)]
 
 
@@ -169,8 +161,7 @@ def main() -> None:
                  f"White noise; an Accumulator of oadev holds {al.Accumulator(1.0, 'deg/h').nbytes} bytes."),
         *section("Coefficients", ("sensor", "samples", "term", "bound %", "stream / bound", "whole / bound"), good),
         *section("Files that do not fit into memory",
-                 ("file", "million samples", "GB", "alone, MB/s", "analyze, MB/s", "processor ns/sample",
-                  "wall ns/sample", "peak MB"), files,
+                 ("file", "million samples", "GB", "MB/s", "processor ns/sample", "wall ns/sample", "peak MB"), files,
                  f"analyze is given --memory {MEMORY}; peak is its resident memory, the interpreter included."),
     ])  # fmt: skip
 

@@ -40,25 +40,15 @@ class Job(NamedTuple):
     lane: str = "single"
 
 
-POOL = ("grid", "curves", "methods", "theoh_paper", "comparison", "compensation", "angle", "recordings")
-SINGLE = (
-    "check",
-    "consistency",
-    "drift",
-    "vertical",
-    "rate",
-    "simulation",
-    "moments",
-    "prices",
-    "logs",
-    "environments",
-)
+POOL = "grid curves methods theoh_paper comparison compensation angle recordings"
+SINGLE = "check consistency drift vertical rate simulation moments prices logs environments"
+QUIET = "kills streams speed"
 
 TABLES = {
-    **dict.fromkeys(POOL, Job(lane="pool")),
+    **dict.fromkeys(POOL.split(), Job(lane="pool")),
     "fuzz": Job("--share 0.1", "pool"),
-    **dict.fromkeys(SINGLE, Job()),
-    **dict.fromkeys(("kills", "streams", "speed"), Job(lane="quiet")),
+    **dict.fromkeys(SINGLE.split(), Job()),
+    **dict.fromkeys(QUIET.split(), Job(lane="quiet")),
 }
 """Tables by the name of their file, which is that of their script."""
 
