@@ -57,8 +57,7 @@ class Target(NamedTuple):
     megabytes: int = 100
 
 
-KEPT = ("state.json", "meta.json", "value.json", "shown.json", "0.0.npy")
-"""Files that the page keeps, by the end of their name."""
+KEPT = ("state.json", "meta.json", "value.json", "shown.json", "0.0.npy")  # ends of names of files of the page
 
 TARGETS = {
     "files": Target("Damaged files", {name: seed.count for name, seed in SEEDS.items()}, files),
@@ -72,9 +71,7 @@ TARGETS = {
         "Manifests, recipes, streams and arguments", {name: count for name, (count, _) in INPUTS.items()},
         lambda name: INPUTS[name][1](name), 10.0, 200,
     ),
-    "page": Target(
-        "Requests and files of the page", {"requests": 5000} | dict.fromkeys(KEPT, 400), page, 5.0, 400,
-    ),
+    "page": Target("Requests and files of the page", {"requests": 5000} | dict.fromkeys(KEPT, 400), page, 5.0, 400),
 }  # fmt: skip
 
 

@@ -226,16 +226,10 @@ def recordings(folder: Path, samples: int) -> None:
         os.link(folder / name, folder / "folder" / name)
 
 
-def verbs(folder: Path, samples: int, runs: int) -> Iterator[Line]:
-    """The lines of verbs and statistics."""
-    recordings(folder, samples)
-
-    def start(line: str) -> subprocess.Popen[bytes]:
-        shutil.rmtree(folder / "results", ignore_errors=True)  # a batch goes on where it has stopped
-        return started(line.replace("SAMPLES", str(samples)), folder)
-
-    for line in VERBS:
-        yield moments(line, partial(start, line), str, SIGNALS[:1], runs)
+def verb(line: str, folder: Path) -> subprocess.Popen[bytes]:
+    """Start a verb; a batch would go on where it has stopped."""
+    shutil.rmtree(folder / "results", ignore_errors=True)
+    return started(line, folder)
 
 
 def main() -> int:
@@ -243,9 +237,12 @@ def main() -> int:
     for number in SIGNALS:  # which a shell or nohup may have let programs ignore
         signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
     headings = ("job", "takes s", "runs", "ended by the signal", "slowest s", "failures")
-    with tempfile.TemporaryDirectory() as a, tempfile.TemporaryDirectory() as b:
-        of_files = list(files(Path(a), run.asked.samples // 12, run.asked.files))
-        of_verbs = list(verbs(Path(b), run.asked.samples, run.asked.verbs))
+    with tempfile.TemporaryDirectory() as short, tempfile.TemporaryDirectory() as long:
+        samples, folder = run.asked.samples, Path(long)
+        of_files = list(files(Path(short), samples // 12, run.asked.files))
+        recordings(folder, samples)
+        lines = [line.replace("SAMPLES", str(samples)) for line in VERBS]
+        of_verbs = [moments(each, partial(verb, each, folder), str, SIGNALS[:1], run.asked.verbs) for each in lines]
     wrong = [each for _, why in of_files + of_verbs for each in why]
     notes = (
         "run k of a job has the seed (crc32 of its name, k); the slowest is that of all runs, to the end",

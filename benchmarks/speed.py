@@ -70,9 +70,12 @@ def unit(order: int, rounds: int = 20_000) -> float:
     return least(lambda: in_cache(x, INCORE, order, rounds), 3) / (rounds * INCORE)
 
 
-def differences(size: int, m: Iterable[int], order: int = 2) -> float:
-    """Differences of all averaging factors of a record."""
-    return float(np.sum(size + 1 - order * np.asarray(m, dtype=np.float64)))
+def terms(statistic: str, n: int, m: Iterable[int]) -> float:
+    """Differences that are squared and summed at all averaging factors of a record."""
+    m = np.asarray(m, dtype=np.float64)
+    if statistic in ORDERS:
+        return float(np.sum(n + 1 - ORDERS[statistic] * m))
+    return float(np.sum(m / 2 * (n + 1 - m) if statistic == "theo1" else 6 * m * (n + 2 - 3 * m)))
 
 
 WANTED = ("what", "ours [s]", "peer [s]", "measured", "wanted", "")
@@ -121,7 +124,7 @@ def bounded(record: al.Record, statistic: str) -> tuple[float, float, float]:
     order, m = ORDERS[statistic], al.deviation(record, statistic, taus="log").m.tolist()
     times = [(least(lambda: al.deviation(replace(record), statistic, m=m), 2), unit(order)) for _ in range(7)]
     job, u = np.min(times, axis=0).tolist()
-    return job, u * differences(record.size, m, order), u
+    return job, u * terms(statistic, record.size, m), u
 
 
 def spent(*words: object, **more: str) -> tuple[float, float]:
@@ -185,16 +188,6 @@ def log_factors(largest: int, points: int) -> list[int]:
     return np.unique(np.rint(np.geomspace(1, largest, points)).astype(int)).tolist()
 
 
-def theo1_terms(n: int, m: Iterable[int]) -> float:
-    m = np.asarray(m, dtype=np.float64)
-    return float(np.sum(m / 2 * (n + 1 - m)))
-
-
-def mtot_terms(n: int, m: Iterable[int]) -> float:
-    m = np.asarray(m, dtype=np.float64)
-    return float(np.sum(6 * m * (n + 2 - 3 * m)))
-
-
 WINDOW = log_factors(36_000 // 2, 52)  # averaging factors of a window of 36000 samples
 
 
@@ -235,18 +228,16 @@ def per_window(values: np.ndarray) -> list[float]:
 
 def peers() -> dict[str, float]:
     """The time of each job of a peer by that of a part of it, s."""
-    evenly, theo, total = np.linspace(1, LONG // 2, 400).astype(int), range(100, 300, 20), range(10, 160, 10)
-    window, own = record_of(36_000), differences(36_000, WINDOW)
-    parts = {
-        "oadev": (partial(by_allantools, "oadev", record_of(LONG), evenly), differences(LONG, evenly),
-                  differences(LONG, range(1, LONG // 2 + 1))),
-        "theo1": (partial(by_allantools, "theo1", record_of(7_200), theo), theo1_terms(7_200, theo),
-                  theo1_terms(7_200, range(2, 7_201, 2))),
-        "mtotdev": (partial(by_allantools, "mtotdev", record_of(1_500), total), mtot_terms(1_500, total),
-                    mtot_terms(100_000, log_factors(100_000 // 3, 50))),
-        "dynamic": (lambda: [per_window(window.values) for _ in range(500)], 500 * own, 9901 * own),
-    }  # fmt: skip
-    return {name: least(job, 1) * terms / part for name, (job, part, terms) in parts.items()}
+    jobs = {
+        "oadev": (LONG, np.linspace(1, LONG // 2, 400).astype(int), LONG, range(1, LONG // 2 + 1)),
+        "theo1": (7_200, range(100, 300, 20), 7_200, range(2, 7_201, 2)),
+        "mtotdev": (1_500, range(10, 160, 10), 100_000, log_factors(100_000 // 3, 50)),
+    }
+    times = {"dynamic": 9901 * least(partial(per_window, record_of(36_000).values), 100)}
+    for name, (n, part, size, m) in jobs.items():
+        seconds = least(partial(by_allantools, name, record_of(n), part), 1)
+        times[name] = seconds * terms(name, size, m) / terms(name, n, part)
+    return times
 
 
 def demanded(times: dict[str, list[float]], peer: dict[str, float]) -> list[Row]:
