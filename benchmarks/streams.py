@@ -26,8 +26,6 @@ from pyarrow import parquet
 import allanite as al
 from allanite.stream.accumulator import streamable
 
-Rows = list[list[str]]
-
 SAMPLES, PEER = 4_000_000, 3000  # of the stream, and of the peer, which is slow
 SENSORS = (("mems", 100.0, 2**20, "NBK"), ("fog", 1.0, 2**18, "QNBKR"))
 
@@ -40,7 +38,7 @@ def factors(most: int) -> list[int]:
     return [m for m in every if m <= most]
 
 
-def speed() -> Rows:
+def speed() -> list[list[str]]:
     """What, million samples per second, times allantools.realtime."""
     values, taken = np.random.default_rng(1).normal(size=SAMPLES), partial(least, clock=time.thread_time)
     record = al.Record(values, 1.0, "deg/h")
@@ -64,7 +62,7 @@ def speed() -> Rows:
     return [[what, f"{pace / 1e6:.3g}", f"{pace / slow:.0f}"] for what, pace in paces.items()]
 
 
-def coefficients(records: int) -> Rows:
+def coefficients(records: int) -> list[list[str]]:
     """Sensor, samples, term, bound, and the errors of a stream and of the whole record over it."""
     rows = []
     for name, rate, n, terms in SENSORS:
