@@ -1,12 +1,10 @@
 """Hostile input of every kind: whatever is handed over is taken, or refused in words, soon and in little memory.
 
-    python benchmarks/fuzz.py [--targets files analysis records results inputs page] [--share 1] [--only KIND]
-
 The targets and their cases are those of tests/hostile.py, and of tests/web/hostile.py for the page in the browser. A
-case that fails is printed with its kind and number, which make it again. Each kind runs in a watched process. A failure
-is an error of another type than AllaniteError, a warning of a computation, a message of fewer than 20 or more than 1000
-letters, a crash, a hang, more processor time or more memory than the target allows, or an answer that the target says
-is none. Ends with exit code 1 if there is one.
+case that fails is printed with its kind and number: --only and --first make it again. Each kind runs in a watched
+process. A failure is an error of another type than AllaniteError, a warning of a computation, a message of fewer than
+20 or more than 1000 letters, a crash, a hang, more processor time or more memory than the target allows, or an answer
+that the target says is none. Ends with exit code 1 if there is one.
 """
 
 from table import begin, section
@@ -59,8 +57,7 @@ class Target(NamedTuple):
     megabytes: int = 100
 
 
-KEPT = ("state.json", "meta.json", "value.json", "shown.json", "0.0.npy")
-"""Files that the page keeps, by the end of their name."""
+KEPT = ("state.json", "meta.json", "value.json", "shown.json", "0.0.npy")  # ends of names of files of the page
 
 TARGETS = {
     "files": Target("Damaged files", {name: seed.count for name, seed in SEEDS.items()}, files),
@@ -74,15 +71,12 @@ TARGETS = {
         "Manifests, recipes, streams and arguments", {name: count for name, (count, _) in INPUTS.items()},
         lambda name: INPUTS[name][1](name), 10.0, 200,
     ),
-    "page": Target(
-        "Requests and files of the page", {"requests": 5000} | dict.fromkeys(KEPT, 400), page, 5.0, 400,
-    ),
+    "page": Target("Requests and files of the page", {"requests": 5000} | dict.fromkeys(KEPT, 400), page, 5.0, 400),
 }  # fmt: skip
 
 
 def _peak() -> int:
-    kinds = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
-    return sum(resource.getrusage(kind).ru_maxrss for kind in kinds) // 1024
+    return sum(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)) // 1024
 
 
 def _serve(target: str, name: str, span: tuple[int, int], place: Any, pipe: Any) -> None:
@@ -113,28 +107,18 @@ def _serve(target: str, name: str, span: tuple[int, int], place: Any, pipe: Any)
         tempfile.tempdir = None
 
 
-class Result(NamedTuple):
-    """What became of the cases of a kind: counts, the slowest, memory, and failures in words."""
-
-    counts: Counter[str]
-    slowest: float
-    peak: int
-    failed: list[str]
-
-
-def run(target: str, name: str, first: int, count: int) -> Result:
-    """The cases of a kind, in processes that are watched."""
+def run(target: str, name: str, first: int, count: int) -> tuple[tuple[str, ...], list[str]]:
+    """The row of a kind, whose cases are taken in processes that are watched, and its failures."""
     context, last = multiprocessing.get_context("spawn"), first + count
     place, counts, slowest, peak = context.Value(ctypes.c_long, first), Counter[str](), 0.0, 0
-    failed: list[str] = []
+    failed = []
     while first < last:
         pipe, end = context.Pipe(duplex=False)
         process = context.Process(target=_serve, args=(target, name, (first, last), place, end))
         process.start()
         end.close()
-        told = _followed(process, pipe, place)
+        told, first = _followed(process, pipe, place), last
         failures = [item for item in told if len(item) == 2]
-        first = last
         if len(failures) == len(told):
             failures.append((place.value, f"crash or hang, exit code {process.exitcode}"))
             if place.value == WARMING:
@@ -146,7 +130,10 @@ def run(target: str, name: str, first: int, count: int) -> Result:
         for k, why in failures:
             print(f"{target} {name}, case {k}: {why}", file=sys.stderr, flush=True)
             failed.append(f"{name}, case {k}: {why.strip().splitlines()[-1]}")
-    return Result(counts, slowest, peak, failed)
+    ends = (counts[end] for end in ("taken", "refused", "failure"))
+    row = (name, *map(str, (count, *ends, round(1e3 * slowest), peak)))
+    print(target, *row, sep=" | ", file=sys.stderr, flush=True)
+    return row, failed
 
 
 def _followed(process: Any, pipe: Any, place: Any) -> list[Any]:
@@ -168,27 +155,22 @@ def _followed(process: Any, pipe: Any, place: Any) -> list[Any]:
 
 def tried(target: str, asked: Any) -> tuple[list[str], list[str]]:
     """The lines of a target's section, and its failures."""
-    row, rows, failed = TARGETS[target], [], []
+    row = TARGETS[target]
     kinds = {name: max(1, round(asked.share * count)) for name, count in row.kinds.items() if asked.only in ("", name)}
-    with ThreadPoolExecutor(asked.jobs) as pool:
-        done = pool.map(lambda name: run(target, name, asked.first, kinds[name]), kinds)
-        for (name, count), result in zip(kinds.items(), done, strict=True):
-            counts = (result.counts[end] for end in ("taken", "refused", "failure"))
-            rows.append((name, *map(str, (count, *counts, round(1e3 * result.slowest), result.peak))))
-            failed += result.failed
-            print(target, *rows[-1], sep=" | ", file=sys.stderr, flush=True)
+    with ThreadPoolExecutor(2) as pool:
+        done = list(pool.map(lambda name: run(target, name, asked.first, kinds[name]), kinds))
     headings = ("kind", "cases", "taken", "refused", "failures", "slowest ms", "memory MB")
     limits = f"Over {row.seconds:g} s of processor time or {row.megabytes} MB is a failure."
-    return section(row.title, headings, rows, limits), failed
+    lines = section(row.title, headings, [cells for cells, _ in done], limits)
+    return lines, [failure for _, failures in done for failure in failures]
 
 
 def main() -> int:
-    this = begin(__doc__, targets=list(TARGETS), share=1.0, only="", first=0, jobs=2)
+    this = begin(__doc__, targets=list(TARGETS), share=1.0, only="", first=0)
     parts = [tried(target, this.asked) for target in this.asked.targets]
     failed = [failure for _, failures in parts for failure in failures]
     notes = (
-        f"case k of a kind has the seed (crc32 of its name, k), k from {this.asked.first}",
-        f"failures: {len(failed)}",
+        f"case k of a kind has the seed (crc32 of its name, k), k from {this.asked.first}; failures: {len(failed)}",
         *(f"failed: {failure}" for failure in failed[:20]),
     )
     this.publish("Hostile input", notes, [line for lines, _ in parts for line in lines])

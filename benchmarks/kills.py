@@ -5,15 +5,17 @@ for some jobs; the target has to be the old file or a whole new one, and nothing
 verb and every statistic.
 
 The moment is drawn from the time that the job takes, at most the first 10 s, after the time that the interpreter needs
-to begin. Run k of a job has the seed (crc32 of its name, k). Ends with exit code 1 if a program needs more than 1 s to
-end, leaves a process or a file behind, or ends in the words of a defect.
+to begin. Ends with exit code 1 if a program needs more than 1 s to end, leaves a process or a file behind, or ends in
+the words of a defect.
 """
 
 from table import begin, section
 
 import contextlib
 import gzip
+import json
 import os
+import shlex
 import shutil
 import signal
 import subprocess
@@ -22,8 +24,8 @@ import tempfile
 import time
 import zlib
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -37,54 +39,50 @@ ENDED, FINISHED = {-2, 129, 130, 143}, {0, 4, 5}
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 OLD = b"what was there before\n"
-SMALL = "5m"
-MODEL = ("--model", "N 0.01 deg/sqrt(h), B 0.1 deg/h, K 0.1 deg/h^1.5")
+MODEL = "--model 'N 0.01 deg/sqrt(h), B 0.1 deg/h, K 0.1 deg/h^1.5' --rate 100"
 
-VERBS = {
-    "deviation --threads 2, mtotdev": "deviation gyro.npz --statistic mtotdev --threads 2",
-    "deviation --taus all, mtie": "deviation gyro.npz --statistic mtie --taus all",
-    "analyze of a .csv": "analyze gyro.csv",
-    "analyze of a .csv.gz": "analyze gyro.csv.gz",
-    "analyze --memory": "analyze gyro.npy --rate 100 --unit deg/s --memory 20MB",
-    "compensate": "compensate warm.npz --rate 100 --regressors temperature --degree 3",
-    "vertical": "vertical six.npz --rate 100",
-    "export": ("export", "gyro.npz", "--to", "kalibr", "--model", "N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)"),
-    "batch": "batch folder --out results",
-    "simulate": ("simulate", "made.npz", *MODEL, "--rate", "100", "--samples", "{samples}", "--force"),
-    "plan": ("plan", *MODEL, "--rate", "100", "--durations", "50000,500000"),
-    "selfcheck": ("selfcheck", *MODEL, "--rate", "100", "--samples", "{samples}", "--records", "50"),
-    "example": "example 000 papers --force",
-}
-PLAIN = (
-    "info", "analyze", "analyze --report page.html --force", "analyze --method gls", "deviation --taus all", "spectrum",
-    "spectrum --estimator multitaper", "dynamic", "dynamic --statistic theo1", "compare other.npz",
-    "compare --part 10000", "rate", "statespace", "plan", "selfcheck --records 50",
-    *(f"deviation --statistic {name}" for name in al.statistics.STATISTICS),
-)  # fmt: skip
-"""Verbs and options of which nothing else is asked: the record stands between them."""
+VERBS = (
+    *(f"{verb} gyro.npz" for verb in ("info", "analyze", "spectrum", "dynamic", "rate", "statespace", "plan")),
+    *(f"deviation gyro.npz --statistic {name}" for name in al.statistics.STATISTICS),
+    "deviation gyro.npz --statistic mtotdev --threads 2",
+    "deviation gyro.npz --taus all",
+    "deviation gyro.npz --statistic mtie --taus all",
+    "analyze gyro.npz --report page.html --force",
+    "analyze gyro.npz --method gls",
+    "analyze gyro.csv",
+    "analyze gyro.csv.gz",
+    "analyze gyro.npy --rate 100 --unit deg/s --memory 20MB",
+    "spectrum gyro.npz --estimator multitaper",
+    "dynamic gyro.npz --statistic theo1",
+    "compare gyro.npz other.npz",
+    "compare gyro.npz --part 10000",
+    "compensate warm.npz --rate 100 --regressors temperature --degree 3",
+    "vertical six.npz --rate 100",
+    "export gyro.npz --to kalibr --model 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'",
+    "batch folder --out results",
+    f"simulate made.npz {MODEL} --samples SAMPLES --force",
+    f"plan {MODEL} --durations 50000,500000",
+    "selfcheck gyro.npz --records 50",
+    f"selfcheck {MODEL} --samples SAMPLES --records 50",
+    "example 000 papers --force",
+)
+"""Every verb and statistic; SAMPLES stands for the length of the record."""
 
-VERBS = {f"{line} of a file": line.replace(" ", " gyro.npz ", 1) if " " in line else f"{line} gyro.npz"
-         for line in PLAIN} | VERBS  # fmt: skip
-
-
-SIMULATED = "simulate {out}/s.npz --sensor mems --rate 100 --force --samples "
 JOBS = {
-    "analyze --report": (
-        "analyze {in}/gyro.npz --quiet --force --report {out}/a.html", "a.html", b"<!DOCTYPE html>", b"</html>"
-    ),
-    "simulate .npz": (f"{SIMULATED}300000", "s.npz", b"PK", b""),
-    "simulate .npz, too large": (f"{SIMULATED}3000000", "s.npz", b"PK", b""),
-    "info of a .csv.gz": ("info {in}/gyro.csv.gz --quiet --force --json {out}/i.json", "i.json", b"{", b"}"),
-}  # fmt: skip
-"""Commands, their target, and how it begins and ends when it is whole."""
+    "analyze --report": "analyze IN/gyro.npz --quiet --force --report OUT/a.html",
+    "simulate .npz": "simulate OUT/s.npz --sensor mems --rate 100 --force --samples 300000",
+    "simulate .npz, too large": "simulate OUT/s.npz --sensor mems --rate 100 --force --samples 3000000",
+    "info of a .csv.gz": "info IN/gyro.csv.gz --quiet --force --json OUT/i.json",
+}
+"""Commands that write a file."""
 
 Line = tuple[list[str], list[str]]
 """The cells of a job, and what went wrong."""
 
 
-def started(words: str | Sequence[str], folder: Path, **more: str) -> subprocess.Popen[bytes]:
+def started(line: str, folder: Path, **more: str) -> subprocess.Popen[bytes]:
     """A command in a folder, with variables besides."""
-    command = [sys.executable, "-m", "allanite.cli", *(words.split() if isinstance(words, str) else words)]
+    command = [sys.executable, "-m", "allanite.cli", *shlex.split(line)]
     quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
     return subprocess.Popen(command, cwd=folder, env=os.environ | more, start_new_session=True, **quiet)
 
@@ -101,24 +99,24 @@ def alone(group: int) -> bool:
     return False
 
 
-def undisturbed(start: Callable[[], subprocess.Popen[bytes]]) -> tuple[float, int, list[str]]:
-    """How long a job takes if nothing ends it, its exit code, and the last line of its errors."""
+def undisturbed(start: Callable[[], subprocess.Popen[bytes]]) -> tuple[float, int]:
+    """How long a job takes if nothing ends it, and its exit code."""
     begun, running = time.perf_counter(), start()
     try:
-        words = running.communicate(timeout=LONGEST)[1].decode().strip().splitlines()
+        running.communicate(timeout=LONGEST)
     except subprocess.TimeoutExpired:
         os.killpg(running.pid, signal.SIGKILL)
         running.communicate()
-        return LONGEST, 0, []
-    return time.perf_counter() - begun, running.returncode, words[-1:]
+        return LONGEST, 0
+    return time.perf_counter() - begun, running.returncode
 
 
 def moments(
     name: str, start: Callable[[], subprocess.Popen[bytes]], look: Callable[[], str], signals: Sequence[int], runs: int
 ) -> Line:
     """The line of a job that is started anew for each run; `look` tells what is left."""
-    takes, usual, words = undisturbed(start)
-    wrong = [f"{name}: {words}"] if signals == SIGNALS[:1] and usual not in FINISHED else []
+    takes, usual = undisturbed(start)
+    wrong = [f"{name}: exit code {usual}"] if signals == SIGNALS[:1] and usual not in FINISHED else []
     ended, slowest = 0, 0.0
     for k in range(runs):
         rng = np.random.default_rng((zlib.crc32(name.encode()), k))
@@ -152,8 +150,8 @@ def disks(root: Path) -> Iterator[dict[str, Path]]:
     usual, small = root / "usual", root / "small"
     usual.mkdir()
     small.mkdir()
-    mount = ["mount", "-t", "tmpfs", "-o", f"size={SMALL}", "tmpfs", str(small)]
-    mounted = os.name == "posix" and not subprocess.run(mount, capture_output=True, check=False).returncode
+    mount = ["mount", "-t", "tmpfs", "-o", "size=5m", "tmpfs", str(small)]
+    mounted = not subprocess.run(mount, capture_output=True, check=False).returncode
     try:
         yield {"usual disk": usual} | ({"disk of 5 MB": small} if mounted else {})
     finally:
@@ -161,42 +159,38 @@ def disks(root: Path) -> Iterator[dict[str, Path]]:
             subprocess.run(["umount", str(small)], check=True)
 
 
-class Place(NamedTuple):
-    """Where a job reads and writes."""
+def job(line: str, disk: Path) -> subprocess.Popen[bytes]:
+    """Start a job, with an old file in the place of its target."""
+    for folder in (disk / "out", disk / "copies"):
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir()
+    target_of(line).write_bytes(OLD)
+    return started(line, disk, TMPDIR=str(disk / "copies"))
 
-    source: Path
-    disk: Path
-    words: str
-    target: str
-    begins: bytes
-    ends: bytes
 
-    def start(self) -> subprocess.Popen[bytes]:
-        """Start it, with an old file in the place of its target."""
-        out, copies = self.disk / "out", self.disk / "copies"
-        for folder in (out, copies):
-            shutil.rmtree(folder, ignore_errors=True)
-            folder.mkdir()
-        (out / self.target).write_bytes(OLD)
-        words = self.words.replace("{in}", str(self.source)).replace("{out}", str(out))
-        return started(words, self.disk, TMPDIR=str(copies))
+def target_of(line: str) -> Path:
+    """What a job writes."""
+    return Path(next(word for word in line.split() if "/out/" in word))
 
-    def wrong(self) -> str:
-        """What is not as it should be once the program has ended."""
-        target = self.disk / "out" / self.target
+
+def left(line: str, disk: Path) -> str:
+    """What is not as it should be once a job has ended."""
+    target = target_of(line)
+    others = [path.name for name in ("out", "copies") for path in (disk / name).iterdir() if path != target]
+    if others:
+        return f"left: {', '.join(others)}"
+    good = target.read_bytes() == OLD or whole(target)
+    return "" if good else f"a target of {target.stat().st_size} bytes that is not whole"
+
+
+def whole(target: Path) -> bool:
+    """Whether a target is a page, a record or a result from its beginning to its end."""
+    if target.suffix == ".html":
         data = target.read_bytes()
-        others = [p.name for folder in ("out", "copies") for p in (self.disk / folder).iterdir() if p != target]
-        if others:
-            return f"left: {', '.join(others)}"
-        whole = data.startswith(self.begins) and data.rstrip().endswith(self.ends) and readable(target)
-        return "" if data == OLD or whole else f"a target of {len(data)} bytes that is not whole"
-
-
-def readable(target: Path) -> bool:
-    """Whether a record is read from a target that holds one."""
+        return data.startswith(b"<!DOCTYPE html>") and data.rstrip().endswith(b"</html>")
     try:
-        return target.suffix != ".npz" or al.read(target)[0].size > 0
-    except al.AllaniteError:
+        return bool(json.loads(target.read_text("utf-8")) if target.suffix == ".json" else al.read(target)[0].size)
+    except (al.AllaniteError, ValueError):
         return False
 
 
@@ -204,10 +198,10 @@ def files(folder: Path, samples: int, runs: int) -> Iterator[Line]:
     """The lines of jobs that write a file."""
     recordings(folder, samples)
     with disks(folder) as places:
-        for name, job in JOBS.items():
+        for name, command in JOBS.items():
             for disk, path in places.items():
-                place = Place(folder, path, *job)
-                yield moments(f"{name}, {disk}", place.start, place.wrong, SIGNALS, runs)
+                line = command.replace("IN", str(folder)).replace("OUT", str(path / "out"))
+                yield moments(f"{name}, {disk}", partial(job, line, path), partial(left, line, path), SIGNALS, runs)
 
 
 # --- verbs -----------------------------------------------------------------------------------------------------------
@@ -232,18 +226,10 @@ def recordings(folder: Path, samples: int) -> None:
         os.link(folder / name, folder / "folder" / name)
 
 
-def verbs(folder: Path, samples: int, runs: int) -> Iterator[Line]:
-    """The lines of verbs and statistics."""
-    recordings(folder, samples)
-    for name, line in VERBS.items():
-        words = line.split() if isinstance(line, str) else line
-        words = [word.replace("{samples}", str(samples)) for word in words]
-
-        def start(words: Sequence[str] = words) -> subprocess.Popen[bytes]:
-            shutil.rmtree(folder / "results", ignore_errors=True)  # a batch goes on where it has stopped
-            return started(words, folder)
-
-        yield moments(name, start, str, SIGNALS[:1], runs)
+def verb(line: str, folder: Path) -> subprocess.Popen[bytes]:
+    """Start a verb; a batch would go on where it has stopped."""
+    shutil.rmtree(folder / "results", ignore_errors=True)
+    return started(line, folder)
 
 
 def main() -> int:
@@ -251,14 +237,16 @@ def main() -> int:
     for number in SIGNALS:  # which a shell or nohup may have let programs ignore
         signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
     headings = ("job", "takes s", "runs", "ended by the signal", "slowest s", "failures")
-    with tempfile.TemporaryDirectory() as a, tempfile.TemporaryDirectory() as b:
-        of_files = list(files(Path(a), run.asked.samples // 12, run.asked.files))
-        of_verbs = list(verbs(Path(b), run.asked.samples, run.asked.verbs))
+    with tempfile.TemporaryDirectory() as short, tempfile.TemporaryDirectory() as long:
+        samples, folder = run.asked.samples, Path(long)
+        of_files = list(files(Path(short), samples // 12, run.asked.files))
+        recordings(folder, samples)
+        lines = [line.replace("SAMPLES", str(samples)) for line in VERBS]
+        of_verbs = [moments(each, partial(verb, each, folder), str, SIGNALS[:1], run.asked.verbs) for each in lines]
     wrong = [each for _, why in of_files + of_verbs for each in why]
     notes = (
         "run k of a job has the seed (crc32 of its name, k); the slowest is that of all runs, to the end",
-        f"a failure is more than {LIMIT:g} s, a process or a file that is left, a target that is neither the old file "
-        f"nor a whole new one, or the words of a defect: {len(wrong)}",
+        f"failures: {len(wrong)}",
         *(f"failed: {each}" for each in wrong),
     )
     run.publish("Programs ended at random moments", notes, [

@@ -1,27 +1,30 @@
-"""How fast: beside the machine's own limit, peers and start-up of numpy; by the record's length; jobs; the first run.
+"""How fast: beside the machine's own limit, peers and numpy; by the record's length; from a file; the first run.
 
 One thread and processor time, the least of several rounds of one run, unless said otherwise; only ratios are to be
-trusted. What a peer needs is extrapolated by the number of its inner terms from a part that takes at least 5 s. Ends
-with exit code 1 if a demand is missed.
+trusted. The time of a peer is that of a part of its job, by the number of their inner terms. Ends with exit code 1 if a
+demand is missed.
 
 u is the time of one difference of order 2 or 3, squared and summed, over 1000 neighbouring samples of an array that the
 first-level cache holds. The in-cache bound of a job is u times its differences; its share is the bound over the job's
 whole time, with integration.
+
+Jobs and the first run are commands, each a new process with nothing set; their times are of the wall.
 """
 
-from table import begin, least, section
+from table import ROOT, Row, begin, least, section
 
 import os
 import resource
 import subprocess
 import sys
 import tempfile
+import time
 import tracemalloc
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from statistics import median
 
 import allantools
 import numpy as np
@@ -30,7 +33,6 @@ from numba import njit
 from pyarrow import csv
 
 import allanite as al
-import first_run
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.search.identify import searched
 from allanite.statistics.grids import GRIDS
@@ -38,7 +40,6 @@ from allanite.statistics.grids import GRIDS
 RATE = 100.0
 MODEL = al.N(0.01, "deg/sqrt(h)") + al.B(0.1, "deg/h") + al.K(0.1, "deg/h/sqrt(h)")
 INCORE = 1000
-ENOUGH = 5.0  # seconds that a part of a peer's job takes at least before it is extrapolated
 ORDERS = {"oadev": 2, "mdev": 3, "ohdev": 3}
 """Order of the differences; mdev takes those of the angle's running sum."""
 
@@ -70,34 +71,37 @@ def unit(order: int, rounds: int = 20_000) -> float:
     return least(lambda: in_cache(x, INCORE, order, rounds), 3) / (rounds * INCORE)
 
 
-def differences(size: int, m: Iterable[int], order: int = 2) -> float:
-    """Differences of all averaging factors of a record."""
-    return float(np.sum(size + 1 - order * np.asarray(m, dtype=np.float64)))
+def terms(statistic: str, n: int, m: Iterable[int]) -> float:
+    """Differences that are squared and summed at all averaging factors of a record."""
+    m = np.asarray(m, dtype=np.float64)
+    if statistic in ORDERS:
+        return float(np.sum(n + 1 - ORDERS[statistic] * m))
+    return float(np.sum(m / 2 * (n + 1 - m) if statistic == "theo1" else 6 * m * (n + 2 - 3 * m)))
 
 
-class Demand(NamedTuple):
-    """What was measured, and what was wanted of it."""
-
-    what: str
-    value: float
-    bound: float
-    sense: str = "<="
-    ours: float = 0.0
-    peer: float = 0.0
-
-    @property
-    def met(self) -> bool:
-        """Whether it is as wanted."""
-        return self.value <= self.bound if self.sense == "<=" else self.value >= self.bound
+WANTED = ("what", "ours [s]", "peer [s]", "measured", "wanted", "")
 
 
-def judged(title: str, demands: Iterable[Demand], *about: str) -> list[str]:
-    """The section of demands; one that is missed says so."""
-    rows = []
-    for d in demands:
-        times = (f"{seconds:.3g}" if seconds else "" for seconds in (d.ours, d.peer))
-        rows.append((d.what, *times, f"{d.value:.3g}", f"{d.sense} {d.bound:g}", "met" if d.met else "MISSED"))
-    return section(title, ("what", "ours [s]", "peer [s]", "measured", "wanted", ""), rows, *about)
+def wanted(what: str, value: float, bound: float, sense: str = "<=", times: Iterable[float] = ()) -> Row:
+    """The row of what was measured, and of what was wanted of it."""
+    met = value <= bound if sense == "<=" else value >= bound
+    shown = [f"{seconds:.3g}" for seconds in times] or ["", ""]
+    return what, *shown, f"{value:.3g}", f"{sense} {bound:g}", "met" if met else "MISSED"
+
+
+def below(what: str, ours: float, peer: float, bound: float) -> Row:
+    """The row of a time that may be a multiple of a peer's."""
+    return wanted(what, ours / peer, bound, "<=", (ours, peer))
+
+
+def above(what: str, ours: float, peer: float, bound: float) -> Row:
+    """The row of a time of which that of a peer has to be a multiple."""
+    return wanted(what, peer / ours, bound, ">=", (ours, peer))
+
+
+def by_turns(rounds: int, *jobs: Callable[[], object]) -> list[float]:
+    """Least time of each of several jobs, s."""
+    return np.min([[least(job, 1) for job in jobs] for _ in range(rounds)], axis=0).tolist()
 
 
 def record_of(size: int) -> al.Record:
@@ -113,28 +117,25 @@ def by_allantools(statistic: str, record: al.Record, m: Sequence[int]) -> object
 # --- ratios ----------------------------------------------------------------------------------------------------------
 
 
-def share(record: al.Record, statistic: str) -> tuple[float, float, float]:
-    """Share of the in-cache bound at the tau of the log grid, u and the job's time, s; measured by turns.
+def bounded(record: al.Record, statistic: str) -> tuple[float, float, float]:
+    """The job's time at the tau of the log grid, its in-cache bound and u, s; measured by turns.
 
     Here and below `replace` makes a record of which no curve is known.
     """
     order, m = ORDERS[statistic], al.deviation(record, statistic, taus="log").m.tolist()
-    times = [(unit(order), least(lambda: al.deviation(replace(record), statistic, m=m), 2)) for _ in range(7)]
-    u, job = np.min(times, axis=0).tolist()
-    return u * differences(record.size, m, order) / job, u, job
+    times = [(least(lambda: al.deviation(replace(record), statistic, m=m), 2), unit(order)) for _ in range(7)]
+    job, u = np.min(times, axis=0).tolist()
+    return job, u * terms(statistic, record.size, m), u
 
 
-def startups(*commands: list[str]) -> list[float]:
-    """Least processor time of each command, by turns, s."""
-
-    def clock() -> float:
-        used = resource.getrusage(resource.RUSAGE_CHILDREN)
-        return used.ru_utime + used.ru_stime
-
-    def run(command: list[str]) -> object:
-        return subprocess.run(command, capture_output=True, check=True)
-
-    return np.min([[least(partial(run, each), 1, clock) for each in commands] for _ in range(11)], axis=0).tolist()
+def spent(*words: object, **more: str) -> tuple[float, float]:
+    """Time of a command with nothing set but a few variables, and that of the processors in it, s."""
+    unset = {"PYTHONDONTWRITEBYTECODE", *(name for name in os.environ if name.endswith("_NUM_THREADS"))}
+    kept = {name: value for name, value in os.environ.items() if name not in unset}
+    start, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([str(word) for word in words], env=kept | more, capture_output=True, check=True)
+    wall, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return wall, after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 
 
 def allocated(job: Callable[[], object]) -> int:
@@ -146,56 +147,38 @@ def allocated(job: Callable[[], object]) -> int:
     return peak
 
 
-def read_csv(rows: int = 1_000_000) -> tuple[float, float]:
-    """Times of reading stamps and three channels from text: with everything that is checked, and by pyarrow alone."""
-    pa.set_cpu_count(1)
-    values = np.random.default_rng(1).standard_normal((3, rows)).round(6)
-    names = ("time [s]", "gx [deg/s]", "gy [deg/s]", "gz [deg/s]")
-    text = pa.table(dict(zip(names, (np.arange(rows) * 0.01, *values), strict=True)))
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "gyro.csv")
-        csv.write_csv(text, path)
-        times = [(least(lambda: al.read(path), 1), least(lambda: csv.read_csv(path), 1)) for _ in range(7)]
-    ours, theirs = np.min(times, axis=0).tolist()
-    return ours, theirs
-
-
 def ratios(samples: int) -> list[str]:
     """What one record takes."""
     record = record_of(samples)
     m = al.deviation(record, "oadev", taus="log").m.tolist()
     al.analyze(record)
-    bounds = {name: share(record, name) for name in ORDERS}
-    jobs = [
+    bounds = {name: bounded(record, name) for name in ORDERS}
+    jobs = (
         lambda: al.deviation(replace(record), "oadev", m=m),
         lambda: searched(spectrum(replace(record), detrend=True), "QNBKR", "auto", rival=True),
         lambda: al.identify(replace(record)), lambda: al.analyze(replace(record)),
-    ]  # fmt: skip
-    rounds = [[least(job, 1) for job in jobs] for _ in range(8)][1:]
-    allan, selected, identified, analysis = np.min(rounds, axis=0).tolist()
+    )  # fmt: skip
+    allan, selected, identified, analysis = by_turns(8, *jobs)
     peer = least(lambda: by_allantools("oadev", record, m), 3)
-    program = str(Path(sys.executable).with_name("allanite"))
-    numpy_alone, importing, helping = startups(
-        *([sys.executable, "-c", f"import {name}"] for name in ("numpy", "allanite")), [program, "--help"]
-    )
+    single = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+    commands = [(sys.executable, "-c", f"import {name}") for name in ("numpy", "allanite")]
+    commands.append((Path(sys.executable).with_name("allanite"), "--help"))
+    begins = [[spent(*each, **single)[1] for each in commands] for _ in range(11)]
+    numpy_alone, importing, helping = np.min(begins, axis=0).tolist()
     memory = allocated(lambda: al.analyze(replace(record))) / record.values.nbytes
-    reading, parsing = read_csv()
     bound = "{} at {} tau, with integration: share of the in-cache bound"
-    return judged("Ratios", [
-        *(Demand(bound.format(name, len(m)), bounds[name][0], 0.8, ">=") for name in ORDERS),
-        Demand("allantools' oadev over ours, same 100 tau", peer / allan, 8.0, ">=", allan, peer),
-        Demand("identification: transform, every subset of terms, selection, over oadev", selected / allan, 1.0),
-        Demand("the same with outliers, search for sinusoids, limits, over oadev", identified / allan, 3.0),
-        Demand("whole analysis of one channel over oadev", analysis / allan, 6.0, ours=analysis),
-        Demand("reading a CSV of 1000000 rows with stamps over pyarrow's own", reading / parsing, 2.0),
-        Demand("`import allanite` over `import numpy`", importing / numpy_alone, 1.3),
-        Demand("`allanite --help` over `import numpy`", helping / numpy_alone, 2.2),
-        Demand("memory of the analysis over the record", memory, 6.0),
-    ], "; ".join(f"{name}: u = {1e9 * u:.3f} ns; the job {1e3 * job:.0f} ms" for name, (_, u, job) in bounds.items()),
+    return section("Ratios", WANTED, [
+        *(above(bound.format(name, len(m)), *bounds[name][:2], 0.8) for name in ORDERS),
+        above("allantools' oadev over ours, same 100 tau", allan, peer, 8),
+        below("identification: transform, every subset of terms, selection, over oadev", selected, allan, 1),
+        below("the same with outliers, search for sinusoids, limits, over oadev", identified, allan, 3),
+        below("whole analysis of one channel over oadev", analysis, allan, 6),
+        below("`import allanite` over `import numpy`", importing, numpy_alone, 1.3),
+        below("`allanite --help` over `import numpy`", helping, numpy_alone, 2.2),
+        wanted("memory of the analysis over the record", memory, 6),
+    ], "; ".join(f"{name}: u = {1e9 * u:.3f} ns; the job {1e3 * job:.0f} ms" for name, (job, _, u) in bounds.items()),
         f"identification {1e3 * selected:.0f} ms, overlapped Allan beside it {1e3 * allan:.0f} ms; analysis "
         f"{1e3 * analysis:.0f} ms; import numpy {1e3 * numpy_alone:.0f} ms",
-        "Rows of large averaging factors do not fit the second-level cache; the running sum of mdev is made anew for "
-        "every factor of 36; of the identification, the cosine transform alone passes through memory five times.",
     )  # fmt: skip
 
 
@@ -204,16 +187,6 @@ def ratios(samples: int) -> list[str]:
 
 def log_factors(largest: int, points: int) -> list[int]:
     return np.unique(np.rint(np.geomspace(1, largest, points)).astype(int)).tolist()
-
-
-def theo1_terms(n: int, m: Iterable[int]) -> float:
-    m = np.asarray(m, dtype=np.float64)
-    return float(np.sum(m / 2 * (n + 1 - m)))
-
-
-def mtot_terms(n: int, m: Iterable[int]) -> float:
-    m = np.asarray(m, dtype=np.float64)
-    return float(np.sum(6 * m * (n + 2 - 3 * m)))
 
 
 WINDOW = log_factors(36_000 // 2, 52)  # averaging factors of a window of 36000 samples
@@ -254,72 +227,46 @@ def per_window(values: np.ndarray) -> list[float]:
     return [float(d @ d) / (2.0 * m * m * d.size) for d, m in second]
 
 
-def term_of(job: Callable[[int], object], terms: Callable[[int], float]) -> tuple[int, float]:
-    """How many steps of a job take long enough, and what a term of it takes, s."""
-    k = 1
-    while (seconds := least(partial(job, k), 1)) < ENOUGH:
-        k = max(k + 1, int(np.ceil(1.3 * k * ENOUGH / max(seconds, 0.05))))
-    return k, seconds / terms(k)
+def peers() -> dict[str, float]:
+    """The time of each job of a peer by that of a part of it, s."""
+    jobs = {
+        "oadev": (LONG, np.linspace(1, LONG // 2, 400).astype(int), LONG, range(1, LONG // 2 + 1)),
+        "theo1": (7_200, range(100, 300, 20), 7_200, range(2, 7_201, 2)),
+        "mtotdev": (1_500, range(10, 160, 10), 100_000, log_factors(100_000 // 3, 50)),
+    }
+    times = {"dynamic": 9901 * least(partial(per_window, record_of(36_000).values), 100)}
+    for name, (n, part, size, m) in jobs.items():
+        seconds = least(partial(by_allantools, name, record_of(n), part), 1)
+        times[name] = seconds * terms(name, size, m) / terms(name, n, part)
+    return times
 
 
-def peers() -> dict[str, tuple[str, float]]:
-    """From what part the time of a peer's inner term is known, and that time, s."""
-    records = {n: record_of(n) for n in (LONG, 36_000, 7_200, 1_500)}
-    evenly = lambda k: np.linspace(1, LONG // 2, k + 1).astype(int)[:-1] + 1  # noqa: E731
-    steps = lambda k: list(range(100, 100 + 20 * k, 20))  # noqa: E731
-    short = lambda k: list(range(10, 10 + 10 * k, 10))  # noqa: E731
-    own = differences(36_000, WINDOW)
-    parts = {
-        "oadev": ("{} m evenly of 3600000 samples", lambda k: by_allantools("oadev", records[LONG], evenly(k)),
-                  lambda k: differences(LONG, evenly(k))),
-        "theo1": ("{} m from 100 in steps of 20 of 7200", lambda k: by_allantools("theo1", records[7_200], steps(k)),
-                  lambda k: theo1_terms(7_200, steps(k))),
-        "mtotdev": ("{} m from 10 in steps of 10 of 1500", lambda k: by_allantools("mtotdev", records[1_500], short(k)),
-                    lambda k: mtot_terms(1_500, short(k))),
-        "numpy per window": ("{} windows of 36000", lambda k: [per_window(records[36_000].values) for _ in range(k)],
-                             lambda k: k * own),
-    }  # fmt: skip
-    measured = {name: term_of(job, terms) for name, (_, job, terms) in parts.items()}
-    return {name: (parts[name][0].format(k), term) for name, (k, term) in measured.items()}
-
-
-def demanded(times: dict[str, list[float]], peer: dict[str, tuple[str, float]]) -> list[Demand]:
+def demanded(times: dict[str, list[float]], peer: dict[str, float]) -> list[Row]:
     """What is wanted of the times of jobs."""
     long, million = record_of(LONG), record_of(1_000_000)
-    least_of = partial(least, rounds=3)
-    every = least_of(partial(JOBS["oadev, every tau"][0], million))
+    every = least(partial(JOBS["oadev, every tau"][0], million), 3)
     few, hundred = (
-        least_of(partial(by_allantools, "oadev", each, GRIDS["log"](each.size // 2))) for each in (million, long)
+        least(partial(by_allantools, "oadev", each, GRIDS["log"](each.size // 2)), 3) for each in (million, long)
     )
-
-    def over(what: str, ours: float, of: str, terms: float, bound: float) -> Demand:
-        theirs = peer[of][1] * terms
-        return Demand(what, theirs / ours, bound, ">=", ours, theirs)
-
-    def beside(what: str, seconds: float, theirs: float, bound: float) -> Demand:
-        return Demand(what, seconds / theirs, bound, "<=", seconds, theirs)
 
     def spare(name: str) -> float:
         return allocated(partial(JOBS[name][0], long)) / long.values.nbytes
 
-    theo, total = times["theo1, 100 tau"][-1], times["mtotdev, 50 tau"][2]
+    whole, theo, total = times["oadev, every tau"][-1], times["theo1, 100 tau"][-1], times["mtotdev, 50 tau"][2]
+    windows = "dynamic oadev, 9901 windows"
     return [
-        beside("oadev, every tau of 1e6, over allantools' 100", every, few, 6),
-        over("oadev, every tau of 3.6e6: allantools over ours", times["oadev, every tau"][-1], "oadev",
-             differences(LONG, range(1, LONG // 2 + 1)), 1000),
-        over("theo1, every even m of 7200: allantools over ours", times["theo1, every even m"][2], "theo1",
-             theo1_terms(7_200, range(2, 7_201, 2)), 1e5),
-        beside("theo1, 100 m of 720000, over allantools' 100 tau oadev of 3.6e6", theo, hundred, 8),
-        beside("theoh, 100 tau of 720000, over the same", times["theoh, 100 tau"][-1], hundred, 25),
-        over("mtotdev, 50 m of 1e5: allantools over ours", total, "mtotdev",
-             mtot_terms(100_000, log_factors(100_000 // 3, 50)), 1e5),
-        over("dynamic oadev, 9901 windows x 46 tau of 3.6e6: numpy per window over ours",
-             times["dynamic oadev, 9901 windows"][-1], "numpy per window", 9901 * differences(36_000, WINDOW), 100),
-        *(Demand(f"memory of {name} of 3.6e6, over the record", spare(name), 10)
+        below("oadev, every tau of 1e6, over allantools' 100", every, few, 6),
+        above("oadev, every tau of 3.6e6: allantools over ours", whole, peer["oadev"], 1000),
+        above("theo1, every even m of 7200: allantools over ours", times["theo1, every even m"][2], peer["theo1"], 1e5),
+        below("theo1, 100 m of 720000, over allantools' 100 tau oadev of 3.6e6", theo, hundred, 8),
+        below("theoh, 100 tau of 720000, over the same", times["theoh, 100 tau"][-1], hundred, 25),
+        above("mtotdev, 50 m of 1e5: allantools over ours", total, peer["mtotdev"], 1e5),
+        above(f"{windows} x 46 tau of 3.6e6: numpy per window over ours", times[windows][-1], peer["dynamic"], 100),
+        *(wanted(f"memory of {name} of 3.6e6, over the record", spare(name), 10)
           for name in ("oadev, every tau", "oadev, 100 tau")),
-        Demand("oadev, every tau of 3.6e6 [s]", times["oadev, every tau"][-1], 2),
-        Demand("theo1, 100 m of 720000 [s]", theo, 2),
-        Demand("mtotdev, 50 m of 1e5 [s]", total, 3),
+        wanted("oadev, every tau of 3.6e6 [s]", whole, 2),
+        wanted("theo1, 100 m of 720000 [s]", theo, 2),
+        wanted("mtotdev, 50 m of 1e5 [s]", total, 3),
     ]  # fmt: skip
 
 
@@ -330,34 +277,76 @@ def growth(_: int) -> list[str]:
     for name, (job, _) in JOBS.items():
         job(records[sizes[name][1]])
     times = {name: [least(partial(job, records[n]), 3) for n in sizes[name]] for name, (job, _) in JOBS.items()}
-    peer = peers()
     rows = [(name, str(sizes[name][-1]), *(f"{seconds:.3g}" for seconds in times[name])) for name in JOBS]
     return [
-        *judged("Growth with the record", demanded(times, peer)),
-        *section("Peers, extrapolated by their inner terms: a difference, squared and summed",
-                 ("job", "ns a term", "from"), [(name, f"{1e9 * s:.3g}", part) for name, (part, s) in peer.items()]),
+        *section("Growth with the record", WANTED, demanded(times, peers())),
         *section("Time by samples, s", ("job", "n", "n/1000", "n/100", "n/10", "all"), rows),
     ]  # fmt: skip
 
 
-def jobs(_: int) -> list[str]:
+# --- commands --------------------------------------------------------------------------------------------------------
+
+SENSORS = {
+    "gyro": ("deg/s", "N 0.5 deg/sqrt(h), B 5 deg/h, K 20 deg/h/sqrt(h)"),
+    "accel": ("m/s^2", "N 100 ug/sqrt(Hz), B 20 ug"),
+}
+
+
+def six(path: Path, samples: int) -> None:
+    """Write stamps, three gyroscopes and three accelerometers."""
+    columns = {"time [s]": np.arange(samples) / RATE}
+    for name, (unit, model) in SENSORS.items():
+        for i, axis in enumerate("xyz"):
+            rng = np.random.default_rng([1, i + 3 * (name == "accel")])
+            values = al.simulate(al.Model(model), samples, RATE, rng=rng).values
+            columns[f"{name}_{axis} [{unit}]"] = np.round(np.degrees(values) if name == "gyro" else values, 9)
+    csv.write_csv(pa.table(columns), path, csv.WriteOptions(quoting_style="none"))
+
+
+def jobs(samples: int) -> list[str]:
     """From a file to a page."""
-    rows, about = first_run.jobs(1_000_000, 3)
-    headings = ("command", "time [s]", "of the processors [s]", "--threads 1 [s]", "over the read", "wanted", "")
-    return section("From a file to a page", headings, rows, about)
+    pa.set_cpu_count(1)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "six.csv")
+        six(path, min(samples, 1_000_000))
+        ours, theirs = by_turns(4, partial(al.read, path), partial(csv.read_csv, path))
+        read = least(partial(csv.read_csv, path), 4, time.perf_counter)
+        words = (sys.executable, "-m", "allanite.cli", "analyze", path, "--force")
+        targets = (("--report", path.with_suffix(".html")), ("--json", path.with_suffix(".json")))
+        page, plain = (min(spent(*words, *target)[0] for _ in range(3)) for target in targets)
+    return section("From a file to a page", WANTED, [
+        below("reading, of the processor, over pyarrow's own", ours, theirs, 2),
+        below("analyze --report, over the read by pyarrow", page, read, 10),
+        below("analyze --json, over the read by pyarrow", plain, read, 6),
+    ], f"{min(samples, 1_000_000)} samples of six channels with stamps; pyarrow has one thread.")  # fmt: skip
 
 
-PARTS: dict[str, Callable[[int], list[str]]] = {
-    "ratios": ratios, "growth": growth, "jobs": jobs, "first": lambda _: first_run.sections(5),
-}  # fmt: skip
+def first(_: int, rounds: int = 5) -> list[str]:
+    """The first run of the README, and the second."""
+    words, runs = (sys.executable, "-m", "allanite.cli", "analyze", ROOT / "examples" / "tactical_gyro.csv"), []
+    for _ in range(rounds):
+        with tempfile.TemporaryDirectory() as cache:
+            runs.append([spent(*words, NUMBA_CACHE_DIR=cache) for _ in range(2)])
+    rows = []
+    for name, number in (("first", 0), ("second", 1)):
+        walls, used = zip(*(run[number] for run in runs), strict=True)
+        rows.append((name, *(f"{seconds:.1f}" for seconds in (min(walls), median(walls), median(used)))))
+    shortest = min(run[0][0] for run in runs)
+    return [
+        *section("First run", ("run", "shortest", "median", "median, of the processors"), rows,
+                 f"The sample, {rounds} times with an empty cache of kernels and with the one that this run left, s."),
+        *section("Demand of the first run", WANTED, [wanted("shortest, on two idle processors [s]", shortest, 8)]),
+    ]  # fmt: skip
+
+
+PARTS: dict[str, Callable[[int], list[str]]] = {"ratios": ratios, "growth": growth, "jobs": jobs, "first": first}
 
 
 def main() -> int:
     run = begin(__doc__, parts=list(PARTS), samples=3_600_000)
     body = [line for part in run.asked.parts for line in PARTS[part](run.asked.samples)]
-    load = f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors at the end"
     missed = sum("MISSED" in line for line in body)
-    run.publish("Speed", ("seed 1", load, f"demands that are missed: {missed}"), body)
+    run.publish("Speed", ("seed 1", f"load {os.getloadavg()[0]:.1f}", f"demands that are missed: {missed}"), body)
     return int(missed > 0)
 
 

@@ -1,11 +1,9 @@
-"""Samples as they come: how fast a stream is, how good its coefficients, what a week of watching and a large file cost.
+"""Samples as they come: how fast a stream is, how good its coefficients, and what a file beyond memory costs.
 
 Speed: processor time of the thread, the least of several, beside allantools.realtime and the whole record at once.
 Coefficients: simulated records pushed in 16 chunks, and as a whole; root mean square errors over the Cramer-Rao bound.
-Watching: six channels at 200 Hz from a source with a clock of its own, which goes as fast as it can; reports and looks
-take no time by that clock. Counted is the processor time of all but the source.
-Large files: each is made, read alone, analyzed and deleted; its pages are dropped from memory before it is read, and it
-is read alone once more, from memory: `warm`. Processor time is of user and system, of all threads.
+Large files: each is made, analyzed and deleted; its pages are dropped from memory before it is read.
+Processor time is of user and system, of all threads.
 """
 
 from table import begin, least, section
@@ -15,25 +13,18 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import closing
-from functools import partial, wraps
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, NamedTuple
 
 import allantools.realtime
 import numpy as np
 import pyarrow as pa
-from pyarrow import csv, parquet
+from pyarrow import parquet
 
 import allanite as al
-from allanite.readers.spool import Spool
 from allanite.stream.accumulator import streamable
-from allanite.study import watching
-
-Rows = list[list[str]]
 
 SAMPLES, PEER = 4_000_000, 3000  # of the stream, and of the peer, which is slow
 SENSORS = (("mems", 100.0, 2**20, "NBK"), ("fog", 1.0, 2**18, "QNBKR"))
@@ -47,7 +38,7 @@ def factors(most: int) -> list[int]:
     return [m for m in every if m <= most]
 
 
-def speed() -> Rows:
+def speed() -> list[list[str]]:
     """What, million samples per second, times allantools.realtime."""
     values, taken = np.random.default_rng(1).normal(size=SAMPLES), partial(least, clock=time.thread_time)
     record = al.Record(values, 1.0, "deg/h")
@@ -58,7 +49,7 @@ def speed() -> Rows:
             stream.add_frequency(value)
 
     paces = {"allantools.realtime, oadev": PEER / taken(peer, 2)}
-    at_once = taken(lambda: al.deviation(record, m=factors(SAMPLES // 2), noise=None), 2)
+    at_once = taken(lambda: al.deviation(replace(record), m=factors(SAMPLES // 2), noise=None), 2)
     paces["al.deviation, the same averaging times, every window"] = SAMPLES / at_once
     for chunk, count in ((SAMPLES, SAMPLES), (10_000, SAMPLES), (100, 800_000)):
         for statistic in streamable() if chunk == SAMPLES else ("oadev",):
@@ -71,7 +62,7 @@ def speed() -> Rows:
     return [[what, f"{pace / 1e6:.3g}", f"{pace / slow:.0f}"] for what, pace in paces.items()]
 
 
-def coefficients(records: int) -> Rows:
+def coefficients(records: int) -> list[list[str]]:
     """Sensor, samples, term, bound, and the errors of a stream and of the whole record over it."""
     rows = []
     for name, rate, n, terms in SENSORS:
@@ -90,100 +81,11 @@ def coefficients(records: int) -> Rows:
     return rows
 
 
-# --- watching --------------------------------------------------------------------------------------------------------
-
-RATE, CHANNELS = 200, 6
-PERIOD_S = 600  # seconds of which the samples are made at a time
-HOURS = (1, 3, 6, 12, 24, 48, 96, 168)  # after which a row is written
-WORK = {"lines": (Spool, "add"), "looks": (watching.Watch, "_look"), "reports": (watching.Watch, "_news")}
-
-
-class Source:
-    """Sends the lines of a second whenever it is asked, and tells the time."""
-
-    def __init__(self, told: Callable[[float], None]) -> None:
-        self.now, self.told, self.made = 0.0, told, 0.0
-        self.rng, self.bias, self.lines = np.random.default_rng(1), np.zeros(CHANNELS), iter(())
-
-    def take(self, _: float) -> bytes:
-        """The lines of the next second."""
-        begun = time.process_time()
-        data = next(self.lines, b"")
-        if not data:
-            self.lines = self.period()
-            data = next(self.lines)
-        self.now += 1.0
-        self.made += time.process_time() - begun
-        if self.now in {3600.0 * hours for hours in HOURS}:
-            self.told(self.now / 3600)
-        return data
-
-    def period(self) -> Iterator[bytes]:
-        """The lines of ten minutes, second by second: white noise and a random walk with time stamps."""
-        n = PERIOD_S * RATE
-        walk = self.bias + np.cumsum(self.rng.normal(0.0, 1e-4, (n, CHANNELS)), axis=0)
-        self.bias = walk[-1]
-        values = np.round(walk + self.rng.normal(size=(n, CHANNELS)), 5)
-        columns, sink = [np.round(self.now + np.arange(n) / RATE, 3), *values.T], pa.BufferOutputStream()
-        csv.write_csv(pa.table(columns, [*map(str, range(CHANNELS + 1))]), sink, csv.WriteOptions(include_header=False))
-        lines = sink.getvalue().to_pybytes().splitlines(keepends=True)
-        return iter([b"".join(lines[i : i + RATE]) for i in range(0, n, RATE)])
-
-    def close(self) -> list[bytes]:
-        """Nothing is left."""
-        return []
-
-
-def metered(owner: Any, method: str, kind: Callable[[], str], minutes: Counter[str], counts: Counter[str]) -> None:
-    """Measure a method, a generator until its end."""
-    plain = getattr(owner, method)
-
-    @wraps(plain)
-    def measured(*args: Any) -> Any:
-        begun, made = time.process_time(), plain(*args)
-        made = list(made) if made is not None else made
-        minutes[kind()] += (time.process_time() - begun) / 60
-        counts[kind()] += 1
-        return made
-
-    setattr(owner, method, measured)
-
-
-def watched(hours: float) -> Rows:
-    """Hours, GB of lines, reports and minutes of processor of each kind of work, and of all."""
-    minutes, counts, rows = Counter[str](), Counter[str](), list[list[str]]()
-    settings = watching.WatchSettings(duration=3600 * hours)
-    watch = watching.Watch("port", al.Recipe(unit="deg/h", time="1"), settings)
-    for name, (owner, method) in WORK.items():
-        kind = partial(lambda name: "sums" if name == "reports" and watch.passing is not None else name, name)
-        metered(owner, method, kind, minutes, counts)
-
-    def row(hour: float) -> None:
-        whole = (time.process_time() - begun - source.made) / 60
-        shares = (f"{minutes[kind]:.2f}" for kind in ("lines", "looks", "reports", "sums"))
-        done = (str(counts[kind]) for kind in ("looks", "reports", "sums"))
-        rows.append([f"{hour:g}", f"{watch.spool.came / 1e9:.2f}", *done, *shares, f"{whole:.2f}"])
-
-    begun, source = time.process_time(), Source(row)
-    clock = SimpleNamespace(monotonic=lambda: source.now, sleep=lambda _: None)
-    vars(watching).update(time=clock, opened=lambda *_: SimpleNamespace(live=True), Feed=lambda _: source)
-    watch._begun = 0.0  # by the clock of the source
-    with closing(watch):
-        for _ in watch.events():
-            pass
-    return rows
-
-
 # --- large files -----------------------------------------------------------------------------------------------------
 
 CHUNK = 5_000_000  # samples that are made at a time
+subprocess._USE_VFORK = False  # else the peak memory of a command is at least that of this process
 MEMORY = "500MB"  # what the analysis is given, so that it reads in parts
-BYTES = "buffer = bytearray(8 << 20)\nwith open(path, 'rb', buffering=0) as f:\n    while f.readinto(buffer): pass"
-BATCHES = (
-    "from pyarrow import parquet\n"
-    "for batch in parquet.ParquetFile(path, pre_buffer=False, buffer_size=1 << 20).iter_batches(1 << 20, "
-    "use_threads=False): pass"
-)
 
 
 def chunks(count: int) -> Iterator[np.ndarray]:
@@ -206,61 +108,49 @@ def binary(path: Path, count: int) -> None:
 def columns(path: Path, count: int) -> None:
     """A Parquet of a column of float32, in row groups of a million."""
     schema = pa.schema([pa.field("gz", pa.float32(), metadata={"unit": "deg/h"})], {"rate": "1000"})
-    with parquet.ParquetWriter(path, schema, use_dictionary=False) as writer:
+    with path.open("wb") as file, parquet.ParquetWriter(file, schema, use_dictionary=False) as writer:
         for part in chunks(count):
             writer.write_table(pa.table([pa.array(part)], schema), row_group_size=1_000_000)
-    with path.open("rb") as file:
+        file.flush()
         os.fsync(file.fileno())
 
 
-FILES = {".npy": (binary, ("--rate", "1000", "--unit", "deg/h"), BYTES), ".parquet": (columns, (), BATCHES)}
-"""By the suffix: what makes a file, options with which it is analyzed, and what reads it alone."""
-
-
-class Cost(NamedTuple):
-    """Wall time, processor time and peak resident memory of a process, s and bytes."""
-
-    wall: float
-    busy: float
-    peak: float
-
-
-def cost(path: Path, command: list[str], *, cold: bool = True) -> Cost:
-    """What a command costs, the pages of the file dropped from memory before."""
-    if cold:
-        with path.open("rb") as file:
-            os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
-    begun, process = time.perf_counter(), subprocess.Popen([sys.executable, *command], stdout=subprocess.DEVNULL)
-    _, status, used = os.wait4(process.pid, 0)
-    if status:
-        raise RuntimeError(f"{command} ended with status {status}")
-    return Cost(time.perf_counter() - begun, used.ru_utime + used.ru_stime, used.ru_maxrss * 1024)
+FILES = {".npy": (binary, ("--rate", "1000", "--unit", "deg/h")), ".parquet": (columns, ())}
+"""By the suffix: what makes a file, and options with which it is analyzed."""
 
 
 def large(suffix: str, folder: Path, count: int) -> list[str]:
     """The row of a file."""
-    make, options, alone = FILES[suffix]
+    make, options = FILES[suffix]
     path = folder / f"a{suffix}"
     make(path, count)
-    reading = ["-c", f"path = {str(path)!r}\n{alone}"]
-    cold, warm = cost(path, reading), cost(path, reading, cold=False)
-    analyze = ["-m", "allanite.cli", "analyze", str(path), *options, "--memory", MEMORY]
-    job = cost(path, [*analyze, "--json", os.devnull, "--force", "--quiet"])
-    size = path.stat().st_size
+    with path.open("rb") as file:
+        os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
+    words = ("analyze", path, *options, "--memory", MEMORY, "--json", os.devnull, "--force", "--quiet")
+    command = [sys.executable, "-m", "allanite.cli", *map(str, words)]
+    begun, process = time.perf_counter(), subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    _, status, used = os.wait4(process.pid, 0)
+    wall, size = time.perf_counter() - begun, path.stat().st_size / 1e6
+    if status:
+        raise RuntimeError(f"{command} ended with status {status}")
     path.unlink()
-    paces = (f"{size / 1e6 / each.wall:.0f}" for each in (cold, warm, job))
-    nanoseconds = (f"{seconds / count * 1e9:.0f}" for seconds in (job.busy, job.wall))
-    return [suffix, f"{count / 1e6:g}", f"{size / 1e9:.2f}", *paces, *nanoseconds, f"{job.peak / 1e6:.0f}"]
+    numbers = (
+        size / wall,
+        (used.ru_utime + used.ru_stime) / count * 1e9,
+        wall / count * 1e9,
+        used.ru_maxrss * 1.024e-3,
+    )
+    return [suffix, f"{count / 1e6:g}", f"{size / 1e3:.2f}", *(f"{number:.0f}" for number in numbers)]
 
 
 def main() -> None:
-    run = begin(__doc__, records=200, hours=168.0, millions=1000)
-    fast, good, week = speed(), coefficients(run.asked.records), watched(run.asked.hours)
+    run = begin(__doc__, records=200, millions=1000)
+    fast, good = speed(), coefficients(run.asked.records)
     with tempfile.TemporaryDirectory() as folder:
         files = [large(suffix, Path(folder), run.asked.millions * 1_000_000) for suffix in FILES]
     notes = (
-        f"seeds: 1..{run.asked.records} of records, 1 of lines, (1, first sample) of each part of a file; errors over "
-        f"the bound are known to {100 / np.sqrt(2 * run.asked.records):.0f} %",
+        f"seeds: 1..{run.asked.records} of records, (1, first sample) of each part of a file; errors over the "
+        f"bound are known to {100 / np.sqrt(2 * run.asked.records):.0f} %",
         f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors at the end: beside other programs read the "
         "ratios and the processor time",
     )
@@ -268,12 +158,8 @@ def main() -> None:
         *section("Speed", ("what", "million samples/s", "times allantools.realtime"), fast,
                  f"White noise; an Accumulator of oadev holds {al.Accumulator(1.0, 'deg/h').nbytes} bytes."),
         *section("Coefficients", ("sensor", "samples", "term", "bound %", "stream / bound", "whole / bound"), good),
-        *section("Watching: processor time since the beginning",
-                 ("hours", "GB of lines", "looks", "reports", "of sums", "lines [min]", "looks [min]", "reports [min]",
-                  "of sums [min]", "all [min]"), week),
         *section("Files that do not fit into memory",
-                 ("file", "million samples", "GB", "alone, cold, MB/s", "alone, warm, MB/s", "analyze, cold, MB/s",
-                  "processor ns/sample", "wall ns/sample", "peak MB"), files,
+                 ("file", "million samples", "GB", "MB/s", "processor ns/sample", "wall ns/sample", "peak MB"), files,
                  f"analyze is given --memory {MEMORY}; peak is its resident memory, the interpreter included."),
     ])  # fmt: skip
 

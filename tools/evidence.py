@@ -34,36 +34,22 @@ LANES = {"pool": 1, "single": 2, "quiet": 1}
 
 
 class Job(NamedTuple):
-    """How a table is made: by what options of its script, in about how many minutes, in which lane."""
+    """How a table is made: by what options of its script, in which lane."""
 
     options: str = ""
-    minutes: int = 5
     lane: str = "single"
 
 
+POOL = "curves methods theoh_paper comparison compensation angle recordings simulation moments prices"
+SINGLE = "check consistency drift vertical rate logs environments"
+QUIET = "kills streams speed"
+
 TABLES = {
-    "grid": Job("make --rounds 100", minutes=240, lane="pool"),
-    "curves": Job(minutes=60, lane="pool"),
-    "methods": Job(minutes=15, lane="pool"),
-    "theoh_paper": Job(minutes=30, lane="pool"),
-    "comparison": Job(minutes=25, lane="pool"),
-    "compensation": Job(minutes=10, lane="pool"),
-    "angle": Job(minutes=2, lane="pool"),
-    "recordings": Job(minutes=5, lane="pool"),
-    "fuzz": Job("--share 0.1", minutes=40, lane="pool"),
-    "check": Job(minutes=30),
-    "consistency": Job(minutes=20),
-    "drift": Job(minutes=10),
-    "vertical": Job(minutes=10),
-    "rate": Job(minutes=5),
-    "simulation": Job(minutes=1),
-    "moments": Job(minutes=15),
-    "prices": Job(minutes=60),
-    "logs": Job(minutes=30),
-    "environments": Job(minutes=40),
-    "kills": Job(minutes=40, lane="quiet"),
-    "streams": Job(minutes=45, lane="quiet"),
-    "speed": Job(minutes=25, lane="quiet"),
+    "grid": Job("make --rounds 100", "pool"),
+    **dict.fromkeys(POOL.split(), Job(lane="pool")),
+    "fuzz": Job("--share 0.1", "pool"),
+    **dict.fromkeys(SINGLE.split(), Job()),
+    **dict.fromkeys(QUIET.split(), Job(lane="quiet")),
 }
 """Tables by the name of their file, which is that of their script."""
 
@@ -113,7 +99,7 @@ def make(name: str, *, again: bool) -> int:
     if not again and fresh(name):
         say(name, "is of the code as it is")
         return 0
-    say(name, f"about {TABLES[name].minutes} minutes")
+    say(name, "begins")
     begun = time.monotonic()
     single = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     with open(LOGS / f"{name}.log", "wb") as log:
