@@ -40,8 +40,11 @@ class Job(NamedTuple):
     lane: str = "single"
 
 
-POOL = "curves methods theoh_paper comparison compensation angle recordings simulation moments prices"
-SINGLE = "check consistency drift vertical rate logs environments"
+POOL = (
+    "curves methods theoh_paper comparison check compensation consistency drift angle rate vertical recordings "
+    "simulation prices"
+)
+SINGLE = "moments logs environments"
 QUIET = "kills streams speed"
 
 TABLES = {
