@@ -202,6 +202,8 @@ class Fit(Value):
         Grade from the residuals, if they were computed.
     warm_up : Term or None
         A warm-up that was found; it is part of the model only where it was asked for.
+    steps : tuple of (float, float)
+        Time in the record, s, and size, SI, of each step of the bias; the noise is that between them.
     components : tuple of Component
         What the models consistent with the record hold beside the terms, each with the weight of those that do:
         claimed, almost claimed, or unlikely.
@@ -229,6 +231,7 @@ class Fit(Value):
     checked: str = ""
     nodes: Callable[[], Averaged] | None = None
     warm_up: Term | None = None
+    steps: tuple[tuple[float, float], ...] = ()
     components: tuple[Component, ...] = ()
     cutoff: Callable[[float], tuple[float, float]] | None = None
 

@@ -209,6 +209,19 @@ def test_the_window_that_a_warm_up_advises_is_free_of_it():
     assert rest.goodness.explained
 
 
+@rows("kind", ["rate", "increment", "angle"])
+def test_the_noise_between_steps_is_checked_without_them(kind):
+    y = np.random.default_rng(3).normal(scale=0.05, size=2**14) + 0.05 * (np.arange(2**14) >= 6000)
+    values = {"rate": y, "increment": y / RATE, "angle": np.concatenate(([0.0], np.cumsum(y / RATE)))}[kind]
+    record = al.Record(values, RATE, "deg/s" if kind == "rate" else "deg", kind=kind)
+    fit = al.identify(record)
+    ((time, size),) = fit.steps
+    assert (time, np.degrees(size)) == pytest.approx((6000 / RATE, 0.05), rel=0.05)
+    assert al.residuals(record, fit).explained
+    assert al.analyze(record).channels[0].fit.validity == "approximate"
+    assert al.from_dict(fit.to_dict()).steps == fit.steps
+
+
 @pytest.mark.slow("takes more than half a second")
 def test_a_warm_up_that_fills_the_record_is_to_be_waited_for():
     text = str(al.identify(record_of(N + B, 2**16, 2, settling(200, 0.3))).findings[0])

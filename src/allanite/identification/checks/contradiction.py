@@ -19,6 +19,8 @@ from allanite.prepare.rounding import step_of
 from allanite.statistics import deviation, expected
 from allanite.terms import TERMS, WHITE
 
+from .whitening import levelled
+
 FALSE = 0.01
 """Probability that the curve of a record contradicts a right coefficient, over all octaves that are compared."""
 
@@ -44,7 +46,8 @@ class MeasuredCurve:
 
 
 def measured(fit: Fit, record: Record) -> MeasuredCurve:
-    """The deviation of a record; a point of which the joints over gaps leave nothing contradicts nothing."""
+    """The deviation of a record between its steps; a point of which joints over gaps leave nothing contradicts nothing."""
+    record = levelled(record, fit.steps)
     return MeasuredCurve(deviation(record, "oadev", taus="octave", noise=None),
                          lambda m: deviation(record, "oadev", m=m.tolist(), noise=fit, omit=True),
                          lambda: measured(fit, marked(record, outliers(record))))  # fmt: skip

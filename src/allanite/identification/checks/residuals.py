@@ -24,7 +24,7 @@ from allanite.prepare.gaps import whole
 from allanite.prepare.outliers import treated
 
 from .goodness import reasons
-from .whitening import deviations, memory, whitened
+from .whitening import deviations, levelled, memory, whitened
 
 FINEST_BLOCK, MAX_BLOCKS = 8, 1 << 17
 """Number of samples per block, and the number of blocks above which blocks become longer."""
@@ -199,7 +199,7 @@ def residuals(record: Record, fit: Fit, *, outliers: str = "mark") -> Residuals:
     >>> left.explained, [check.name for check in left.checks]
     (True, ['correlation', 'kurtosis', 'halves', 'eighths'])
     """
-    record = treated(record, outliers)
+    record = levelled(treated(record, outliers), fit.steps)
     # the selected model sets absent terms to zero: the residuals of a weak random walk would correlate
     model = Model((*fit.averaged.model, *(line.term for line in fit.lines))) if fit.nodes else fit.model
     return checked(whitened(record, fit.complete(model), fit.scope), record, fit, outliers)

@@ -113,6 +113,16 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
     return everywhere
 
 
+def levelled(record: Record, steps: Sequence[tuple[float, float]]) -> Record:
+    """A record without steps of its bias, whose times in the record, s, and sizes, SI, are given."""
+    if not steps:
+        return record
+    values = np.array(record.steps, dtype=np.float64)
+    for time, size in steps:
+        values[round(time * record.rate) :] -= size / record.rate_factor
+    return replace(record, values=values, kind="increment" if record.integrated else record.kind)
+
+
 def _divide(c: NDArray[np.float32], k: IntArray, deviation: FloatArray, unit: float) -> None:
     """Divide by the standard deviation in place; its inverse is interpolated linearly between the nodes k."""
     weight = unit / deviation

@@ -39,7 +39,7 @@ from .refining import Move, pruned
 from .search import Searched, search, shows_white
 
 from .slow import (  # isort: skip
-    RESONANCES, WarmUp, exponent_finding, steps_finding, vibration_finding, warm_up_estimate, wave_finding, wave_of
+    RESONANCES, WarmUp, exponent_finding, steps_finding, steps_of, vibration_finding, warm_up_estimate, wave_finding, wave_of
 )  # fmt: skip
 from .state import State
 
@@ -245,8 +245,9 @@ def _concluded(
     warm = WarmUp(answer, best) if weights.get("warm-up", 0.0) >= CLAIMED and best.state.of("warm-up") else None
     estimates = _estimates(answer, scope, warm)
     findings: list[Finding] = [warm.finding] if warm else []
-    if weights.get("step", 0.0) >= CLAIMED and best.state.of("step"):
-        findings.append(steps_finding(answer, best))
+    steps = steps_of(answer, best) if weights.get("step", 0.0) >= CLAIMED else ()
+    if steps:
+        findings.append(steps_finding(answer, best, steps))
     lines = taken
     if weights.get("wave", 0.0) >= CLAIMED and best.state.of("wave"):
         lines = (wave := wave_of(answer, best), *taken)
@@ -266,7 +267,7 @@ def _concluded(
                notes=(*(f.what for f in findings), *notes_of(answer, estimates)), lines=lines,
                rivals=Remembered(partial(alternatives, answer)),
                nodes=Remembered(partial(answer.nodes, deterministic_terms)), scope=scope, findings=tuple(findings),
-               warm_up=warm.term if warm else None, components=components_of(answer),
+               warm_up=warm.term if warm else None, steps=steps, components=components_of(answer),
                cutoff=Remembered(cutoff_law(answer)) if choice == "auto" else None)  # fmt: skip
 
 

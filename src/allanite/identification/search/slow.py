@@ -184,14 +184,20 @@ def wave_finding(wave: Line) -> Finding:
     )  # fmt: skip
 
 
-def steps_finding(answer: Answer, f: Fitted) -> Finding:
+def steps_of(answer: Answer, f: Fitted) -> tuple[tuple[float, float], ...]:
+    """Time in the record, s, and size, SI, of the steps of a fit."""
+    size = sizes_of(f, "step")[0] * answer.scale.factor
+    return tuple((p.shape[0] / answer.scale.rate, float(s)) for p, s in zip(f.state.of("step"), size, strict=True))
+
+
+def steps_finding(answer: Answer, f: Fitted, steps: tuple[tuple[float, float], ...]) -> Finding:
     """The finding about the steps of a fit."""
     signal, spectrum = answer.scale.signal, f.frame.spectrum
-    unit, size = signal.sheet[0], sizes_of(f, "step")[0] * answer.scale.factor
-    time = spectrum.cut + np.array([p.shape[0] for p in f.state.of("step")]) / spectrum.rate
+    unit, size = signal.sheet[0], [s for _, s in steps]
+    time = spectrum.cut + np.array([t for t, _ in steps])
     span = spectrum.cut, spectrum.cut + spectrum.size / spectrum.rate
     each = [
-        say("{size:+.3g} {unit} at {time:.4g} s", size=convert(float(s), signal.unit, unit), unit=unit, time=t)
+        say("{size:+.3g} {unit} at {time:.4g} s", size=convert(s, signal.unit, unit), unit=unit, time=t)
         for t, s in zip(time, size, strict=True)
     ]
     apart = (span[1] - span[0]) / PLACES  # a low step is placed less well
