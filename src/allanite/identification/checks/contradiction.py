@@ -46,7 +46,7 @@ class MeasuredCurve:
 
 
 def measured(fit: Fit, record: Record) -> MeasuredCurve:
-    """The deviation of a record between its steps; a point of which joints over gaps leave nothing contradicts nothing."""
+    """The deviation of a record between its steps; a point that joints over gaps leave empty contradicts nothing."""
     record = levelled(record, fit.steps)
     return MeasuredCurve(deviation(record, "oadev", taus="octave", noise=None),
                          lambda m: deviation(record, "oadev", m=m.tolist(), noise=fit, omit=True),

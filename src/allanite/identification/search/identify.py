@@ -39,7 +39,8 @@ from .refining import Move, pruned
 from .search import Searched, search, shows_white
 
 from .slow import (  # isort: skip
-    RESONANCES, WarmUp, exponent_finding, steps_finding, steps_of, vibration_finding, warm_up_estimate, wave_finding, wave_of
+    RESONANCES, WarmUp, exponent_finding, steps_finding, steps_of, vibration_finding, warm_up_estimate, wave_finding,
+    wave_of
 )  # fmt: skip
 from .state import State
 
