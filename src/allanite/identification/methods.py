@@ -52,42 +52,42 @@ def times(least: float, most: float) -> str:
 METHODS: dict[str, Method] = {
     "whittle": Method(
         say("Whittle likelihood of binned cosine-transform powers, intervals averaged over models"),
-        Record, pending, efficiency=times(0.64, 1.33),
+        Record, pending, efficiency=times(0.91, 1.07),
         options=("band", "masks", "lines", "rival"), shapes=True, signed=True, synonyms=("mle", "likelihood"),
     ),
     "gls": Method(
         say("generalized least squares of a curve with the covariance of its points under the model"),
-        Curve, gls, efficiency=times(0.7, 1.36),
+        Curve, gls, efficiency=times(0.91, 1.26),
         statistic="oadev", taus="octave", reads=lambda row: row.readable and row.overlapped,
     ),
     "joint": Method(
         say("non-negative fit of Allan and Hadamard variance together, weighted by degrees of freedom"),
-        Record, joint, efficiency=times(0.68, 1.57),
+        Record, joint, efficiency=times(0.91, 1.49),
         statistic=say("{first} and {second}", first="oadev", second="ohdev"), taus="octave",
     ),
     "nnls": Method(
         say("non-negative least squares with equal relative weights up to T/10 (for comparison with programs)"),
-        Curve, nnls, efficiency=times(0.77, 11.4),
+        Curve, nnls, efficiency=times(1.21, 11.5),
         statistic="oadev", taus="log", reads=lambda row: row.readable,
     ),
     "piecewise": Method(
         say("lines of the textbook slopes through ranges of averaging times (for comparison)"),
-        Curve, piecewise, efficiency=times(3.7, 83.6),
+        Curve, piecewise, efficiency=times(4.17, 83.8),
         statistic="oadev", taus="octave", reads=lambda row: row.allan, options=("ranges",),
     ),
     "ls": Method(
         say("unweighted least squares of the Allan variance (for comparison with papers)"),
-        Curve, least_squares, efficiency=times(1.04, 138),
+        Curve, least_squares, efficiency=times(1.13, 147),
         statistic="oadev", taus="octave", reads=lambda row: row.allan,
     ),
     "curve": Method(
         say("unweighted non-negative least squares of the whole curve as drawn (for comparison with papers)"),
-        Curve, whole, efficiency=times(0.95, 49.6),
+        Curve, whole, efficiency=times(1.02, 53.8),
         statistic="oadev", taus="log", reads=lambda row: row.allan or bool(row.parts), synonyms=("whole",),
     ),
     "slopes": Method(
         say("lines of the textbook slopes on the Allan deviation (for comparison)"),
-        Curve, slopes, efficiency=times(1.45, 48.5),
+        Curve, slopes, efficiency=times(1.7, 3.68e+04),
         statistic="oadev", taus="octave", reads=lambda row: row.allan, synonyms=("allan", "avar", "lines"),
     ),
 }  # fmt: skip
