@@ -40,7 +40,7 @@ ROOMS = {
     "compensation": "applications/compensation",
     "curves": "identification statistics", "consistency": "exporting",
     "drift": "planning", "environments": "",
-    "grid": "identification kernels prepare",
+    "grid": "identification kernels prepare study",
     "fuzz": "batch cli core readers study web", "logs": "readers",
     "methods": "identification planning/bound.py statespace", "moments": "statistics",
     "kills": "cli parallel statistics", "prices": "identification", "rate": "applications/constant_rate",

@@ -11,7 +11,6 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.core.model import Model, Term
-from allanite.identification.checks.whitening import levelled
 from allanite.prepare.rounding import grid
 from allanite.statistics import expected
 from allanite.terms import TERMS
@@ -38,8 +37,8 @@ STRAIGHT, BESIDE = 0.1, 1.1
 
 
 def curve_of(channel):
-    """The Allan deviation of a channel between its steps with its limits, SI."""
-    curve = al.deviation(levelled(channel.record, channel.fit.steps), "oadev", taus="octave", noise=channel.fit)
+    """The Allan deviation of a channel with its limits, SI."""
+    curve = al.deviation(channel.record, "oadev", taus="octave", noise=channel.fit)
     return curve, *curve.interval(0.95)
 
 

@@ -12,6 +12,7 @@ from allanite.core.threads import one_thread
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, Band, Finding
 from allanite.identification.checks.contradiction import MeasuredCurve, contradictions, held, measured, not_rounding
 from allanite.identification.checks.residuals import residuals
+from allanite.identification.checks.whitening import levelled
 from allanite.identification.front import Started, started
 from allanite.identification.methods import METHODS, symbols_of
 from allanite.identification.search.identify import explaining
@@ -35,7 +36,7 @@ def graded(noise: Noise, record: Record) -> Noise:
     fit, noise = replace(noise.fit, checked=residuals.grade), replace(noise, leftover=Stored(residuals))
     if noise.validity == UNEXPLAINED:
         return replace(noise, fit=fit.invalid(REJECTED))
-    curve = measured(fit, record)
+    curve = measured(fit, levelled(record, fit.steps))  # the coefficients are those of the noise between the steps
     for symbol, reason in (contradictions(fit, curve) | not_rounding(fit, record)).items():
         fit = fit.invalid(reason, (symbol,))
     if any(finding.name == "correlation" for finding in residuals.findings):
@@ -43,19 +44,23 @@ def graded(noise: Noise, record: Record) -> Noise:
         fit = fit.invalid(say("the residuals are not white: the noise rises with frequency in another way"), angle)
     if any(finding.name == "heavy tails" for finding in residuals.findings):
         fit = widened(fit, math.sqrt(1 + residuals["kurtosis"].value / 2))
-    return replace(noise, fit=_valid_until(fit, measured(fit, record)))
+    between = measured(fit, levelled(record, fit.steps))
+    return replace(noise, fit=_valid_until(fit, between, measured(fit, record) if fit.steps else between))
 
 
-def _valid_until(fit: Fit, seen: MeasuredCurve) -> Fit:
-    """The fit, with the averaging time up to which the measured curve shows it; not valid where it does at none."""
-    until = held(fit, seen)
+def _valid_until(fit: Fit, between: MeasuredCurve, whole: MeasuredCurve) -> Fit:
+    """The fit, with the averaging time up to which the curve of the whole record shows it.
+
+    Not valid where the curve between the steps does at none.
+    """
+    until = held(fit, between)
     if until == 0:
         nowhere = say("the deviation of these terms is that of the record at no averaging time")
         claimed = [e.symbol for e in fit if e.claimed]
         others = [e.symbol for e in fit if e.symbol not in claimed and e.status != "not valid"]
         fit = fit.invalid(nowhere, claimed).invalid(REJECTED, others)
     if fit.scope is not None:
-        fit = replace(fit, scope=replace(fit.scope, until=until))
+        fit = replace(fit, scope=replace(fit.scope, until=until if whole is between else held(fit, whole) or until))
     return fit
 
 
@@ -162,4 +167,4 @@ def noise_in(seen: Inspected, recipe: Recipe) -> Noise:
         untested = say("the residuals are not tested where a file is read in parts")
         tested = replace(fit.goodness, remarks=(*fit.goodness.remarks, untested))
         fit = replace(fit, goodness=tested, checked=APPROXIMATE)
-    return replace(noise, fit=_valid_until(fit, curve))
+    return replace(noise, fit=_valid_until(fit, curve, curve))

@@ -19,8 +19,6 @@ from allanite.prepare.rounding import step_of
 from allanite.statistics import deviation, expected
 from allanite.terms import TERMS, WHITE
 
-from .whitening import levelled
-
 FALSE = 0.01
 """Probability that the curve of a record contradicts a right coefficient, over all octaves that are compared."""
 
@@ -46,8 +44,7 @@ class MeasuredCurve:
 
 
 def measured(fit: Fit, record: Record) -> MeasuredCurve:
-    """The deviation of a record between its steps; a point that joints over gaps leave empty contradicts nothing."""
-    record = levelled(record, fit.steps)
+    """The deviation of a record; a point of which the joints over gaps leave nothing contradicts nothing."""
     return MeasuredCurve(deviation(record, "oadev", taus="octave", noise=None),
                          lambda m: deviation(record, "oadev", m=m.tolist(), noise=fit, omit=True),
                          lambda: measured(fit, marked(record, outliers(record))))  # fmt: skip
