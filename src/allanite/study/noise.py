@@ -36,7 +36,7 @@ def graded(noise: Noise, record: Record) -> Noise:
     fit, noise = replace(noise.fit, checked=residuals.grade), replace(noise, leftover=Stored(residuals))
     if noise.validity == UNEXPLAINED:
         return replace(noise, fit=fit.invalid(REJECTED))
-    curve = measured(fit, levelled(record, fit.steps))  # the coefficients are those of the noise between the steps
+    curve = measured(fit, record)
     for symbol, reason in (contradictions(fit, curve) | not_rounding(fit, record)).items():
         fit = fit.invalid(reason, (symbol,))
     if any(finding.name == "correlation" for finding in residuals.findings):
@@ -44,23 +44,26 @@ def graded(noise: Noise, record: Record) -> Noise:
         fit = fit.invalid(say("the residuals are not white: the noise rises with frequency in another way"), angle)
     if any(finding.name == "heavy tails" for finding in residuals.findings):
         fit = widened(fit, math.sqrt(1 + residuals["kurtosis"].value / 2))
-    between = measured(fit, levelled(record, fit.steps))
-    return replace(noise, fit=_valid_until(fit, between, measured(fit, record) if fit.steps else between))
+    seen = measured(fit, record)
+    between = measured(fit, levelled(record, fit.steps)) if fit.steps else seen
+    return replace(noise, fit=_valid_until(fit, seen, between))
 
 
-def _valid_until(fit: Fit, between: MeasuredCurve, whole: MeasuredCurve) -> Fit:
-    """The fit, with the averaging time up to which the curve of the whole record shows it.
+def _valid_until(fit: Fit, seen: MeasuredCurve, between: MeasuredCurve) -> Fit:
+    """The fit, with the averaging time up to which the measured curve shows it.
 
-    Not valid where the curve between the steps does at none.
+    It is not valid where the curve shows it at none, and that between the steps does not either.
     """
-    until = held(fit, between)
+    until = held(fit, seen)
+    if until == 0 and between is not seen:
+        until = held(fit, between)
     if until == 0:
         nowhere = say("the deviation of these terms is that of the record at no averaging time")
         claimed = [e.symbol for e in fit if e.claimed]
         others = [e.symbol for e in fit if e.symbol not in claimed and e.status != "not valid"]
         fit = fit.invalid(nowhere, claimed).invalid(REJECTED, others)
     if fit.scope is not None:
-        fit = replace(fit, scope=replace(fit.scope, until=until if whole is between else held(fit, whole) or until))
+        fit = replace(fit, scope=replace(fit.scope, until=until))
     return fit
 
 
