@@ -21,6 +21,7 @@ import numpy as np
 
 import allanite as al
 import judge
+from allanite.core.errors import DataError
 from allanite.core.units import SIGNALS
 from allanite.statistics import STATISTICS
 from shapes import ARCSEC, Made, gappy
@@ -82,14 +83,21 @@ def points_of(job: tuple[str, int, int]) -> dict[tuple[str, str, int], Point]:
                                rate=1.0, size=size)  # fmt: skip
         truth = np.sqrt(variance)
         for way, record, known in told:
-            if way != "with gaps" or name in GAPPED:
-                curve = al.deviation(record, name, m=m, noise=known, bias="exact" if name in EXACT else None)
-                each = zip(curve.m.astype(int).tolist(), *curve.interval(LEVEL), curve.variance, strict=True)
-                points |= {(way, name, k): point(truth[m.index(k)], low, high, v) for k, low, high, v in each}
+            for k, true in zip(m, truth, strict=True):
+                if way != "with gaps" or name in GAPPED:
+                    points |= {(way, name, k): p for p in limited(record, name, k, known, true)}
         if name in PEERS:
             peers = zip(m, truth, peer_limits(whole, name, m), strict=True)
             points |= {("allantools", name, k): point(true, *limits) for k, true, limits in peers if limits}
     return points
+
+
+def limited(record: al.Record, name: str, k: int, noise: Any, truth: float) -> Iterator[Point]:
+    """The point of a curve, unless it is refused: angle noise of joints over gaps leaves nothing of long times."""
+    with contextlib.suppress(DataError):
+        curve = al.deviation(record, name, m=[k], noise=noise, bias="exact" if name in EXACT else None)
+        (low,), (high,) = curve.interval(LEVEL)
+        yield point(truth, float(low), float(high), float(curve.variance[0]))
 
 
 def point(truth: float, low: float, high: float, variance: float = math.nan) -> Point:
