@@ -85,7 +85,8 @@ def points_of(job: tuple[str, int, int]) -> dict[tuple[str, str, int], Point]:
         for way, record, known in told:
             for k, true in zip(m, truth, strict=True):
                 if way != "with gaps" or name in GAPPED:
-                    points |= {(way, name, k): p for p in limited(record, name, k, known, true)}
+                    for p in limited(record, name, k, known, true):
+                        points[way, name, k] = p
         if name in PEERS:
             peers = zip(m, truth, peer_limits(whole, name, m), strict=True)
             points |= {("allantools", name, k): point(true, *limits) for k, true, limits in peers if limits}
@@ -93,8 +94,8 @@ def points_of(job: tuple[str, int, int]) -> dict[tuple[str, str, int], Point]:
 
 
 def limited(record: al.Record, name: str, k: int, noise: Any, truth: float) -> Iterator[Point]:
-    """The point of a curve, unless it is refused: angle noise of joints over gaps leaves nothing of long times."""
-    with contextlib.suppress(DataError):
+    """The point of a curve, none where angle noise of joints over gaps leaves nothing of a long time."""
+    with contextlib.suppress(*([DataError] if np.isnan(record.values).any() else [])):
         curve = al.deviation(record, name, m=[k], noise=noise, bias="exact" if name in EXACT else None)
         (low,), (high,) = curve.interval(LEVEL)
         yield point(truth, float(low), float(high), float(curve.variance[0]))
