@@ -25,7 +25,8 @@ def terms(column):
 
 def extreme(section, column, pick):
     """The first cell of the row of the grid where a column is least or largest, and that number."""
-    row = pick(rows("grid.md", section, column), key=lambda row: number(row[column]))
+    kept = [row for row in rows("grid.md", section, column) if row[column] != "-"]
+    row = pick(kept, key=lambda row: number(row[column]))
     return next(iter(row.values())), number(row[column])
 
 
