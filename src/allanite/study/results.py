@@ -195,7 +195,7 @@ class Channel(ChannelResult):
         scope = self.fit.scope if self.fit else None
         vibrates = any(c.name == "resonance" and c.claimed for c in (self.fit.components if self.fit else ()))
         bounded = scope is not None and (scope.masks or scope.limited)
-        met = self.fit is not None and (self.fit.lines or vibrates or bounded)
+        met = self.fit is not None and (self.fit.lines or bounded)
         shaped = [TERMS[e.symbol] for e in self.fit or () if e.claimed and e.shape]
         if self.explained and (met or any(row.period for row in shaped)):
             settled.add("lines")

@@ -61,7 +61,7 @@ def warm_up_direction(spectrum: BinnedSpectrum, tau: float) -> Pair:
     return smooth * (1 - remaining), smooth * (1 + remaining)
 
 
-ASIDE = 1e-5  # coefficients by which a frequency is moved away from that of one, whose direction has no other
+ASIDE = 1e-5  # number of coefficients by which a frequency that is that of a coefficient is moved, as 0/0 stands there
 
 
 def wave_directions(spectrum: BinnedSpectrum, cycles: float) -> tuple[Pair, Pair]:

@@ -235,9 +235,6 @@ COMPONENTS: dict[str, Component] = {
 }  # fmt: skip
 """Every component by its name."""
 
-LOOSE = ("step", "warm-up", "wave")
-"""Components that change the mean of the coefficients, not their power: loose directions, in the order of the parts."""
-
 FACTORS = {"all": 4.0, "above": 5.0, "step above": 5.0, "between": 10.0}
 """Prices of the kinds of a factor. The determinant of its information pays for most of the search
 (`benchmarks/prices.py`)."""

@@ -11,8 +11,8 @@ from allanite.core.plain import Portable
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.whittle import step_products
 
-from .components import ANGLE, BEHIND, COMPONENTS, LOOSE, STEP, Part
-from .frame import Frame, leak
+from .components import ANGLE, BEHIND, COMPONENTS, STEP, Part
+from .frame import DIRECTIONS, Frame, leak
 from .state import State
 
 SHAPE_ERRORS = np.array([0.01, 0.03, 0.1, 0.3])
@@ -201,7 +201,7 @@ def factor_basis(frame: Frame, state: State) -> FloatArray:
 
 def likelihood_of(frame: Frame, state: State, v: FloatArray) -> Likelihood:
     """The likelihood of a state, its sizes being the columns."""
-    more = tuple((p.name, p.shape[0]) for p in state if p.name in LOOSE)
+    more = tuple((p.name, p.shape[0]) for p in state if p.name in DIRECTIONS)
     part = frame.beside(more)
     gain, mean, white = np.ones(1), 1.0, 0.0
     through = state.filter
@@ -315,7 +315,7 @@ def _laplace(frame: Frame, state: State, part: Likelihood, theta: FloatArray, tr
 def _volume(part: Likelihood, theta: FloatArray, frame: Frame, state: State) -> float:
     """From the integral over steps, a warm-up and a wave of any size, whose unit would count, to their best sizes."""
     # What every state has, a ramp and what a slow noise did during long gaps, stays integrated.
-    if not any(map(state.of, LOOSE)):
+    if not any(map(state.of, DIRECTIONS)):
         return 0.0
     own = int(part.flat.sum() - frame.plain.flat.sum())
     if own <= 0:

@@ -36,6 +36,13 @@ SLOWEST_OCTAVE = 6
 
 KINDS = ("all", "above", "step above", "between")
 
+DIRECTIONS: dict[str, Callable[[BinnedSpectrum, float], Sequence[Pair]]] = {
+    "step": lambda spectrum, at: (in_bins(spectrum, step_coefficients(spectrum.size, at)),),
+    "warm-up": lambda spectrum, tau: (warm_up_direction(spectrum, tau),),
+    "wave": wave_directions,
+}
+"""Components that change the mean of the coefficients, not their power, and the directions of their shapes."""
+
 Place = tuple[str, float, float]  # kind, and the octaves of the coefficient index between which it stands
 
 
@@ -266,11 +273,7 @@ class Frame(Portable):
 
     def directions(self, name: str, value: float) -> Sequence[Pair]:
         """The loose directions of a part: a wave has two."""
-        if name == "wave":
-            return wave_directions(self.spectrum, value)
-        if name == "warm-up":
-            return (warm_up_direction(self.spectrum, value),)
-        return (in_bins(self.spectrum, step_coefficients(self.size, value)),)
+        return DIRECTIONS[name](self.spectrum, value)
 
     def column(self, symbol: str, shape: tuple[float, ...]) -> FloatArray:
         """Expected power of a noise term with a shape, in samples, for theta = 1, shape (bins,)."""

@@ -11,11 +11,11 @@ from allanite.identification.likelihood.filters import FILTERS
 from allanite.identification.likelihood.whittle import step_coefficients
 
 from .components import (  # isort: skip
-    AT_BOUND, BROAD, COMPONENTS, FEWEST_PERIODS, HIDING, INSIDE, LEAST_MARKOV, LONGEST_MARKOV, LONGEST_WARM_UP, LOOSE,
+    AT_BOUND, BROAD, COMPONENTS, FEWEST_PERIODS, HIDING, INSIDE, LEAST_MARKOV, LONGEST_MARKOV, LONGEST_WARM_UP,
     MOST_PERIODS, PERIODS, QUICKEST_MARKOV, SHORTEST_WARM_UP, Part, cost_of
 )  # fmt: skip
 from .fitting import Fitted, fitted
-from .frame import LOW, Frame, starts_of
+from .frame import DIRECTIONS, LOW, Frame, starts_of
 from .refining import CANDIDATES, FAR, MISSED, Local, Move, refined
 from .state import State
 
@@ -28,7 +28,7 @@ def _lowest(at: Local) -> tuple[FloatArray, FloatArray, FloatArray]:
     frame = at.f.frame
     k = min(LOW, frame.count.size)
     c, root = (frame.spectrum.even + frame.spectrum.odd)[:k], np.sqrt(at.f.m[:k])
-    parts = (p for p in at.f.state if p.name in LOOSE)
+    parts = (p for p in at.f.state if p.name in DIRECTIONS)
     loose = [each for p in parts for each in _low(frame, p, k)]
     if frame.ramps:
         ramp = np.zeros(k)
@@ -111,6 +111,7 @@ def warm_ups(at: Local) -> Iterator[State]:
 
 
 WAVES = 25  # numbers of periods of a wave that are tried, a quarter apart
+NEAR = 0.3  # periods within which the best is looked for: from a number that is tried beyond the next
 
 
 def waves(at: Local) -> Iterator[State]:
@@ -141,7 +142,7 @@ def _tuned_wave(f: Fitted, rest: State, periods: float) -> State:
     def value(x: float) -> float:
         return fitted(f.frame, rest.having(Part("wave", "", (x,))), f.free).value
 
-    bounds = max(periods - 0.3, FEWEST_PERIODS), min(periods + 0.3, MOST_PERIODS)
+    bounds = max(periods - NEAR, FEWEST_PERIODS), min(periods + NEAR, MOST_PERIODS)
     best = scipy.optimize.minimize_scalar(value, bounds=bounds, method="bounded", options={"xatol": 1e-3})
     return rest.having(Part("wave", "", (float(best.x),)))
 
@@ -274,7 +275,7 @@ def _hiding_angle(f: Fitted) -> Iterator[State]:
     """A low-pass filter behind which angle noise is nearly white, so that neither gains without the other."""
     # White noise stands beside it, and is resolved below the cut-off: alone it would be white noise by another name.
     frame, angle = f.frame, f.frame.angle
-    bare = not f.theta[: angle.size][angle].any() and all(p.name in LOOSE for p in f.state)
+    bare = not f.theta[: angle.size][angle].any() and all(p.name in DIRECTIONS for p in f.state)
     if frame.white is None or not angle.any() or not bare or frame.size * HIDING < PERIODS:
         return
     cutoffs = [c for c in starts_of("rc") if c > HIDING]

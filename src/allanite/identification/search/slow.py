@@ -18,9 +18,10 @@ from allanite.core.validity import Finding
 from allanite.phrases.phrase import join, longest_without, say, spelled
 from allanite.terms import TERMS
 
-from .components import COMPONENTS, LOOSE, Part
+from .components import COMPONENTS, Part
 from .estimates import Answer, profile_ends
 from .fitting import Fitted, column_of_part, fitted
+from .frame import DIRECTIONS
 from .moves import PLACES
 
 RESONANCES = COMPONENTS["resonance"].most
@@ -34,7 +35,7 @@ TIME_CONSTANTS = 24  # time constants over which the size of a warm-up is averag
 
 def sizes_of(f: Fitted, name: str) -> tuple[FloatArray, FloatArray]:
     """Sizes of the loose directions of a component, and their standard errors, in the unit of the spectrum."""
-    names = [p.name for p in f.state if p.name in LOOSE for _ in f.frame.directions(p.name, p.shape[0])]
+    names = [p.name for p in f.state if p.name in DIRECTIONS for _ in f.frame.directions(p.name, p.shape[0])]
     eta, V, _ = f.trusted.directions(f.theta)
     at = int(np.count_nonzero(~f.trusted.flat)) + np.flatnonzero([n == name for n in names])
     return eta[at], np.sqrt(np.diag(V)[at])
