@@ -13,6 +13,7 @@ import re
 from collections.abc import Iterator
 
 PAGE = "docs/known.md"
+CELLS = 12 * 16 * 3  # of the grid
 
 
 def grid(column):
@@ -31,9 +32,12 @@ def extreme(section, column, pick):
 
 
 def worst_cells():
-    """How many cells of the grid are named, and the first of them."""
+    """How many cells of the grid are named, of how many records each, and the first of them."""
     named = [row for each in read("grid.md").tables("Worst cells") for row in each]
-    cell = "; the worst: {sensor}, {disturbance}, {samples} samples, wrong {wrong %} %, false {false %} %"
+    cell = (
+        f", of {grid('records') / CELLS:.0f} records each"
+        + "; the worst: {sensor}, {disturbance}, {samples} samples, wrong {wrong %} %, false {false %} %"
+    )
     return [f"{len(named)}{cell.format_map(named[0]) if named else ''}"]
 
 
