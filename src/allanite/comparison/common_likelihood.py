@@ -15,12 +15,13 @@ from allanite.core.plain import Portable
 from allanite.core.record import SHORTEST, Record
 from allanite.core.units import Signal
 from allanite.core.validity import Scope
+from allanite.identification.likelihood.filters import FILTERS
 from allanite.identification.likelihood.law import AKAIKE, Subset, law, select, subsets, traces
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.spectrum import FEWEST_BINS, BinnedSpectrum, spectrum
 from allanite.identification.likelihood.whittle import column, gain_of, likelihood
 from allanite.phrases.phrase import join, say, say_count, spelled
-from allanite.terms import TERMS
+from allanite.terms import TERMS, WHITE
 
 RANK = 1e-9  # share of a bin's largest direction below which another is none
 
@@ -150,8 +151,10 @@ def part_of(whole: Likelihood, bins: BinnedSpectrum, noise: Sequence[str], scope
             band: tuple[float, float], scopes: Sequence[Scope | None]) -> Likelihood:  # fmt: skip
     """The likelihood of one record behind its filter, within the band and outside all masks, in SI."""
     if scope and scope.filter:
-        gain = gain_of(scope.filter.row, scope.filter.cutoff / bins.rate, bins)
-        whole = whole.behind(gain, float(gain @ bins.count / bins.count.sum()))
+        row, cutoff = scope.filter.row, scope.filter.cutoff / bins.rate
+        white = next((i for i, s in enumerate(noise) if TERMS[s].slope == WHITE), None)
+        gain = gain_of(row, cutoff, bins)
+        whole = whole.behind(gain, float(gain @ bins.count / bins.count.sum()), FILTERS[row].edges(cutoff), white)
     low, high = band
     # coefficient k represents frequencies from k - 1/2 to k + 1/2
     half = bins.rate / (4 * bins.size)

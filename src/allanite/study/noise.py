@@ -37,7 +37,7 @@ def graded(noise: Noise, record: Record) -> Noise:
     if noise.validity == UNEXPLAINED:
         return replace(noise, fit=fit.invalid(REJECTED))
     curve = measured(fit, record)
-    for symbol, reason in (contradictions(fit, curve) | not_rounding(fit, record)).items():
+    for symbol, reason in contradictions(fit, curve).items():
         fit = fit.invalid(reason, (symbol,))
     if any(finding.name == "correlation" for finding in residuals.findings):
         angle = [e.symbol for e in fit if e.claimed and TERMS[e.symbol].edge]
@@ -46,7 +46,10 @@ def graded(noise: Noise, record: Record) -> Noise:
         fit = widened(fit, math.sqrt(1 + residuals["kurtosis"].value / 2))
     seen = measured(fit, record)
     between = measured(fit, levelled(record, fit.steps)) if fit.steps else seen
-    return replace(noise, fit=_valid_until(fit, seen, between))
+    fit = _valid_until(fit, seen, between)
+    for symbol, reason in not_rounding(fit, record).items():  # which has the spectrum of angle noise, but another cause
+        fit = fit.invalid(reason, (symbol,))
+    return replace(noise, fit=fit)
 
 
 def _valid_until(fit: Fit, seen: MeasuredCurve, between: MeasuredCurve) -> Fit:

@@ -50,17 +50,18 @@ def test_a_digital_filter_is_that_of_scipy(order, cutoff):
 
 @rows("name, cutoff", [("bilinear 2", 1 / 6), ("bilinear 1", 0.2), ("decimated", 0.15), ("butterworth", 0.05)])
 def test_the_edges_of_a_record_are_those_of_the_filtered_noise(name, cutoff):
-    """The literal variance of the transform of noise with the covariance of the filter."""
-    n = 300
-    r = np.fft.irfft(FILTERS[name].gain(np.arange(2049) / 4096, cutoff))
-    T = dct(np.eye(n), axis=0, norm="ortho")[1:]
-    literal = np.einsum("kj,kj->k", T, T @ toeplitz(r[:n]))
-    k = np.arange(1, n)
-    ours = (
-        FILTERS[name].gain(k / (2 * n), cutoff) + FILTERS[name].edges(cutoff) * 2 / n * np.cos(np.pi * k / (2 * n)) ** 2
-    )
-    beyond = k > n / 2
-    np.testing.assert_allclose(ours[beyond], literal[beyond], rtol=0.02)
+    """The literal variance of the transform of white noise, and of angle noise, with the covariance of the filter."""
+    n, f = 300, np.arange(2049) / 4096
+    T, k = dct(np.eye(n), axis=0, norm="ortho")[1:], np.arange(1, n)
+    beyond, passed = k > n / 2, k < 0.1 * n * cutoff
+    for power, edges in zip((0, 2), FILTERS[name].edges(cutoff), strict=True):
+        r = np.fft.irfft(FILTERS[name].gain(f, cutoff) * (2 * np.sin(np.pi * f)) ** power)
+        literal = np.einsum("kj,kj->k", T, T @ toeplitz(r[:n]))
+        own = FILTERS[name].gain(k / (2 * n), cutoff) * (2 * np.sin(np.pi * k / (2 * n))) ** power
+        shape = 2 / n * np.cos(np.pi * k / (2 * n)) ** 2
+        np.testing.assert_allclose((own + edges * shape)[beyond], literal[beyond], rtol=0.02)
+    mean = FILTERS[name].gain((np.arange(512) + 0.5) / 1024, cutoff).mean()
+    np.testing.assert_allclose((own + 2 * mean * shape)[passed], literal[passed], rtol=0.02)
 
 
 def test_a_moving_average_of_whole_samples_is_the_boxcar():

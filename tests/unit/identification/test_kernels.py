@@ -127,8 +127,8 @@ def test_the_filter_is_that_of_an_exhaustive_search(row, b, a):
 
     def least(name, cutoff):
         power = gain_of(name, cutoff, seen)
-        edges, mean = FILTERS[name].edges(cutoff) * np.array([1.0, 0, 0]), float(power @ seen.count / seen.count.sum())
-        return 2 * whole.behind(power[used], mean, edges).minimise(best.free)[1]
+        mean = float(power @ seen.count / seen.count.sum())
+        return 2 * whole.behind(power[used], mean, FILTERS[name].edges(cutoff), 0).minimise(best.free)[1]
 
     assert best.value == pytest.approx(least(row, cutoff), abs=0.02)
     coarse = [least(name, c) for name, other in FILTERS.items() for c in other.widest * 2.0 ** -np.arange(7)]

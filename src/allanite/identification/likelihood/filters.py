@@ -35,18 +35,23 @@ class Filter:
     starts: FloatArray = field(default_factory=lambda: _octaves(HIGHEST_CUTOFF))
     whole: bool = False  # whether `starts` are whole numbers of samples, each of which has zeros of its own
 
-    def edges(self, cutoff: float) -> float:
-        """Variance of white noise behind the filter at either edge of a record, over that before the filter."""
+    def edges(self, cutoff: float) -> tuple[float, float]:
+        """Variance of white noise behind the filter at either edge of a record, and of its differences, over before."""
         # The variance of a coefficient of the frequency w is S(w) - (2/n) sum over h > 0 of r(h) [h cos wh + sin wh /
         # sin w], r being the autocovariances of the gain S. What it has beyond S has nearly the shape (2/n) cos^2(w/2)
         # of noise at the edges. It matters where the filter lets little pass, and is taken from there.
-        w = np.pi / MAX_LAGS * np.arange(1, MAX_LAGS)
-        gain = self.gain(np.arange(MAX_LAGS + 1) / (2 * MAX_LAGS), cutoff)
-        r = np.fft.irfft(gain)
-        r[0], r[MAX_LAGS:] = 0.0, 0.0
-        lost = np.fft.rfft(r * np.arange(2 * MAX_LAGS)).real[1:MAX_LAGS] - np.fft.rfft(r).imag[1:MAX_LAGS] / np.sin(w)
-        weight = 1 / (gain[1:MAX_LAGS] + LEAST_GAIN_OF_EDGES) ** 2
-        return max(float(-(weight @ lost) / (weight @ np.cos(w / 2) ** 2)), 0.0)
+        f = np.arange(MAX_LAGS + 1) / (2 * MAX_LAGS)
+        w, gain = 2 * np.pi * f[1:-1], self.gain(f, cutoff)
+        weight = 1 / (gain[1:-1] + LEAST_GAIN_OF_EDGES) ** 2
+
+        def beyond(S: FloatArray) -> float:
+            r = np.fft.irfft(S)
+            r[0], r[MAX_LAGS:] = 0.0, 0.0
+            even, odd = np.fft.rfft(r * np.arange(r.size)).real, np.fft.rfft(r).imag
+            lost = even[1:-1] - odd[1:-1] / np.sin(w)
+            return max(float(-(weight @ lost) / (weight @ np.cos(w / 2) ** 2)), 0.0)
+
+        return beyond(gain), beyond(gain * (2 * np.sin(np.pi * f)) ** 2)
 
     @property
     def widest(self) -> float:

@@ -13,6 +13,7 @@ from allanite.core.plain import Portable
 from allanite.kernels import leastsquares, whittle
 
 NO_ERRORS = np.zeros(0)
+EMPTY = 1e-9  # share of a bin that a filter holds back, at least: a direction of nothing has no estimate
 
 
 class Minimum(NamedTuple):
@@ -83,14 +84,29 @@ class Likelihood(Portable):
                           Uc=Uc[:, held], W=self.W[held], flat=self.flat[held],
                           added=self.added if isinstance(self.added, float) else self.added[bins])  # fmt: skip
 
-    def behind(self, gain: FloatArray, mean: float, edges: FloatArray | float = 0.0) -> "Likelihood":
+    def behind(self, gain: FloatArray, mean: float, edges: tuple[float, float], white: int | None) -> "Likelihood":
         """The likelihood if a filter of this power gain, shape (bins,), stands before the samples.
 
-        The angle at the edges of the record is that behind the filter: white angle noise has there the share
-        `mean` of its variance, the mean gain over all frequencies; `edges` is what other terms have there, shape (p,).
-        A ramp lies far below the cut-off.
+        `edges` are those of `Filter.edges`, `white` is the column of white noise. A ramp lies far below the cut-off.
         """
-        return self.explained(self.S * gain[:, None], self.W * mean + np.where(self.flat, 0.0, 1.0)[:, None] * edges)
+        part = self.edged(gain, mean, edges, white)
+        return part.explained(self.S * gain[:, None], part.W)
+
+    def edged(self, gain: FloatArray, mean: float, edges: tuple[float, float], white: int | None) -> "Likelihood":
+        """The same columns, the edges being those behind a filter: where it lets noise pass, and apart where not."""
+        # What a filter holds back begins more gently than white noise does: there the edges are others, and tell
+        # nothing of those where it passes. There angle noise has the share `mean` of its variance, the mean gain.
+        ends = int(np.count_nonzero(~self.flat))
+        which = np.r_[:ends, : self.flat.size]
+        share = np.ones((which.size, gain.size))
+        share[:ends], share[ends : 2 * ends] = np.sqrt(np.minimum(gain, 1)), np.sqrt(np.maximum(1 - gain, EMPTY))
+        UU = self.UU[:, which][:, :, which] * np.einsum("ib,jb->bij", share, share)
+        W, (even, steep) = self.W[which], edges
+        W[:ends] *= mean
+        W[ends : 2 * ends] *= steep / 2
+        if white is not None:
+            W[: 2 * ends, white] += even
+        return replace(self, UU=UU, Uc=self.Uc[:, which] * share.T, W=W, flat=self.flat[which], prepared=None)
 
     def trusted(self, share: FloatArray) -> "Likelihood":
         """The likelihood in which only a share of each bin's coefficients counts, shape (bins,).

@@ -16,7 +16,7 @@ from allanite.identification.likelihood.law import ThetaProfile
 from allanite.phrases.phrase import say
 from allanite.terms import TERMS, WHITE
 
-from .components import CLAIMED, COMPONENTS, Part
+from .components import CLAIMED, COMPONENTS, TERM, Part
 from .fitting import Fitted, fitted, place_of, values_of, with_values
 from .laws import Entry, Law, column_of, law_of, noise_part, subset_of
 from .refining import refined, resized
@@ -289,7 +289,7 @@ def ramp_estimate(symbol: str, answer: Answer) -> Estimate:
                          np.concatenate([w * r.weight for w, r in ramps]))  # fmt: skip
     value, error = ramp.value, ramp.error
     limits, upper = Remembered(ramp), Remembered(ramp.upper)
-    low, high = limits(0.95)
+    low, high = limits(1 - TERM)
     if low <= 0 <= high:
         return _absent(symbol, scale, upper, limits, value)
     if not _begins(answer, value / size):

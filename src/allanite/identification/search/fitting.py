@@ -203,11 +203,11 @@ def likelihood_of(frame: Frame, state: State, v: FloatArray) -> Likelihood:
     """The likelihood of a state, its sizes being the columns."""
     more = tuple((p.name, p.shape[0]) for p in state if p.name in DIRECTIONS)
     part = frame.beside(more)
-    gain, mean, white = np.ones(1), 1.0, 0.0
-    through = state.filter
+    gain, through = np.ones(1), state.filter
     if through is not None:
-        gain, mean = frame.gain(through.label, through.shape[0]), frame.mean_gain(through.label, through.shape[0])
-        white = leak(through.label, through.shape[0])
+        which = through.label, through.shape[0]
+        gain = frame.gain(*which)
+        part = part.edged(gain, frame.mean_gain(*which), leak(*which), frame.white)
     powers, acting = part.S.shape[1], gain
     if v.size:
         acting = gain * raised(factor_basis(frame, state) @ v)
@@ -226,9 +226,7 @@ def likelihood_of(frame: Frame, state: State, v: FloatArray) -> Likelihood:
     if acting.size > 1:
         columns[:inner] *= acting
     W = np.zeros((part.W.shape[0], columns.shape[0]))
-    W[:, :powers] = part.W * mean
-    if white and frame.white is not None:
-        W[~part.flat, frame.white] += white
+    W[:, :powers] = part.W
     explained = part.explained(columns.T, W)
     rounding = frame.spectrum.rounding
     if rounding and through is not None:

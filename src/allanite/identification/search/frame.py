@@ -349,11 +349,11 @@ def starts_of(row: str) -> tuple[float, ...]:
 
 
 @lru_cache(4096)
-def edges_of(row: str, step: int) -> float:
-    """Variance of white noise behind a filter along the edges of a record, at a step of the cut-off's logarithm."""
+def edges_of(row: str, step: int) -> tuple[float, float]:
+    """Variances behind a filter along the edges of a record, at a step of the cut-off's logarithm; see `edges`."""
     return FILTERS[row].edges(min(math.exp(step * EDGES_GRID), FILTERS[row].widest))
 
 
-def leak(row: str, cutoff: float) -> float:
+def leak(row: str, cutoff: float) -> tuple[float, float]:
     """The same at a cut-off."""
     return edges_of(row, round(math.log(cutoff) / EDGES_GRID))

@@ -180,7 +180,10 @@ def pruned(f: Fitted) -> Fitted:
             less[i] = False
             if (admissible(f.frame, f.state, less, less.size) == less).all():
                 tries.append(resized(best, less))
-        if not tries or (least := min(tries, key=lambda t: t.score)).score >= best.score:
+        least = min(tries, key=lambda t: t.score, default=best)
+        if best.score <= least.score < best.score + REACH:  # shapes that made room for it move back
+            least = refined(least)
+        if least.score >= best.score:
             break
         best = _dropping(least)
     return best

@@ -17,8 +17,8 @@ from allanite.identification.likelihood.spectrum import WELL_KNOWN
 from .components import COMPONENTS, FACTORS, SIZES, Part
 from .fitting import Fitted, factor_basis, fitted, refined_values
 from .frame import SLOWEST_OCTAVE, Frame
-from .moves import MOVES, resonances
-from .refining import CANDIDATES, FAR, REACH, Local, Move, pruned, refined
+from .moves import MOVES, resonances, steps, warm_ups, waves
+from .refining import CANDIDATES, FAR, REACH, Local, Move, pruned, refined, resized
 from .state import State, alike
 
 FACTOR_SIZES = np.array([0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64, 1.28, 2.56])
@@ -118,6 +118,10 @@ TUNED = 2  # other sizes and places of the factors of a fit that are refined in 
 FIRST = 3  # rounds of refinement before the hopeless are dropped
 
 
+MEANS: tuple[Move, ...] = (steps, warm_ups, waves)
+"""Ways to components that change the mean of the coefficients, as slow noise does."""
+
+
 @dataclass
 class Searched(Portable):
     """The best fit of each kind of state, and how many were expanded and fitted."""
@@ -164,6 +168,8 @@ def search(
         for other in _recast(result.best):
             result.add(other)
         _expand(result, moves, EXPANDED[0], done)
+    for other in _stilled(result.best, moves):
+        result.add(other)
     if unexplained and shows_white(result.best):  # else nothing is known of the noise
         for f in [f for f in result.every.values() if f.score < result.best.score + EXPANDED[1]]:
             _add_beside(result, f, (factors,))
@@ -198,6 +204,17 @@ def _recast(f: Fitted) -> list[Fitted]:
     states = [base.having(*parts) for base in bases for parts in cast]
     fits = [pruned(refined(fitted(f.frame, state))) for state in states if state != f.state and state.admitted(f.frame)]
     return [g for g in fits if g.state.admitted(f.frame)]
+
+
+def _stilled(f: Fitted, moves: Sequence[Move]) -> list[Fitted]:
+    """A fit with a step, a warm-up or a wave in the place of its slow noise."""
+    still = f.free.copy()
+    still[: f.frame.slow.size] &= ~f.frame.slow
+    if (still == f.free).all() or not still.any():
+        return []
+    at = Local(resized(f, still))
+    states = [state for move in MEANS if move in moves for state in move(at) if state.admitted(f.frame)]
+    return [refined(fitted(f.frame, state, still)) for state in states]
 
 
 def _bare(f: Fitted) -> list[Fitted]:
