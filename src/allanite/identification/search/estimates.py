@@ -27,7 +27,7 @@ TWO_SIDED = 1.96  # standard errors from an estimate to its 95 % limits
 PROFILE_NODES, PRIOR = 12, 0.0
 """Models along the profile of the slowest noise, at most, and the power of the coefficient in its prior."""
 
-STATES = 3  # states over which a ramp is averaged, the heaviest
+MODELS = 6  # models over which a ramp is averaged, the heaviest
 LEAST_NODE_WEIGHT = 1e-3  # weight of a model, over that of the heaviest, below which it is omitted
 BEGUN = 0.5  # share of the lowest coefficient of a ramp that must be visible, where it is not read
 SHOWS_ANGLE = 0.6  # share of half the sampling rate at which a user's band must end to show angle noise
@@ -278,9 +278,9 @@ def _end(excess: Callable[[float], float], x: float, sign: float, bound: float) 
 
 
 def ramp_estimate(symbol: str, answer: Answer) -> Estimate:
-    """The signed ramp: normal for given noise, averaged over possible noise of the longest memory, and over states."""
+    """The signed ramp: normal for given noise, averaged over possible noise of the longest memory, and over models."""
     # That noise is what hides a ramp, and is known from a few coefficients only: averaging gives the wide tails of
-    # Student's t, and holds where the noise was not visible at all.
+    # Student's t. A model without slow noise counts with its weight, as it does for the other terms.
     scale, size = answer.scale, answer.scale.coefficient(symbol, 1.0)
     if not answer.result.frame.plain.flat.any():  # the band excludes the frequencies of a ramp
         return _absent(symbol, scale, Stored(math.inf), Stored((-math.inf, math.inf)))
@@ -299,21 +299,22 @@ def ramp_estimate(symbol: str, answer: Answer) -> Estimate:
 
 
 def _heaviest(answer: Answer) -> list[tuple[float, Fitted]]:
-    """The heaviest states, each with all terms free, and their shares."""
+    """The heaviest models, one of each family and set of terms, and their shares."""
     total: dict[object, float] = {}
     first: dict[object, Fitted] = {}
     for e in answer.entries:
-        kind = e.f.state.family
+        kind = e.f.state.family, e.f.free[: len(e.f.frame.powers)].tobytes()
         total[kind] = total.get(kind, 0.0) + e.weight
         first.setdefault(kind, e.f)
-    kinds = sorted(total, key=lambda kind: -total[kind])[:STATES]
+    kinds = sorted(total, key=lambda kind: -total[kind])[:MODELS]
     whole = sum(total[kind] for kind in kinds)
-    return [(total[k] / whole, resized(first[k], np.ones(first[k].theta.size, dtype=bool))) for k in kinds]
+    return [(total[kind] / whole, first[kind]) for kind in kinds]
 
 
 def _ramp_law(f: Fitted, answer: Answer, size: float) -> NormalMixture:
-    slopes = [TERMS[s].slope for s in f.frame.powers] or [0.0]
-    thetas, weight = ThetaProfile(subset_of(f), int(np.argmax(slopes))).weighted()
+    slopes = [TERMS[s].slope for s in f.frame.powers] + [-1.0] * (f.theta.size - len(f.frame.powers))
+    slowest = max(np.flatnonzero(f.free).tolist(), key=lambda i: slopes[i])
+    thetas, weight = ThetaProfile(subset_of(f), slowest).weighted()
     along = [f.trusted.directions(theta)[:2] for theta in thetas]
     centre = size * (np.array([eta[-1] for eta, _ in along]) + answer.scale.slope)
     return NormalMixture(centre, size * np.sqrt([V[-1, -1] for _, V in along]), weight)
