@@ -23,9 +23,10 @@ from typing import Any
 from zlib import crc32
 
 import numpy as np
+from scipy.special import bdtrc
 
 import allanite as al
-from shapes import DISTURBANCES, SENSORS, TERMS, record_of
+from shapes import DISTURBANCES, REASONS, SENSORS, TERMS, record_of
 
 LENGTHS = (2**12, 2**14, 2**16)
 COUNTS = RESULTS / "grid.csv"
@@ -214,6 +215,19 @@ def reasons(cell: Cell) -> str:
 WRONG, FALSE = 0.06, 0.06
 """Shares of wrong answers and of false claims above which a cell is named."""
 
+RATE_OF_CLAIMS = 0.023  # of an absent term, from which it is claimed: docs/derivations.md
+
+
+def why(cell: Cell) -> str:
+    """Why terms are claimed so often that are not there, or by what chance without a cause."""
+    causes = [REASONS[name] for name in cell.name[:2] if name in REASONS]
+    counts = {term: cell.codes[f"{term} false"] for term in TERMS}
+    often = [term for term, count in counts.items() if count > FALSE * cell.records]
+    known = {text: None for term in often for terms, text in causes if term in terms}
+    left = [term for term in often if not any(term in terms for terms, _ in causes)]
+    chances = {term: bdtrc(counts[term] - 1, cell.records, RATE_OF_CLAIMS) for term in left}
+    return "; ".join([*known, *(f"{term}: by chance {100 * p:.2g} %" for term, p in chances.items())])
+
 
 def named_cells(cells: list[Cell]) -> Iterator[Row]:
     """The cells that answer wrongly, or claim a term falsely, more often than they should; the worst first."""
@@ -224,7 +238,7 @@ def named_cells(cells: list[Cell]) -> Iterator[Row]:
 
     for cell in sorted(cells, key=worst, reverse=True):
         if worst(cell) > 1:
-            yield (*map(str, cell.name), *verdicts_row((), [cell])[1:], reasons(cell))
+            yield (*map(str, cell.name), *verdicts_row((), [cell])[1:], reasons(cell), why(cell))
 
 
 def tables(cells: list[Cell]) -> list[str]:
@@ -243,8 +257,9 @@ def tables(cells: list[Cell]) -> list[str]:
         [term_row(term, cells) for term in TERMS],
     )  # fmt: skip
     return body + section(
-        "Worst cells", ("sensor", "disturbance", "samples", *heads[1:], "what"), named_cells(cells),
-        f"Cells with more than {100 * WRONG:.0f} % wrong answers, or {100 * FALSE:.0f} % false claims of one term.",
+        "Worst cells", ("sensor", "disturbance", "samples", *heads[1:], "what", "why"), named_cells(cells),
+        f"Cells with more than {100 * WRONG:.0f} % wrong answers, or {100 * FALSE:.0f} % false claims of a term, with "
+        f"the cause, or the chance of so many in a cell at {100 * RATE_OF_CLAIMS:.1f} %. There are {len(CELLS)} cells.",
     )  # fmt: skip
 
 

@@ -141,9 +141,6 @@ def moments(
     return [name, seconds, str(runs), str(ended), f"{slowest:.2f}", str(len(wrong))], wrong
 
 
-# --- files -----------------------------------------------------------------------------------------------------------
-
-
 @contextlib.contextmanager
 def disks(root: Path) -> Iterator[dict[str, Path]]:
     """Folders on the disks where jobs run."""
@@ -202,9 +199,6 @@ def files(folder: Path, samples: int, runs: int) -> Iterator[Line]:
             for disk, path in places.items():
                 line = command.replace("IN", str(folder)).replace("OUT", str(path / "out"))
                 yield moments(f"{name}, {disk}", partial(job, line, path), partial(left, line, path), SIGNALS, runs)
-
-
-# --- verbs -----------------------------------------------------------------------------------------------------------
 
 
 def recordings(folder: Path, samples: int) -> None:

@@ -51,11 +51,6 @@ CLEAN: dict[str, Terms] = {
 }  # fmt: skip
 
 
-def plain(noise: Terms) -> Maker:
-    """A sensor, deg and s."""
-    return lambda n, rng: judge.sensor(n, RATE, rng, **noise)
-
-
 def filtered(n: int, rng: judge.Rng) -> judge.Values:
     """FOG behind a first-order low-pass of a twelfth of the rate, whose gain at 0 Hz is 1."""
     return judge.behind(judge.sensor(n + SETTLING, RATE, rng, **FOG), judge.rc(1 / 12))[SETTLING:]
@@ -70,17 +65,16 @@ def resonant(n: int, rng: judge.Rng) -> judge.Values:
 ROWS: dict[str, tuple[Move, str]] = {
     "noise": (moves.markov, ""), "filter": (moves.filters, ""), "floor": (moves.floors, ""),
     "resonance": (moves.resonances, ""), "step": (moves.steps, ""), "warm-up": (moves.warm_ups, ""),
-    "wave": (moves.waves, ""),
-    "exponent": (moves.exponents, ""), **{f"factor: {kind}": (search.factors, kind) for kind in FACTORS},
+    "wave": (moves.waves, ""), "exponent": (moves.exponents, ""),
+    **{f"factor: {kind}": (search.factors, kind) for kind in FACTORS},
 }  # fmt: skip
 """Rows of the table of components by what is listed, how they are added, and the kind of a factor."""
 
 TUNED = {"filter": 1, "resonance": 1, "warm-up": 3}
 """Rows whose alternatives are no shapes that are refined, and how often these are exchanged."""
 
-
 NULLS: dict[str, tuple[Maker, str]] = {
-    **{name: (plain(noise), "") for name, noise in CLEAN.items()},
+    **{name: (lambda n, rng, of=noise: judge.sensor(n, RATE, rng, **of), "") for name, noise in CLEAN.items()},
     "fog behind rc fs/12": (filtered, "filter"),
     "mems beside a resonance": (resonant, "resonance"),
 }

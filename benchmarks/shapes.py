@@ -35,6 +35,15 @@ SENSORS: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 """Coefficients in deg and s: one term, two and more, from a phone's gyro to a laser gyro; the record is in deg/s."""
 
+REASONS = {
+    "N GM 0.5 s": ("B", "in a short record it is near flicker"),
+    "N GM 20 s": ("BK", "few of its time constants in a record: near flicker, and a random walk above"),
+    "N GM 1 s GM 50 s": ("BK", "near flicker over two decades, and a random walk above"),
+    "RC low-pass, fs/12": ("BQ", "behind it angle noise is nearly white"),
+    **dict.fromkeys(("slow wave", "step", "warm-up", "popcorn"), ("BKR", "smaller than can be told from slow noise")),
+}  # fmt: skip
+"""Why terms are claimed that are not there, by sensor and by disturbance."""
+
 Truth = dict[str, float | None]
 """Coefficients of a record, deg and s; None for one that nobody can tell in it, and that may be claimed or not."""
 

@@ -114,9 +114,6 @@ def by_allantools(statistic: str, record: al.Record, m: Sequence[int]) -> object
     return getattr(allantools, statistic)(record.values, rate=record.rate, data_type="freq", taus=taus)
 
 
-# --- ratios ----------------------------------------------------------------------------------------------------------
-
-
 def bounded(record: al.Record, statistic: str) -> tuple[float, float, float]:
     """The job's time at the tau of the log grid, its in-cache bound and u, s; measured by turns.
 
@@ -180,9 +177,6 @@ def ratios(samples: int) -> list[str]:
         f"identification {1e3 * selected:.0f} ms, overlapped Allan beside it {1e3 * allan:.0f} ms; analysis "
         f"{1e3 * analysis:.0f} ms; import numpy {1e3 * numpy_alone:.0f} ms",
     )  # fmt: skip
-
-
-# --- growth ----------------------------------------------------------------------------------------------------------
 
 
 def log_factors(largest: int, points: int) -> list[int]:

@@ -29,8 +29,6 @@ from allanite.stream.accumulator import streamable
 SAMPLES, PEER = 4_000_000, 3000  # of the stream, and of the peer, which is slow
 SENSORS = (("mems", 100.0, 2**20, "NBK"), ("fog", 1.0, 2**18, "QNBKR"))
 
-# --- speed and coefficients ------------------------------------------------------------------------------------------
-
 
 def factors(most: int) -> list[int]:
     """Averaging factors of a stream, up to one."""

@@ -42,12 +42,6 @@ PROFILES = {
 """Standard deviation of white noise over the record."""
 
 
-def scatter(name: str, m: int) -> str:
-    """Relative standard deviation of the Allan deviation of white noise, percent."""
-    found = properties(name, SIZE, m=[m])
-    return f"{100 / math.sqrt(2 * found.edf[0, found.symbols.index('N')]):.2f}"
-
-
 def joint() -> list[Row]:
     """Expected TheoBR over the Allan deviation: at short times, and where TheoH consists of it."""
     rows = []
@@ -132,7 +126,8 @@ def main() -> None:
         absent = [f"{x:.2f}" if method in CLAIMS else "-" for x in claimed[-2:]]
         coefficients.append((method, statistic or "-", *(f"{x:.2f}" for x in model), *absent))
     windows = [("formula of the paper, 1/sqrt(2 (k - 1))", f"{100 / math.sqrt(2 * 71):.2f}")]
-    windows += [(name, scatter(name, 100)) for name in ("adev", "oadev")]
+    known = {name: properties(name, SIZE, m=[100]) for name in ("adev", "oadev")}  # of white noise: 1 / sqrt(2 edf)
+    windows += [(name, f"{100 / math.sqrt(2 * p.edf[0, p.symbols.index('N')]):.2f}") for name, p in known.items()]
     notes = [
         f"{SEEDS}; records: {asked.records} for fits, {asked.curves} for those of whole curves, "
         f"{asked.limits} for limits",

@@ -139,15 +139,11 @@ def swaying(tau: float, *, instant: bool, rate: float = 100.0) -> float:
     return math.sqrt(sum(squares) / 2)
 
 
-def trial(*, instant: bool) -> Trial:
-    """The sensors of the prototype."""
-    return Trial(al.Model(GYRO), al.Model(TILT), BIAS, instant=instant)
-
-
 @cache
 def scenarios() -> tuple[ScenarioErrors, ...]:
     """Filters in all scenarios: with mean rates, and with rates at the end of each interval."""
-    return tuple(al.attitude.compare_filters(trial(instant=how), rng=np.random.default_rng(1)) for how in (False, True))
+    trials = (Trial(al.Model(GYRO), al.Model(TILT), BIAS, instant=how) for how in (False, True))  # of the prototype
+    return tuple(al.attitude.compare_filters(trial, rng=np.random.default_rng(1)) for trial in trials)
 
 
 def scenario_rows() -> list[Row]:

@@ -50,6 +50,17 @@ def test_counts_are_written_and_read(tmp_path, monkeypatch):
     assert sum(cell.records for cell in grid.read_counts("7654321")) == 0
 
 
+def test_a_named_cell_has_a_cause_or_a_chance():
+    cells = [grid.Cell(("N", "step", 4096)), grid.Cell(("N", "none", 4096)), grid.Cell(("N", "gaps", 4096))]
+    for cell, false in zip(cells, ({"K": 7}, {"Q": 7}, {"Q": 6}), strict=True):
+        cell.records = 100
+        cell.codes.update({f"{term} false": count for term, count in false.items()})
+    by_cause, by_chance = grid.named_cells(cells)
+    assert by_cause[-2:] == ("K false 7", "smaller than can be told from slow noise")
+    share = 100 * scipy.stats.binom.sf(6, 100, grid.RATE_OF_CLAIMS)
+    assert by_chance[-2:] == ("Q false 7", f"Q: by chance {share:.2g} %")
+
+
 @rows(
     "hits, of, others, among", [(0, 100, 11, 100), (0, 100, 14, 100), (50, 100, 25, 100), (9, 90, 4, 8), (0, 5, 0, 9)]
 )
