@@ -40,19 +40,23 @@ class Job(NamedTuple):
     lane: str = "single"
 
 
-POOL = (
-    "curves methods theoh_paper comparison check compensation consistency drift angle rate vertical recordings "
-    "simulation prices"
-)
+POOL = "compensation consistency drift angle rate vertical recordings simulation"
 SINGLE = "moments logs environments"
-QUIET = "kills streams speed"
 
 TABLES = {
     "grid": Job("make --rounds 100", "pool"),
     **dict.fromkeys(POOL.split(), Job(lane="pool")),
+    "methods": Job(lane="pool"),
+    "curves": Job("--records 60", "pool"),
+    "comparison": Job("--pairs 300", "pool"),
+    "check": Job("--records 1 --right 8 --filters 10 --others 4", "pool"),
+    "prices": Job("--short 16 --usual 10 --long 4", "pool"),
+    "theoh_paper": Job("--records 40 --curves 100 --limits 120", "pool"),
     "fuzz": Job("--share 0.1", "pool"),
     **dict.fromkeys(SINGLE.split(), Job()),
-    **dict.fromkeys(QUIET.split(), Job(lane="quiet")),
+    "kills": Job(lane="quiet"),
+    "streams": Job("--millions 200", "quiet"),
+    "speed": Job(lane="quiet"),
 }
 """Tables by the name of their file, which is that of their script."""
 
