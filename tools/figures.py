@@ -115,7 +115,6 @@ FITS = {
 }  # fmt: skip
 """Function of each method, before its efficiency."""
 
-FIT = "src/allanite/applications/compensation/fit.py"
 
 SENTENCES = [
     ("README.md", "hold the truth in {:.0f} to {:.0f} % of records, by term", lambda: span(
@@ -151,7 +150,6 @@ SENTENCES = [
     ("docs/compensation.md", "its interval, in {:.0f} to {:.0f} %", lambda: compensated("gain met %")),
     ("docs/compensation.md", "truth in {:.0f} to {:.0f} % of records", lambda: compensated(
         "within 95 % limits", ("white",), ("temp", "d temp/dt"))),
-    (FIT, "effect in {:.0f} to {:.0f} % of", lambda: compensated("ordinary %")),
     ("docs/theoh_paper.md", "K and R are {:.0f} and {:.0f} % better", lambda: [gained(s, "theoh") for s in "KR"]),
     ("docs/theoh_paper.md", "alone gains {:.0f} % of R", lambda: [gained("R", "theo1")]),
     ("docs/theoh_paper.md", "zero, K {:g} beside {:g} and R {:g} beside {:g},", lambda: [
