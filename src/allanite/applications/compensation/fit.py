@@ -29,8 +29,8 @@ def compensate(
     The rate is a constant, a sum of coefficients times regressors, and noise of the terms Q, N, B and K, which is
     identified jointly with the coefficients by the restricted likelihood. Coefficients are generalized least-squares
     estimates, averaged over the possible slow noise; ordinary least squares finds a nonexistent effect in half of
-    the records with a drifting temperature. Regressors named explicitly, and their lags, are kept; powers up to `degree`
-    are added only if cross-validation improves.
+    the records with a drifting temperature. Regressors named explicitly, and their lags, are kept; powers up to
+    `degree` are added only if cross-validation improves.
 
     Parameters
     ----------
