@@ -184,7 +184,7 @@ def _labview() -> bytes:
     about = "Channels\t2\nDate\t2026/01/02\t2026/01/02\nTime\t03:04:0{}.5\t03:04:0{}.5\nDelta_X\t0.01\t0.01\n"
     about += "Y_Unit_Label\tdeg/s\tdeg/s\n***End_of_Header***\nX_Value\tgx\tgy\tComment\n"
     rows = "".join(f"{k * 0.01:.6f}\t{x[0]:.6f}\t{x[1]:.6f}\n" for k, x in enumerate(NUMBERS))
-    return (head + about.format(5, 5) + rows + "\n" + about.format(6, 6) + rows).encode()
+    return (head + about.format(5, 5) + rows + "\n" + about.format(9, 9) + rows).encode()  # 400 rows take 4 s
 
 
 def _sentences() -> bytes:
