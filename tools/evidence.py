@@ -54,7 +54,7 @@ TABLES = {
     "theoh_paper": Job("--records 40 --curves 100 --limits 120", "pool"),
     "fuzz": Job("--share 0.1", "pool"),
     **dict.fromkeys(SINGLE.split(), Job()),
-    "kills": Job(lane="quiet"),
+    "kills": Job("--files 40 --verbs 2", "quiet"),
     "streams": Job("--millions 200", "quiet"),
     "speed": Job(lane="quiet"),
 }
