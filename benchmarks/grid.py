@@ -198,9 +198,11 @@ def term_row(term: str, cells: list[Cell]) -> Row:
     n = {code: total[f"{term} {code}"] for code in CODES}
     claimed = n["in"] + n["edge"] + n["wrong"]
     known = claimed + n["low"] + n["miss"]
+    bounded = known if term != "GM" else 0
     return (
-        term, str(known + n["refused"]), percent(claimed, known + n["refused"]), percent(n["in"], claimed),
-        percent(n["wrong"], claimed), percent(n["upper"], known if term != "GM" else 0),
+        term, str(known + n["refused"]), percent(claimed, known + n["refused"]),
+        percent(n["in"], claimed), percent(n["in"] + n["low"], bounded), percent(n["wrong"], claimed),
+        percent(n["upper"], bounded),
         percent(n["low"], n["low"] + n["miss"] if term != "GM" else 0),
         percent(n["refused"], known + n["refused"]), percent(n["false"], n["false"] + n["none"]),
     )  # fmt: skip
@@ -252,8 +254,8 @@ def tables(cells: list[Cell]) -> list[str]:
         body += section(title, (head, *heads), rows + [verdicts_row(["all"], cells)] * (place == 2))
     body += section(
         "Terms",
-        ("term", "present", "claimed where present %", "covers %", "wrong %", "upper limit holds %",
-         "limit holds where not claimed %", "refused %", "claimed where absent %"),
+        ("term", "present", "claimed where present %", "covers %", "interval or limit holds %", "wrong %",
+         "upper limit holds %", "limit holds where not claimed %", "refused %", "claimed where absent %"),
         [term_row(term, cells) for term in TERMS],
     )  # fmt: skip
     return body + section(

@@ -118,7 +118,9 @@ def predicted(method):
 
 
 NUMBERS = [
-    ("95 % intervals hold the truth in {:g} to {:g} % of records", lambda: terms("covers %")),
+    ("95 % intervals or limits hold the truth in {:g} to {:g} % of records", lambda: terms(
+        "interval or limit holds %")),
+    ("intervals of what is claimed alone in {:g} to {:g} %", lambda: terms("covers %")),
     ("least for {:s}: {:g} %", lambda: extreme("Terms", "covers %", min)),
     ("95 % upper limits hold in {:g} to {:g} % of records", lambda: terms("upper limit holds %")),
     ("a term that is absent is claimed in {:g} to {:g} %", lambda: terms("claimed where absent %")),
