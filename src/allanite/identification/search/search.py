@@ -5,7 +5,7 @@ and all within `REACH` of the best are kept. No random numbers, and no test of f
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -118,7 +118,7 @@ TUNED = 2  # other sizes and places of the factors of a fit that are refined in 
 FIRST = 3  # rounds of refinement before the hopeless are dropped
 
 
-MEANS: tuple[Move, ...] = (steps, warm_ups, waves)
+MEANS: tuple[Callable[[Local], Iterator[State]], ...] = (steps, warm_ups, waves)
 """Ways to components that change the mean of the coefficients, as slow noise does."""
 
 
