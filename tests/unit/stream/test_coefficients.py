@@ -42,7 +42,8 @@ def test_coefficients_and_grade_are_near_those_of_the_record():
     assert fit.validity == "explained"
     for estimate in fit:
         other = batch[estimate.symbol]
-        assert estimate.claimed == other.claimed
+        # a term near its limit may be claimed by one alone
+        assert estimate.claimed == other.claimed or "weak" in (estimate.status, other.status)
         if estimate.claimed:
             low, high = other.interval(0.95)
             assert low < estimate.value < high
