@@ -44,21 +44,21 @@ def graded(noise: Noise, record: Record) -> Noise:
         fit = fit.invalid(say("the residuals are not white: the noise rises with frequency in another way"), angle)
     if any(finding.name == "heavy tails" for finding in residuals.findings):
         fit = widened(fit, math.sqrt(1 + residuals["kurtosis"].value / 2))
-    seen = measured(fit, record)
-    between = measured(fit, levelled(record, fit.steps)) if fit.steps else seen
-    fit = _valid_until(fit, seen, between)
+    whole = measured(fit, record)
+    between = measured(fit, levelled(record, fit.steps)) if fit.steps else whole
+    fit = _valid_until(fit, whole, between)
     for symbol, reason in not_rounding(fit, record).items():  # which has the spectrum of angle noise, but another cause
         fit = fit.invalid(reason, (symbol,))
     return replace(noise, fit=fit)
 
 
-def _valid_until(fit: Fit, seen: MeasuredCurve, between: MeasuredCurve) -> Fit:
+def _valid_until(fit: Fit, whole: MeasuredCurve, between: MeasuredCurve) -> Fit:
     """The fit, with the averaging time up to which the measured curve shows it.
 
     It is not valid where the curve shows it at none, and that between the steps does not either.
     """
-    until = held(fit, seen)
-    if until == 0 and between is not seen:
+    until = held(fit, whole)
+    if until == 0 and between is not whole:
         until = held(fit, between)
     if until == 0:
         nowhere = say("the deviation of these terms is that of the record at no averaging time")

@@ -208,6 +208,7 @@ def _recast(f: Fitted) -> list[Fitted]:
 
 def _stilled(f: Fitted, moves: Sequence[Move]) -> list[Fitted]:
     """A fit with a step, a warm-up or a wave in the place of its slow noise."""
+    # Beside that noise none of them gains enough to be fitted, and without both the state is worse than either.
     still = f.free.copy()
     still[: f.frame.slow.size] &= ~f.frame.slow
     if (still == f.free).all() or not still.any():

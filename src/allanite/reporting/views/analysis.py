@@ -160,9 +160,9 @@ EXPLAINED = {
         "squared noise coefficients, each times the known spectrum of its term (Whittle likelihood). The model is the "
         "set of terms, none negative, with the highest likelihood; a ramp is estimated jointly, with its sign."
     ), say(
-        "A noise term is identified only where it lowers twice the negative log-likelihood by more than 4 and its "
-        "interval excludes zero, so that about one record in twenty shows a term that is absent. Which terms are "
-        "present is never certain: each coefficient is averaged over all sets of terms that have it, weighted by their "
+        "A noise term is identified where the models that have it weigh e times as much as those without it, and a "
+        "ramp where its 97.7 % limits exclude zero: by chance alone in about 2 % of records without it. Which terms "
+        "are present is never certain: each coefficient is averaged over all sets of terms that have it, weighted by their "
         "Akaike criterion, with the other coefficients following. The value is the median of that distribution, which "
         "is flat in the coefficient where nothing is known, and the interval lies between its quantiles. A term that "
         "is not identified has a one-sided 95 % upper limit instead of a value."
