@@ -162,10 +162,10 @@ EXPLAINED = {
     ), say(
         "A noise term is identified where the models that have it weigh e times as much as those without it, and a "
         "ramp where its 97.7 % limits exclude zero: by chance alone in about 2 % of records without it. Which terms "
-        "are present is never certain: each coefficient is averaged over all sets of terms that have it, weighted by "
-        "their Akaike criterion, with the other coefficients following. The value is the median of that distribution, which "
-        "is flat in the coefficient where nothing is known, and the interval lies between its quantiles. A term that "
-        "is not identified has a one-sided 95 % upper limit instead of a value."
+        "are present is never certain: each coefficient is averaged over all sets of terms that have it, weighted "
+        "by their Akaike criterion, with the other coefficients following. The value is the median of that "
+        "distribution, which is flat in the coefficient where nothing is known, and the interval lies between its "
+        "quantiles. A term that is not identified has a one-sided 95 % upper limit instead of a value."
     )),
     "gls": (say(
         "The squares of the noise coefficients, none below zero, are fitted to the variance at octaves of the "
