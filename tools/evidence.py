@@ -51,7 +51,7 @@ TABLES = {
     "comparison": Job("--pairs 300", "pool"),
     "check": Job("--records 1 --right 8 --filters 10 --others 4", "pool"),
     "prices": Job("--short 16 --usual 10 --long 4", "pool"),
-    "theoh_paper": Job("--records 40 --curves 100 --limits 120", "pool"),
+    "theoh_paper": Job("--records 60 --curves 200 --limits 240", "pool"),
     "fuzz": Job("--share 0.1", "pool"),
     **dict.fromkeys(SINGLE.split(), Job()),
     "kills": Job("--files 40 --verbs 2", "quiet"),
