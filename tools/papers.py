@@ -36,9 +36,10 @@ def table(found: Reproduction, lang: str) -> str:
     with speaking(lang):
         heads = [tr(head) for head in HEADS]
         rows = [
-            [i.item, i.claim, i.paper, i.source, i.here, whole(tr(VERDICTS[i.verdict])), tr(i.why)] for i in found.items
-        ]
-    lines = [heads, ["---"] * len(heads), *([written(cell) for cell in row] for row in rows)]
+            [*map(written, (i.item, i.claim, i.paper, i.source, i.here)), whole(written(tr(VERDICTS[i.verdict]))),
+             written(tr(i.why))] for i in found.items
+        ]  # fmt: skip
+    lines = [heads, ["---"] * len(heads), *rows]
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 

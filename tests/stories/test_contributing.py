@@ -50,7 +50,7 @@ print(al.deviation(al.read("z.csv")["gz"], "fdev"))""", ("fourth-difference devi
     "noise term": ({"terms/relaxation.py": own("relaxation")}, (
         ("terms/__init__.py", "RATE_RANDOM_WALK, ramp_coefficients\n", "from .relaxation import RELAXED\n"),
         ("terms/__init__.py", " OSCILLATION,", " RELAXED,"),
-        ("core/model.py", '("F", "GMA", "GM2", "GML", "W"))\n', 'RR = constructor("RR")\n'),
+        ("core/model.py", '("F", "GM", "GMA", "GM2", "GML", "Sine"))\n', 'RR = constructor("RR")\n'),
         ("__init__.pyi", "from .core.model import R as R\n", "from .core.model import RR as RR\n")), """
 assert al.RR(1, "rad/s^2.5").shape == (20.0,) and "RR" in dir(al)
 record = simulated(al.Model(str(al.N(0.1, "deg/sqrt(h)") + al.RR(2e-6, "rad/s^2.5"))), 8192)

@@ -60,7 +60,7 @@ def public(function: F) -> F:
                     rated = isinstance(value, Real) and "sampling" in names  # as the second argument of other libraries
                     raise WrongTypeError(
                         f"{called}: {name} must be {expected}, not {given(value)} ({type(value).__name__})"
-                        + f"; a sampling rate has its name: type al.{called}(x, rate={value})" * rated
+                        + (f"; a sampling rate has its name: type al.{called}(x, rate={value})" if rated else "")
                     )
                 if name in ranges:
                     ranges[name].demand(value, name)

@@ -124,8 +124,10 @@ def unfit(data: Any, expected: str) -> StoredError:
     return StoredError(f"{expected} is expected, not {words.get(type(data)) or given(data)}")
 
 
+SOURCE = "git+https://github.com/allanite/allanite"
 INSTALLERS = {"pipx": "pipx inject allanite {names}", "uv tool": "uv tool install allanite -w {with_names}",
-              "uv": "uv pip install {names}", "pip": "pip install {names}"}  # fmt: skip
+              "pipx run": f"pipx run --with {{each}} --spec {SOURCE} allanite", "uv": "uv pip install {names}",
+              "uvx": f"uvx -w {{with_names}} --from {SOURCE} allanite", "pip": "pip install {names}"}  # fmt: skip
 """What adds libraries to an environment, by the program that made it."""
 
 
@@ -148,14 +150,18 @@ def requirements(extra: str) -> list[str]:
 def cure(names: list[str], prefix: Path | None = None) -> str:
     """The command that installs libraries into this environment, or the one at `prefix`."""
     where = Path(sys.prefix) if prefix is None else prefix
-    return INSTALLERS[_installer(where)].format(names=" ".join(names), with_names=",".join(names))
+    forms = {"names": " ".join(names), "with_names": ",".join(names), "each": " --with ".join(names)}
+    return INSTALLERS[_installer(where)].format(**forms)
 
 
 def _installer(prefix: Path) -> str:
     if "pipx" in prefix.parts:
-        return "pipx"
-    if ("uv", "tools") in zip(prefix.parts, prefix.parts[1:], strict=False):
+        return "pipx" if "venvs" in prefix.parts else "pipx run"
+    folders = {f"{above}/{name}" for above, name in zip(prefix.parts, prefix.parts[1:], strict=False)}
+    if "uv/tools" in folders:
         return "uv tool"
+    if any(folder.startswith("uv/archive-") for folder in folders):  # an environment for one run
+        return "uvx"
     made = prefix / "pyvenv.cfg"
     return "uv" if made.is_file() and re.search(r"^uv\s*=", made.read_text("utf-8"), re.MULTILINE) else "pip"
 

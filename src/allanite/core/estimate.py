@@ -227,7 +227,7 @@ class Estimate(Value):
 
     def __float__(self) -> float:
         """The value, SI; NaN if there is none."""
-        return math.nan if self.value is None else self.value
+        return math.nan if self.value is None else float(self.value)
 
     def to(self, unit: str) -> float:
         """The value in `unit`; NaN if there is none."""

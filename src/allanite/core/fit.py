@@ -9,13 +9,13 @@ from allanite.terms import TERMS
 
 from .arrays import FloatArray
 from .curve import Curve
-from .errors import UsageError
+from .errors import UsageError, given
 from .estimate import Averaged, Estimate, averaged
 from .kinds import title_of
 from .model import Model, Term, coefficient_factor
 from .plain import Value
 from .units import Signal
-from .validity import APPROXIMATE, UNEXPLAINED, Finding, Scope, graded, worst
+from .validity import APPROXIMATE, GRADES, UNEXPLAINED, Finding, Scope, graded, worst
 
 SURE, EVEN = 0.73, 0.5
 """Weight of the models that hold a component from which it is claimed, and from which it is almost: odds of e and of 1
@@ -244,6 +244,8 @@ class Fit(Value):
         return {e.symbol: self[e.symbol] for e in self}
 
     def __post_init__(self) -> None:
+        if self.checked not in ("", *GRADES):
+            raise UsageError(f"checked must be empty or one of {', '.join(GRADES)}, not {given(self.checked)}")
         doubt = self._doubt or ("" if self.goodness else self.model.doubt)
         object.__setattr__(self, "model", Model(self.model.terms, doubt=doubt))
 

@@ -7,7 +7,7 @@ import pytest
 from tests import ROOT
 from tests.rows import rows
 
-from allanite.core.errors import UsageError, cure, demand_extra, requirements
+from allanite.core.errors import SOURCE, UsageError, cure, demand_extra, requirements
 
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
 
@@ -22,7 +22,9 @@ def test_requirements_are_those_of_the_project(extra):
     (".venv", "home = /usr/bin\n", "pip install fastapi uvicorn"),
     (".venv", "home = /usr/bin\nuv = 0.5.1\n", "uv pip install fastapi uvicorn"),
     ("uv/tools/allanite", "uv = 0.5.1\n", "uv tool install allanite -w fastapi,uvicorn"),
+    ("uv/archive-v0/d8doDpq", "uv = 0.5.1\n", f"uvx -w fastapi,uvicorn --from {SOURCE} allanite"),
     ("pipx/venvs/allanite", "home = /usr/bin\n", "pipx inject allanite fastapi uvicorn"),
+    ("pipx/a184b18", "home = /usr/bin\n", f"pipx run --with fastapi --with uvicorn --spec {SOURCE} allanite"),
 ])  # fmt: skip
 def test_the_command_is_that_of_the_program_that_made_the_environment(tmp_path, folder, made, typed):
     prefix = tmp_path / folder

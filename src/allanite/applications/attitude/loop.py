@@ -42,6 +42,7 @@ class SensorNoise:
             if model.signal.name != sensor:
                 raise UnitError(f"the noise of the {sensor} is that of another sensor ({model.signal.name}): {model}")
         TIME.demand(duration, "the duration")
+        POSITIVE.demand(rate, "the sampling rate")
         for t in (t for model in models for t in model if t.value):
             if rate is None and (t.row.alpha or 0) > 0:  # its power is infinite in continuous time
                 raise UsageError(f"{t.symbol} ({t.row.title}) depends on the sampling rate: give it with "

@@ -227,15 +227,15 @@ def _factors(spectrum: Spectrum, row: Statistic, taus: str | Sequence[float] | F
         octaves = int(np.log2(max(longest * spectrum.rate, 1.0)))
         return np.asarray(2 ** np.arange(octaves + 1), dtype=np.int64)
     wanted = np.atleast_1d(np.asarray(taus, dtype=np.float64)) * spectrum.rate / row.tau_factor
-    m = np.rint(wanted).astype(np.int64)
-    if not m.size or m.min() < 1 or np.abs(wanted - m).max() > 1e-6 * m.max():
+    m = np.rint(wanted)
+    if not m.size or not np.all((m >= 1) & np.isfinite(m)) or np.abs(wanted - m).max() > 1e-6 * m.max():
         raise UsageError(f"averaging times must be multiples of the sample interval, {1 / spectrum.rate:g} s")
     if m.max() > longest * spectrum.rate * (1 + 1e-9):
         raise UsageError(
             f"a spectrum with a resolution of {slowest:.3g} Hz gives averaging times up to {longest:.3g} s, not "
             f"{m.max() / spectrum.rate:g} s: use longer segments, or the deviation of the record itself"
         )
-    return m
+    return m.astype(np.int64)
 
 
 def _integral(spectrum: Spectrum, row: Statistic, m: int) -> float:
