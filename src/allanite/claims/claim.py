@@ -4,7 +4,9 @@ import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
+from typing import ClassVar
 
 from allanite.batch.specification import Limit, Specification
 from allanite.core import ranges
@@ -12,6 +14,7 @@ from allanite.core.aliases import public
 from allanite.core.errors import AllaniteError, DataError, UsageError, given as shown
 from allanite.core.files import reason
 from allanite.core.model import Model, Term
+from allanite.core.names import demand_name
 from allanite.core.plain import Value
 from allanite.core.units import Signal
 from allanite.core.validity import SETTLED
@@ -35,6 +38,8 @@ ITEM = re.compile(r"(?:(?P<sensor>gyro|accel)\w*\s+)?"
 @dataclass(frozen=True, repr=False)
 class ClaimedSetting(Value):
     """A setting that is claimed."""
+
+    _checks: ClassVar = {"quantity": partial(demand_name, "setting", known=SETTINGS)}
 
     # the -3 dB frequency of a low-pass filter, or the samples of the sensor in a second. One of "cutoff", "rate".
     quantity: str

@@ -12,7 +12,7 @@ from .aliases import public
 from .arrays import FloatArray, IntArray
 from .encoding import plain
 from .errors import StoredError, UsageError
-from .limits import Stored, demand_level, demand_stored_rate, demand_stored_square
+from .limits import Stored, demand_level, demand_stored_positive, demand_stored_rate, demand_stored_square
 from .model import Model
 from .names import demand_name
 from .plain import Portable, Value
@@ -67,7 +67,8 @@ class Curve(Value):
     _keys: ClassVar = {"supposes": "supposed"}
     _called: ClassVar = {"taus": "tau", "var": "variance", **dict.fromkeys(("dev", "devs", "adev", "ad"), "deviation")}
     _alike = ("m tau variance count factor alpha",)
-    _checks: ClassVar = {"rate": demand_stored_rate, "variance": demand_stored_square, "law": demand_stored_square}
+    _checks: ClassVar = {"rate": demand_stored_rate, "tau": demand_stored_positive,
+                         "variance": demand_stored_square, "law": demand_stored_square}  # fmt: skip
 
     statistic: str
     m: IntArray

@@ -178,6 +178,12 @@ def demand_stored_size(value: float | Stored | None) -> None:
         raise unfit(value, f"a number below {LARGEST**2:g}")
 
 
+def demand_stored_value(value: float | None) -> None:
+    """Refuse an infinite number, or one that is far beyond those of any record."""
+    if value is not None and abs(value) >= LARGEST**2:
+        raise unfit(value, f"a number below {LARGEST**2:g}")
+
+
 def demand_stored_square(values: FloatArray | Stored | None) -> None:
     """Refuse negative numbers; what is missing is none."""
     if values is None or isinstance(values, Stored):

@@ -74,7 +74,7 @@ class Entry(Value):
     @property
     def factor(self) -> float | None:
         """By how much the written value is larger than the identified one; None if it is the same."""
-        factor = self.values[0] / self.identified[0] if self.identified else 1.0
+        factor = self.values[0] / self.identified[0] if self.identified and self.identified[0] else 1.0
         return None if isclose(factor, 1.0, rel_tol=1e-6) else factor
 
     @property

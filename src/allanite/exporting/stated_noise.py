@@ -262,7 +262,7 @@ def _measured(axis: Axis, tau: FloatArray) -> FloatArray:
     if axis.curve is None or axis.curve.law is None:
         return none
     upper = axis.curve.to(axis.fit.signal.unit).interval(axis.level)[1]
-    upper = np.where(np.isfinite(upper), upper, np.inf)
+    upper = np.where(np.isfinite(upper) & (upper > 0), upper, np.inf)
     return np.exp(2 * np.interp(np.log(tau), np.log(axis.curve.tau), np.log(upper), left=np.inf, right=np.inf))
 
 
