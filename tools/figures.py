@@ -220,6 +220,7 @@ CELLS = [
     ("docs/rate_paper.md", "Comparison", "rate.md", "The paper's experiment"),
     ("docs/rate_paper.md", "Why the staircase", "rate.md", "Noise that fits"),
     ("docs/rate_paper.md", "The paper's descent", "rate.md", "The paper's descent"),
+    ("docs/rate_paper.md", "Searching for the minimum", "rate.md", "The search for the staircase"),
     ("docs/angle_paper.md", "Table of accuracy", "angle.md", ""),
     ("docs/vertical.md", "No filter is the best", "vertical.md", "Scenarios"),
 ]
