@@ -9,7 +9,7 @@ import numpy as np
 
 from .arrays import LARGEST, FloatArray
 from .errors import UsageError, unfit
-from .ranges import RATE, demand_level as demand_level  # noqa: PLC0414 - of this module too
+from .ranges import POSITIVE, RATE, demand_level as demand_level  # noqa: PLC0414 - of this module too
 from .threads import one_thread
 
 T = TypeVar("T")
@@ -194,6 +194,7 @@ def demand_stored_square(values: FloatArray | Stored | None) -> None:
 
 
 def demand_stored_positive(values: FloatArray) -> None:
-    """Refuse numbers that are divided by, where one is zero or negative."""
-    if not (values > 0).all():
-        raise unfit(float(values[~(values > 0)][0]), "a number above 0")
+    """Refuse numbers that are divided by, where one is negative, or zero or nearly."""
+    large = values >= POSITIVE.low
+    if not large.all():
+        raise unfit(float(values[~large][0]), f"a number of at least {POSITIVE.low:g}")
