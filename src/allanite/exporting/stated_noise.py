@@ -223,7 +223,7 @@ def noise_of(axis: Axis, tau: FloatArray, *, unexplained: bool) -> AxisNoise | N
     known, limits, struck = [], [], False
     for e in axis.fit:
         row = TERMS[e.symbol]
-        if not row.scatters or len(e.shape) != len(row.parameters) or (e.value and np.isnan(e.value)):
+        if not row.scatters or len(e.shape) != len(row.parameters):
             continue
         forced = unexplained and e.status == "not valid"
         value = e.value if e.valued or forced else None
