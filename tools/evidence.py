@@ -40,19 +40,21 @@ class Job(NamedTuple):
     lane: str = "single"
 
 
-POOL = "compensation consistency drift angle rate vertical recordings simulation"
-SINGLE = "moments logs environments"
+POOL = "compensation drift angle rate vertical recordings simulation"
+SINGLE = "logs environments"
 
 TABLES = {
     "grid": Job("make --rounds 100", "pool"),
     **dict.fromkeys(POOL.split(), Job(lane="pool")),
     "methods": Job(lane="pool"),
-    "curves": Job("--records 60", "pool"),
+    "curves": Job("--records 40", "pool"),
+    "consistency": Job("--records 6", "pool"),
     "comparison": Job("--pairs 300", "pool"),
     "check": Job("--records 1 --right 8 --filters 10 --others 4", "pool"),
     "prices": Job("--short 16 --usual 10 --long 4", "pool"),
     "theoh_paper": Job("--records 60 --curves 200 --limits 240", "pool"),
     "fuzz": Job("--share 0.1", "pool"),
+    "moments": Job("--hybrids 100 --laws 40"),
     **dict.fromkeys(SINGLE.split(), Job()),
     "kills": Job("--files 40 --verbs 2", "quiet"),
     "streams": Job("--millions 200", "quiet"),

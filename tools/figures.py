@@ -119,6 +119,7 @@ FITS = {
 SENTENCES = [
     ("README.md", "hold the truth in {:.0f} to {:.0f} % of records, by term", lambda: span(
         figures("grid.md", "Terms", "interval or limit holds %"))),
+    ("README.md", "a claimed K alone in {:.0f} %", lambda: figures("grid.md", "Terms", "covers %", term=["K"])),
     ("README.md", "is claimed in at most {:.1f} % of records", lambda: [
         max(figures("grid.md", "Terms", "claimed where absent %"))]),
     ("README.md", "Allan deviation in {:g} ms", lambda: stated(SPEED, r"the job (\d+) ms")),
@@ -219,6 +220,7 @@ CELLS = [
     ("docs/rate_paper.md", "Comparison", "rate.md", "The paper's experiment"),
     ("docs/rate_paper.md", "Why the staircase", "rate.md", "Noise that fits"),
     ("docs/rate_paper.md", "The paper's descent", "rate.md", "The paper's descent"),
+    ("docs/rate_paper.md", "Searching for the minimum", "rate.md", "The search for the staircase"),
     ("docs/angle_paper.md", "Table of accuracy", "angle.md", ""),
     ("docs/vertical.md", "No filter is the best", "vertical.md", "Scenarios"),
 ]
