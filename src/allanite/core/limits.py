@@ -185,16 +185,16 @@ def demand_stored_value(value: float | None) -> None:
 
 
 def demand_stored_square(values: FloatArray | Stored | None) -> None:
-    """Refuse negative numbers; what is missing is none."""
+    """Refuse numbers that are negative, or far beyond those of any record; what is missing is none."""
     if values is None or isinstance(values, Stored):
         for part in () if values is None else values.values:
             demand_stored_square(part)
-    elif (values < 0).any():
-        raise unfit(float(values[values < 0][0]), "a number of at least 0")
+    elif (wrong := (values < 0) | (np.isfinite(values) & (values >= LARGEST**4))).any():
+        raise unfit(float(values[wrong][0]), f"a number of at least 0, and below {LARGEST**4:g}")
 
 
 def demand_stored_positive(values: FloatArray) -> None:
-    """Refuse numbers that are divided by, where one is negative, or zero or nearly."""
-    large = values >= POSITIVE.low
-    if not large.all():
-        raise unfit(float(values[~large][0]), f"a number of at least {POSITIVE.low:g}")
+    """Refuse numbers that are divided by, where one is negative, zero or nearly, or far beyond any record's."""
+    right = (values >= POSITIVE.low) & ((values <= POSITIVE.high) | np.isposinf(values))
+    if not right.all():
+        raise unfit(float(values[~right][0]), f"a number {POSITIVE.words()}")
