@@ -40,6 +40,7 @@ REASONS = {
     "N GM 20 s": ("BK", "few of its time constants in a record: near flicker, and a random walk above"),
     "N GM 1 s GM 50 s": ("BK", "near flicker over two decades, and a random walk above"),
     "RC low-pass, fs/12": ("BQ", "behind it angle noise is nearly white"),
+    "each sample three times": ("Q", "a time constant of few samples is as white and angle noise behind an RC filter"),
     **dict.fromkeys(("slow wave", "step", "warm-up", "popcorn"), ("BKR", "smaller than can be told from slow noise")),
 }  # fmt: skip
 """Why terms are claimed that are not there, by sensor and by disturbance."""
@@ -87,8 +88,7 @@ def hummed(*lines: tuple[float, float]) -> Callable[[Made], Values]:
     def add(made: Made) -> Values:
         at = 2 * np.pi * np.arange(made.y.size)
         turn = made.rng.uniform(0, 2 * np.pi, len(lines))
-        each = zip(lines, turn, strict=True)
-        return made.y + made.fast * sum(a * np.sin(f * at + phase) for (f, a), phase in each)
+        return made.y + made.fast * sum(a * np.sin(f * at + phase) for (f, a), phase in zip(lines, turn, strict=True))
 
     return add
 

@@ -14,6 +14,7 @@ from allanite.core.errors import UsageError
 from allanite.core.model import Term
 from allanite.core.names import demand_name
 from allanite.core.plain import Value
+from allanite.core.ranges import SIZE
 from allanite.core.units import Signal, convert
 from allanite.phrases.phrase import say
 from allanite.planning.drift import Response, drift_variance
@@ -93,7 +94,7 @@ class _AxisDrift:
         # The method of variance estimates recovery (G. Y. Zou and A. Donner, Statistics in Medicine 27 (2008) 1693).
         terms = [i for i, cause in enumerate(self.causes) if cause.term is not None and not cause.limit]
         size = np.array([[getattr(self.causes[i], end) ** 2 - 1] for i in terms]).reshape(-1, 1)
-        off = np.nan_to_num(size) * self.variance[terms]
+        off = np.nan_to_num(size, posinf=SIZE.high) * self.variance[terms]
         together = np.eye(len(terms)) if self.axis.correlation is None else self.axis.correlation
         return np.asarray(np.maximum(np.einsum("it,ij,jt->t", off, together, off), 0))
 

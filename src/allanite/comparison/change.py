@@ -11,6 +11,7 @@ from allanite.core.estimate import TERM, Estimate
 from allanite.core.fit import Fit, chance
 from allanite.core.kinds import title_of
 from allanite.core.limits import Remembered, demand_level
+from allanite.core.names import demand_name
 from allanite.core.plain import Header, Value
 from allanite.core.record import Record
 from allanite.core.units import Signal
@@ -72,6 +73,10 @@ class Change(Value):
     # length of each record, s, needed to detect a change by a factor of 2 of a coefficient that is as large as its
     # upper limit, if these records do not resolve it
     needed: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.parameter:
+            demand_name("parameter", self.parameter, [p.name for p in TERMS[self.symbol].parameters])
 
     @property
     def label(self) -> str:

@@ -207,7 +207,7 @@ class Estimate(Value):
     @property
     def valued(self) -> bool:
         """Whether `value` is a result of the method: that of a term that was detected, or reported without evidence."""
-        return self.value is not None and self.row.valued
+        return self.value is not None and not math.isnan(self.value) and self.row.valued
 
     def interval(self, level: float = 0.95) -> tuple[float, float]:
         """Confidence interval (low, high) in SI; from 0 to `upper` for an absent term."""

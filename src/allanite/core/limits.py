@@ -9,7 +9,7 @@ import numpy as np
 
 from .arrays import LARGEST, FloatArray
 from .errors import UsageError, unfit
-from .ranges import RATE, demand_level as demand_level  # noqa: PLC0414 - of this module too
+from .ranges import POSITIVE, RATE, demand_level as demand_level  # noqa: PLC0414 - of this module too
 from .threads import one_thread
 
 T = TypeVar("T")
@@ -185,15 +185,16 @@ def demand_stored_value(value: float | None) -> None:
 
 
 def demand_stored_square(values: FloatArray | Stored | None) -> None:
-    """Refuse negative numbers; what is missing is none."""
+    """Refuse numbers that are negative, or far beyond those of any record; what is missing is none."""
     if values is None or isinstance(values, Stored):
         for part in () if values is None else values.values:
             demand_stored_square(part)
-    elif (values < 0).any():
-        raise unfit(float(values[values < 0][0]), "a number of at least 0")
+    elif (wrong := (values < 0) | (np.isfinite(values) & (values >= LARGEST**4))).any():
+        raise unfit(float(values[wrong][0]), f"a number of at least 0, and below {LARGEST**4:g}")
 
 
 def demand_stored_positive(values: FloatArray) -> None:
-    """Refuse numbers that are divided by, where one is zero or negative."""
-    if not (values > 0).all():
-        raise unfit(float(values[~(values > 0)][0]), "a number above 0")
+    """Refuse numbers that are divided by, where one is negative, zero or nearly, or far beyond any record's."""
+    right = (values >= POSITIVE.low) & ((values <= POSITIVE.high) | np.isposinf(values))
+    if not right.all():
+        raise unfit(float(values[~right][0]), f"a number {POSITIVE.words()}")

@@ -119,7 +119,9 @@ class StatedNoise(Value):
 
     _also: ClassVar = ("lowest", "span")
     _alike = ("tau deviation identified upper", "times predicted actual best")
-    _checks: ClassVar = dict.fromkeys(("identified", "upper", "predicted", "best"), demand_stored_positive)
+    _checks: ClassVar = dict.fromkeys(
+        ["deviation", "identified", "upper", "predicted", "actual", "best"], demand_stored_positive
+    )
 
     channels: tuple[str, ...]
     # model, noise: what the file states, with its inflation; what was identified

@@ -4,13 +4,14 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
+from typing import ClassVar
 
 import numpy as np
 
 from allanite.core.aliases import public, size_and_rate
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
-from allanite.core.limits import quantile
+from allanite.core.limits import demand_stored_square, quantile
 from allanite.core.model import Model, ModelLike, Term, usable_model
 from allanite.core.names import demand_name
 from allanite.core.plain import Value
@@ -50,6 +51,7 @@ class Bound(Value):
     """
 
     _alike = ("names errors",)
+    _checks: ClassVar = {"errors": demand_stored_square}
 
     model: Model
     size: int

@@ -191,3 +191,14 @@ def test_the_ratio_is_that_of_each_coefficient_and_no_long_piece_has_a_size_that
     assert pieces._ratio(y, np.array([prime, 100])) == pytest.approx(9, rel=0.2)
     assert len(sizes) == 2
     assert all(pieces.smooth(size + 1) for size in sizes)
+
+
+def test_a_wave_is_looked_for_in_coefficients_that_stand_alone():
+    # of the whole record two are known here: a wave and a ramp explained both, with certainty
+    rng, size = np.random.default_rng(21), 16384
+    values = al.simulate(al.Model("Q 30 arcsec, K 4 deg/h/sqrt(h)"), size, 1.0, rng=rng).values.copy()
+    for start in rng.integers(0, size, 20):
+        values[start : start + size // 220] = np.nan
+    values[rng.random(size) < 0.01] = np.nan
+    fit = al.identify(al.Record(values, 1.0, "rad/s", kind="rate"))
+    assert (fit["Q"].claimed, fit["K"].claimed, fit.findings) == (True, True, ())

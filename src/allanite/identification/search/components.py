@@ -188,6 +188,11 @@ def _resonance_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
     return [(2 * np.pi * PERIODS / frame.size, HIGHEST_RESONANCE), quality]
 
 
+def most_periods(frame: Frame) -> float:
+    """Periods that a wave may have: its coefficients, twice as many, stand alone."""
+    return min(MOST_PERIODS, frame.alone / 2 - 1)
+
+
 def _filter_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
     """Those of its row, or of the filter in common."""
     common = frame.common_row(part.label)
@@ -228,7 +233,7 @@ COMPONENTS: dict[str, Component] = {
         ),
         Component(
             "wave", 0.003, lambda n: 40, freedom=2.0, signed=True, grain=(0.1,),
-            bounds=lambda frame, part: [(FEWEST_PERIODS, MOST_PERIODS)], ending=True,
+            bounds=lambda frame, part: [(FEWEST_PERIODS, most_periods(frame))], ending=True,
         ),
         Component("sinusoid", 0.01, lambda n: n / 2, freedom=2.0, signed=True, most=12),
     )

@@ -319,6 +319,5 @@ def _volume(part: Likelihood, theta: FloatArray, frame: Frame, state: State) -> 
     if own <= 0:
         return 0.0
     V = part.directions(theta)[1][np.ix_(part.flat, part.flat)]
-    if not np.isfinite(V).all():
-        return math.inf
-    return float(np.linalg.slogdet(V)[1] - np.linalg.slogdet(V[own:, own:])[1])
+    volume = float(np.linalg.slogdet(V)[1] - np.linalg.slogdet(V[own:, own:])[1]) if np.isfinite(V).all() else math.inf
+    return volume if math.isfinite(volume) else math.inf  # directions that the bins do not tell apart

@@ -118,6 +118,7 @@ POINTS_OVER_QUALITY, MOST_POINTS = 0.11, 16
 """Frequencies in a bin of 1/16 octave at which the power of a resonance is computed, over its quality, and at most."""
 
 LOW = 64  # coefficients of the lowest frequencies, which tell of steps and of a warm-up (`bins.SINGLE`)
+FEWEST_ALONE = 8  # coefficients that must stand alone: twice the directions of a ramp, a warm-up and a wave
 MAX_REMEMBERED = 4000  # arrays of one spectrum that are kept, at most: some 20 MB
 
 EDGES_GRID = 0.01
@@ -248,8 +249,12 @@ class Frame(Portable):
     @property
     def able_to_warm_up(self) -> bool:
         """Whether the first bins tell of a warm-up."""
-        pieces = self.spectrum.pieces
-        return bool(self.used[0]) and (pieces is None or pieces.low > 0)
+        return bool(self.used[0]) and self.alone >= FEWEST_ALONE
+
+    @property
+    def alone(self) -> int:
+        """Low coefficients that are known one by one: of pieces those of the whole record."""
+        return LOW if self.spectrum.pieces is None else min(self.spectrum.pieces.low, LOW)
 
     @property
     def plain(self) -> Likelihood:

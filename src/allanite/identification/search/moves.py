@@ -12,7 +12,7 @@ from allanite.identification.likelihood.whittle import step_coefficients
 
 from .components import (  # isort: skip
     AT_BOUND, BROAD, COMPONENTS, FEWEST_PERIODS, HIDING, INSIDE, LEAST_MARKOV, LONGEST_MARKOV, LONGEST_WARM_UP,
-    MOST_PERIODS, PERIODS, QUICKEST_MARKOV, SHORTEST_WARM_UP, Part, cost_of
+    MOST_PERIODS, PERIODS, QUICKEST_MARKOV, SHORTEST_WARM_UP, Part, cost_of, most_periods
 )  # fmt: skip
 from .fitting import Fitted, fitted
 from .frame import DIRECTIONS, LOW, Frame, starts_of
@@ -124,7 +124,10 @@ def waves(at: Local) -> Iterator[State]:
         yield _tuned_wave(at.f, rest, state.of("wave")[0].shape[0])
         return
     y, root, Q = _lowest(at)
-    periods = np.linspace(FEWEST_PERIODS, MOST_PERIODS, WAVES + 1)[1:-1].tolist()
+    tried = np.linspace(FEWEST_PERIODS, MOST_PERIODS, WAVES + 1)[1:-1]
+    periods = tried[tried < most_periods(frame)].tolist()
+    if not periods:
+        return
     gain = [_gain_together(np.array(_low(frame, Part("wave", "", (c,)), y.size)) / root, y, Q) for c in periods]
     if at.able(max(gain), COMPONENTS["wave"].cost(frame.size)):
         yield _tuned_wave(at.f, rest, periods[int(np.argmax(gain))])
@@ -142,7 +145,7 @@ def _tuned_wave(f: Fitted, rest: State, periods: float) -> State:
     def value(x: float) -> float:
         return fitted(f.frame, rest.having(Part("wave", "", (x,))), f.free).value
 
-    bounds = max(periods - NEAR, FEWEST_PERIODS), min(periods + NEAR, MOST_PERIODS)
+    bounds = max(periods - NEAR, FEWEST_PERIODS), min(periods + NEAR, most_periods(f.frame))
     best = scipy.optimize.minimize_scalar(value, bounds=bounds, method="bounded", options={"xatol": 1e-3})
     return rest.having(Part("wave", "", (float(best.x),)))
 
