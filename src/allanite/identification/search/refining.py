@@ -1,5 +1,6 @@
 """The best shapes near those of a fit by Fisher scoring, and what one step of it says of a state's neighbours."""
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -103,7 +104,7 @@ def refined(f: Fitted, rounds: int = ROUNDS, *, held: BoolArray | None = None, s
         moving[: x.size] &= ~held
     low, high = bounds_of(f.frame, f.state)
     moving[: x.size] &= low < high
-    if not moving.any():
+    if not moving.any() or not math.isfinite(f.value):  # what leaves nothing where the record has power has no slope
         return f
     damping = DAMPING
     for _ in range(rounds):
