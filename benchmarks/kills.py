@@ -31,8 +31,8 @@ import numpy as np
 
 import allanite as al
 
-STARTED, LONGEST, LIMIT = 0.25, 10.0, 1.0
-"""Seconds until the program has taken the signals over, of a job that are looked at, and in which it has to end."""
+STARTED, LONGEST, LIMIT, CLOSING = 0.25, 10.0, 1.0, 0.3
+"""Seconds until signals are taken over, of a job that are looked at, to end in, and of Python's end, its work done."""
 
 ENDED, FINISHED = {-2, 129, 130, 143}, {0, 4, 5}
 """Exit codes of a program that a signal has ended, -2 is how Python itself ends at Ctrl-C; of one that was done."""
@@ -130,7 +130,7 @@ def moments(
         ended += code in ENDED
         why = [
             f"{took:.2f} s" if took > LIMIT else "",
-            "" if code in {*ENDED, *FINISHED, usual} else f"exit code {code}: {printed!r:.200}",
+            "" if code in {*ENDED, *FINISHED, usual, -number * (at > takes - CLOSING)} else f"exit code {code}: {printed!r:.200}",
             "words of a defect" if b"Traceback" in printed or b"internal error" in printed else "",
             "" if alone(running.pid) else "a process is left",
             look(),
