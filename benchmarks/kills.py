@@ -32,7 +32,7 @@ import numpy as np
 import allanite as al
 
 STARTED, LONGEST, LIMIT, CLOSING = 0.25, 10.0, 1.0, 0.3
-"""Seconds until signals are taken over, of a job that are looked at, to end in, and of Python's end, its work done."""
+"""Seconds until signals are taken over, of a job that are looked at, to end in, and of Python's own end after a job."""
 
 ENDED, FINISHED = {-2, 129, 130, 143}, {0, 4, 5}
 """Exit codes of a program that a signal has ended, -2 is how Python itself ends at Ctrl-C; of one that was done."""
