@@ -31,7 +31,7 @@ import numpy as np
 
 import allanite as al
 
-STARTED, LONGEST, LIMIT, CLOSING = 0.25, 10.0, 1.0, 0.3
+STARTED, LONGEST, LIMIT, END = 0.25, 10.0, 1.0, 0.3
 """Seconds until signals are taken over, of a job that are looked at, to end in, and of Python's own end after a job."""
 
 ENDED, FINISHED = {-2, 129, 130, 143}, {0, 4, 5}
@@ -130,7 +130,7 @@ def moments(
         ended += code in ENDED
         why = [
             f"{took:.2f} s" if took > LIMIT else "",
-            "" if code in {*ENDED, *FINISHED, usual, -number * (at > takes - CLOSING)} else f"exit code {code}: {printed!r:.200}",
+            "" if code in {*ENDED, *FINISHED, usual, -number * (at > takes - END)} else f"exit {code}: {printed!r:.99}",
             "words of a defect" if b"Traceback" in printed or b"internal error" in printed else "",
             "" if alone(running.pid) else "a process is left",
             look(),
