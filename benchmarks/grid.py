@@ -217,17 +217,17 @@ def reasons(cell: Cell) -> str:
 WRONG, FALSE = 0.06, 0.06
 """Shares of wrong answers and of false claims above which a cell is named."""
 
-RATE_OF_CLAIMS = 0.023  # of an absent term, from which it is claimed: docs/derivations.md
+RATES = 0.023, 0.003  # of an absent term that is claimed (docs/derivations.md), of a truth beyond 99.7 % limits
 
 
 def why(cell: Cell) -> str:
-    """Why terms are claimed so often that are not there, or by what chance without a cause."""
+    """Why terms are so often wrong, or claimed though they are not there, or by what chance without a cause."""
     causes = [REASONS[name] for name in cell.name[:2] if name in REASONS]
-    counts = {term: cell.codes[f"{term} false"] for term in TERMS}
+    counts = {term: cell.codes[f"{term} false"] + cell.codes[f"{term} wrong"] for term in TERMS}
     often = [term for term, count in counts.items() if count > FALSE * cell.records]
     known = {text: None for term in often for terms, text in causes if term in terms}
     left = [term for term in often if not any(term in terms for terms, _ in causes)]
-    chances = {term: bdtrc(counts[term] - 1, cell.records, RATE_OF_CLAIMS) for term in left}
+    chances = {term: bdtrc(counts[term] - 1, cell.records, RATES[cell.codes[f"{term} wrong"] > 0]) for term in left}
     return "; ".join([*known, *(f"{term}: by chance {100 * p:.2g} %" for term, p in chances.items())])
 
 
@@ -260,8 +260,8 @@ def tables(cells: list[Cell]) -> list[str]:
     )  # fmt: skip
     return body + section(
         "Worst cells", ("sensor", "disturbance", "samples", *heads[1:], "what", "why"), named_cells(cells),
-        f"Cells with more than {100 * WRONG:.0f} % wrong answers, or {100 * FALSE:.0f} % false claims of a term, with "
-        f"the cause, or the chance of so many in a cell at {100 * RATE_OF_CLAIMS:.1f} %. There are {len(CELLS)} cells.",
+        f"Of {len(CELLS)} cells those with more than {100 * WRONG:.0f} % wrong answers, or {100 * FALSE:.0f} % false claims "
+        f"of a term, with the cause, or the chance of so many at {100 * RATES[0]:.1f} %, and {100 * RATES[1]:.1f} % wrong.",
     )  # fmt: skip
 
 

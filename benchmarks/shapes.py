@@ -39,11 +39,11 @@ REASONS = {
     "N GM 0.5 s": ("B", "in a short record it is near flicker"),
     "N GM 20 s": ("BK", "few of its time constants in a record: near flicker, and a random walk above"),
     "N GM 1 s GM 50 s": ("BK", "near flicker over two decades, and a random walk above"),
-    "RC low-pass, fs/12": ("BQ", "behind it angle noise is nearly white"),
+    "RC low-pass, fs/12": ("BQN", "behind it angle noise is nearly white"),
     "each sample three times": ("Q", "a time constant of few samples is as white and angle noise behind an RC filter"),
     **dict.fromkeys(("slow wave", "step", "warm-up", "popcorn"), ("BKR", "smaller than can be told from slow noise")),
 }  # fmt: skip
-"""Why terms are claimed that are not there, by sensor and by disturbance."""
+"""Why terms are wrong, or claimed though they are not there, by sensor and by disturbance."""
 
 Truth = dict[str, float | None]
 """Coefficients of a record, deg and s; None for one that nobody can tell in it, and that may be claimed or not."""
