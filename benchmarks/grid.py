@@ -260,8 +260,8 @@ def tables(cells: list[Cell]) -> list[str]:
     )  # fmt: skip
     return body + section(
         "Worst cells", ("sensor", "disturbance", "samples", *heads[1:], "what", "why"), named_cells(cells),
-        f"Of {len(CELLS)} cells those with more than {100 * WRONG:.0f} % wrong answers, or {100 * FALSE:.0f} % false claims "
-        f"of a term, with the cause, or the chance of so many at {100 * RATES[0]:.1f} %, and {100 * RATES[1]:.1f} % wrong.",
+        f"Of {len(CELLS)} cells those with more than {100 * WRONG:.0f} % wrong or {100 * FALSE:.0f} % false answers of "
+        f"a term, the cause, or the chance of so many at {100 * RATES[0]:.1f} % false, {100 * RATES[1]:.1f} % wrong.",
     )  # fmt: skip
 
 

@@ -31,7 +31,7 @@ import numpy as np
 
 import allanite as al
 
-STARTED, LONGEST, LIMIT, END = 0.25, 10.0, 1.0, 0.3
+STARTED, LONGEST, LIMIT, END = 0.25, 10.0, 1.0, 0.5
 """Seconds until signals are taken over, of a job that are looked at, to end in, and of Python's own end after a job."""
 
 ENDED, FINISHED = {-2, 129, 130, 143}, {0, 4, 5}

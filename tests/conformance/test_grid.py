@@ -51,14 +51,14 @@ def test_counts_are_written_and_read(tmp_path, monkeypatch):
 
 
 def test_a_named_cell_has_a_cause_or_a_chance():
-    cells = [grid.Cell(("N", "step", 4096)), grid.Cell(("N", "none", 4096)), grid.Cell(("N", "gaps", 4096))]
-    for cell, false in zip(cells, ({"K": 7}, {"Q": 7}, {"Q": 6}), strict=True):
-        cell.records = 100
-        cell.codes.update({f"{term} false": count for term, count in false.items()})
-    by_cause, by_chance = grid.named_cells(cells)
+    cells = [grid.Cell(("N", name, 4096)) for name in ("step", "none", "gaps", "hum")]
+    for cell, code in zip(cells, ({"K false": 7}, {"Q false": 7}, {"Q false": 6}, {"N wrong": 7}), strict=True):
+        cell.records, cell.verdicts["wrong"] = 100, code.get("N wrong", 0)
+        cell.codes.update(code)
+    by_cause, *by_chance = grid.named_cells(cells)
     assert by_cause[-2:] == ("K false 7", "smaller than can be told from slow noise")
-    share = 100 * scipy.stats.binom.sf(6, 100, grid.RATE_OF_CLAIMS)
-    assert by_chance[-2:] == ("Q false 7", f"Q: by chance {share:.2g} %")
+    for row, words, rate in zip(by_chance, ("Q false 7", "N wrong 7"), grid.RATES, strict=True):
+        assert row[-2:] == (words, f"{words[0]}: by chance {100 * scipy.stats.binom.sf(6, 100, rate):.2g} %")
 
 
 @rows(
