@@ -534,7 +534,7 @@ CHANGED = [
     ("StateSpace", "H", [["inf"]], "not finite|a list of numbers"),
     ("StateSpace", "tau", [1.0, "inf"], "number of steps"),
     ("Spectrum", "sides", "__class__", "sides: unknown side"),
-    ("Curve", "variance", [-1.0], "variance: a number of at least 0"),
+    ("Curve", "variance", [-1.0], "variance: a number between 0"),
     ("Ranking", "errors", {}, "errors: the stored value has no 'optimal'"),
     ("Residuals", "level", [1.0], "level, level_error must have as many items"),
 ]

@@ -4,7 +4,6 @@ import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import ClassVar
 
@@ -39,7 +38,7 @@ ITEM = re.compile(r"(?:(?P<sensor>gyro|accel)\w*\s+)?"
 class ClaimedSetting(Value):
     """A setting that is claimed."""
 
-    _checks: ClassVar = {"quantity": partial(demand_name, "setting", known=SETTINGS)}
+    _checks: ClassVar = {"quantity": lambda name: demand_name("setting", name, SETTINGS)}
 
     # the -3 dB frequency of a low-pass filter, or the samples of the sensor in a second. One of "cutoff", "rate".
     quantity: str

@@ -75,8 +75,7 @@ class Change(Value):
     needed: float | None = None
 
     def __post_init__(self) -> None:
-        if self.parameter:
-            demand_name("parameter", self.parameter, [p.name for p in TERMS[self.symbol].parameters])
+        demand_name("parameter", self.parameter, [*(p.name for p in TERMS[self.symbol].parameters), ""])
 
     @property
     def label(self) -> str:

@@ -125,10 +125,11 @@ def unfit(data: Any, expected: str) -> StoredError:
 
 
 SOURCE = "git+https://github.com/allanite/allanite"
-INSTALLERS = {"pipx": "pipx inject allanite {names}", "uv tool": "uv tool install allanite -w {with_names}",
-              "pipx run": f"pipx run --with {{each}} --spec {SOURCE} allanite", "uv": "uv pip install {names}",
-              "uvx": f"uvx -w {{with_names}} --from {SOURCE} allanite", "pip": "pip install {names}"}  # fmt: skip
-"""What adds libraries to an environment, by the program that made it."""
+INSTALLERS = {
+    "/pipx/venvs/": "pipx inject allanite {names}", "/pipx/": f"pipx run --with {{each}} --spec {SOURCE} allanite",
+    "/uv/tools/": "uv tool install allanite -w {listed}", "/uv/archive-": f"uvx -w {{listed}} --from {SOURCE} allanite",
+}  # fmt: skip
+"""What adds libraries to an environment, by the folder of the program that made it; others are made by venv or uv."""
 
 
 def demand_extra(extra: str, *modules: str, what: str = "this format") -> None:
@@ -150,20 +151,11 @@ def requirements(extra: str) -> list[str]:
 def cure(names: list[str], prefix: Path | None = None) -> str:
     """The command that installs libraries into this environment, or the one at `prefix`."""
     where = Path(sys.prefix) if prefix is None else prefix
-    forms = {"names": " ".join(names), "with_names": ",".join(names), "each": " --with ".join(names)}
-    return INSTALLERS[_installer(where)].format(**forms)
-
-
-def _installer(prefix: Path) -> str:
-    if "pipx" in prefix.parts:
-        return "pipx" if "venvs" in prefix.parts else "pipx run"
-    folders = {f"{above}/{name}" for above, name in zip(prefix.parts, prefix.parts[1:], strict=False)}
-    if "uv/tools" in folders:
-        return "uv tool"
-    if any(folder.startswith("uv/archive-") for folder in folders):  # an environment for one run
-        return "uvx"
-    made = prefix / "pyvenv.cfg"
-    return "uv" if made.is_file() and re.search(r"^uv\s*=", made.read_text("utf-8"), re.MULTILINE) else "pip"
+    made = where / "pyvenv.cfg"
+    by_uv = made.is_file() and re.search(r"^uv\s*=", made.read_text("utf-8"), re.MULTILINE)
+    usual = "uv pip install {names}" if by_uv else "pip install {names}"
+    command = next((command for folder, command in INSTALLERS.items() if folder in where.as_posix()), usual)
+    return command.format(names=" ".join(names), listed=",".join(names), each=" --with ".join(names))
 
 
 UNIT, RATE, SCALE, COLUMN = "UNIT", "HZ", "SCALE", "COLUMN"

@@ -16,7 +16,7 @@ from .digits import Digits, digits, upper_limit
 from .display_units import shown_unit
 from .encoding import finite
 from .errors import UsageError, given
-from .limits import demand_level, demand_stored_size, demand_stored_value
+from .limits import demand_level, demand_stored_size
 from .model import Model, ModelLike, Term, coefficient_factor, model_of
 from .names import demand_name
 from .plain import Value
@@ -161,8 +161,8 @@ class Estimate(Value):
         Units in which it is shown, if not in those of data sheets; see `units.shown_unit`.
     """
 
-    _checks: ClassVar = TERM | {"status": partial(demand_name, "status", known=STATUSES), "value": demand_stored_value,
-                                **dict.fromkeys(("upper", "limits", "profile"), demand_stored_size)}  # fmt: skip
+    _checks: ClassVar = TERM | {"status": partial(demand_name, "status", known=STATUSES), **dict.fromkeys(
+        ("value", "upper", "limits", "profile"), demand_stored_size)}  # fmt: skip
 
     symbol: str
     signal: Signal
@@ -207,7 +207,7 @@ class Estimate(Value):
     @property
     def valued(self) -> bool:
         """Whether `value` is a result of the method: that of a term that was detected, or reported without evidence."""
-        return self.value is not None and not math.isnan(self.value) and self.row.valued
+        return self.value is not None and math.isfinite(self.value) and self.row.valued
 
     def interval(self, level: float = 0.95) -> tuple[float, float]:
         """Confidence interval (low, high) in SI; from 0 to `upper` for an absent term."""

@@ -9,17 +9,17 @@ from allanite.terms import TERMS
 
 from .arrays import FloatArray
 from .curve import Curve
-from .errors import UsageError, given
+from .errors import UsageError
 from .estimate import Averaged, Estimate, averaged
 from .kinds import title_of
 from .model import Model, Term, coefficient_factor
+from .names import demand_name
 from .plain import Value
 from .units import Signal
 from .validity import APPROXIMATE, GRADES, UNEXPLAINED, Finding, Scope, graded, worst
 
-SURE, EVEN = 0.73, 0.5
-"""Weight of the models that hold a component from which it is claimed, and from which it is almost: odds of e and of 1
-to 1 (`identification.search.components.CLAIMED`)."""
+SURE = 0.73
+"""Weight of the models that hold a component from which it is claimed: odds of e (`search.components.CLAIMED`)."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -39,11 +39,6 @@ class Component(Value):
     def claimed(self) -> bool:
         """Whether the models that hold it outweigh the others."""
         return self.weight >= SURE
-
-    @property
-    def almost(self) -> bool:
-        """Whether it is not claimed, but as likely as not."""
-        return EVEN <= self.weight < SURE
 
     @property
     def loop(self) -> bool:
@@ -206,7 +201,7 @@ class Fit(Value):
         Time in the record, s, and size, SI, of each step of the bias; the noise is that between them.
     components : tuple of Component
         What the models consistent with the record hold beside the terms, each with the weight of those that do:
-        claimed, almost claimed, or unlikely.
+        claimed, likely or not.
     cutoff : level -> (low, high), or None
         Limits of the -3 dB frequency of a low-pass filter, Hz, whether one is claimed or not; infinity where the record
         may have none. None if no filter was looked for.
@@ -214,6 +209,7 @@ class Fit(Value):
 
     _keys: ClassVar = {"estimates": "terms", "rivals": "alternatives", "nodes": "averaged"}
     _called: ClassVar = {"params": "coefficients"}
+    _checks: ClassVar = {"checked": lambda grade: demand_name("grade", grade, (*GRADES, ""))}
 
     estimates: tuple[Estimate, ...]
     method: str
@@ -244,8 +240,6 @@ class Fit(Value):
         return {e.symbol: self[e.symbol] for e in self}
 
     def __post_init__(self) -> None:
-        if self.checked not in ("", *GRADES):
-            raise UsageError(f"checked must be empty or one of {', '.join(GRADES)}, not {given(self.checked)}")
         doubt = self._doubt or ("" if self.goodness else self.model.doubt)
         object.__setattr__(self, "model", Model(self.model.terms, doubt=doubt))
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from .arrays import LARGEST, FloatArray
 from .errors import UsageError, unfit
-from .ranges import POSITIVE, RATE, demand_level as demand_level  # noqa: PLC0414 - of this module too
+from .ranges import POSITIVE, RATE, Range, demand_level as demand_level  # noqa: PLC0414 - of this module too
 from .threads import one_thread
 
 T = TypeVar("T")
@@ -162,39 +162,20 @@ class NormalMixture:
                              np.multiply.outer(self.weight, other.weight).ravel())  # fmt: skip
 
 
-def demand_stored_rate(value: float) -> None:
-    """Refuse what is no sampling rate."""
-    if not RATE.holds(value):
-        raise unfit(value, f"a rate {RATE.words()}")
+def demanded(within: Range, *infinite: float, missing: bool = False) -> Callable[[Any], None]:
+    """What refuses stored numbers outside a range, alone, in arrays or in limits; NaN where none may be `missing`."""
+
+    def demand(values: Any) -> None:
+        parts = [part for part in (values.values if isinstance(values, Stored) else [values]) if part is not None]
+        x = np.concatenate([np.zeros(0), *map(np.ravel, parts)])
+        right = (x >= within.low) & (x <= within.high) | np.isin(x, infinite) | np.isnan(x) & missing
+        if not right.all():
+            raise unfit(float(x[~right][0]), f"a number {within.words()}")
+
+    return demand
 
 
-def demand_stored_size(value: float | Stored | None) -> None:
-    """Refuse a number, or a limit, that is far beyond those of any record."""
-    if isinstance(value, Stored):
-        for limit in value.values:
-            demand_stored_size(limit)
-        return
-    if value is not None and math.isfinite(value) and abs(value) >= LARGEST**2:
-        raise unfit(value, f"a number below {LARGEST**2:g}")
-
-
-def demand_stored_value(value: float | None) -> None:
-    """Refuse an infinite number, or one that is far beyond those of any record."""
-    if value is not None and abs(value) >= LARGEST**2:
-        raise unfit(value, f"a number below {LARGEST**2:g}")
-
-
-def demand_stored_square(values: FloatArray | Stored | None) -> None:
-    """Refuse numbers that are negative, or far beyond those of any record; what is missing is none."""
-    if values is None or isinstance(values, Stored):
-        for part in () if values is None else values.values:
-            demand_stored_square(part)
-    elif (wrong := (values < 0) | (np.isfinite(values) & (values >= LARGEST**4))).any():
-        raise unfit(float(values[wrong][0]), f"a number of at least 0, and below {LARGEST**4:g}")
-
-
-def demand_stored_positive(values: FloatArray) -> None:
-    """Refuse numbers that are divided by, where one is negative, zero or nearly, or far beyond any record's."""
-    right = (values >= POSITIVE.low) & ((values <= POSITIVE.high) | np.isposinf(values))
-    if not right.all():
-        raise unfit(float(values[~right][0]), f"a number {POSITIVE.words()}")
+demand_stored_rate = demanded(RATE)
+demand_stored_size = demanded(Range(-(LARGEST**2), LARGEST**2), math.inf, -math.inf, missing=True)
+demand_stored_square = demanded(Range(0, LARGEST**4), math.inf, missing=True)
+demand_stored_positive = demanded(POSITIVE, math.inf)  # what is divided by

@@ -120,8 +120,7 @@ class StatedNoise(Value):
     _also: ClassVar = ("lowest", "span")
     _alike = ("tau deviation identified upper", "times predicted actual best")
     _checks: ClassVar = dict.fromkeys(
-        ["deviation", "identified", "upper", "predicted", "actual", "best"], demand_stored_positive
-    )
+        ("deviation", "identified", "upper", "predicted", "actual", "best"), demand_stored_positive)  # fmt: skip
 
     channels: tuple[str, ...]
     # model, noise: what the file states, with its inflation; what was identified

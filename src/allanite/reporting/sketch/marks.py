@@ -123,11 +123,16 @@ class LineMark:
         return line + (self.marker.at(*marked) if self.marker else "")
 
 
+@dataclass(frozen=True, eq=False)
 class Patch:
-    """What is filled: in a legend a rectangle."""
+    """What is filled between two heights: in a legend a rectangle."""
 
+    low: FloatArray
+    high: FloatArray
     color: str
-    alpha: float | None
+    alpha: float | None = None
+    z: float = 1.0
+    label: str = ""
 
     def key(self, x: float, y: float, width: float, size: float) -> str:
         """See `Artist`."""
@@ -136,17 +141,11 @@ class Patch:
         return ink.element(ink.path(ends, around, closed=True), ink.fill(self.color, self.alpha))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Area(Patch):
     """What lies between two lines."""
 
     x: FloatArray
-    low: FloatArray
-    high: FloatArray
-    color: str
-    alpha: float | None = None
-    z: float = 1.0
-    label: str = ""
 
     def extent(self) -> Points:
         """See `Artist`."""
@@ -163,18 +162,12 @@ class Area(Patch):
         return ink.element(d, ink.fill(self.color, self.alpha))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Boxes(Patch):
     """Rectangles: bars, and spans whose other side is the whole panel; `reach` is what limits should hold of them."""
 
     left: FloatArray
     right: FloatArray
-    low: FloatArray
-    high: FloatArray
-    color: str
-    alpha: float | None = None
-    z: float = 1.0
-    label: str = ""
     across: bool = False
     up: bool = False
 

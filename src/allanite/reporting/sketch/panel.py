@@ -156,20 +156,19 @@ class Panel:
     ) -> None:  # fmt: skip
         """What lies between two lines."""
         x, low, high = np.broadcast_arrays(*(np.asarray(part, dtype=float) for part in (x, low, high)))
-        self._add(Area(x, low, high, color, alpha, zorder, label), wide=bool(lw))
+        self._add(Area(low, high, color, alpha, zorder, label, x=x), wide=bool(lw))
 
     def axhspan(self, low: float, high: float, *, color: str, alpha: float, lw: float = 0, zorder: float = 1.0) -> None:
         """A strip across the panel."""
-        nothing = np.zeros(1)
-        ends = np.array([low], dtype=float), np.array([high], dtype=float)
-        self._add(Boxes(nothing, nothing, *ends, color, alpha, zorder, across=True), wide=bool(lw))
+        ends, nothing = (np.array([low], dtype=float), np.array([high], dtype=float)), np.zeros(1)
+        self._add(Boxes(*ends, color, alpha, zorder, left=nothing, right=nothing, across=True), wide=bool(lw))
 
     def axvspan(
         self, low: float, high: float, *, color: str, lw: float = 0, zorder: float = 1.0, label: str = ""
     ) -> None:
         """A strip up the panel."""
-        ends, nothing = (np.array([low], dtype=float), np.array([high], dtype=float)), np.zeros(1)
-        self._add(Boxes(*ends, nothing, nothing, color, None, zorder, label, up=True), wide=bool(lw))
+        left, right, nothing = np.array([low], dtype=float), np.array([high], dtype=float), np.zeros(1)
+        self._add(Boxes(nothing, nothing, color, None, zorder, label, left=left, right=right, up=True), wide=bool(lw))
 
     def axhline(self, at: float, *, color: str, lw: float, ls: Any = "-", zorder: float = 2.0, label: str = "") -> None:
         """A line across the panel."""
@@ -225,7 +224,7 @@ class Panel:
         """Bars from zero."""
         x, height, width = np.broadcast_arrays(*(np.asarray(part, dtype=float) for part in (x, height, width)))
         left = x - width / 2 if align == "center" else x
-        self._add(Boxes(left, left + width, np.zeros(x.size), height, color, alpha, zorder))
+        self._add(Boxes(np.zeros(x.size), height, color, alpha, zorder, left=left, right=left + width))
 
     def text(  # noqa: PLR0913 - as matplotlib has it
         self, x: float, y: float, text: str, *, transform: str = DATA, ha: str = "left", va: str = "baseline",
