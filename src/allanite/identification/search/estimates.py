@@ -12,6 +12,7 @@ from allanite.core.limits import NormalMixture, Remembered, Stored, quantile
 from allanite.core.model import Model, Term
 from allanite.core.plain import Portable
 from allanite.core.units import Signal
+from allanite.core.validity import Scope
 from allanite.identification.likelihood.law import ThetaProfile
 from allanite.phrases.phrase import say
 from allanite.terms import TERMS, WHITE
@@ -20,7 +21,7 @@ from .components import CLAIMED, COMPONENTS, TERM, Part
 from .fitting import Fitted, fitted, place_of, values_of, with_values
 from .laws import Entry, Law, column_of, law_of, noise_part, subset_of
 from .refining import refined, resized
-from .search import Searched
+from .search import Searched, shows
 
 TWO_SIDED = 1.96  # standard errors from an estimate to its 95 % limits
 
@@ -336,18 +337,21 @@ def _absent(
     return Estimate(symbol, scale.signal, None, None, "absent", highest, "whittle", limits, limits, median)
 
 
-def observable(estimate: Estimate, band: tuple[float, float], half: float, *, filtered: bool) -> Estimate:
-    """The estimate, or why the term is not observable with the frequencies that are read."""
-    edge = bool(TERMS[estimate.symbol].edge)
-    reason = ""
-    if edge and not estimate.claimed and filtered:
+def observable(estimate: Estimate, scope: Scope, answer: Answer) -> Estimate:
+    """The estimate, or why the term is not observable with the frequencies that are read and what stands beside it."""
+    (low, high), claimed, f, reason = scope.band, estimate.claimed, answer.best, ""
+    edge, shaped = bool(TERMS[estimate.symbol].edge), f.state.rises or bool(f.state.of("factor"))
+    if edge and not claimed and scope.filter is not None:
         reason = say("the filter hides the frequencies where it would be visible")
-    elif edge and band[1] < SHOWS_ANGLE * half:
+    elif edge and high < SHOWS_ANGLE * answer.scale.rate / 2:
         reason = say("the band, which ends at {frequency:.3g} Hz, excludes the frequencies where it would be visible",
-                     frequency=band[1])  # fmt: skip
-    elif band[0] > 0 and not estimate.claimed and estimate.upper in (None, 0.0, math.inf):
+                     frequency=high)  # fmt: skip
+    elif edge and claimed and shaped and not shows(f, f.frame.powers.index(estimate.symbol)):
+        reason = say("it dominates the spectrum at no frequency, and beside a filter or vibration a smaller share "
+                     "cannot be told from their shapes")  # fmt: skip
+    elif low > 0 and not claimed and estimate.upper in (None, 0.0, math.inf):
         reason = say(
-            "the band begins at {frequency:.3g} Hz, above the frequencies where it would be visible", frequency=band[0]
+            "the band begins at {frequency:.3g} Hz, above the frequencies where it would be visible", frequency=low
         )
     if not reason:
         return estimate

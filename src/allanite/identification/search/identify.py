@@ -280,8 +280,7 @@ def _estimates(answer: Answer, scope: Scope, warm: WarmUp | None) -> dict[str, E
     if not answer.result.frame.asked:
         more = (noise_estimate(s, answer) for s in ("GM", "GML") if claims(s, answer))
         estimates |= {e.symbol: e for e in more if e.claimed}
-    half = answer.scale.rate / 2
-    estimates = {s: observable(e, scope.band, half, filtered=scope.filter is not None) for s, e in estimates.items()}
+    estimates = {s: observable(e, scope, answer) for s, e in estimates.items()}
     return estimates | {s: warm_up_estimate(s, warm, answer) for s in answer.symbols if TERMS[s].transient}
 
 

@@ -113,7 +113,7 @@ that it is expanded too."""
 
 SAME = 0.1  # difference of the scores of two states that are the same within the grain of their shapes
 FITS = 400  # neighbours that are fitted, at most: a record that needs more is described by none of them
-MOST_WHITE = 0.5  # share of the power of a half octave that white noise has where it is visible: the greater part
+MOST = 0.5  # share of the power of a half octave that a noise term has where it is visible: the greater part
 TUNED = 2  # other sizes and places of the factors of a fit that are refined in a round, at most
 FIRST = 3  # rounds of refinement before the hopeless are dropped
 
@@ -181,15 +181,19 @@ def search(
 
 def shows_white(f: Fitted) -> bool:
     """Whether white noise has most of the power of a half octave, where vibration or a factor stands beside it."""
+    white, beside = f.frame.white, f.state.of("resonance") or f.state.of("factor")
+    return white is None or not beside or shows(f, white)
+
+
+def shows(f: Fitted, term: int) -> bool:
+    """Whether a noise term has most of the power of a half octave, and a factor changes it little there."""
     # Else what stands beside it makes its value: it is known from a difference only.
-    frame = f.frame
-    if frame.white is None or not (f.state.of("resonance") or f.state.of("factor")):
-        return True
-    share = f.likelihood.S[:, frame.white] * f.theta[frame.white] / f.m
-    half = np.floor(2 * np.log2(frame.centre)).astype(int)
-    count = np.bincount(half, frame.count)
-    white, known = np.bincount(half, share * frame.count), count > WELL_KNOWN
-    return bool((white[known] > MOST_WHITE * count[known]).any())
+    share = f.likelihood.S[:, term] * f.theta[term] / f.m
+    if f.v.size:
+        share *= np.exp(-np.abs(factor_basis(f.frame, f.state) @ f.v))
+    half = np.floor(2 * np.log2(f.frame.centre)).astype(int)
+    own, count = np.bincount(half, share * f.frame.count), np.bincount(half, f.frame.count)
+    return bool((own > MOST * count)[count > WELL_KNOWN].any())
 
 
 def _recast(f: Fitted) -> list[Fitted]:

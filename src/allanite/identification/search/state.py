@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
 
-from allanite.identification.likelihood.filters import FILTERS
-
 from .components import BROAD, COMPONENTS, HIDING, LEAST_MARKOV, SECOND, Part, at_bound, cost_of
 from .frame import Frame
 
@@ -111,11 +109,6 @@ class State:
     def hides_angle(self) -> bool:
         """Whether its filter is so low that angle noise behind it is white."""
         return self.filter is not None and self.filter.shape[0] < HIDING
-
-    @property
-    def widest(self) -> bool:
-        """Whether its filter stands at the end of its range."""
-        return self.filter is not None and self.filter.shape[0] >= FILTERS[self.filter.label].widest
 
 
 def _rounded(part: Part) -> tuple[int, ...]:
